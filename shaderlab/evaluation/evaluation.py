@@ -128,11 +128,23 @@ class Evaluation:
         with doing("judge", f"judging {expectation.name!r}"):
             judgement = expectation.judge(self.scene, self.frame)
             if judgement.outcome.status == "pass":
-                fault = self._kept_out.fault(expectation, self.frame)
+                fault = self._kept_out.fault(expectation, self.frame) or self._misplaced(
+                    expectation
+                )
                 if fault:
                     failed = replace(judgement.outcome, status="fail", message=fault)
                     judgement = replace(judgement, outcome=failed)
             return judgement
+
+    def _misplaced(self, expectation: Expectation) -> str:
+        """Where an expectation's fragments are not where the driver says, or ""."""
+        captured = (
+            need
+            for need in expectation.needs(self.scene, self.programs)
+            if isinstance(need, CapturedFragments)
+        )
+        found = (need.misplaced(self.answers[need], self.programs) for need in captured)
+        return next(filter(None, found), "")
 
     def forget(self, needs: Iterable[Need]) -> None:
         """Give back what was captured and probed for these needs."""

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Target, coverage
+from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Target, coverage, formula
 from shaderlab.evaluation import Lab
 from shaderlab.frame import Array, Fragments
+from shaderlab.glslmath import vec4
 from shaderlab.model import Scene
 from shaderlab.options import RunOptions
 from shaderlab.programs import stages
@@ -122,3 +124,23 @@ def test_a_draw_that_the_driver_refuses_hinders_no_other(lab: Lab, tmp_path: Pat
 
     together, alone, _ = captured(lab, scene_of(tmp_path, State()), change)
     assert all(alike(a, b) for a, b in zip(together, alone, strict=True))
+
+
+@pytest.mark.parametrize("off", [(0.0, 1.0), (-1.0, 0.0), (np.nan, 0.0), (0.0, 0.0)])
+def test_a_driver_with_another_idea_of_places_is_found_out(
+    lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, off: tuple[float, float]
+) -> None:
+    captured = PassCapture.fragments
+
+    def shifted(self: PassCapture, index: int) -> Fragments:
+        found = captured(self, index)
+        return replace(found, frag_coord=found.frag_coord + np.float32([*off, 0.0, 0.0]))
+
+    monkeypatch.setattr(PassCapture, "fragments", shifted)
+    scene = scene_of(tmp_path, State())
+    check = formula("main.color", lambda uv, by: vec4(uv * by, 0.0, 1.0), draw=0)
+    first = [replace(scene.passes[0], draws=scene.passes[0].draws[:1])]
+    (outcome,) = lab.run(replace(scene, passes=first, expect=[check])).expectations
+    expected = "pass" if off == (0.0, 0.0) else "fail"
+    assert outcome.status == expected, outcome.message
+    assert ("the driver is wrong: gl_FragCoord is (" in outcome.message) == (expected == "fail")

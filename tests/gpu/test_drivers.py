@@ -71,8 +71,27 @@ def test_a_wrong_choice_is_wrong_usage(
 
 def test_softpipe_runs_alone(tmp_path: Path) -> None:
     faulty.write(tmp_path / "cases", "same")
+    (tmp_path / "cases" / "heights.py").write_text(HEIGHTS)
+    (tmp_path / "cases" / "place.frag").write_text(
+        "#version 330 core\nout vec2 at;\nvoid main() { at = gl_FragCoord.xy; }\n"
+    )
     done = faulty.shaderlab("./cases", "--driver", "softpipe", cwd=tmp_path)
-    assert done.returncode == 0 and "on softpipe" in done.stdout
+    assert done.returncode == 0 and "on softpipe" in done.stdout, done.stdout
+
+
+HEIGHTS = """from shaderlab import Case, Target, formula, fullscreen
+from shaderlab.glslmath import swizzle
+sides = (16, 8)
+case = Case(
+    title="One program, two heights",
+    passes=[
+        one for side in sides
+        for one in fullscreen("place.frag", name=f"s{side}", target=Target(size=(side, side)))
+    ],
+    expect=[formula(f"s{s}.at", lambda frag_coord: swizzle(frag_coord, "xy")) for s in sides],
+)
+"""
+"""Where gl_FragCoord is wrong in the second pass, capturing it says so."""
 
 
 POINTS = """from shaderlab import Case, Mesh, State, coverage, mesh_pass

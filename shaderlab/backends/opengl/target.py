@@ -94,6 +94,10 @@ class RenderTarget(Attachments):
             GL.glClearBufferfv(GL.GL_DEPTH, 0, np.array([self._target.clear_depth], np.float32))
         if "stencil" in self.attached:
             GL.glClearBufferiv(GL.GL_STENCIL, 0, np.array([self._target.clear_stencil], np.int32))
+        # Bound again after the clear, or softpipe (Mesa 22.3.6) counts gl_FragCoord.y of a program
+        # that drew before from the height that it drew into then.
+        GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, 0)
+        self._drawn.use()
 
     def bind(self, locations: Mapping[str, int]) -> None:
         """Draw into this target from now on, with a program that writes its outputs at these
