@@ -17,7 +17,7 @@ from shaderlab.report.grouping import PASSABLE, STATUSES
 
 ALL_LISTED = 1000
 """Points of a sweep that has no more are all in its report."""
-FAILURES_LISTED, OTHERS_LISTED = 200, 50
+FAILURES_LISTED, OTHERS_LISTED = 100, 50
 """Of a larger sweep so many points are that did not pass, and of the others, the worst of each."""
 
 Cell = str | float | int | None

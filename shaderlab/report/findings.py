@@ -12,7 +12,7 @@ from shaderlab.files import read_regular
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Diagnostic, Outcome, Record, Run, Severity, Verdict
 from shaderlab.report.grouping import PASSABLE, STATUS_WORDS
-from shaderlab.report.plain_text import label, outcome_details, printable
+from shaderlab.report.plain_text import label, listed, outcome_details, printable
 from shaderlab.report.text import plural
 
 _PLACE = re.compile(r"(?P<file>[^\n]+?):(?P<line>\d+): ")
@@ -58,6 +58,9 @@ def findings_of(run: Run) -> list[Finding]:
     if run.missing:
         message = f"the run was interrupted: {plural(run.missing, 'variant')} not run"
         merged.append(Finding(rule="interrupted", file="", line=0, message=message))
+    if run.points is not None:
+        note = Finding(rule="sweep", file="", line=0, message=listed(run), severity="info")
+        merged.append(note)
     return merged
 
 

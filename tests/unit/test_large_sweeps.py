@@ -205,7 +205,10 @@ def test_the_page_of_many_points_lists_the_worst_and_says_so(
         "9 points: 6 passed, 3 failed" in json.loads(Path("out/summary.json").read_text())["said"]
     )
     # Made again, compared, in another format, and a smaller one that lists all.
-    assert call("report", "out", "--markdown", "-").output.count("3 of 9 points are listed") == 1
+    assert "And 1 more point, in sweep.csv." in words(Path("out/index.html"))
+    for name in ("markdown", "junit", "sarif", "annotations"):
+        assert call("report", "out", f"--{name}", "-").output.count("3 of 9 points are listed") == 1
+    assert "- and 1 more variant\n" in call("report", "out", "--markdown", "-").output
     fake_lab(widths(passing, {2: 3.0, 4: 5.0, 6: 4.0, 7: 0.9}))
     assert call(*swept, "later", "--table", tmp_path / "else.csv").exit_code == 1
     assert call("report", "later", "--against", "out").exit_code == 0

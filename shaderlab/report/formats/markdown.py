@@ -66,8 +66,9 @@ def render(run: Run) -> str:
         lines += ["", "### What did not pass", ""]
         for record in failed[:_MOST_FAILURES]:
             lines += _failure(record)
-        if len(failed) > _MOST_FAILURES:
-            lines.append(f"- and {plural(len(failed) - _MOST_FAILURES, 'more variant')}")
+        more = (run.points.failed if run.points else len(failed)) - len(failed[:_MOST_FAILURES])
+        if more:
+            lines.append(f"- and {plural(more, 'more variant')}")
     lines += _drivers(run)
     unjudged = list(unread(run.records))
     if unjudged:
