@@ -15,7 +15,7 @@ from shaderlab.backends.attachments import Attachments
 from shaderlab.backends.program_cache import ProgramCache
 from shaderlab.backends.scene_textures import SceneTextures
 from shaderlab.errors import UnsupportedError
-from shaderlab.frame import Array, Bindings, Fragments, Image, PassDraw, Samples
+from shaderlab.frame import Array, Bindings, Fragments, Image, PassDraw, Samples, leading
 from shaderlab.model import Output, Pass, Scene, State, Target
 from shaderlab.programs import bind, captures, vertex_capture
 from shaderlab.programs.formats import components_of
@@ -277,7 +277,7 @@ class PassSession(Session, Generic[Kind, Made]):
             if description.target.colors is None:
                 # There is no three-component attachment: drop what the shader never wrote.
                 count = components_of(kinds[name])
-                image = Image(image.values[..., :count], image.format)
+                image = Image(leading(image.values, count), image.format)
             self.images[description.name, name] = image
         for name in self._named.get(description.name, ()):
             if name in target.attached and name not in target.colors:

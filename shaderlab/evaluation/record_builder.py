@@ -247,7 +247,7 @@ def _program(draw: PreparedDraw, assembly: Assembly) -> ProgramRecord:
         files=tuple(source.file for source in sources),
         sources=tuple(sources),
         verdicts=tuple(
-            replace(_for_display(verdict), assembly=assembly(modules.get(verdict.target, {})))
+            _for_display(verdict, assembly(modules.get(verdict.target, {})))
             for verdict in draw.compiled.verdicts
         ),
         declared=tuple(_declared(draw.compiled.interface)),
@@ -289,9 +289,11 @@ def told(error: ShaderlabError) -> str:
     return f"{place}{error.message}{remedy}"
 
 
-def _for_display(verdict: Verdict) -> Verdict:
+def _for_display(verdict: Verdict, assembly: str = "") -> Verdict:
+    if not (verdict.diagnostics or assembly):
+        return verdict
     diagnostics = (replace(d, file=display_path(d.file)) for d in verdict.diagnostics)
-    return replace(verdict, diagnostics=tuple(diagnostics))
+    return replace(verdict, diagnostics=tuple(diagnostics), assembly=assembly)
 
 
 def _by_target(programs: Iterable[ProgramRecord]) -> dict[str, str]:

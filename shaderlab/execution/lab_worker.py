@@ -118,7 +118,9 @@ class LabWorker:
                 # that one.
                 os._exit(0)
         size = options.size if job.point is None else job.point.size or options.size
-        lab = self.lab(_of_driver(job.driver, replace(options, size=size)))
+        if size != options.size:
+            options = replace(options, size=size)
+        lab = self.lab(_of_driver(job.driver, options))
         self.note("loading the case file")
         scene = _scene_of(job, self.scenes(job.file))
         if job.looks:

@@ -11,7 +11,7 @@ from shaderlab.expectations.base import judge_rows
 from shaderlab.expectations.value import Figure
 from shaderlab.frame import Frame
 from shaderlab.judging.figures import figure_row, rounds_to, shown
-from shaderlab.judging.inputs import source_of
+from shaderlab.judging.written import source_of
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Expectation, Judgement, Scene
 

@@ -20,8 +20,9 @@ from shaderlab.expectations.base import OfOutput
 from shaderlab.expectations.needs import CapturedFragments, Probe
 from shaderlab.expectations.subject import inputs_of
 from shaderlab.frame import Array, Fragments, Frame, PassDraw, every_component
-from shaderlab.judging.inputs import evaluate, name_of, source_of, wanted
+from shaderlab.judging.inputs import evaluate, wanted
 from shaderlab.judging.reference_bands import CHUNK
+from shaderlab.judging.written import name_of, source_of
 from shaderlab.model import Expectation, Programs, Scene
 from shaderlab.programs.stages import may_discard, writes_depth
 

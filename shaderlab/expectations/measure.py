@@ -23,7 +23,8 @@ from shaderlab.expectations.bound import Bound, Bounds
 from shaderlab.expectations.readings import Reading, check_readings, reading
 from shaderlab.expectations.subject import find_image
 from shaderlab.frame import Array, Bindings, Frame
-from shaderlab.judging.inputs import located, parameter_name, source_of
+from shaderlab.judging.inputs import parameter_name
+from shaderlab.judging.written import located, source_of
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Read, Scene, UniformValue
 from shaderlab.model.checked import checked_arguments

@@ -13,19 +13,17 @@ import dis
 import functools
 import inspect
 import linecache
-import re
 import sysconfig
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from types import CellType, CodeType, FunctionType, MethodType, ModuleType
 from typing import Any
 from weakref import WeakKeyDictionary
 
 from shaderlab.bands import Literal, Rules
+from shaderlab.judging.constants import has_floats, with_literals
 
 _COPIES: WeakKeyDictionary[FunctionType, dict[Rules, FunctionType]] = WeakKeyDictionary()
 _STORING = {dis.opmap["STORE_GLOBAL"], dis.opmap["STORE_DEREF"]}
-_LOADS_CONSTANT = dis.opmap["LOAD_CONST"]
-_NUMBER = re.compile(rb"[\d._]+([eE][+-]?[\d_]+)?")
 _FOREIGN = tuple({sysconfig.get_path(key) for key in ("stdlib", "purelib", "platlib")})
 # What a constant of a module may be computed of, to be computed again of literals.
 _ARITHMETIC = (ast.BinOp, ast.UnaryOp, ast.Name, ast.Constant, ast.operator, ast.unaryop, ast.Load)
@@ -87,10 +85,9 @@ def _copied(function: FunctionType, rules: Rules) -> FunctionType:
     names = function.__globals__
     code = None
     if _has_formulas(function.__module__ or "", names):
-        code = _spelt(
-            function.__code__, functools.cache(functools.partial(Literal.of, rules=rules))
-        )
-        code = _unfolded(function.__code__) if code is None else code
+        code = function.__code__
+        spelt = with_literals(code, functools.cache(functools.partial(Literal.of, rules=rules)))
+        code = _unfolded(code) if spelt is None or _assigns_outside(code) else spelt
     if code is None:
         copies[rules] = function
         return function
@@ -192,44 +189,10 @@ def _assigned(file: str, name: str) -> CodeType | None:
     return None
 
 
-def _spelt(code: CodeType, literal: Callable[[float], Literal]) -> CodeType | None:
-    """A function's code with literals for its float constants, where each stands in the source as
-    it is, so that Python has folded none: then the source need not be parsed. None elsewhere."""
-    if not _has_floats(code.co_consts) or len(code.co_consts) > 256 or _assigns_outside(code):
-        return None
-    lines = linecache.getlines(code.co_filename)
-    spelt = set()
-    steps = zip(code.co_code[::2], code.co_code[1::2], code.co_positions(), strict=True)
-    for step, number, (line, last, start, end) in steps:
-        if step != _LOADS_CONSTANT or type(value := code.co_consts[number]) is not float:
-            continue
-        if not line or line != last or line > len(lines):
-            return None
-        text = lines[line - 1].encode()[start:end]
-        # Patterns of `match` take no literals.
-        if not _NUMBER.fullmatch(text) or float(text) != value or "case" in lines[line - 1]:
-            return None
-        spelt.add(number)
-    made: list[Any] = []
-    for number, value in enumerate(code.co_consts):
-        if number in spelt and repr(value)[0].isdigit():
-            made.append(literal(value))
-        elif inspect.iscode(value) and _has_floats(value.co_consts):
-            inner = _spelt(value, literal)
-            if inner is None:
-                return None
-            made.append(inner)
-        elif _has_floats((value,)):
-            return None
-        else:
-            made.append(value)
-    return code.replace(co_consts=tuple(made))
-
-
 def _unfolded(code: CodeType) -> CodeType | None:
     """A function's code with global names for float constants; None where its source is not
     found, or where it changes variables that a copy would not share."""
-    if not _has_floats(code.co_consts):  # as most: their source need not be read
+    if not has_floats(code.co_consts):  # as most: their source need not be read
         return None if _assigns_outside(code) else code
     body = _parsed(code.co_filename).body
     for number, statement in enumerate(body):
@@ -263,17 +226,6 @@ def _pieces(file: str, number: int) -> dict[Any, CodeType]:
 
 def _compiled(statements: list[ast.stmt], file: str) -> CodeType:
     return compile(ast.Module(statements, []), file, "exec", dont_inherit=True)
-
-
-def _has_floats(constants: Iterable[Any]) -> bool:
-    """Whether a float is among constants, or inside of one: Python folds none away altogether."""
-    for constant in constants:
-        if isinstance(constant, float | complex):
-            return True
-        inside = constant.co_consts if inspect.iscode(constant) else constant
-        if isinstance(inside, tuple | frozenset) and _has_floats(inside):
-            return True
-    return False
 
 
 def _assigns_outside(code: CodeType) -> bool:

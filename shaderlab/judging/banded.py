@@ -15,8 +15,9 @@ from shaderlab.judging.distance import Placed
 from shaderlab.judging.figures import plain, ulp_distance
 from shaderlab.judging.formats import FLOAT_FORMATS
 from shaderlab.judging.informative import MAX_UNDECIDED, MIN_INFORMATIVE, Plausible
-from shaderlab.judging.inputs import Inputs, Reference, evaluate, source_of
+from shaderlab.judging.inputs import Inputs, Reference, evaluate
 from shaderlab.judging.reference_bands import ReferenceBand, reference_band
+from shaderlab.judging.written import source_of
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Row, SourceText, Worst
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import field
 from functools import lru_cache
 from types import FunctionType
 from typing import Any
@@ -26,12 +26,11 @@ from shaderlab.errors import FormulaError, ShaderlabError, nearest
 from shaderlab.frame import Array, Bindings, Texels
 from shaderlab.glslmath.arrays import Elements
 from shaderlab.judging.as_written import as_written
+from shaderlab.judging.written import located, name_of, source_of
 from shaderlab.lazy_dataclass import dataclass
-from shaderlab.records import SourceText
 from shaderlab.sampling import Sampler
 
 Reference = Callable[..., Any]
-_SOURCES: WeakKeyDictionary[FunctionType, SourceText] = WeakKeyDictionary()
 _TAKEN: WeakKeyDictionary[FunctionType, tuple[inspect.Parameter, ...]] = WeakKeyDictionary()
 # NumPy's words of a product by component that was meant as a matrix's: shapes such as (2,2) (50,2).
 _MATRIX = re.compile(r"broadcast together.*\(([234]),\1\)")
@@ -88,7 +87,7 @@ class Inputs:
     def part(self, rows: slice | Array) -> Inputs:
         """The inputs of some judged values, a slice or their numbers; `decimal` is left out."""
         each = {name: values[rows] for name, values in self.each.items()}
-        return replace(self, each=each, decimal={})
+        return Inputs(shared=self.shared, each=each, textures=self.textures, arrays=self.arrays)
 
     @property
     def exact(self) -> dict[str, Array]:
@@ -214,13 +213,6 @@ def evaluate(
         raise located(reference, error, remedy) from error
 
 
-def name_of(reference: Reference) -> str:
-    """What a formula is called; an object that can be called has its type's name."""
-    target = inspect.unwrap(reference)
-    target = getattr(target, "func", target)
-    return str(getattr(target, "__name__", type(target).__name__))
-
-
 def _numeric(result: Any) -> Any:
     """What a formula gave, if bands and arrays can be made of it. Raises FormulaError."""
     numbers = isinstance(result, np.ndarray | np.generic) and result.dtype.kind in "fiub"
@@ -232,43 +224,6 @@ def _numeric(result: Any) -> Any:
     else:
         remedy = "return a number, or a vector such as vec4(r, g, b, 1.0)"
     raise FormulaError(f"gives {type(result).__name__} {result!r:.60}, no number", remedy=remedy)
-
-
-def source_of(reference: Reference) -> SourceText:
-    """Where a formula stands, and its text."""
-    target = inspect.unwrap(reference)
-    while hasattr(target, "func"):
-        target = target.func
-    if not isinstance(target, FunctionType):
-        return _source_of(target, reference)
-    if target not in _SOURCES:  # a formula is asked for it once a variant
-        _SOURCES[target] = _source_of(target, reference)
-    return _SOURCES[target]
-
-
-def _source_of(target: Any, reference: Reference) -> SourceText:
-    try:
-        lines, line = inspect.getsourcelines(target)
-        file = inspect.getsourcefile(target) or "?"
-    except (OSError, TypeError):
-        return SourceText(file="?", line=0, language="python", text=repr(reference))
-    return SourceText(file=file, line=max(line, 1), language="python", text="".join(lines))
-
-
-def located(reference: Reference, error: Exception, remedy: str) -> FormulaError:
-    """The foreign error with the line of the formula's own file where it happened."""
-    place = source_of(reference)
-    line, trace = place.line, error.__traceback__
-    while trace is not None:
-        if trace.tb_frame.f_code.co_filename == place.file:
-            line = trace.tb_lineno
-        trace = trace.tb_next
-    return FormulaError(
-        f"{name_of(reference)}() fails: {type(error).__name__}: {error}",
-        file=place.file,
-        line=line,
-        remedy=remedy,
-    )
 
 
 def _number(values: Array, rules: Rules | None, *, whole: bool) -> Any:

@@ -14,8 +14,9 @@ from shaderlab.errors import FormulaError
 from shaderlab.frame import Array
 from shaderlab.judging.chunks import PLACE, chunks, quad_rows
 from shaderlab.judging.formats import FLOAT_FORMATS, as_result, in_format, stored
-from shaderlab.judging.inputs import Inputs, Reference, evaluate, name_of, source_of, wanted
+from shaderlab.judging.inputs import Inputs, Reference, evaluate, wanted
 from shaderlab.judging.remembered import digest, remembered_bands
+from shaderlab.judging.written import name_of, source_of
 from shaderlab.lazy_dataclass import dataclass
 
 Flags = npt.NDArray[np.bool_]

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from shaderlab.frame import Array, Fragments, PassDraw
 from shaderlab.model import Scene, State
-from shaderlab.programs import bind, stages
+from shaderlab.programs import stages
 from shaderlab.programs.prepare import Programs
 
 ROOM = 32 << 20
@@ -76,11 +76,10 @@ def identity(
     if stages.may_keep_out(fragment) or stages.changes_inputs(fragment):
         return None
     varyings = draw.interface.varyings
-    ramps = bind.ramp_uniforms(draw.draw, varyings)
     return (
         draw.text("vertex"),
         tuple(stages.input_pieces(fragment, varyings.values())),
-        tuple((name, values.dtype.str, values.tobytes()) for name, values in ramps.items()),
+        tuple((name, values.dtype.str, values.tobytes()) for name, values in draw.ramps.items()),
         replace(state, blend=None, srgb=False, color_mask=State().color_mask),
         draw.draw.instances,
         draw.draw.vertex_array,

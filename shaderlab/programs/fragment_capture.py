@@ -3,13 +3,14 @@ what they wrote put together. No device: the caller draws."""
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from shaderlab.errors import ShaderError, UnsupportedError
-from shaderlab.frame import Array, Fragments, differ
+from shaderlab.frame import Array, Fragments, differ, leading
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.programs import formats, stages
 from shaderlab.programs.prepare import PreparedDraw
@@ -90,8 +91,9 @@ class PassCapture:
             self._among_blank({index: text for index, (text, _) in made.items()}), colors
         )
         number = images[stages.NUMBERED][..., 0]
+        of = _pieces(images)  # most draws take the same of an attachment
         return {
-            index: _Captured(images[stages.COORD], _values(images, captured), number)
+            index: _Captured(images[stages.COORD], _values(of, captured), number)
             for index, (_, captured) in made.items()
         }
 
@@ -109,7 +111,7 @@ class PassCapture:
             )
             colors = {stages.COORD: "rgba32f", **_formats(captured)}
             images = self._redraw(self._among_blank({index: made}), colors)
-            values.update(_values(images, captured))
+            values.update(_values(_pieces(images), captured))
         return _Captured(images[stages.COORD], values)
 
     def _among_blank(self, texts: Mapping[int, str]) -> list[str]:
@@ -212,8 +214,10 @@ def _formats(captured: Mapping[Piece, str]) -> dict[str, str]:
     return {name: formats.for_output(stages.padded_type(p)) for p, name in captured.items()}
 
 
-def _values(images: Mapping[str, Array], captured: Mapping[Piece, str]) -> dict[Piece, Array]:
-    return {
-        piece: images[name][..., : formats.components_of(piece.type)]
-        for piece, name in captured.items()
-    }
+def _pieces(images: Mapping[str, Array]) -> Callable[[str, int], Array]:
+    """Gives the first components of an attachment by its name, the same array each time."""
+    return functools.cache(lambda name, count: leading(images[name], count))
+
+
+def _values(of: Callable[[str, int], Array], captured: Mapping[Piece, str]) -> dict[Piece, Array]:
+    return {piece: of(name, formats.components_of(piece.type)) for piece, name in captured.items()}

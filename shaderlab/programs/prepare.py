@@ -11,7 +11,7 @@ from shaderlab.compiler.interface import Interface, Variable
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.targets import TARGETS
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
-from shaderlab.frame import PassDraw
+from shaderlab.frame import Array, PassDraw
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Draw, Pass
 from shaderlab.programs import bind, formats, storage, vertex_stages
@@ -62,6 +62,12 @@ class PreparedDraw:
         alone.require()
         assert alone.interface is not None
         return alone.interface
+
+    @functools.cached_property
+    def ramps(self) -> Mapping[str, Array]:
+        """The uniforms of the vertex stage that the lab writes over a domain, none with a mesh; to
+        be read only."""
+        return bind.ramp_uniforms(self.draw, self.interface.varyings)
 
     @property
     def texts(self) -> dict[str, str]:

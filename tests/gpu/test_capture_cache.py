@@ -115,6 +115,15 @@ def test_another_shader_over_the_same_domain_gets_the_same(lab: Watched, tmp_pat
     np.testing.assert_array_equal(first.inputs["x"][0, :, 0], (np.arange(32) + 0.5) / 32)
 
 
+def test_what_is_captured_holds_no_more_than_it_is(lab: Watched, tmp_path: Path) -> None:
+    """Attachments have more components than some inputs; what is kept is counted by its own."""
+    ramp = Ramp((0.0, 0.0), dx=(1.0, 0.0), dy=(0.0, 1.0))
+    one = light(tmp_path, "one", declared="in vec2 x;", body="x, 0.0, 1.0", ramp=ramp)
+    values = captured(lab, one).inputs["x"]
+    assert values.shape == (32, 32, 2) and values.base is None and values.flags.c_contiguous
+    np.testing.assert_array_equal(values[3, 5], np.array([5.5, 3.5]) / 32)
+
+
 OTHERS: dict[str, dict[str, Any]] = {
     "another ramp": {"ramp": across(0.0, 2.0)},
     "another type": {"declared": "flat in float x;"},

@@ -15,6 +15,7 @@ import pytest
 from shaderlab import glslmath as g, reference
 from shaderlab.bands import Band, Literal, Rules
 from shaderlab.judging import as_written
+from shaderlab.judging.constants import has_floats, with_literals
 from shaderlab.judging.inputs import Inputs, evaluate
 from shaderlab.reference import gamma
 
@@ -174,13 +175,13 @@ def formulas_of_the_lab() -> list[FunctionType]:
     found = [
         value for m in modules for value in vars(m).values() if isinstance(value, FunctionType)
     ]
-    return [f for f in dict.fromkeys(found) if as_written._has_floats(f.__code__.co_consts)]
+    return [f for f in dict.fromkeys(found) if has_floats(f.__code__.co_consts)]
 
 
 def test_constants_that_stand_as_they_are_need_no_parsing() -> None:
     """Where the source need not be parsed, the same constants become literals."""
     literal = functools.partial(Literal.of, rules=Rules())
-    spelt = {f: as_written._spelt(f.__code__, literal) for f in formulas_of_the_lab()}
+    spelt = {f: with_literals(f.__code__, literal) for f in formulas_of_the_lab()}
     assert sum(code is not None for code in spelt.values()) > 0.5 * len(spelt)
     for function, code in spelt.items():
         parsed = as_written._unfolded(function.__code__)
@@ -206,5 +207,5 @@ def test_constants_that_stand_as_they_are_need_no_parsing() -> None:
 )
 def test_constants_that_python_computes_are_parsed(folded: FunctionType) -> None:
     """All but `scaled`, whose constants stand as they are."""
-    code = as_written._spelt(folded.__code__, lambda value: Literal.of(value))
+    code = with_literals(folded.__code__, lambda value: Literal.of(value))
     assert (code is None) == (folded is not scaled)

@@ -25,7 +25,7 @@ from shaderlab.backends.redrawing import RedrawingSession
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Bindings, PassDraw
 from shaderlab.model import Mesh, Scene, State, Target
-from shaderlab.programs import bind, blocks, storage
+from shaderlab.programs import blocks, storage
 from shaderlab.programs.prepare import PreparedDraw, Programs, step
 from shaderlab.programs.stages import NUMBER
 
@@ -90,10 +90,7 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
     ) -> None:
         """Set the program's uniforms and bind its textures; `only_active`: uniforms that it does
         not know are left out."""
-        ramps = {}
-        if draw.draw.domain is not None:
-            ramps = bind.ramp_uniforms(draw.draw, draw.interface.varyings)
-        set_uniforms(program, ramps)
+        set_uniforms(program, draw.ramps)
         members = blocks.variables(draw.interface)
         plain = {
             name: value

@@ -101,6 +101,8 @@ def _log(length: str) -> Callable[[Callable[..., None]], Callable[[int], bytes]]
     def returning(function: Callable[..., None]) -> Callable[[int], bytes]:
         def log(number: int) -> bytes:
             size = getattr(GL, length)(number, GL.GL_INFO_LOG_LENGTH)
+            if not size:
+                return b""
             text = ctypes.create_string_buffer(size + 1)
             function(number, len(text), None, text)
             return text.value

@@ -93,12 +93,13 @@ def verdict_of_linked(linker: Linker, sources: Sequence[Source]) -> Verdict | No
         return None
     if not has_names(program):
         return None
-    shaders = {
-        int(GL.glGetShaderiv(shader, GL.GL_SHADER_TYPE)): shader
-        for shader in GL.glGetAttachedShaders(program.glo)
-    }
-    logs = [GL.glGetShaderInfoLog(shaders[named(f"{source.stage}_shader")]) for source in sources]
-    logs.append(GL.glGetProgramInfoLog(program.glo))
+    own = {shader: GL.glGetShaderInfoLog(shader) for shader in GL.glGetAttachedShaders(program.glo)}
+    whole = GL.glGetProgramInfoLog(program.glo)
+    if not (whole or any(own.values())):  # most often a driver has nothing to say
+        return Verdict(target=DRIVER, ok=True)
+    by_stage = {GL.glGetShaderiv(shader, GL.GL_SHADER_TYPE): log for shader, log in own.items()}
+    logs = [by_stage[named(f"{source.stage}_shader")] for source in sources]
+    logs.append(whole)
     found = [
         diagnostic
         for log, source in zip(logs, (*sources, sources[-1]), strict=True)

@@ -29,7 +29,7 @@ from shaderlab.backends.vulkan.vertices import layout_of, upload
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Bindings
 from shaderlab.model import Scene, State, Target
-from shaderlab.programs import bind, blocks
+from shaderlab.programs import blocks
 from shaderlab.programs.module_texts import HEIGHT, as_drawn
 from shaderlab.programs.prepare import PreparedDraw, Programs
 
@@ -130,8 +130,7 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
         values: dict[str, Array],
         stored: Mapping[str, Buffer],
     ) -> object:
-        if draw.draw.domain is not None:
-            values |= bind.ramp_uniforms(draw.draw, draw.interface.varyings)
+        values |= draw.ramps
         for name, block in blocks.uniform_blocks(draw.interface).items():
             self._shared.check(draw.draw.blocks[name], block)
         buffers = block_buffers(own, program.bindings, values, stored)

@@ -12,7 +12,7 @@ import numpy as np
 from shaderlab.backends.vulkan.api import constant, ffi, lib
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.errors import UnsupportedError
-from shaderlab.frame import Array
+from shaderlab.frame import Array, leading
 from shaderlab.programs.formats import DEPTH, format_of
 
 _CHANNELS = {"r": "R{0}", "rg": "R{0}G{0}", "rgb": "R{0}G{0}B{0}A{0}", "rgba": "R{0}G{0}B{0}A{0}"}
@@ -105,7 +105,7 @@ def unpacked(word: str, data: Array, shape: tuple[int, ...]) -> Array:
     kind = format_of(word)
     stored = 4 if kind.components == 3 else kind.components
     values = data.view(kind.numpy).reshape(*shape, stored)
-    return np.ascontiguousarray(values[..., : kind.components])
+    return leading(values, kind.components)
 
 
 def texel_bytes(word: str) -> int:

@@ -19,7 +19,7 @@ from shaderlab.backends.webgl.vertices import VertexArray, vertex_array
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Bindings, PassDraw
 from shaderlab.model import Scene, State, Target
-from shaderlab.programs import bind, blocks
+from shaderlab.programs import blocks
 from shaderlab.programs.module_texts import HEIGHT, as_drawn
 from shaderlab.programs.prepare import PreparedDraw, Programs
 
@@ -119,9 +119,7 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
         self, program: Program, draw: PreparedDraw, values: Mapping[str, np.ndarray]
     ) -> None:
         members = blocks.variables(draw.interface)
-        if draw.draw.domain is not None:
-            values = {**values, **bind.ramp_uniforms(draw.draw, draw.interface.varyings)}
-        for name, value in values.items():
+        for name, value in {**values, **draw.ramps}.items():
             if name not in members and not program.set(name, value):
                 self._inactive.add(name)
         self._inactive.discard(HEIGHT)
