@@ -87,11 +87,14 @@ class Band(Interval, Operators, Swizzled):
 
         A denormal includes zero where the rules let it flush; for NaN anything is legal.
         """
+        got: Any = values
+        if type(got) is not np.ndarray or got.dtype != np.float32 or not got.ndim:
+            with np.errstate(all="ignore"):
+                got = np.atleast_1d(np.asarray(values, dtype=np.float32))
+        plain = ordinary(got)
+        if plain is not None:
+            return cls(plain, plain, rules)
         with np.errstate(all="ignore"):
-            got = np.atleast_1d(np.asarray(values, dtype=np.float32))
-            plain = ordinary(got)
-            if plain is not None:
-                return cls(plain, plain, rules)
             wide = got.astype(np.float64)
         return cls._leaf(wide, wide, rules)
 
@@ -300,7 +303,7 @@ class Band(Interval, Operators, Swizzled):
         return Band.literal(other, self.rules) if as_band is None else as_band(self.rules)
 
 
-use_bands(Band, Terms, Rules, _NOWHERE)
+use_bands(Band, Terms, Rules, Truth, _NOWHERE)
 
 
 @np.errstate(all="ignore")

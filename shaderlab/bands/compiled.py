@@ -16,7 +16,7 @@ from typing import Any, TypeVar, cast
 
 VARIABLE = "SHADERLAB_BANDS"
 # Stands in kernels/_kernels.c, too.
-INTERFACE = 4
+INTERFACE = 5
 
 
 def left_aside() -> bool:
@@ -74,10 +74,10 @@ def operators(operation: Operator, straight: Operator, reflected: Operator) -> t
     return tuple(KERNELS.operator(operation, plain, bool(k)) for k, plain in both)
 
 
-def use_bands(band: type, terms: type, rules: type, nowhere: tuple[Any, ...]) -> None:
+def use_bands(band: type, terms: type, rules: type, truth: type, nowhere: tuple[Any, ...]) -> None:
     """Tell the passes what bands are made of; `nowhere` are flags that are set nowhere."""
     if KERNELS is not None:
-        KERNELS.use_bands(band, terms, rules, nowhere)
+        KERNELS.use_bands(band, terms, rules, truth, nowhere)
 
 
 def use_literals(literal: type) -> None:

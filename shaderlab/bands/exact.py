@@ -74,11 +74,18 @@ def clamped(x: Band, minimum: Band, maximum: Band) -> Band:
     return result.made(result.lo, result.hi, anything=crossed)
 
 
+@compiled
 def less(a: Band, b: Band) -> Truth:
     """a < b, of the settled bounds: a compiler may move a term to the other side."""
     a_lo, a_hi = a.settled()
     b_lo, b_hi = b.settled()
     return _known(a_hi < b_lo, a_lo >= b_hi, a, b)
+
+
+@compiled
+def not_less(a: Band, b: Band) -> Truth:
+    """a ≥ b."""
+    return ~less(a, b)
 
 
 def equal(a: Band, b: Band) -> Truth:

@@ -46,7 +46,8 @@ class Literal(float):
 
     def as_band(self, rules: Rules) -> Band:
         """The band under these rules."""
-        return self.band if rules == self.band.rules else Band.literal(float(self), rules)
+        own = self.band.rules
+        return self.band if rules is own or rules == own else Band.literal(float(self), rules)
 
     def __pow__(self, other: Any, modulo: None = None) -> Any:
         return Literal.of(float(self) ** float(other), self.band.rules)

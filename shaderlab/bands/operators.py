@@ -83,7 +83,7 @@ class Operators:
     __truediv__, __rtruediv__ = _both_ways(arithmetic.divide)
     __matmul__, __rmatmul__ = _both_ways(sums.matmul)
     __lt__, __gt__ = _both_ways(exact.less)
-    __ge__, __le__ = _both_ways(lambda a, b: ~exact.less(a, b))
+    __ge__, __le__ = _both_ways(exact.not_less)
 
     def __eq__(self: Any, other: Any) -> Truth:  # type: ignore[override]
         return exact.equal(self, self.lift(other))

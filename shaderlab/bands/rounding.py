@@ -84,6 +84,7 @@ def enclosed(lo: Floats, hi: Floats, flush: bool) -> tuple[Floats, Floats] | Non
 
 
 @compiled
+@np.errstate(all="ignore")
 def ordinary(values: NDArray[np.float32]) -> Floats | None:
     """float32 values as float64; None where one of them is a denormal or NaN."""
     wide = values.astype(np.float64)

@@ -203,6 +203,14 @@ def test_choices_and_mixes_are_numpy_s(data: Any) -> None:
     a, b = (data.draw(bands(shape, rules, any_floats)) for shape in shapes)
     rows = max(a.shape[:-1], b.shape[:-1])
     share = data.draw(bands((*rows, 1), rules, plain_floats))
+    for compare in (exact.less, exact.not_less):
+        got = compare(a, b)
+        with compiled.numpy_alone():
+            expected = compare(a, b)
+        np.testing.assert_array_equal(got.all_true, expected.all_true, strict=True)
+        np.testing.assert_array_equal(got.all_false, expected.all_false, strict=True)
+        assert got.rules is expected.rules
+    assert_numpy_s(lambda: exact.select(a < b, a, b))
     assert_numpy_s(lambda: exact.select(share < 0.5, a, b))
     assert_numpy_s(lambda: exact.select(share == share, a, b))
     assert_numpy_s(lambda: glslmath.mix(a, b, share))
@@ -246,8 +254,15 @@ def test_common_values_are_not_left_to_numpy() -> None:
             assert compiled.KERNELS.times_vector(Band.exact(matrix), vector) is not None
             assert_numpy_s(sums.times_vector, Band.exact(matrix), vector)
     assert compiled.KERNELS.direction(x) is not None
+    unknown = glslmath.sqrt(x[..., 0:1] - 1.0)
+    assert unknown.nan.any()
     assert compiled.KERNELS.joined([x * x, x + 1.0, zero], -1) is not None
+    assert compiled.KERNELS.joined([x * tiny, unknown], -1) is not None
+    assert compiled.KERNELS.select(x[..., 0:1] < 1.2, unknown, x) is not None
+    for name in ("less", "not_less"):
+        assert getattr(compiled.KERNELS, name)(x + x, zero) is not None
     assert compiled.KERNELS.ordinary(x.lo.astype(np.float32)) is not None
+    assert compiled.KERNELS.ordinary(x.lo.astype(np.float32)[:, ::2]) is not None
     assert compiled.KERNELS.absolute(x * x) is not None
     assert compiled.KERNELS.clamped(x, zero, x + 1.0) is not None
     assert compiled.KERNELS.within_ends(x + 0.5, x, x + 1.0, x * 0.3) is not None
@@ -269,6 +284,7 @@ def test_what_a_pass_can_t_take_is_left_to_numpy() -> None:
     assert compiled.KERNELS.ordinary(np.float32([1e-40])) is None
     assert compiled.KERNELS.clamped(x, x, zero) is None
     assert compiled.KERNELS.larger(x, infinite * 0.0) is None
+    assert compiled.KERNELS.less(x, infinite * 0.0) is None
     assert compiled.KERNELS.within_ends(x + 0.3, infinite, x, x) is None
     assert compiled.KERNELS.joined_last([x.lo, np.ones(1, np.float32)]) is None
     assert compiled.KERNELS.mixed_texels(*[x.lo] * 8, *[infinite.lo] * 4) is None

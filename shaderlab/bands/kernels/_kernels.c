@@ -29,18 +29,20 @@
 #include "bounds.h"
 #include "choices.h"
 #include "exacts.h"
+#include "comparisons.h"
 #include "selects.h"
 #include "mixes.h"
 #include "rows.h"
 #include "lines.h"
 #include "vectors.h"
 #include "directions.h"
+#include "joins.h"
 #include "shapes.h"
 #include "texels.h"
 #include "judged.h"
 
 /* Changes with what Python expects of the passes; the same number stands in compiled.py. */
-#define INTERFACE 4
+#define INTERFACE 5
 
 #define METHOD(name, function) \
     {#name, (PyCFunction)(void (*)(void))function, METH_FASTCALL, NULL}
@@ -54,9 +56,11 @@ static PyMethodDef kernels[] = {
     METHOD(joined_last, joined_last), METHOD(within_ends, within_ends),
     METHOD(mixed_texels, mixed_texels), METHOD(smaller, smaller_band),
     METHOD(larger, larger_band), METHOD(clamped, clamped), METHOD(absolute, absolute),
-    METHOD(union, union_of), METHOD(select, select_band), METHOD(dot, dot), METHOD(times_vector, times_vector),
-    METHOD(direction, direction), METHOD(__getitem__, indexed), METHOD(ordinary, ordinary), METHOD(joined, joined), METHOD(texels_at, texels_at),
-    METHOD(nearest_texels, nearest_texels), METHOD(exponentials_widened, exponentials_widened),
+    METHOD(less, less), METHOD(not_less, not_less), METHOD(union, union_of),
+    METHOD(select, select_band), METHOD(dot, dot), METHOD(times_vector, times_vector),
+    METHOD(direction, direction), METHOD(__getitem__, indexed), METHOD(ordinary, ordinary),
+    METHOD(joined, joined), METHOD(texels_at, texels_at), METHOD(nearest_texels, nearest_texels),
+    METHOD(exponentials_widened, exponentials_widened),
     METHOD(contains, contained),
     METHOD(furthest, furthest_of_all), METHOD(informative, informative), {0}};
 

@@ -73,8 +73,8 @@ static int64_t directed(Line *line, Result *result, npy_intp start, npy_intp cou
         rare |= either_component(count, v->low[j], v->high[j], &root, &inverse, lo, negated_hi);
         narrow(count, line->how.flush, lo, negated_hi, low[j], high[j]);
     }
-    put_together(count, terms, low, result->low + start * terms);
-    put_together(count, terms, high, result->high + start * terms);
+    put_blocks_together(count, terms, low, result->low + start * terms);
+    put_blocks_together(count, terms, high, result->high + start * terms);
     return rare;
 }
 

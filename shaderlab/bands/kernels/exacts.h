@@ -4,11 +4,7 @@
 #define SHADERLAB_EXACTS_H
 
 /* Whether a band may be NaN somewhere: NumPy sees to those. */
-static int may_be_nan(PyObject *band)
-{
-    PyObject *nan = PyTuple_GET_ITEM(SLOT(band, bands.flags), 0);
-    return PyArray_Check(nan) && PyArray_NDIM((PyArrayObject *)nan);
-}
+static int may_be_nan(PyObject *band) { return flag_of(band, 0) != NULL; }
 
 /* Reads the bounds of one to three bands, their terms apart; false where NumPy must do it. */
 static int begin_exact(

@@ -14,6 +14,10 @@ static struct {
 } term_lists;
 static struct {
     PyTypeObject *type;
+    Py_ssize_t all_true, all_false, rules;
+} truths;
+static struct {
+    PyTypeObject *type;
     Py_ssize_t spec, rearrange, trig_outside, flush;
 } rule_sets;
 static struct {
@@ -61,7 +65,7 @@ static int find_slots(PyObject *type, PyTypeObject **kept, const Slot *slots)
     return 0;
 }
 
-/* use_bands(Band, Terms, Rules, flags that are set nowhere). */
+/* use_bands(Band, Terms, Rules, Truth, flags that are set nowhere). */
 static PyObject *use_bands(PyObject *self, PyObject *const *args, Py_ssize_t given)
 {
     const Slot of_bands[] = {
@@ -73,14 +77,18 @@ static PyObject *use_bands(PyObject *self, PyObject *const *args, Py_ssize_t giv
     const Slot of_rules[] = {
         {"spec", &rule_sets.spec}, {"rearrange", &rule_sets.rearrange},
         {"trig_outside", &rule_sets.trig_outside}, {"flush", &rule_sets.flush}, {0}};
-    if (given != 4 || !PyTuple_Check(args[3])) {
-        PyErr_SetString(PyExc_TypeError, "use_bands() takes three classes and flags");
+    const Slot of_truths[] = {
+        {"all_true", &truths.all_true}, {"all_false", &truths.all_false},
+        {"rules", &truths.rules}, {0}};
+    if (given != 5 || !PyTuple_Check(args[4])) {
+        PyErr_SetString(PyExc_TypeError, "use_bands() takes four classes and flags");
         return NULL;
     }
     if (find_slots(args[1], &term_lists.type, of_terms)) return NULL;
     if (find_slots(args[2], &rule_sets.type, of_rules)) return NULL;
+    if (find_slots(args[3], &truths.type, of_truths)) return NULL;
     if (find_slots(args[0], &bands.type, of_bands)) return NULL;
-    nowhere = Py_NewRef(args[3]);
+    nowhere = Py_NewRef(args[4]);
     Py_RETURN_NONE;
 }
 
@@ -135,6 +143,13 @@ static int flagless(PyObject *flags)
     return 1;
 }
 
+/* One of a band's flags, borrowed; NULL where it is set nowhere, as flags of no axes are. */
+static PyArrayObject *flag_of(PyObject *band, int flag)
+{
+    PyArrayObject *found = (PyArrayObject *)PyTuple_GET_ITEM(SLOT(band, bands.flags), flag);
+    return PyArray_Check(found) && PyArray_NDIM(found) ? found : NULL;
+}
+
 /* The flags of two bands together. */
 static PyObject *joint_flags(PyObject *one, PyObject *other)
 {
@@ -177,6 +192,17 @@ static PyObject *new_band(void *lo, void *hi, PyObject *rules, PyObject *flags, 
     SLOT(made, bands.terms) = or_none(terms);
     SLOT(made, bands.direction) = Py_NewRef(Py_None);
     SLOT(made, bands.size) = Py_NewRef(Py_None);
+    return made;
+}
+
+/* Takes over both arrays. */
+static PyObject *new_truth(void *all_true, void *all_false, PyObject *rules)
+{
+    PyObject *made = truths.type->tp_alloc(truths.type, 0);
+    if (!made) return NULL;
+    SLOT(made, truths.all_true) = all_true;
+    SLOT(made, truths.all_false) = all_false;
+    SLOT(made, truths.rules) = Py_NewRef(rules);
     return made;
 }
 

@@ -64,17 +64,6 @@ static const double *picked(
     return block;
 }
 
-/* One in so many values, from here on. */
-LOOP void spread(npy_intp count, const double *from, npy_intp stride, double *restrict to)
-{
-    switch (stride) {
-    case 1: for (npy_intp i = 0; i < count; i++) to[i] = from[i]; break;
-    case 3: for (npy_intp i = 0; i < count; i++) to[3 * i] = from[i]; break;
-    case 4: for (npy_intp i = 0; i < count; i++) to[4 * i] = from[i]; break;
-    default: for (npy_intp i = 0; i < count; i++) to[i * stride] = from[i];
-    }
-}
-
 /* Vectors of three or four that lie one after the other, taken apart and put together. */
 LOOP void take_apart(npy_intp count, npy_intp width, const double *from, double (*restrict to)[ROWS])
 {
@@ -93,24 +82,35 @@ LOOP void take_apart(npy_intp count, npy_intp width, const double *from, double 
         }
 }
 
-LOOP void put_together(npy_intp count, npy_intp width, double (*from)[ROWS], double *restrict to)
+LOOP void put_together(
+    npy_intp count, npy_intp width, const double *const *from, double *restrict to)
 {
-    if (width == 3)
+    if (width == 3) {
+        const double *x = from[0], *y = from[1], *z = from[2];
         for (npy_intp i = 0; i < count; i++) {
-            to[3 * i] = from[0][i];
-            to[3 * i + 1] = from[1][i];
-            to[3 * i + 2] = from[2][i];
+            to[3 * i] = x[i];
+            to[3 * i + 1] = y[i];
+            to[3 * i + 2] = z[i];
         }
-    else if (width == 4)
+    } else if (width == 4) {
+        const double *x = from[0], *y = from[1], *z = from[2], *w = from[3];
         for (npy_intp i = 0; i < count; i++) {
-            to[4 * i] = from[0][i];
-            to[4 * i + 1] = from[1][i];
-            to[4 * i + 2] = from[2][i];
-            to[4 * i + 3] = from[3][i];
+            to[4 * i] = x[i];
+            to[4 * i + 1] = y[i];
+            to[4 * i + 2] = z[i];
+            to[4 * i + 3] = w[i];
         }
-    else
+    } else
         for (npy_intp j = 0; j < width; j++)
             for (npy_intp i = 0; i < count; i++) to[i * width + j] = from[j][i];
+}
+
+static void put_blocks_together(
+    npy_intp count, npy_intp width, double (*blocks)[ROWS], double *to)
+{
+    const double *from[MAX_TERMS];
+    for (npy_intp j = 0; j < width; j++) from[j] = blocks[j];
+    put_together(count, width, from, to);
 }
 
 /* A line's elements in a block of rows: their bounds, the sizes of their terms, and by what a flushed

@@ -25,44 +25,97 @@ LOOP int64_t any_nan(npy_intp count, const double *one, const double *other)
     return found;
 }
 
-/* The side that a condition takes, 1, -1 or undecided 0, as an array; `undecided` where that is,
- * or NULL for nowhere. NULL with an exception, or without one where NumPy must do it. */
-static PyArrayObject *sides_of(PyObject *condition, PyArrayObject **undecided)
+/* What a condition is: true, false, and the side that it takes, 1, -1 or undecided 0; `undecided`
+ * where that is, or NULL for nowhere. The first two are the condition's own. */
+typedef struct {
+    PyArrayObject *true_, *false_, *side, *undecided;
+} Sides;
+
+static int is_flag(PyObject *object)
 {
-    PyArrayObject *side = NULL, *neither = NULL;
-    PyObject *yes = PyObject_GetAttrString(condition, "all_true");
-    PyObject *no = yes ? PyObject_GetAttrString(condition, "all_false") : NULL;
-    *undecided = NULL;
-    if (!no || !PyArray_Check(yes) || !PyArray_Check(no)) goto end;
-    PyArrayObject *true_ = (PyArrayObject *)yes, *false_ = (PyArrayObject *)no;
-    if (PyArray_TYPE(true_) != NPY_BOOL || PyArray_TYPE(false_) != NPY_BOOL) goto end;
-    if (!PyArray_ISCARRAY_RO(true_) || !PyArray_ISCARRAY_RO(false_)) goto end;
-    if (!PyArray_SAMESHAPE(true_, false_)) goto end;
-    int ndim = PyArray_NDIM(true_);
-    side = (PyArrayObject *)PyArray_SimpleNew(ndim, PyArray_DIMS(true_), NPY_DOUBLE);
-    neither = (PyArrayObject *)PyArray_SimpleNew(ndim, PyArray_DIMS(true_), NPY_BOOL);
-    if (!side || !neither) {
-        Py_CLEAR(side);
-        goto end;
-    }
-    npy_intp count = PyArray_SIZE(side);
-    if (weigh(count, PyArray_DATA(true_), PyArray_DATA(false_), PyArray_DATA(side),
-              PyArray_DATA(neither)))
-        *undecided = (PyArrayObject *)Py_NewRef((PyObject *)neither);
-end:
-    Py_XDECREF(neither);
-    Py_XDECREF(yes);
-    Py_XDECREF(no);
-    return side;
+    PyArrayObject *array = (PyArrayObject *)object;
+    return PyArray_Check(object) && PyArray_TYPE(array) == NPY_BOOL && PyArray_ISCARRAY_RO(array);
 }
 
-/* Takes over `undecided`. */
-static PyObject *flags_of(PyArrayObject *undecided)
+static void drop_sides(Sides *sides)
 {
-    if (!undecided) return Py_NewRef(nowhere);
-    PyObject *no = PyTuple_GET_ITEM(nowhere, 0), *made = PyTuple_Pack(3, no, no, undecided);
-    Py_DECREF(undecided);
+    Py_CLEAR(sides->side);
+    Py_CLEAR(sides->undecided);
+}
+
+/* Reads a condition; 0 where NumPy must do it, -1 with an exception. */
+static int find_sides(Sides *sides, PyObject *condition)
+{
+    memset(sides, 0, sizeof *sides);
+    if (!Py_IS_TYPE(condition, truths.type)) return 0;
+    PyObject *yes = SLOT(condition, truths.all_true), *no = SLOT(condition, truths.all_false);
+    PyArrayObject *true_ = sides->true_ = (PyArrayObject *)yes;
+    PyArrayObject *false_ = sides->false_ = (PyArrayObject *)no;
+    if (!is_flag(yes) || !is_flag(no) || !PyArray_SAMESHAPE(true_, false_)) return 0;
+    int ndim = PyArray_NDIM(true_);
+    sides->side = (PyArrayObject *)PyArray_SimpleNew(ndim, PyArray_DIMS(true_), NPY_DOUBLE);
+    sides->undecided = (PyArrayObject *)PyArray_SimpleNew(ndim, PyArray_DIMS(true_), NPY_BOOL);
+    if (!sides->side || !sides->undecided) {
+        drop_sides(sides);
+        return -1;
+    }
+    if (!weigh(PyArray_SIZE(true_), PyArray_DATA(true_), PyArray_DATA(false_),
+               PyArray_DATA(sides->side), PyArray_DATA(sides->undecided)))
+        Py_CLEAR(sides->undecided);
+    return 1;
+}
+
+LOOP void take_flags(
+    npy_intp count, const npy_bool *of_a, const npy_bool *of_b, const npy_bool *true_,
+    const npy_bool *false_, npy_bool *restrict to)
+{
+    static const npy_bool none[1];
+    npy_intp a = of_a ? 1 : 0, b = of_b ? 1 : 0;
+    of_a = of_a ? of_a : none;
+    of_b = of_b ? of_b : none;
+    for (npy_intp i = 0; i < count; i++)
+        to[i] = (of_a[a * i] & !false_[i]) | (of_b[b * i] & !true_[i]);
+}
+
+/* The data of a flag of a band, NULL where it is set nowhere; false where it has not the shape of
+ * `like`. */
+static int read_flag(PyObject *band, int flag, PyArrayObject *like, const npy_bool **data)
+{
+    PyArrayObject *array = flag_of(band, flag);
+    *data = array ? PyArray_DATA(array) : NULL;
+    return !array || (PyArray_ISCARRAY_RO(array) && PyArray_SAMESHAPE(array, like));
+}
+
+/* One of the flags of the side that is taken; NULL with an exception, or without one where NumPy
+ * must do it. */
+static PyObject *taken_flag(PyObject *a, PyObject *b, int flag, const Sides *sides)
+{
+    const npy_bool *of_a, *of_b;
+    PyArrayObject *true_ = sides->true_, *undecided = flag == 2 ? sides->undecided : NULL;
+    if (!read_flag(a, flag, true_, &of_a) || !read_flag(b, flag, true_, &of_b)) return NULL;
+    if (!of_a && !of_b) {
+        PyObject *no = PyTuple_GET_ITEM(nowhere, flag);
+        return Py_NewRef(undecided ? (PyObject *)undecided : no);
+    }
+    if (undecided) return NULL;
+    PyObject *made = PyArray_SimpleNew(PyArray_NDIM(true_), PyArray_DIMS(true_), NPY_BOOL);
+    if (made)
+        take_flags(PyArray_SIZE(true_), of_a, of_b, PyArray_DATA(true_),
+                   PyArray_DATA(sides->false_), PyArray_DATA((PyArrayObject *)made));
     return made;
+}
+
+static PyObject *taken_flags(PyObject *a, PyObject *b, const Sides *sides)
+{
+    PyObject *of_a = SLOT(a, bands.flags), *of_b = SLOT(b, bands.flags);
+    if (!sides->undecided && flagless(of_a) && flagless(of_b)) return Py_NewRef(nowhere);
+    PyObject *flags = PyTuple_New(3);
+    for (int k = 0; flags && k < 3; k++) {
+        PyObject *made = taken_flag(a, b, k, sides);
+        if (made) PyTuple_SET_ITEM(flags, k, made);
+        else Py_CLEAR(flags);
+    }
+    return flags;
 }
 
 /* Does all blocks of a choice. */
@@ -88,38 +141,36 @@ static void choose_all(Pass *pass, Operand *sides, int sums, int slack)
     }
 }
 
-/* select(condition, a, b), of bands whose flags are set nowhere. */
+/* select(condition, a, b). */
 static PyObject *select_band(PyObject *self, PyObject *const *args, Py_ssize_t given)
 {
     Pass pass;
-    Operand sides;
+    Operand side;
+    Sides sides;
     Value *a = &pass.a, *b = &pass.b;
     Result *result = &pass.result;
-    PyArrayObject *undecided;
     if (given != 3 || !begin(&pass, args + 1, 2, 2)) Py_RETURN_NONE;
-    for (int k = 1; k < 3; k++)
-        if (!flagless(SLOT(args[k], bands.flags))) Py_RETURN_NONE;
-    PyArrayObject *side = sides_of(args[0], &undecided);
-    if (!side) return PyErr_Occurred() ? NULL : Py_NewRef(Py_None);
-    PyObject *found = NULL;
+    int ready = find_sides(&sides, args[0]);
+    if (ready < 0) return NULL;
+    PyObject *found = NULL, *flags = ready ? taken_flags(args[1], args[2], &sides) : NULL;
     int sums = !a->plain || !b->plain, slack = a->slackened || b->slackened;
-    if (!is_operand(&sides, (PyObject *)side) || !broadcast(&pass.shape, &sides)) goto left;
-    prepare(&sides, &pass.shape);
+    if (!flags || !is_operand(&side, (PyObject *)sides.side) || !broadcast(&pass.shape, &side)) {
+        if (!PyErr_Occurred()) found = Py_NewRef(Py_None);
+        goto end;
+    }
+    prepare(&side, &pass.shape);
     prepare_value(a, &pass.shape);
     prepare_value(b, &pass.shape);
     if (make_room(result, &pass.shape, sums, slack)) goto end;
     if ((a->reaching || b->reaching) && reach_too(&pass)) goto end;
-    result->exact = !undecided && a->exact && b->exact;
+    result->exact = !sides.undecided && a->exact && b->exact;
     result->count = larger(a->count, b->count);
-    choose_all(&pass, &sides, sums, slack);
-    Py_XINCREF(undecided);
-    found = flagged(&pass, flags_of(undecided));
-    goto end;
-left:
-    found = Py_NewRef(Py_None);
+    choose_all(&pass, &side, sums, slack);
+    found = flagged(&pass, flags);
+    flags = NULL;
 end:
-    Py_DECREF(side);
-    Py_XDECREF(undecided);
+    Py_XDECREF(flags);
+    drop_sides(&sides);
     return found;
 }
 

@@ -1,4 +1,4 @@
-/* Bands taken apart and put together, all of their arrays in one way. */
+/* Parts of bands, and what a shader got as bands. */
 
 #ifndef SHADERLAB_SHAPES_H
 #define SHADERLAB_SHAPES_H
@@ -26,22 +26,16 @@ static int listed(PyObject *index, npy_intp length, npy_intp *components, int mo
 static PyArrayObject *components_of(PyArrayObject *array, const npy_intp *components, int width)
 {
     Operand operand = {.array = array};
-    int ndim = PyArray_NDIM(array);
+    Columns columns = no_columns();
     Place place = place_of(&operand, 0);
-    npy_intp rows = ndim == 2 ? PyArray_DIM(array, 0) : 1;
-    Shape shape = {.ndim = ndim, .dims = {rows, width}};
-    if (ndim == 1) shape.dims[0] = width;
-    double *to;
-    ALIGNED double block[BLOCK];
-    PyArrayObject *made = new_array(&shape, &to);
-    for (npy_intp start = 0; made && start < rows; start += BLOCK) {
-        npy_intp count = rows - start < BLOCK ? rows - start : BLOCK;
-        for (int k = 0; k < width; k++) {
-            const double *from = picked(&place, 0, components[k], start, count, block);
-            spread(count, from, width, to + start * width + k);
-        }
+    columns.shape.ndim = PyArray_NDIM(array);
+    columns.rows = columns.shape.ndim == 2 ? PyArray_DIM(array, 0) : 1;
+    for (int k = 0; k < width; k++) {
+        columns.columns[k] = place;
+        columns.columns[k].data += components[k] * place.along;
     }
-    return made;
+    columns.width = width;
+    return join_columns(&columns);
 }
 
 /* The part of an array at an index, as an array. */
@@ -88,74 +82,6 @@ static PyObject *indexed(PyObject *self, PyObject *const *args, Py_ssize_t given
                     Py_NewRef(SLOT(args[0], bands.flags)), terms);
 }
 
-/* One array of each part, joined along the last axis: from a slot of the bands, or of their terms,
- * and zeros where those have none. */
-static PyObject *join_slots(PyObject *parts, Py_ssize_t slot, int of_terms)
-{
-    Py_ssize_t count = PyList_GET_SIZE(parts);
-    PyObject *arrays = PyList_New(count), *made = NULL;
-    for (Py_ssize_t k = 0; arrays && k < count; k++) {
-        PyObject *part = PyList_GET_ITEM(parts, k), *array = NULL;
-        PyObject *terms = SLOT(part, bands.terms);
-        if (!of_terms) array = Py_NewRef(SLOT(part, slot));
-        else if (slot == term_lists.mag) array = PyObject_GetAttrString(part, "mag");
-        else if (terms != Py_None && SLOT(terms, slot) != Py_None) array = Py_NewRef(SLOT(terms, slot));
-        else {
-            PyArrayObject *lo = (PyArrayObject *)SLOT(part, bands.lo);
-            array = PyArray_ZEROS(PyArray_NDIM(lo), PyArray_DIMS(lo), NPY_DOUBLE, 0);
-        }
-        if (array) PyList_SET_ITEM(arrays, k, array);
-        else Py_CLEAR(arrays);
-    }
-    if (!arrays) return NULL;
-    made = joined_last(NULL, &arrays, 1);
-    Py_DECREF(arrays);
-    return made;
-}
-
-/* Joins the arrays of a slot; false with an exception, or where NumPy must do it. */
-static int join_into(PyArrayObject **to, PyObject *parts, Py_ssize_t slot, int of_terms)
-{
-    PyObject *made = join_slots(parts, slot, of_terms);
-    if (made == Py_None) Py_CLEAR(made);
-    *to = (PyArrayObject *)made;
-    return made != NULL;
-}
-
-/* joined(bands, axis): vectors along the last axis, whose flags are set nowhere and of whose terms
- * none is tiny. */
-static PyObject *joined(PyObject *self, PyObject *const *args, Py_ssize_t given)
-{
-    if (given != 2 || !PyList_Check(args[0]) || !PyList_GET_SIZE(args[0])) Py_RETURN_NONE;
-    if (!PyLong_Check(args[1]) || PyLong_AsLong(args[1]) != -1) Py_RETURN_NONE;
-    int exact = 1, plain = 1, slackened = 0;
-    double terms = 1.0;
-    Result parts = {0};
-    Value value;
-    for (Py_ssize_t k = 0; k < PyList_GET_SIZE(args[0]); k++) {
-        PyObject *band = PyList_GET_ITEM(args[0], k);
-        if (!read_value(&value, band) || !of_one_shape(&value) || value.reaching) Py_RETURN_NONE;
-        if (!flagless(SLOT(band, bands.flags))) Py_RETURN_NONE;
-        exact &= value.exact;
-        plain &= value.plain;
-        slackened |= value.slackened;
-        terms = larger(terms, value.count);
-    }
-    int made = join_into(&parts.lo, args[0], bands.lo, 0);
-    if (made && !exact) made = join_into(&parts.hi, args[0], bands.hi, 0);
-    if (made && !plain) made = join_into(&parts.mag, args[0], term_lists.mag, 1);
-    if (made && slackened) made = join_into(&parts.slack, args[0], term_lists.slack, 1);
-    if (!made) {
-        drop(&parts);
-        return PyErr_Occurred() ? NULL : Py_NewRef(Py_None);
-    }
-    if (exact) parts.hi = (PyArrayObject *)Py_NewRef((PyObject *)parts.lo);
-    PyObject *first = PyList_GET_ITEM(args[0], 0);
-    PyObject *sums = plain ? NULL : new_terms(parts.mag, parts.slack, (long)terms, NULL);
-    return new_band(parts.lo, parts.hi, SLOT(first, bands.rules),
-                    Py_NewRef(SLOT(first, bands.flags)), sums);
-}
-
 LOOP int64_t widened(npy_intp count, const float *from, double *restrict to)
 {
     int64_t rare = 0;
@@ -172,14 +98,13 @@ static PyObject *ordinary(PyObject *self, PyObject *const *args, Py_ssize_t give
 {
     if (given != 1 || !PyArray_Check(args[0])) Py_RETURN_NONE;
     PyArrayObject *values = (PyArrayObject *)args[0];
-    if (PyArray_TYPE(values) != NPY_FLOAT || !PyArray_ISCARRAY_RO(values)) Py_RETURN_NONE;
-    double *to;
+    if (PyArray_TYPE(values) != NPY_FLOAT || !PyArray_ISBEHAVED_RO(values)) Py_RETURN_NONE;
+    if (!(values = PyArray_GETCONTIGUOUS(values))) return NULL;
     PyObject *made = PyArray_SimpleNew(PyArray_NDIM(values), PyArray_DIMS(values), NPY_DOUBLE);
-    if (!made) return NULL;
-    to = PyArray_DATA((PyArrayObject *)made);
-    if (!widened(PyArray_SIZE(values), PyArray_DATA(values), to)) return made;
-    Py_DECREF(made);
-    Py_RETURN_NONE;
+    if (made && widened(PyArray_SIZE(values), PyArray_DATA(values), PyArray_DATA((PyArrayObject *)made)))
+        Py_SETREF(made, Py_NewRef(Py_None));
+    Py_DECREF(values);
+    return made;
 }
 
 #endif

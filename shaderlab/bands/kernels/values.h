@@ -95,8 +95,8 @@ static void load_bounds(Value *value, npy_intp start, npy_intp count)
     value->high = value->exact ? value->low : values_at(&value->hi, start, count);
 }
 
-/* Makes a block the current one. */
-static void load(Value *value, npy_intp start, npy_intp count)
+/* The same with the bounds of which the slack is paid. */
+static void load_settled(Value *value, npy_intp start, npy_intp count)
 {
     load_bounds(value, start, count);
     value->settled_low = value->low;
@@ -107,6 +107,12 @@ static void load(Value *value, npy_intp start, npy_intp count)
         const double *slack = values_at(&value->slack, start, count);
         settle(count, value->low, value->high, slack, value->blocks[0], value->blocks[1]);
     }
+}
+
+/* Makes a block the current one. */
+static void load(Value *value, npy_intp start, npy_intp count)
+{
+    load_settled(value, start, count);
     if (value->plain) {
         value->size = value->blocks[2];
         sizes(count, value->low, value->high, value->blocks[2]);

@@ -131,11 +131,11 @@ static int64_t sum_lines(Line *line, Result *result, npy_intp start, npy_intp co
         sums->reach = reach[number];
         rare |= sum_line(line, number, start, count, low[number], high[number]);
     }
-    put_together(count, lines, low, result->low + at);
-    put_together(count, lines, high, result->high + at);
-    put_together(count, lines, size, result->size + at);
-    put_together(count, lines, slack, result->step + at);
-    if (line->tiny) put_together(count, lines, reach, result->reached + at);
+    put_blocks_together(count, lines, low, result->low + at);
+    put_blocks_together(count, lines, high, result->high + at);
+    put_blocks_together(count, lines, size, result->size + at);
+    put_blocks_together(count, lines, slack, result->step + at);
+    if (line->tiny) put_blocks_together(count, lines, reach, result->reached + at);
     return rare;
 }
 
