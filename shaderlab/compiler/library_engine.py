@@ -1,9 +1,9 @@
 """The engine that calls glslang and SPIRV-Tools in this process, from the wheels' libraries.
 
-A text that nothing is said about is parsed once for each target: `TShader::parse` preprocesses as
-it goes, and takes 0.2 ms however short the text is, as preprocessing does. Where there is a message
-the text is read anew: plain checks go through `ShCompile`, whose logs equal the command's, all else
-through the C interface, which parses what it has preprocessed and words some errors differently.
+Plain checks go through `ShCompile`, whose logs equal the command's. What is linked is parsed by
+`TShader::parse`, which preprocesses as it goes, in 0.2 ms however short a text is. Where there is a
+message the text is read anew through the C interface, which parses what it has preprocessed: it
+words some syntax errors differently.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import functools
 import re
 import sys
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 
 from shaderlab.compiler.engines import Checked, Linked
 from shaderlab.compiler.library import (
@@ -38,7 +37,6 @@ _MAGIC = (0x07230203).to_bytes(4, sys.byteorder)
 _STAGE = {stage: number for number, stage in enumerate(STAGES)}
 _STRING = re.compile(r'"((?:\\.|[^"\\\n])*)"')
 _ESCAPED = str.maketrans({"\\": "\\\\", '"': '\\"'})
-_NOTHING_WRONG = "No errors.  No code generation or linking was requested.\n"  # as the command says
 _CACHED = 8  # a program's stages are checked, and its modules validated, several times in a row
 
 
@@ -54,14 +52,11 @@ class Library:
     def __init__(self) -> None:
         self._glslang = glslang()
         spirv_tools()
-        self._checked = functools.lru_cache(_CACHED)(self._check)
+        self.check = functools.lru_cache(_CACHED)(self._check)
         self.validate = functools.lru_cache(_CACHED)(validate)
 
     def prepare(self, sources: Sequence[Source]) -> None:
         """Nothing: one by one costs no more."""
-
-    def check(self, source: Source) -> Checked:
-        return self._checked(source)[0]
 
     def preprocess(self, source: Source) -> str | None:
         front = self._glslang.front
@@ -82,11 +77,8 @@ class Library:
         try:
             parsed = True
             for source in sources:
-                checked = self._checked(source)[1] if target == "glsl" else None
-                handle = checked.take() if checked else None
-                handle, ok, log = (handle, True, "") if handle else self._parse(source, settings)
+                handle, ok, logs[source.stage] = self._parse(source, settings)
                 handles.append(handle)
-                logs[source.stage] = log
                 parsed = parsed and ok
             if not parsed:
                 return Linked(False, logs, "", {})
@@ -113,13 +105,7 @@ class Library:
             "SPIRV-Tools library": str(back),
         }
 
-    def _check(self, source: Source) -> tuple[Checked, _Parsed | None]:
-        handle = self._parse_at_once(source, SETTINGS["glsl"])
-        if handle is None:
-            return self._check_as_command(source), None
-        return Checked(True, _NOTHING_WRONG), _Parsed(self._glslang, handle)
-
-    def _check_as_command(self, source: Source) -> Checked:
+    def _check(self, source: Source) -> Checked:
         front = self._glslang.front
         text = source.text.encode()
         compiler = front.ShConstructCompiler(_STAGE[source.stage], 0)
@@ -171,25 +157,6 @@ class Library:
         handle: int = front.glslang_shader_create(c.byref(input_))
         front.glslang_shader_set_options(handle, settings.options)
         return handle, input_
-
-
-class _Parsed:
-    """A shader that is deleted with this, unless it is taken: linking changes it, so it is linked
-    once."""
-
-    def __init__(self, lib: Glslang, handle: int) -> None:
-        self._delete = lib.front.glslang_shader_delete
-        self._handles = [handle]
-
-    def take(self) -> int | None:
-        with suppress(IndexError):
-            return self._handles.pop()
-        return None
-
-    def __del__(self) -> None:
-        handle = self.take()
-        if handle is not None:
-            self._delete(handle)
 
 
 def _twice_escaped(text: str) -> str:

@@ -2,8 +2,9 @@
 
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -133,6 +134,56 @@ def test_varyings_can_match_by_location_instead_of_name() -> None:
     compiled.require()
     module = parse(compiled.spirv["vulkan"]["fragment"])
     assert numbers(module, Decoration.LOCATION)["other"] == 5
+
+
+UNIFORMS = (
+    *("float b", "int b", "mediump float b", "float b = 1.0", "float b[2]", "float b[]"),
+    *("sampler2D b", "B { vec4 x; } b", "B { vec4 x; } c", "B { vec4 x; }"),
+)
+VARYINGS = (
+    *("vec3 b", "vec2 b", "vec3 b[2]", "B { vec3 x; } b", "B { vec3 x; } c", "B { vec2 x; }"),
+    *("highp vec3 b", "int b"),
+)
+
+
+@pytest.mark.parametrize(
+    ("layouts", "words", "texts"),
+    [
+        (("", "layout (std140) "), "uniform", UNIFORMS),
+        (("", "flat ", "layout (location = 1) "), "{}", VARYINGS),
+    ],
+)
+def test_what_opengl_links_without_a_message_plain_glsl_links_as_well(
+    layouts: Sequence[str], words: str, texts: Sequence[str]
+) -> None:
+    declared = [
+        f"#version 450 core\n{layout}{words} {text};\n" for layout, text in product(layouts, texts)
+    ]
+    engine, linked = choose(), 0
+    stages = {
+        stage: [s for text in declared if engine.check(s := written(stage, text)).ok]
+        for stage in ("vertex", "fragment")
+    }
+    for pair in product(*stages.values()):
+        opengl = engine.link(pair, "opengl")
+        if opengl.ok and not opengl.log:
+            linked += 1
+            plain = engine.link(pair, "glsl")
+            assert plain.ok and not plain.log, [stage.text for stage in pair]
+    assert 50 < linked < len(declared) ** 2 / 2
+
+
+def written(stage: str, text: str) -> Source:
+    text = text.replace("{}", "out" if stage == "vertex" else "in", 1)
+    return Shaders([]).from_text(f"{text}void main() {{}}\n", stage, f"p.{stage}")
+
+
+def test_what_is_written_for_spirv_alone_does_not_speak_for_plain_glsl() -> None:
+    first = "#ifdef GL_SPIRV\nuniform int b;\n#else\nuniform float b;\n#endif\n"
+    texts = {"vertex": first, "fragment": "uniform int b;\n"}
+    stages = [written(stage, f"#version 330 core\n{text}") for stage, text in texts.items()]
+    assert choose().link(stages, "opengl").ok
+    assert [verdict.ok for verdict in compile_program(stages).verdicts] == [False] * 3
 
 
 def test_one_stage_is_a_program_and_order_does_not_matter() -> None:
