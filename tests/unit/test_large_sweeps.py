@@ -76,19 +76,19 @@ def test_memory_does_not_grow_with_the_points(
     used: dict[int, int] = {}
 
     def look(number: int) -> None:
-        if number in (200, 799):
+        if number in (150, 499):
             used[number] = tracemalloc.get_traced_memory()[0]
 
-    plan = RunPlan(started="", options=RunOptions(folder=tmp_path), grid=points(800))
+    plan = RunPlan(started="", options=RunOptions(folder=tmp_path), grid=points(500))
     tracemalloc.start()
     try:
         recorded, table = run_points(Made(passing, look), plan, Quiet(), resume=False)  # type: ignore[arg-type]
     finally:
         tracemalloc.stop()
-    assert used[799] - used[200] < 50_000, used  # 56 bytes a point; a record has thousands
+    assert used[499] - used[150] < 50_000, used  # 56 bytes a point; a record has thousands
     assert len(recorded.run.records) == sweep_table.OTHERS_LISTED
-    assert table.listed() == list(range(799, 749, -1))
-    assert (tmp_path / FILE_NAME).read_bytes().count(b"\n") == 801
+    assert table.listed() == list(range(499, 449, -1))
+    assert (tmp_path / FILE_NAME).read_bytes().count(b"\n") == 501
 
 
 @pytest.mark.parametrize(
