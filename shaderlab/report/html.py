@@ -131,7 +131,7 @@ def load_libraries() -> None:
 def _render(template: str, **values: Any) -> Iterator[str]:
     from shaderlab.report.environment import environment
 
-    return environment().get_template(template).stream(boot=parts.BOOT, **values)
+    return environment().get_template(template).generate(boot=parts.BOOT, **values)
 
 
 def _with_neighbours(page: Page) -> Iterator[tuple[Any, Any, Any]]:

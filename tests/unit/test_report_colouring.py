@@ -24,7 +24,7 @@ PIECES = (
     "void main() { return 1.0e-3f; }", "#version 330 core\n", "#define A \\\n b", "/* no end",
     "*/", "// é\n", "0x1F", "?", "@", "\n", "\t ", "\\", "'", '"', "'''", '"""',
     'f"{x!r:>{w}}"', "def größe(x):", "from . import b as c", "lambda: 1_0j", "vec4", "self.x",
-    "<b>", "&amp;", "·",
+    "<b>", "&amp;", "·", "if", "gl_X", "0xF", "1.",
 )  # fmt: skip
 LEXERS = {
     "glsl": GLShaderLexer(stripnl=False, ensurenl=False),
@@ -46,9 +46,9 @@ def test_the_labs_own_sources_look_as_pygments_makes_them(language: str, files: 
         assert coloured_lines(text, language) == by_pygments(text, language), file
 
 
-@given(st.lists(st.sampled_from(PIECES), max_size=12))
-def test_anything_looks_as_pygments_makes_it(pieces: list[str]) -> None:
-    text = " ".join(pieces).rstrip("\n") + "\n"
+@given(st.lists(st.sampled_from(PIECES), max_size=12), st.sampled_from(["", " "]))
+def test_anything_looks_as_pygments_makes_it(pieces: list[str], between: str) -> None:
+    text = between.join(pieces).rstrip("\n") + "\n"
     for language in LEXERS:
         assert coloured_lines(text, language) == by_pygments(text, language)
 
