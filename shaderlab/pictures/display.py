@@ -9,17 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shaderlab.errors import AssetError
-from shaderlab.pictures.viridis import VIRIDIS
+from shaderlab.pictures.colours import (
+    BAND_HIGH,
+    BAND_LOW,
+    BAND_MIDDLE,
+    NOT_FINITE,
+    OUTSIDE,
+    UNCOVERED,
+    VIRIDIS,
+)
 
 Bytes = NDArray[np.uint8]
-Colour = tuple[int, int, int]
 
-NOT_FINITE: Colour = (255, 0, 255)
-BAND_LOW: Colour = (33, 102, 172)
-BAND_MIDDLE: Colour = (247, 247, 247)
-BAND_HIGH: Colour = (224, 130, 20)
-OUTSIDE: tuple[Colour, Colour] = ((214, 20, 20), (0, 0, 0))
-UNCOVERED: Colour = (205, 205, 205)
 _SHADES = 8
 _RAMP: Bytes = np.frombuffer(bytes.fromhex(VIRIDIS), np.uint8).reshape(-1, 3)
 

@@ -16,6 +16,7 @@ from shaderlab.errors import AssetError, extra
 from shaderlab.files import write_bytes
 from shaderlab.pictures.display import as_pixels, enlarge, to_display
 from shaderlab.pictures.png import encode
+from shaderlab.pictures.previews import copy_path
 
 Floats = NDArray[np.float32]
 
@@ -64,6 +65,20 @@ def write_picture(
             file=path,
             remedy="check that the folder exists, may be written to, and has room",
         ) from error
+
+
+def save_preview(path: str | Path, pixels: NDArray[np.uint8], side: int) -> None:
+    """Write a copy of at most `side` pixels in each direction beside the PNG file `path`.
+
+    Args:
+        path: the PNG file.
+        pixels: what is in it, uint8 (height, width, 3), row 0 at the bottom.
+        side: how large the copy is at most.
+
+    Raises:
+        AssetError: the copy can't be written.
+    """
+    write_picture(copy_path(Path(path), side), reduced(pixels, side))
 
 
 def load(path: str | Path) -> Floats:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import struct
-import zlib
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shaderlab.pictures.deflate import deflated
+from shaderlab.pictures.packing import SIGNATURE, chunk
 
 Bytes = NDArray[np.uint8]
 
-SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _COLOUR_TYPES = {1: 0, 3: 2, 4: 6}  # by the number of channels: grey, RGB, RGBA
 _INDEXED = 3
 _UP = 2  # the filter "each byte less the one above it"
@@ -36,8 +35,3 @@ def encode(pixels: Bytes, palette: Bytes | None = None) -> bytes:
     table = b"" if palette is None else chunk(b"PLTE", palette.tobytes())
     data = chunk(b"IDAT", deflated(lines.data))
     return SIGNATURE + chunk(b"IHDR", head) + table + data + chunk(b"IEND", b"")
-
-
-def chunk(kind: bytes, data: bytes) -> bytes:
-    """One of the parts that a file consists of."""
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

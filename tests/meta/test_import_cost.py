@@ -88,6 +88,16 @@ def test_a_command_starts_its_worker_before_it_loads_anything_large() -> None:
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"numpy", "cattrs"})
 
 
+def test_pages_are_written_without_numpy() -> None:
+    statement = (
+        "import threading\nfrom shaderlab.cli import recorded_run, showing\n"
+        "from shaderlab.report import html\nhtml.load_libraries()\n"
+        "[thread.join() for thread in threading.enumerate() if thread.daemon]"
+    )
+    loaded = modules_after(statement)
+    assert {"jinja2", "pygments"} <= loaded and "numpy" not in loaded
+
+
 def test_help_opens_no_device() -> None:
     """No command's: each is asked, in one interpreter."""
     statement = (

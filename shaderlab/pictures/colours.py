@@ -1,7 +1,15 @@
-"""The false colours: the map "viridis" (Stéfan van der Walt and Nathaniel Smith, CC0), as
-OpenImageIO draws it.
+"""The colours of numbers: the map "viridis" (Stéfan van der Walt and Nathaniel Smith, CC0), as
+OpenImageIO draws it, and those of places in a band, as red, green and blue from 0 to 255.
 """
 
+Colour = tuple[int, int, int]
+
+NOT_FINITE: Colour = (255, 0, 255)
+BAND_LOW: Colour = (33, 102, 172)
+BAND_MIDDLE: Colour = (247, 247, 247)
+BAND_HIGH: Colour = (224, 130, 20)
+OUTSIDE: tuple[Colour, Colour] = ((214, 20, 20), (0, 0, 0))
+UNCOVERED: Colour = (205, 205, 205)
 # 256 colours from dark to bright, two hexadecimal digits each of red, green and blue.
 VIRIDIS = (
     "44015444035645055745075945095a450a5c460c5d460e5f460f60461161471263471364471465471567481668"
