@@ -6,8 +6,6 @@ import functools
 import sysconfig
 from pathlib import Path
 
-from shaderlab.compiler.compile_cache import cache_folder
-
 _SYSTEM = ("/proc", "/dev", "/sys", "/etc")
 _OF_TOOLS = frozenset({"__pycache__", ".git", ".hypothesis", ".pytest_cache"})
 _LIBRARIES = ("stdlib", "platstdlib", "purelib", "platlib")
@@ -21,6 +19,8 @@ def is_own(path: Path) -> bool:
 
 @functools.cache
 def _foreign() -> tuple[str | Path, ...]:
+    from shaderlab.compiler.compile_cache import cache_folder  # few commands ask
+
     package = Path(__file__).resolve().parents[1]
     libraries = [sysconfig.get_path(name) for name in _LIBRARIES]
     return (package, *libraries, *_SYSTEM, *filter(None, [cache_folder()]))
