@@ -38,7 +38,7 @@ def main() -> None:
             from shaderlab.files import hold_standard_descriptors
 
             hold_standard_descriptors()
-            begin_server()
+            begin_server(_is_of_one_case(sys.argv[1:]))
         # A command makes few cycles, and each look for some goes over all that was imported.
         gc.set_threshold(_OBJECTS_PER_LOOK)
         from shaderlab.cli import main as command_line
@@ -95,6 +95,13 @@ def _will_run(words: Sequence[str]) -> bool:
         and not any(word.startswith("--scheduler") or word in _WITHOUT_WORKERS for word in words)
         and sys.platform.startswith("linux")
     )
+
+
+def _is_of_one_case(words: Sequence[str]) -> bool:
+    """Whether a command runs one case, which takes one worker, by its words alone: a wrong guess
+    costs what a worker imports."""
+    named = [word for word in words[1:] if not word.startswith("-")]
+    return words[0] == "run" and len(named) == 1 and not os.path.isdir(named[0])
 
 
 def _interrupt(number: int, frame: object) -> None:

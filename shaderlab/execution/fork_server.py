@@ -61,12 +61,20 @@ class ForkServer:
         work: what it imports, as `shaderlab.execution.worker_main.prepared`; "" for nothing.
         copied: whether it is forked off this process, which has no threads and has imported
             little yet; else it is a Python of its own, which takes longer to start.
+        single: whether one worker will do, most likely: a second one then takes longer.
 
     Raises:
         OSError: it can't be started.
     """
 
-    def __init__(self, environment: Mapping[str, str], work: str, *, copied: bool = False) -> None:
+    def __init__(
+        self,
+        environment: Mapping[str, str],
+        work: str,
+        *,
+        copied: bool = False,
+        single: bool = False,
+    ) -> None:
         self._lock = threading.Lock()  # a request and its answer are not parted
         self._owner = os.getpid()
         self._numbers = itertools.count()
@@ -78,7 +86,7 @@ class ForkServer:
                 if copied
                 else _started(environment, theirs, self._errors)
             )
-        self._send(work)
+        self._send((work, single))
 
     @property
     def process(self) -> int:
@@ -178,11 +186,13 @@ def _started(environment: Mapping[str, str], control: socket.socket, errors: Bin
     )
 
 
-def fork_server(environment: Mapping[str, str], work: str, *, copied: bool = False) -> ForkServer:
+def fork_server(
+    environment: Mapping[str, str], work: str, *, copied: bool = False, single: bool = False
+) -> ForkServer:
     """The server of this process for workers in this environment, started unless it runs already.
 
-    Modules of others are not imported in it: they may change between two workers. `copied` is as of
-    `ForkServer`.
+    Modules of others are not imported in it: they may change between two workers. `copied` and
+    `single` are as of `ForkServer`.
 
     Raises:
         OSError: it can't be started.
@@ -196,7 +206,7 @@ def fork_server(environment: Mapping[str, str], work: str, *, copied: bool = Fal
         servers = _servers()
         found = servers.get(key)
         if found is None or not found.alive:
-            servers[key] = found = ForkServer(environment, work, copied=copied)
+            servers[key] = found = ForkServer(environment, work, copied=copied, single=single)
             atexit.register(found.close)
     return found
 

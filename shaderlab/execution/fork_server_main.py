@@ -74,18 +74,13 @@ def main() -> None:
 def serve(control: socket.socket) -> None:
     """Serve a socket until its other end is closed.
 
-    The first message says what to import (see `worker_main.prepared`); `Start`, `Kill`, `Ended` and
-    `Reap` follow. In a worker this function goes on as the worker's.
+    The first message says what to import (see `worker_main.prepared`), and whether one worker will
+    do; `Start`, `Kill`, `Ended` and `Reap` follow. In a worker this function goes on as its own.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
     worker_main.adopt_orphans()
-    work, _ = received(control)
-    if work:
-        loading = driver_libraries.load()
-        worker_main.prepared(work)
-        if loading is not None:
-            loading.join()  # a copy of this process has no other thread, and its locks for good
-    as_worker = _Server(control).run()
+    (work, single), _ = received(control)
+    as_worker = _Server(control, work).run(single)
     if as_worker is None:
         os._exit(0)  # what was imported is not worth taking down
     as_worker()
@@ -94,16 +89,28 @@ def serve(control: socket.socket) -> None:
 class _Server:
     """The workers that were forked, by number; one that could not be is an exit status."""
 
-    def __init__(self, control: socket.socket) -> None:
+    def __init__(self, control: socket.socket, work: str) -> None:
         self._control = control
+        self._work = work  # what is still to be imported
+        self._early: tuple[int, socket.socket] | None = None
         own = os.environ.get("PYTHONPATH", "").split(os.pathsep)
         self._everywhere = [folder for folder in sys.path if folder not in own]
         self._process, self._parent = os.getpid(), os.getppid()
         self._workers: dict[int, int] = {}
         self._lost: dict[int, int] = {}
 
-    def run(self) -> Callable[[], None] | None:
-        """Answer requests. Returns, in a worker, what it has to do; None when all is over."""
+    def run(self, single: bool) -> Callable[[], None] | None:
+        """Answer requests. Returns, in a worker, what it has to do; None when all is over.
+
+        Where a `single` worker will do, it is forked before anything is imported: what it imports
+        is its own then, and it copies no page of it. Others are forked when all is imported.
+        """
+        if single:
+            child = self._fork_early()
+            if child is not None:
+                return child
+        else:
+            self._prepare()
         while True:
             try:
                 self._wait()
@@ -132,10 +139,60 @@ class _Server:
             if os.getppid() != self._parent:
                 raise EOFError
 
+    def _prepare(self) -> None:
+        """Import the work, unless that is done."""
+        work, self._work = self._work, ""
+        if work:
+            loading = driver_libraries.load()
+            worker_main.prepared(work)
+            if loading is not None:
+                loading.join()  # a copy of this process has no other thread, and its locks for good
+
+    def _fork_early(self) -> Callable[[], None] | None:
+        """Fork the first worker; as `run`."""
+        ours, theirs = socket.socketpair()
+        process = os.fork()
+        if process:
+            theirs.close()
+            self._early = process, ours
+            return None
+
+        def work() -> None:
+            worker_main.die_with_parent(self._process)
+            ours.close()
+            self._control.close()
+            trouble = ""
+            try:
+                self._prepare()
+            except Exception:
+                trouble = traceback.format_exc()
+            try:
+                request, descriptors = received(theirs)
+            except (EOFError, OSError):  # none is wanted
+                os._exit(0)
+            if trouble:
+                os.write(descriptors[-1], trouble.encode())
+                os._exit(1)
+            self._become(request, *descriptors)
+
+        return work
+
+    def _taken_early(self, request: Start, descriptors: list[int]) -> int:
+        """The process that was forked early, if it is there and has no work yet, or 0."""
+        if self._early is not None:
+            (process, channel), self._early = self._early, None
+            with channel, contextlib.suppress(OSError):
+                send(channel, request, descriptors)
+                return process
+        return 0
+
     def _fork(self, request: Start, descriptors: list[int]) -> Callable[[], None] | None:
         parent, steps, errors = descriptors
         try:
-            process = os.fork()
+            process = self._taken_early(request, descriptors)
+            if not process:
+                self._prepare()
+                process = os.fork()
         except OSError:
             os.write(errors, traceback.format_exc().encode())
             self._lost[request.number] = NOT_FORKED

@@ -41,14 +41,15 @@ def environment() -> dict[str, str]:
     return {**_KEEP_MEMORY, **_ONE_THREAD, **os.environ, "PYTHONPATH": os.pathsep.join(path)}
 
 
-def begin_server() -> None:
+def begin_server(single: bool) -> None:
     """Start what workers of labs are forked from before anything asks for one: it imports what they
-    need while this process, which has imported little and has one thread, does the same.
+    need while this process, which has imported little and has one thread, does the same. With
+    `single` it is told that one worker will do.
 
     Nothing happens where it can't be started: the first worker says so.
     """
     with contextlib.suppress(OSError):
-        fork_server(environment(), LAB_WORK, copied=True)
+        fork_server(environment(), LAB_WORK, copied=True, single=single)
 
 
 @dataclass(eq=False)

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab.__main__ import _is_of_one_case
+from shaderlab.errors import ShaderlabError
 from shaderlab.execution import WorkerPool, driver_libraries
 from shaderlab.execution.fork_server import fork_server
 from shaderlab.execution.pool import ItemResult
@@ -45,7 +47,7 @@ from shaderlab.execution.fork_server import fork_server
 from shaderlab.execution.worker_process import environment
 
 if sys.argv.pop(1) == "copied":
-    fork_server(environment(), "mine:work", copied=True)
+    fork_server(environment(), "mine:work", copied=True, single=True)
 with WorkerPool("mine:work") as pool:
     for result in pool.run(["a", *sys.argv[1:]]):
         print(*result.value, flush=True)
@@ -84,6 +86,35 @@ def test_what_python_reads_when_it_starts_takes_a_server_of_its_own(
     with WorkerPool(work) as pool:
         after = only(list(pool.run(["a"])))
     assert after[1] != before[1] and after[2] == "cores"
+
+
+def test_a_single_worker_is_followed_by_others_where_it_must_be(
+    work: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OMP_PLACES", "threads")
+    server = fork_server(environment(), work, single=True)
+    with WorkerPool(work, batch=1) as pool:
+        first, _, second = pool.run(["a", "die", "b"])
+    assert first.value[1] == second.value[1] == server.process
+    assert first.value[0] != second.value[0]
+
+
+def test_a_single_worker_imports_by_itself_and_says_what_it_can_not() -> None:
+    nothing = "shaderlab.nothing:work"
+    server = fork_server(environment(), nothing, single=True)
+    with (
+        WorkerPool(nothing) as pool,
+        pytest.raises(ShaderlabError, match=r"No module named 'shaderlab.nothing'"),
+    ):
+        list(pool.run(["a"]))
+    assert server.alive
+
+
+def test_a_command_of_one_case_takes_a_single_worker(tmp_path: Path) -> None:
+    assert _is_of_one_case(["run", "attenuation[50]", "--size=64"])
+    for several in (["--all"], ["mvp", "fog"], [str(tmp_path)]):
+        assert not _is_of_one_case(["run", *several])
+    assert not _is_of_one_case(["sweep", "mvp"])
 
 
 def test_modules_of_others_are_not_kept(work: str, tmp_path: Path) -> None:
