@@ -207,6 +207,6 @@ def _agree(uses_by_name: Mapping[str, Sequence[_Use]], words: _Words) -> bool:
 
 def _by_author(name: str, uses: Sequence[_Use], sources: Sequence[Source]) -> bool:
     """Whether the author wrote the name's number in one of the stages that use it."""
-    stages = {use.stage for use in uses}
-    declared = (declaration(s, name) for s in sources if s.stage in stages and name)
-    return any(found and uses[0].qualifier in found[1] for found in declared)
+    stages, qualifier = {use.stage for use in uses}, uses[0].qualifier
+    may = [s for s in sources if s.stage in stages and name and qualifier in s.code]
+    return any(found and qualifier in found[1] for found in (declaration(s, name) for s in may))

@@ -25,7 +25,7 @@ def domain_vertex(text: str, inputs: Iterable[Variable]) -> str:
     Raises:
         UnsupportedError: an input is an array.
     """
-    variables, shader = list(inputs), Declared(text)
+    variables, shader = sorted(inputs, key=lambda variable: variable.name), Declared(text)
     written = []
     ramps: dict[str, list[str]] = {}
     for variable in variables:
