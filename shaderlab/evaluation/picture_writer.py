@@ -66,7 +66,8 @@ class PictureWriter:
         self._run = run
         self._stem = f"{_safe(case_id)}--{_safe(variant)}"
         self._saved: dict[tuple[bytes, tuple[int, ...], int], str] = {}
-        self._picture: tuple[Image, str] | None = None
+        self._picture: tuple[Image, PictureFiles] | None = None
+        self._made = False
 
     def write_picture(self, image: Image) -> PictureFiles:
         """Write the case's picture, with a small copy for the overview."""
@@ -77,8 +78,9 @@ class PictureWriter:
         if min(display.image.shape[:2]) >= 256 and max(display.image.shape[:2]) > PREVIEW_SIDE:
             path = self._folder / file
             self._run(lambda: pictures.save_preview(path, display.image, PREVIEW_SIDE))
-        self._picture = image, file
-        return PictureFiles({"picture": file}, {"picture": display.caption})
+        files = PictureFiles({"picture": file}, {"picture": display.caption})
+        self._picture = image, files
+        return files
 
     def write_passes(
         self, scene: Scene, images: Mapping[tuple[str, str], Image]
@@ -107,7 +109,7 @@ class PictureWriter:
 
     def _attachment(self, label: str, name: str, image: Image) -> Attachment:
         if self._picture is not None and self._picture[0] is image:
-            file = self._picture[1]
+            file = self._picture[1].files["picture"]
         else:
             small = replace(image, values=pictures.coarse(image.values, ATTACHMENT_SIDE))
             file = self._save(f"pass-{label}", _display(small).image, 1)
@@ -141,6 +143,11 @@ class PictureWriter:
         files: dict[str, str] = {}
         captions: dict[str, str] = {}
         for what, values in shown.items():
+            if span is None and covered is None and self._is_picture(values):
+                assert self._picture is not None
+                picture = self._picture[1]
+                files[what], captions[what] = picture.files["picture"], picture.captions["picture"]
+                continue
             display = pictures.to_display(values, value_range=span)
             seen = display.image
             if covered is not None:
@@ -160,6 +167,12 @@ class PictureWriter:
             corner = pictures.judged_part(arrays, worst, pictures.WINDOW // 2)
         self._run(lambda: _write_numbers(path, numbers, corner))
         return PictureFiles(files, captions, relative)
+
+    def _is_picture(self, values: Array) -> bool:
+        """Whether these colours lie where those of the case's picture do, and are as large."""
+        if self._picture is None or values.dtype.kind != "f" or min(values.shape[:2]) < 256:
+            return False
+        return _place(values) == _place(self._picture[0].values)
 
     def write_assembly(self, modules: Mapping[str, bytes]) -> str:
         """Write a program's modules as SPIR-V assembly, by stage; equal modules share a file.
@@ -193,8 +206,15 @@ class PictureWriter:
         assert self._folder is not None
         relative = f"images/{self._stem}--{_safe(label)}.{suffix}"
         path = self._folder / relative
-        path.parent.mkdir(parents=True, exist_ok=True)
+        if not self._made:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._made = True
         return relative, path
+
+
+def _place(values: Array) -> tuple[object, ...]:
+    """What memory an array is, and how it is read."""
+    return values.ctypes.data, values.dtype, values.shape, values.strides
 
 
 def _write_numbers(path: Path, numbers: pictures.Values, corner: pictures.Values | None) -> None:
