@@ -1,7 +1,8 @@
 """The libraries of the usual driver, loaded beside what a fork server imports.
 
 Half of the time in which Mesa is opened is that of LLVM's loading. The loader takes no lock of
-Python's, and workers that are forked afterwards have the libraries already.
+Python's, and workers that are forked afterwards have the libraries already. It loads one library
+at a time: what is imported meanwhile should have few of its own.
 """
 
 from __future__ import annotations

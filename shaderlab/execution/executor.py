@@ -26,7 +26,7 @@ from shaderlab.execution.jobs import (
 )
 from shaderlab.execution.pool import ItemResult, WorkerPool
 from shaderlab.execution.sizing import loads, suitable
-from shaderlab.execution.worker_process import LAB_WORK
+from shaderlab.execution.worker_main import LAB_WORK
 from shaderlab.options import Limits, RunOptions
 
 # Workers are started before anything that they do not need is imported here.

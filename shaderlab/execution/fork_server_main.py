@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import os
 import pickle
@@ -142,11 +143,16 @@ class _Server:
     def _prepare(self) -> None:
         """Import the work, unless that is done."""
         work, self._work = self._work, ""
-        if work:
+        loading = None
+        if work == worker_main.LAB_WORK:
+            gc.disable()  # as `prepared` does
+            import numpy  # noqa: F401 - one library is loaded at a time: NumPy's would wait
+
             loading = driver_libraries.load()
+        if work:
             worker_main.prepared(work)
-            if loading is not None:
-                loading.join()  # a copy of this process has no other thread, and its locks for good
+        if loading is not None:
+            loading.join()  # a copy of this process has no other thread, and its locks for good
 
     def _fork_early(self) -> Callable[[], None] | None:
         """Fork the first worker; as `run`."""

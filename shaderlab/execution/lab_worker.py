@@ -50,9 +50,12 @@ class LabWorker:
 
     @staticmethod
     def preload() -> None:
-        """Import what the driver needs, without opening it, and what scenes are sampled with."""
-        import numpy.random  # noqa: F401
+        """Import what the driver needs, without opening it, and what each scene needs."""
+        import numpy.random
 
+        from shaderlab.pictures import pack, save_png
+
+        _ = numpy.random, pack, save_png
         backends.preload()
 
     def __call__(self, requests: Sequence[Request]) -> Iterator[Any]:

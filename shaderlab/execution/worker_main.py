@@ -17,6 +17,8 @@ from typing import Any
 
 from shaderlab.errors import CaseError
 
+LAB_WORK = "shaderlab.execution.lab_worker:LabWorker"
+"""What workers that judge scenes call, as of `shaderlab.execution.pool.WorkerPool`."""
 STEP_BYTES = 256
 """The size of the file in which a worker notes its steps."""
 _PR_SET_PDEATHSIG = 1

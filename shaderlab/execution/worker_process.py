@@ -14,14 +14,12 @@ from typing import Any, Literal
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.execution.fork_server import ForkServer, ServerDiedError, fork_server, last_words
-from shaderlab.execution.worker_main import STEP_BYTES
+from shaderlab.execution.worker_main import LAB_WORK, STEP_BYTES
 from shaderlab.files import memory_file
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.module_path import pythons_first
 from shaderlab.options import Limits
 
-LAB_WORK = "shaderlab.execution.lab_worker:LabWorker"
-"""What workers that judge scenes call, as of `shaderlab.execution.pool.WorkerPool`."""
 START_SECONDS = 120.0
 END_SECONDS = 5.0
 # glibc gives large arrays back to the system one by one, and pays for each page when it takes

@@ -18,7 +18,8 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.execution import WorkerPool, driver_libraries
 from shaderlab.execution.fork_server import fork_server
 from shaderlab.execution.pool import ItemResult
-from shaderlab.execution.worker_process import LAB_WORK, environment
+from shaderlab.execution.worker_main import LAB_WORK
+from shaderlab.execution.worker_process import environment
 from shaderlab.options import Limits
 
 WORK = """
