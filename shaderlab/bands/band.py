@@ -130,7 +130,9 @@ class Band(Interval, Operators, Swizzled):
             given = np.atleast_1d(np.asarray(value, dtype=np.float64))
             if given.size > 16:
                 return cls._leaf(*_neighbours(given), rules)
-            low, high, unknown = _literal(given.tobytes(), given.shape, rules.flush)
+            first, last, unknown = _literal(given.tobytes(), rules.flush)
+            low = first.reshape(given.shape)
+            high = low if first is last else last.reshape(given.shape)
         return cls(low, high, rules) if not unknown else cls._leaf(low, high, rules)
 
     @classmethod
@@ -316,20 +318,20 @@ def _neighbours(given: Floats) -> tuple[Floats, Floats]:
 @lru_cache(maxsize=512)
 def _number(value: float, flush: bool) -> tuple[Floats, Floats, bool]:
     """`_literal` of one number."""
-    return _literal(np.float64(value).tobytes(), (1,), flush)
+    return _literal(np.float64(value).tobytes(), flush)
 
 
 @lru_cache(maxsize=512)
 @np.errstate(all="ignore")
-def _literal(data: bytes, shape: tuple[int, ...], flush: bool) -> tuple[Floats, Floats, bool]:
+def _literal(data: bytes, flush: bool) -> tuple[Floats, Floats, bool]:
     """The bounds of a few constants, and whether one is NaN; a formula has the same ones for
-    every block of pixels."""
-    given = np.frombuffer(data, np.float64).reshape(shape)
+    every block of pixels, and its shader mostly as well."""
+    given = np.frombuffer(data, np.float64)
     low, high = _neighbours(given)
     if low is not high:
         computed = [float(f"{x:.9g}") != x for x in given.flat]
         if any(computed):
-            wide = np.where(np.reshape(computed, shape) & (low != high), 2.0 * (high - low), 0.0)
+            wide = np.where(np.array(computed) & (low != high), 2.0 * (high - low), 0.0)
             low, high = low - wide, high + wide
     low, high = outward(low, high, flush)
     low.flags.writeable = high.flags.writeable = False
