@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from shaderlab.lazy_dataclass import dataclass
 
 Array = npt.NDArray[Any]
 PassDraw = tuple[str, int]
+_PLACES = 64
 
 
 def differ(one: Array, other: Array) -> bool:
@@ -89,6 +91,20 @@ class Fragments:
     frag_coord: Array
     inputs: Mapping[str, Array]
     undiscarded: Fragments | None = None
+
+    @cached_property
+    def misplaced(self) -> str:
+        """Where `gl_FragCoord` lies outside of its pixel, in words, or "": all that was judged by
+        it was judged at another place. Looks at `_PLACES` of the fragments, the last among them."""
+        pixels = np.flatnonzero(self.covered)
+        some = pixels[:: -max(len(pixels) // _PLACES, 1)]
+        at = np.stack(np.unravel_index(some, self.covered.shape)[::-1], axis=-1)
+        said = self.frag_coord[at[:, 1], at[:, 0], :2]
+        wrong = ~((said >= at) & (said <= at + 1)).all(axis=-1)
+        if not wrong.any():
+            return ""
+        (x, y), (x_said, y_said) = at[wrong][-1], said[wrong][-1]
+        return f"the driver is wrong: gl_FragCoord is ({x_said:g}, {y_said:g}) at pixel ({x}, {y})"
 
 
 @dataclass(frozen=True, kw_only=True)

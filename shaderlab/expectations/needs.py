@@ -19,7 +19,6 @@ from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.stages import changes_inputs, may_keep_out
 from shaderlab.programs.varyings import elements
 
-_PLACES = 64
 BEFORE_RASTERISATION = ("vertex", "tess_control", "tess_evaluation", "geometry")
 
 
@@ -35,20 +34,11 @@ class CapturedFragments(Need):
             return context.session.fragments(self.key)
 
     def misplaced(self, found: Fragments, programs: Programs) -> str:
-        """Where `gl_FragCoord` lies outside of its pixel, in words, or "": all that was judged by
-        it was judged at another place. Looks at `_PLACES` of the fragments, the last among them."""
+        """As `Fragments.misplaced`; "" where the shader may count from elsewhere."""
         draw = programs[self.key[0]][self.key[1]]
         if draw.draw.compute or changes_inputs(draw.text("fragment") or ""):
             return ""
-        pixels = np.flatnonzero(found.covered)
-        some = pixels[:: -max(len(pixels) // _PLACES, 1)]
-        at = np.stack(np.unravel_index(some, found.covered.shape)[::-1], axis=-1)
-        said = found.frag_coord[at[:, 1], at[:, 0], :2]
-        wrong = ~((said >= at) & (said <= at + 1)).all(axis=-1)
-        if not wrong.any():
-            return ""
-        (x, y), (x_said, y_said) = at[wrong][-1], said[wrong][-1]
-        return f"the driver is wrong: gl_FragCoord is ({x_said:g}, {y_said:g}) at pixel ({x}, {y})"
+        return found.misplaced
 
     def has_same_answer(self, programs: Programs, others: Programs) -> bool:
         for own, other in zip(programs[self.key[0]], others[self.key[0]], strict=True):
