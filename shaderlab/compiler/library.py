@@ -91,10 +91,18 @@ _P, _TEXT, _INPUT, _INT = c.c_void_p, c.c_char_p, c.POINTER(Input), c.c_int
 _TEXT_OUT, _DIAGNOSTIC_OUT = (c.POINTER(c.POINTER(t)) for t in (SpirvText, SpirvDiagnostic))
 
 # C++ functions for what the C interface lacks: `TShader::setStrings`, and `TShader::parse`, which
-# preprocesses while it parses. Then the table of virtual functions of `TShader::ForbidIncluder`.
+# preprocesses while it parses. Then the tables of virtual functions of `TShader` and of its
+# `ForbidIncluder`. A library of another version, whose arguments are others, has other names.
 _SET_TEXT = "_ZN7glslang7TShader10setStringsEPKPKci"
 _PARSE = "_ZN7glslang7TShader5parseEPK16TBuiltInResourcei8EProfilebb11EShMessagesRNS0_8IncluderE"
+_SHADER = "_ZTVN7glslang7TShaderE"
 _NO_INCLUDES = "_ZTVN7glslang7TShader14ForbidIncluderE"
+_CPP: _Signatures = {
+    _SET_TEXT: (None, _P, c.POINTER(_TEXT), _INT),
+    # resource limits; version and profile if the text has none; whether these hold in any case;
+    # forward compatible; messages; what includes files
+    _PARSE: (c.c_bool, _P, _P, _INT, _INT, c.c_bool, c.c_bool, c.c_uint, _P),
+}
 
 _GLSLANG: _Signatures = {
     "ShInitialize": (_INT,),
@@ -121,11 +129,6 @@ _GLSLANG: _Signatures = {
     "glslang_program_link": (_INT, _P, _INT),
     "glslang_program_map_io": (_INT, _P),
     "glslang_program_get_info_log": (_TEXT, _P),
-    _SET_TEXT: (None, _P, c.POINTER(_TEXT), _INT),
-    # resource limits; version and profile if the text has none; whether these hold in any case;
-    # forward compatible; messages; what includes files
-    _PARSE: (c.c_bool, _P, _P, _INT, _INT, c.c_bool, c.c_bool, c.c_uint, _P),
-    _NO_INCLUDES: (None,),
 }
 _SPIRV: _Signatures = {
     "glslang_program_SPIRV_generate_with_options": (None, _P, _INT, c.POINTER(SpirvOptions)),
@@ -151,6 +154,7 @@ class Glslang:
 
     `parse` takes a shader of the C interface and its `Input` and parses the input's text, where
     `glslang_shader_parse` needs what `glslang_shader_preprocess` has made of it, in twice the time.
+    It returns whether there was no error; False as well where the library does not let it.
     """
 
     front: c.CDLL
@@ -225,13 +229,22 @@ def files() -> tuple[Path, ...]:
 
 
 def _direct_parse(front: c.CDLL) -> Callable[[int, Input], bool]:
-    set_text, parse = getattr(front, _SET_TEXT), getattr(front, _PARSE)
-    # An object without data is the address of its class's functions, after two words of the table.
-    table = c.cast(getattr(front, _NO_INCLUDES), _P).value or 0
-    no_includes = _P(table + 2 * c.sizeof(_P))
+    try:
+        _declare(front, _CPP)
+        set_text, parse = getattr(front, _SET_TEXT), getattr(front, _PARSE)
+        # An object begins with the address of its class's functions, after two words of the table.
+        of_shader, without_data = (
+            c.addressof(_P.in_dll(front, name)) + 2 * c.sizeof(_P)
+            for name in (_SHADER, _NO_INCLUDES)
+        )
+    except (AttributeError, ValueError):
+        return lambda handle, given: False
+    no_includes = _P(without_data)
 
     def parsed(handle: int, given: Input) -> bool:
         shader = _P.from_address(handle)  # a handle's first word is its TShader
+        if not shader.value or _P.from_address(shader.value).value != of_shader:
+            return False
         text = (_TEXT * 1)(given.code)  # which the shader does not copy
         set_text(shader, text, 1)
         default = given.default_version, given.default_profile
@@ -246,10 +259,7 @@ def _load(named: tuple[str, str], functions: _Signatures, mode: int) -> c.CDLL:
     path = find(wheel, name)
     try:
         library = c.CDLL(str(path), mode=mode)
-        for function, (result, *arguments) in functions.items():
-            symbol = getattr(library, function)
-            symbol.restype = result
-            symbol.argtypes = arguments
+        _declare(library, functions)
     except (OSError, AttributeError) as error:
         raise ShaderError(
             f"can't use {name}: {error}",
@@ -257,3 +267,10 @@ def _load(named: tuple[str, str], functions: _Signatures, mode: int) -> c.CDLL:
             remedy=f"reinstall it: pip install --force-reinstall {wheel}",
         ) from error
     return library
+
+
+def _declare(library: c.CDLL, functions: _Signatures) -> None:
+    for function, (result, *arguments) in functions.items():
+        symbol = getattr(library, function)
+        symbol.restype = result
+        symbol.argtypes = arguments

@@ -11,11 +11,12 @@ from pathlib import Path
 import pytest
 
 from benchmarks.trees import mutant, own_shaders
-from shaderlab.compiler import ALL_TARGETS, Shaders, compile_glsl, compile_program
+from shaderlab.compiler import ALL_TARGETS, Shaders, compile_glsl, compile_program, library
 from shaderlab.compiler.commands import Commands, Executables, locate
 from shaderlab.compiler.engines import CompilerDiedError, choose
 from shaderlab.compiler.library import GLSLANG_WHEEL, Input, find, glslang
 from shaderlab.compiler.library_engine import Library
+from shaderlab.compiler.targets import SETTINGS
 from shaderlab.doctor import examine
 from shaderlab.errors import ShaderError
 
@@ -97,6 +98,23 @@ def test_each_stage_is_linked_for_two_targets_alone(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(engine, "_glslang", replace(glslang(), front=Front(), parse=counted))
     assert compile_program(stages, engine=engine).ok
     assert sorted(read) == sorted(2 * [stage.text for stage in stages])
+
+
+@pytest.mark.parametrize("absent", ["_PARSE", "_SHADER", "_NO_INCLUDES"])
+def test_a_library_without_its_c_plus_plus_functions_says_the_same(
+    monkeypatch: pytest.MonkeyPatch, absent: str
+) -> None:
+    program = PROGRAMS["two stages"]
+    stages = [Shaders([]).from_text(text, stage, f"p.{stage}") for stage, text in program.items()]
+    usual, other = Library(), Library()
+    monkeypatch.setattr(library, absent, "no_such_name")
+    parse = library._direct_parse(glslang().front)
+    monkeypatch.setattr(other, "_glslang", replace(glslang(), parse=parse))
+    handle, given = other._create(stages[0], SETTINGS["opengl"], stages[0].text)
+    assert not parse(handle, given) and glslang().parse(handle, given)
+    glslang().front.glslang_shader_delete(handle)
+    made = [compile_program(stages, engine=engine) for engine in (usual, other)]
+    assert (made[0].verdicts, made[0].spirv) == (made[1].verdicts, made[1].spirv) and made[0].ok
 
 
 def test_the_variable_names_the_command(monkeypatch: pytest.MonkeyPatch) -> None:
