@@ -6,7 +6,8 @@
 /* What rounding may add to a component of a unit vector, in both of its expansions. */
 #define BEYOND_UNIT (1.0 + 16 * 0x1p-23)
 
-/* The hull of both expansions of a component, cut; rounding it outward is rounding each. */
+/* The hull of both expansions of a component, cut; rounding it outward is rounding each. Lengths
+ * whose squares are normal numbers are divisors that have a precision, and positive. */
 LOOP int64_t either_component(
     npy_intp count, const double *v_lo, const double *v_hi, const Value *root, const Value *inverse,
     double *restrict lo, double *restrict negated_hi)
@@ -15,14 +16,15 @@ LOOP int64_t either_component(
     const double *of_hi = inverse->high;
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
-        double nearer = smaller(fabs(by_lo[i]), fabs(by_hi[i])), low, high;
-        int odd = quotient_of(v_lo[i], v_hi[i], by_lo[i], by_hi[i], nearer, &low, &high);
-        /* The inverse of a length is positive. */
-        double least = v_lo[i] * (v_lo[i] < 0.0 ? of_hi[i] : of_lo[i]);
-        double most = v_hi[i] * (v_hi[i] < 0.0 ? of_lo[i] : of_hi[i]);
+        int falls = v_lo[i] < 0.0, rises = v_hi[i] >= 0.0;
+        double low = v_lo[i] / (falls ? by_lo[i] : by_hi[i]);
+        double high = v_hi[i] / (rises ? by_lo[i] : by_hi[i]);
+        double least = v_lo[i] * (falls ? of_hi[i] : of_lo[i]);
+        double most = v_hi[i] * (rises ? of_hi[i] : of_lo[i]);
+        rare |= unbounded(low, high) | unbounded(least, most) ? ODD : 0;
+        widen(&low, &high, DIVISION_ULPS, DIVISION_ULPS);
         lo[i] = smaller(larger(smaller(low, least), -BEYOND_UNIT), BEYOND_UNIT);
         negated_hi[i] = -smaller(larger(larger(high, most), -BEYOND_UNIT), BEYOND_UNIT);
-        rare |= odd | unbounded(least, most) | !(of_lo[i] > 0.0) ? ODD : 0;
     }
     return rare;
 }

@@ -85,7 +85,13 @@ LOOP void take_apart(npy_intp count, npy_intp width, const double *from, double 
 LOOP void put_together(
     npy_intp count, npy_intp width, const double *const *from, double *restrict to)
 {
-    if (width == 3) {
+    if (width == 2) {
+        const double *x = from[0], *y = from[1];
+        for (npy_intp i = 0; i < count; i++) {
+            to[2 * i] = x[i];
+            to[2 * i + 1] = y[i];
+        }
+    } else if (width == 3) {
         const double *x = from[0], *y = from[1], *z = from[2];
         for (npy_intp i = 0; i < count; i++) {
             to[3 * i] = x[i];
@@ -137,9 +143,10 @@ static void pick_all(
             to[j] = picked(place, line, j, start, count, blocks[j]);
 }
 
-/* Takes a block of a line's elements, their pending slack paid where `settled`. */
+/* Takes a block of a line's elements. Where they are to be squared, no slack is paid, and only what
+ * is tiny has sizes. */
 static void load_elements(
-    const Rows *from, npy_intp line, npy_intp start, npy_intp count, int settled, int tiny,
+    const Rows *from, npy_intp line, npy_intp start, npy_intp count, int squared, int tiny,
     Loaded *loaded)
 {
     const Value *value = &from->value;
@@ -148,6 +155,7 @@ static void load_elements(
     pick_all(&from->lo, line, terms, start, count, loaded->blocks[0], to->low);
     if (value->exact) memcpy(to->high, to->low, sizeof to->low);
     else pick_all(&from->hi, line, terms, start, count, loaded->blocks[1], to->high);
+    if (squared && !tiny) return;
     if (!value->plain) pick_all(&from->mag, line, terms, start, count, loaded->blocks[2], to->size);
     for (npy_intp j = 0; j < terms && value->plain; j++) {
         sizes(count, to->low[j], to->high[j], loaded->blocks[2][j]);
@@ -159,7 +167,7 @@ static void load_elements(
         at_least_one(count, to->size[j], loaded->blocks[3][j]);
         to->reach[j] = loaded->blocks[3][j];
     }
-    for (npy_intp j = 0; j < terms && settled && value->slackened; j++) {
+    for (npy_intp j = 0; j < terms && !squared && value->slackened; j++) {
         ALIGNED double block[ROWS], low[ROWS], high[ROWS];
         const double *slack = picked(&from->slack, line, j, start, count, block);
         settle(count, to->low[j], to->high[j], slack, low, high);

@@ -72,7 +72,7 @@ static int64_t load_vectors(Line *line, npy_intp start, npy_intp count)
 {
     Elements *b = &line->elements.at;
     int64_t rare = 0;
-    load_elements(&line->b, 0, start, count, line->kind != SQUARE, line->tiny, &line->elements);
+    load_elements(&line->b, 0, start, count, line->kind == SQUARE, line->tiny, &line->elements);
     for (npy_intp j = 0; j < line->b.terms; j++)
         if (line->skipped[j]) rare |= any_infinite(count, b->low[j], b->high[j], b->size[j]);
     fill_up(b, line->b.terms, 3);
@@ -89,7 +89,7 @@ static int64_t sum_line(
     Elements *a = &line->factors.at, chosen;
     double shared[MAX_TERMS], size[MAX_TERMS];
     if (line->kind == EACH) {
-        load_elements(&line->a, number, start, count, 1, line->tiny, &line->factors);
+        load_elements(&line->a, number, start, count, 0, line->tiny, &line->factors);
         fill_up(a, terms, 3);
     } else if (line->kind == SHARED) {
         b = &chosen;
@@ -145,8 +145,13 @@ static PyObject *sum_products(PyObject *const *args, Py_ssize_t given, int lines
     Line line;
     Result *result = &pass.result;
     if (!begin_rows(&line, &pass, args, given, lines)) Py_RETURN_NONE;
-    /* Factors that round nothing leave more of the terms as they are. */
-    if (line.kind != SQUARE && (is_scale(&line.a.value) || is_scale(&line.b.value))) Py_RETURN_NONE;
+    Value *a = &line.a.value, *b = &line.b.value;
+    int scales = line.kind != SQUARE && (is_scale(a) || is_scale(b));
+    if (scales) {
+        /* Factors that round nothing leave a pending slack and tiny terms as they are. */
+        if (a->slackened || b->slackened || line.tiny) Py_RETURN_NONE;
+        line.how.steps = 0.0;
+    }
     npy_intp rows = line.a.rows > line.b.rows ? line.a.rows : line.b.rows;
     int single = PyArray_NDIM(line.a.value.lo.array) == 1 + lines
         && PyArray_NDIM(line.b.value.lo.array) == 1;
@@ -161,7 +166,7 @@ static PyObject *sum_products(PyObject *const *args, Py_ssize_t given, int lines
             npy_intp count = rows - start < ROWS ? rows - start : ROWS;
             result->rare = sum_lines(&line, result, start, count);
         }
-        if (line.tiny || result->rare != TINY_TERMS) return finished(&pass);
+        if (line.tiny || scales || result->rare != TINY_TERMS) return finished(&pass);
         line.tiny = 1;
     }
 }
