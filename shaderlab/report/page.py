@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -165,7 +166,7 @@ class Page:
     cases: tuple[CaseView, ...]
     mutants: Mutants | None = None
 
-    @property
+    @cached_property
     def notes(self) -> list[str]:
         """What to know before anything else: files in shaders' places, another size."""
         return list(conditions(self.run))

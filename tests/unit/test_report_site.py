@@ -16,7 +16,7 @@ from click.testing import CliRunner
 from shaderlab import pictures
 from shaderlab.cli import cli
 from shaderlab.records import ProgramRecord, Record, SourceText, Verdict
-from shaderlab.report import html, store
+from shaderlab.report import html, page as page_module, store
 from tests.unit.test_report_samples import Page, hostile, outcome, record, run, write
 
 
@@ -120,6 +120,16 @@ def test_headings_of_a_cases_page_begin_with_its_title(three: Path) -> None:
         levels = [int(tag[1]) for tag, _ in page.tags if re.fullmatch(r"h[1-6]", tag)]
         assert levels[0] == 1 and levels.count(1) == 1
         assert all(after - before <= 1 for before, after in itertools.pairwise(levels))
+
+
+def test_what_all_pages_say_of_the_run_is_found_once(
+    three: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+    monkeypatch.setattr(page_module, "conditions", lambda run: asked.append(run) or ["a note"])
+    html.write(store.load(three), three)
+    assert len(asked) == 1
+    assert all("a note" in path.read_text() for path in three.rglob("*.html"))
 
 
 def test_hostile_strings_stay_text_on_every_page(tmp_path: Path) -> None:
