@@ -253,6 +253,10 @@ def test_common_values_are_not_left_to_numpy() -> None:
         for matrix in (np.full((2, 3), 0.3), np.array([[0.3, 0.0, 0.0], [0.0, 0.0, 0.0]])):
             assert compiled.KERNELS.times_vector(Band.exact(matrix), vector) is not None
             assert_numpy_s(sums.times_vector, Band.exact(matrix), vector)
+    powers = Band.exact(np.diag([2.0, 0.5, -1.0]))
+    assert compiled.KERNELS.times_vector(powers, x * x) is not None
+    assert_numpy_s(sums.times_vector, powers, x * x)
+    assert compiled.KERNELS.times_vector(powers, x + x) is None
     assert compiled.KERNELS.direction(x) is not None
     unknown = glslmath.sqrt(x[..., 0:1] - 1.0)
     assert unknown.nan.any()
