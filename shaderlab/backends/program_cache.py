@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from typing import Any, Generic, Protocol, Self, TypeVar
 
-CAPACITY = 64
+CAPACITY = 16
 
 
 class Releasable(Protocol):

@@ -45,13 +45,13 @@ def worker(channel: Any, start: int = START) -> lab_worker.LabWorker:
 @pytest.mark.parametrize(
     ("held", "free", "after", "error"),
     [
-        (335, 0, None, CaseError),
-        (337, 0, 271, CaseError),
-        (337, 0, 273, EndedError),
-        (719, 384, None, CaseError),  # what is free will be used again
-        (719, 382, 273, EndedError),
-        (721, 400, 271, CaseError),
-        (721, 400, 273, EndedError),
+        (271, 0, None, CaseError),
+        (273, 0, 223, CaseError),
+        (273, 0, 225, EndedError),
+        (559, 288, None, CaseError),  # what is free will be used again
+        (559, 286, 225, EndedError),
+        (561, 300, 223, CaseError),
+        (561, 300, 225, EndedError),
     ],
 )
 def test_a_worker_that_has_grown_and_can_spare_little_ends(
