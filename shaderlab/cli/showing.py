@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 
 HEARTBEAT = 10.0
 MOST_ROWS = 40
+MOST_CASES = 200
+"""More than the catalogue has, and more than people read."""
 MOST_MESSAGES = 5
 SLOWEST = 5
 
@@ -83,8 +85,16 @@ class Show:
         )
 
     def outcomes(self, run: Run) -> None:
-        """A table of all cases, each failure in full, and a line that sums up."""
-        self.console.print(case_table(run.records, self.console.width))
+        """A table of all cases, each failure in full, and a line that sums up. Of more than
+        `MOST_CASES` the table has what did not pass."""
+        listed = run.records
+        if len({(record.id, record.file) for record in listed}) > MOST_CASES:
+            listed = tuple(record for record in listed if record.status != "pass")
+        if listed:
+            self.console.print(case_table(listed, self.console.width))
+        if passed := len(run.records) - len(listed):
+            words = f"not listed: {passed:,} that passed; the report has all"
+            self.console.print(words, style="dim")
         for record in run.records:
             if failed(record):
                 self.console.print()

@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from shaderlab.cli.rows import case_table
-from shaderlab.cli.showing import Show
+from shaderlab.cli.showing import MOST_CASES, Show
 from shaderlab.records import Record, Run
 
 
@@ -40,6 +40,18 @@ def test_variants_that_pass_share_a_row_and_others_stand_alone(
     lines = shown(capsys, *more, failing)
     assert row(lines, "lamp") == ["✓", "lamp", "5.1", "2/3", "2/2", "0.50", "3/3"]
     assert row(lines, "lamp[50]")[:5] == ["✗", "lamp[50]", "5.1", "0/1", ">"]
+
+
+def test_of_very_many_cases_those_are_listed_that_did_not_pass(
+    capsys: pytest.CaptureFixture[str], passing: Record, failing: Record
+) -> None:
+    many = [dataclasses.replace(passing, id=f"lamp-{n}") for n in range(MOST_CASES)]
+    assert len(table(shown(capsys, *many))) == 1 + MOST_CASES
+    lines = shown(capsys, *many, failing)
+    assert [line.split()[:2] for line in table(lines)[1:-1]] == [["✗", "lamp[50]"]]
+    assert table(lines)[-1] == f"not listed: {MOST_CASES} that passed; the report has all"
+    all_of_them = shown(capsys, *many, dataclasses.replace(passing, id="one-more"))
+    assert all_of_them[0] == f"not listed: {MOST_CASES + 1} that passed; the report has all"
 
 
 def test_outputs_that_no_check_reads_are_named_once_a_case(
