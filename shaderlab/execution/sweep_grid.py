@@ -216,7 +216,7 @@ def _range(word: str, start: float, stop: float, count: int, *, log: bool) -> tu
             f"--param {word}: a logarithmic range can't go from {start:g} to {stop:g}",
             remedy="both ends must be above 0, or both below",
         )
-    import numpy as np  # not for whoever only resumes a run
+    import numpy as np  # a run that is resumed needs none of it
 
     space = np.geomspace if log else np.linspace
     # Twelve digits, so that 0.3 does not become 0.30000000000000004.
