@@ -109,7 +109,11 @@ def test_records_and_pictures_are_those_of_a_local_run(
     assert records[0] == records[1]
     assert [record["status"] for record in records[0]] == ["crash", "fail", "fail", "pass"]
     files = [
-        {p.relative_to(name): p.read_bytes() for p in Path(name).rglob("*") if p.is_file()}
+        {
+            p.relative_to(name): p.read_bytes()
+            for p in Path(name).rglob("*")
+            if p.is_file() and not p.name.startswith(".")  # what a killed process was writing
+        }
         for name in ("there", "here")
     ]
     assert set(files[0]) == set(files[1])
@@ -189,8 +193,9 @@ def test_many_jobs_share_a_task_and_each_thread_gets_several() -> None:
 def test_what_a_cluster_compiled_once_it_knows_again(
     dask: Any, case_folder: Path, tmp_path: Path
 ) -> None:
-    kept = []
-    for _ in range(2):
+    kept: list[set[Path]] = []
+    # Other tests write to the same cache, but not in every moment.
+    while len(kept) < 2 or (kept[-2] != kept[-1] and len(kept) < 8):
         executor = DaskExecutor(dask.scheduler_address)
         try:
             near = Job(file=str(case_folder / "lamp.py"), id="lamp", variant="near")
@@ -201,7 +206,7 @@ def test_what_a_cluster_compiled_once_it_knows_again(
         root = cache_root()
         assert root is not None
         kept.append({path for path in root.rglob("*") if path.is_file()})
-    assert kept[0] and kept[0] == kept[1]
+    assert kept[-1] and kept[-2] == kept[-1]
 
 
 def test_a_wrong_file_and_a_hang_are_known_by_their_own_names(
