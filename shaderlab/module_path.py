@@ -3,6 +3,7 @@ a project is not taken for one of them."""
 
 from __future__ import annotations
 
+import functools
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -29,6 +30,7 @@ def searched(folder: str) -> Iterator[None]:
         sys.path.remove(entry)
 
 
+@functools.lru_cache(256)
 def _is_pythons(folder: str) -> bool:
     name = os.path.basename(folder)
     return (

@@ -17,11 +17,9 @@ from shaderlab.bands.rounding import (
     LARGEST,
     Flags,
     Floats,
-    down,
     enclosed,
     ordinary,
     outward,
-    up,
 )
 from shaderlab.bands.rules import Rules
 from shaderlab.bands.swizzles import Swizzled
@@ -129,7 +127,8 @@ class Band(Interval, Operators, Swizzled):
         else:
             given = np.atleast_1d(np.asarray(value, dtype=np.float64))
             if given.size > 16:
-                return cls._leaf(*_neighbours(given), rules)
+                with np.errstate(all="ignore"):
+                    return cls._leaf(*outward(given, given, False), rules)
             first, last, unknown = _literal(given.tobytes(), rules.flush)
             low = first.reshape(given.shape)
             high = low if first is last else last.reshape(given.shape)
@@ -308,13 +307,6 @@ class Band(Interval, Operators, Swizzled):
 use_bands(Band, Terms, Rules, Truth, _NOWHERE)
 
 
-@np.errstate(all="ignore")
-def _neighbours(given: Floats) -> tuple[Floats, Floats]:
-    """The float32 on either side, the same array twice where all are float32 themselves."""
-    low, high = down(given), up(given)
-    return (low, low) if (low == high).all() else (low, high)
-
-
 @lru_cache(maxsize=512)
 def _number(value: float, flush: bool) -> tuple[Floats, Floats, bool]:
     """`_literal` of one number."""
@@ -327,7 +319,7 @@ def _literal(data: bytes, flush: bool) -> tuple[Floats, Floats, bool]:
     """The bounds of a few constants, and whether one is NaN; a formula has the same ones for
     every block of pixels, and its shader mostly as well."""
     given = np.frombuffer(data, np.float64)
-    low, high = _neighbours(given)
+    low, high = outward(given, given, False)
     if low is not high:
         computed = [float(f"{x:.9g}") != x for x in given.flat]
         if any(computed):

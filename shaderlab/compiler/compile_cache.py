@@ -281,4 +281,4 @@ def _made(fields: dict[str, Any]) -> Any:
         return fields
     if kind == "bytes":
         return bytes.fromhex(fields["hex"])
-    return _KINDS[kind](**{k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()})
+    return _KINDS[kind](**{k: tuple(v) if type(v) is list else v for k, v in fields.items()})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
@@ -179,7 +180,7 @@ def require_compiled(programs: Programs) -> None:
 
 
 def _folder(scene: Scene) -> str:
-    return str(Path(scene.case.file).parent)
+    return os.path.dirname(scene.case.file) or os.curdir
 
 
 def _of_shaders(options: RunOptions) -> tuple[object, ...]:

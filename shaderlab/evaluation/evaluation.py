@@ -43,6 +43,7 @@ class Evaluation:
         self.programs = session.programs
         self.answers: dict[Need, Any] = {}
         self._like = like
+        self._needs: dict[int, tuple[Expectation, tuple[Need, ...]]] = {}
         with doing("draw"):
             self.drawn = session.draw()
         self._context = Context(session, self.drawn.bindings, preparer, backend.driver_verdict)
@@ -77,8 +78,15 @@ class Evaluation:
 
     def needs(self, expectation: Expectation) -> Iterator[Need]:
         """All that an expectation asks for, some of it twice perhaps."""
-        yield from expectation.needs(self.scene, self.programs)
+        yield from self._own_needs(expectation)
         yield from self._kept_out.needed(expectation)
+
+    def _own_needs(self, expectation: Expectation) -> tuple[Need, ...]:
+        """As `needs`, but for what may keep fragments out; found once."""
+        if id(expectation) not in self._needs:  # kept with it, or its id might be another's
+            found = tuple(expectation.needs(self.scene, self.programs))
+            self._needs[id(expectation)] = expectation, found
+        return self._needs[id(expectation)][1]
 
     def by_turns(
         self, before_release: Callable[[Set[Need]], None] | None = None
@@ -107,7 +115,7 @@ class Evaluation:
         """The number of the last expectation that has each need; and of the last that asks whether
         a draw keeps anything out."""
         expect = list(enumerate(self.scene.expect))
-        own = {need: i for i, e in expect for need in e.needs(self.scene, self.programs)}
+        own = {need: i for i, e in expect for need in self._own_needs(e)}
         return own, {need: i for i, e in expect for need in self._kept_out.needed(e)}
 
     @property
@@ -139,9 +147,7 @@ class Evaluation:
     def _misplaced(self, expectation: Expectation) -> str:
         """Where an expectation's fragments are not where the driver says, or ""."""
         captured = (
-            need
-            for need in expectation.needs(self.scene, self.programs)
-            if isinstance(need, CapturedFragments)
+            need for need in self._own_needs(expectation) if isinstance(need, CapturedFragments)
         )
         found = (need.misplaced(self.answers[need], self.programs) for need in captured)
         return next(filter(None, found), "")

@@ -134,7 +134,7 @@ class LabWorker:
 
     def _has_grown(self) -> bool:
         more = _own_memory() - self._start if self._start else 0
-        return more > GROWTH // 2 * 5 or more - freed_memory() > GROWTH
+        return more > GROWTH and (more > GROWTH // 2 * 5 or more - freed_memory() > GROWTH)
 
     def keep(self, slot: str, key: Hashable, make: Callable[[], Any]) -> Any:
         """The value in `slot`, made now unless it was made for the same key."""
@@ -162,7 +162,7 @@ class LabWorker:
 def _own_memory() -> int:
     """How many bytes of memory this process has and shares with no file; 0 where none can tell."""
     try:
-        with open("/proc/self/statm", encoding="ascii") as file:
+        with open("/proc/self/statm", "rb", buffering=0) as file:
             _, resident, shared, *_ = map(int, file.read().split())
     except OSError:
         return 0

@@ -12,7 +12,7 @@ import numpy as np
 from shaderlab import glslmath
 from shaderlab.bands import Band, Rules
 from shaderlab.bands.arithmetic import scaled
-from shaderlab.bands.rounding import is_power_of_two, shortest
+from shaderlab.bands.rounding import is_power_of_two
 from shaderlab.interpreter.arithmetic import Floats
 from shaderlab.lazy_dataclass import dataclass
 
@@ -33,8 +33,8 @@ class Bands:
     def literal(self, value: float) -> Floats:
         """The hull of the decimal number's neighbours, as in a reference; 3 ULP around one with
         so many digits that the compiler must have computed it of others."""
-        shown = shortest(value)
-        digits = shown.split("e")[0].replace(".", "").replace("-", "").lstrip("0")
+        shown = np.format_float_scientific(np.float32(value), trim="-")
+        digits = shown.split("e")[0].replace(".", "").replace("-", "")
         if len(digits) < _DIGITS or value == round(value):
             return Band.literal(np.full((1, 1), float(shown)), self.rules)
         give = _COMPUTED * float(np.spacing(np.abs(np.float32(value))))

@@ -78,6 +78,17 @@ class _Module:
         return found
 
 
+class _Literals(dict[float, Literal]):
+    """A literal for each number, made once: the same object is the same value to bands."""
+
+    def __init__(self, rules: Rules) -> None:
+        self._rules = rules
+
+    def __missing__(self, value: float) -> Literal:
+        made = self[value] = Literal.of(value, self._rules)
+        return made
+
+
 def _copied(function: FunctionType, rules: Rules) -> FunctionType:
     copies = _COPIES.setdefault(function, {})
     if rules in copies:
@@ -86,7 +97,7 @@ def _copied(function: FunctionType, rules: Rules) -> FunctionType:
     code = None
     if _has_formulas(function.__module__ or "", names):
         code = function.__code__
-        spelt = with_literals(code, functools.cache(functools.partial(Literal.of, rules=rules)))
+        spelt = with_literals(code, _Literals(rules).__getitem__)
         code = _unfolded(code) if spelt is None or _assigns_outside(code) else spelt
     if code is None:
         copies[rules] = function

@@ -237,6 +237,8 @@ class Scene:
 
 
 def _changed(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ...]:
+    if not variant.changes:
+        return passes
     known: dict[str, None] = {}
     # A buffer that several draws share is changed once, and stays shared.
     buffers: dict[tuple[str, int], UniformBuffer] = {}

@@ -86,11 +86,12 @@ def _deleter(function: Callable[..., None]) -> Callable[[int, Sequence[int]], No
 
 def _getter(function: Callable[..., None]) -> Callable[..., int]:
     """Of a glGet function: returns the one number that it asks for."""
+    kind = ctypes.c_uint if function.__name__.endswith("uiv") else ctypes.c_int
 
     def get(*arguments: int) -> int:
-        number = np.zeros(1, np.uint32 if function.__name__.endswith("uiv") else np.int32)
-        function(*arguments, number)
-        return int(number[0])
+        number = kind()
+        function(*arguments, ctypes.byref(number))
+        return number.value
 
     return get
 
@@ -128,9 +129,9 @@ def _shader_source(function: Callable[..., None]) -> Callable[[int, str], None]:
 
 def _attached_shaders(function: Callable[..., None]) -> Callable[[int], list[int]]:
     def attached(program: int) -> list[int]:
-        numbers = np.zeros(GL.glGetProgramiv(program, GL.GL_ATTACHED_SHADERS), np.uint32)
+        numbers = (ctypes.c_uint * GL.glGetProgramiv(program, GL.GL_ATTACHED_SHADERS))()
         function(program, len(numbers), None, numbers)
-        return [int(number) for number in numbers]
+        return list(numbers)
 
     return attached
 

@@ -74,8 +74,12 @@ def computed(run: Run, function: str, values: list[Any]) -> Any:
         if function in WHOLE:
             run.note_unit(found, 1.0)
         return found
-    units = [unit_of(run, value) for value in values]
-    known = exact(*values, *units) if all(units) else None
+    units: list[float] = []
+    for value in values:
+        units.append(unit_of(run, value))
+        if not units[-1]:  # as of most
+            return found
+    known = exact(*values, *units)
     if known is not None:
         if found.lo is not found.hi:
             found = known[0]
