@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import atexit
 import dataclasses
+import gc
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Generator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,23 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # A busy machine makes no example wrong.
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("patient")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """What collecting makes, modules and items, lives until the end. Nothing looks for garbage in
+    it: not while it grows, and not whenever a test makes some."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
+def pytest_unconfigure() -> None:
+    """A library that counts what it made says so if an ending process keeps some."""
+    gc.unfreeze()
 
 
 @pytest.fixture(scope="session")

@@ -2,10 +2,10 @@
 
 from shaderlab.discovery.case_files import (
     case_files as case_files,
+    examined as examined,
     imported_files as imported_files,
     is_case_file as is_case_file,
     shipped_cases as shipped_cases,
-    why_no_case as why_no_case,
 )
 from shaderlab.discovery.own_files import is_own as is_own
 from shaderlab.discovery.trees import (

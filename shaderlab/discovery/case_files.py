@@ -35,19 +35,41 @@ class _Module:
 
 def is_case_file(path: Path) -> bool:
     """Whether `path` is a case file; never raises."""
-    return _examined(path) == ""
+    return examined(path) == ""
 
 
-def why_no_case(path: Path) -> str:
-    """The reason why a file that takes `Case` from shaderlab is no case file; "" for others."""
-    return _examined(path) or ""
+def examined(path: Path) -> str | None:
+    """ "" for a case file, the reason why a file is none that takes `Case` from shaderlab, None for
+    all others; never raises."""
+    source = _read(path) if path.suffix == ".py" else b""
+    if not _MENTIONS.search(source):
+        return None
+    try:
+        module = _Module(path, tuple(_statements(ast.parse(source).body)))
+    except (SyntaxError, ValueError, RecursionError) as error:
+        if b"shaderlab" not in source:
+            return None
+        if _ASSIGNS.search(source):
+            return ""  # loading it reports the mistake
+        line = f" in line {error.lineno}" if isinstance(error, SyntaxError) else ""
+        return f"it has a syntax error{line}"
+    values = [value for statement in module.body for value in _values(statement)]
+    lab, takes = _imports_lab(module)
+    literal = all(isinstance(value, _NO_CASES) for value in values)
+    if not (takes or (values and not literal and (lab or _neighbours_take(module, _DEPTH)))):
+        return None
+    if path.name.startswith("_"):
+        return "its name begins with _"
+    if not values:
+        return "it assigns no `case` at its top level: one case a file, case = Case(…)"
+    return "its `case` is no Case(…)" if literal else ""
 
 
 def case_files(folder: Path, skipped: Callable[[Path, str], None] | None = None) -> Iterator[Path]:
     """The case files of `files_below`; `skipped` gets each that takes `Case` and is none, with the
     reason."""
     for path in files_below(folder):
-        reason = _examined(path)
+        reason = examined(path)
         if reason == "":
             yield path
         elif reason is not None and skipped is not None:
@@ -77,32 +99,6 @@ def shipped_cases() -> Iterator[Path]:
             source = _read(path)
             if b"shaderlab" in source and _ASSIGNS.search(source):
                 yield path
-
-
-def _examined(path: Path) -> str | None:
-    """ "" for a case file, the reason for one that only looks like one, None for all others."""
-    source = _read(path) if path.suffix == ".py" else b""
-    if not _MENTIONS.search(source):
-        return None
-    try:
-        module = _Module(path, tuple(_statements(ast.parse(source).body)))
-    except (SyntaxError, ValueError, RecursionError) as error:
-        if b"shaderlab" not in source:
-            return None
-        if _ASSIGNS.search(source):
-            return ""  # loading it reports the mistake
-        line = f" in line {error.lineno}" if isinstance(error, SyntaxError) else ""
-        return f"it has a syntax error{line}"
-    values = [value for statement in module.body for value in _values(statement)]
-    lab, takes = _imports_lab(module)
-    literal = all(isinstance(value, _NO_CASES) for value in values)
-    if not (takes or (values and not literal and (lab or _neighbours_take(module, _DEPTH)))):
-        return None
-    if path.name.startswith("_"):
-        return "its name begins with _"
-    if not values:
-        return "it assigns no `case` at its top level: one case a file, case = Case(…)"
-    return "its `case` is no Case(…)" if literal else ""
 
 
 def _read(path: Path) -> bytes:

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from shaderlab.discovery import is_case_file, why_no_case
+from shaderlab.discovery import examined
 from shaderlab.errors import ShaderlabError
 from shaderlab.execution.sizing import WORDS
 from shaderlab.files import display_path
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 
 _TESTS = re.compile(rb"^\s*(?:async\s+)?def test|^\s*class \w*Test|^Test", re.MULTILINE)
 _PREFETCHER: pytest.StashKey[Prefetcher] = pytest.StashKey()
+_EXAMINED: pytest.StashKey[tuple[Path, str | None]] = pytest.StashKey()
 
 
 class CaseFailure(Exception):
@@ -228,8 +229,8 @@ class NoCaseWarning(pytest.PytestWarning):
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile | None:
     """Collect case files, and nothing else."""
-    if not is_case_file(file_path):
-        reason = why_no_case(file_path)
+    reason = _examined(file_path, parent.config)
+    if reason != "":
         if reason and file_path.name != "conftest.py" and not _has_tests(file_path, parent):
             shown = display_path(file_path)
             parent.warn(NoCaseWarning(f"{shown} takes Case but is no case: {reason}"))
@@ -242,10 +243,20 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile |
 def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> NoTests | None:
     """Keep pytest from importing a case file as a module of tests, in its own process and outside
     the tree of cases. One that has tests as well stays one."""
-    if not is_case_file(module_path) or _has_tests(module_path, parent):
+    if _examined(module_path, parent.config) != "" or _has_tests(module_path, parent):
         return None
     found: NoTests = NoTests.from_parent(parent, path=module_path)
     return found
+
+
+def _examined(file: Path, config: pytest.Config) -> str | None:
+    """What `shaderlab.discovery.examined` says; of two hooks that ask one after the other for the
+    same file, the first has it parsed."""
+    asked, reason = config.stash.get(_EXAMINED, (None, None))
+    if asked != file:
+        reason = examined(file)
+        config.stash[_EXAMINED] = (file, reason)
+    return reason
 
 
 def _has_tests(file: Path, parent: pytest.Collector) -> bool:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab.discovery import examined
 from tests.gpu import faulty
 
 STAND_IN = """
@@ -107,6 +108,21 @@ def test_other_files_are_left_alone(cases: pytest.Pytester) -> None:
         test_own="def test_own(): pass",
     )
     cases.runpytest_subprocess("-k", "not far").assert_outcomes(passed=2, deselected=1)
+
+
+def test_a_file_is_examined_once(
+    pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Path] = []
+
+    def noted(file: Path) -> str | None:
+        asked.append(file)
+        return examined(file)
+
+    monkeypatch.setattr("shaderlab.pytest_plugin.examined", noted)
+    pytester.makepyfile(test_own="def test_own(): pass", test_other="", helper="")
+    pytester.runpytest_inprocess("--collect-only")
+    assert sorted(file.name for file in asked) == ["helper.py", "test_other.py", "test_own.py"]
 
 
 def test_cases_called_tests_are_collected_and_what_is_no_case_is_named(
