@@ -1,10 +1,10 @@
 """How runs grow: `python -m benchmarks.scale [COUNT …] [--sweep POINTS] [--cluster CASES]`.
 
 Runs folders of so many small cases (500 and 2,000 by default; 10,000 take minutes), each a shader
-of its own with 16 × 16 judged pixels: records a second, milliseconds of the processors for each,
-the largest process, and the page, made once more. `--sweep` judges one case at so many points.
-`--cluster` compares one and two workers of a Dask cluster on this machine with `-j 1`, which is the
-same work without a cluster.
+of its own with 16 × 16 judged pixels, or as `--size` says: records a second, milliseconds of the
+processors for each, the largest process, and the page, made once more. `--sweep` judges one case at
+so many points. `--cluster` compares one and two workers of a Dask cluster on this machine with
+`-j 1`, which is the same work without a cluster.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from benchmarks import running_programs
 from benchmarks.beside import PAGE, measured
 
 REPOSITORY = Path(__file__).resolve().parent.parent
-SIZE = 16
 HEAD = (
     f"{'cases':>7} {'clock, s':>9} {'records/s':>10} {'processors, ms each':>20} "
     f"{'largest, MiB':>13} {'page, s':>8} {'front page, kB':>15} {'run.json, MB':>13}"
@@ -43,6 +42,7 @@ def main() -> None:
     parser.add_argument("counts", type=int, nargs="*", metavar="COUNT")
     parser.add_argument("--sweep", type=int, metavar="POINTS")
     parser.add_argument("--cluster", type=int, metavar="CASES")
+    parser.add_argument("--size", type=int, default=16, metavar="PIXELS")
     asked = parser.parse_args()
     counts = asked.counts or ([] if asked.sweep or asked.cluster else [500, 2000])
     with tempfile.TemporaryDirectory() as name:
@@ -50,17 +50,17 @@ def main() -> None:
         if counts:
             print(HEAD, flush=True)
         for count in counts:
-            grown(folder, count)
+            grown(folder, count, asked.size)
         if asked.sweep:
-            swept(folder, asked.sweep)
+            swept(folder, asked.sweep, asked.size)
         if asked.cluster:
-            clustered(folder, asked.cluster)
+            clustered(folder, asked.cluster, asked.size)
 
 
-def grown(folder: Path, count: int) -> None:
+def grown(folder: Path, count: int, size: int) -> None:
     """A folder of `count` cases, run with their page and without pictures."""
     cases, report = folder / f"cases-{count}", folder / f"report-{count}"
-    running_programs.write(cases, count, SIZE)
+    running_programs.write(cases, count, size)
     taken = lab(folder, "run", str(cases), "--no-pictures", "--report", str(report))
     (page,) = measured(PAGE, folder, [str(report)])
     front, run = ((report / file).stat().st_size for file in ("index.html", "run.json"))
@@ -72,9 +72,9 @@ def grown(folder: Path, count: int) -> None:
     )
 
 
-def swept(folder: Path, points: int) -> None:
+def swept(folder: Path, points: int, size: int) -> None:
     """One case at so many points, into a table."""
-    (case,) = running_programs.write(folder / "swept", 1, SIZE)
+    (case,) = running_programs.write(folder / "swept", 1, size)
     where = "--table", str(folder / "sweep.csv"), "--report", str(folder / "report-sweep")
     taken = lab(folder, "sweep", str(case), "--param", f"gain=0:1:{points}", *where)
     print(
@@ -85,12 +85,12 @@ def swept(folder: Path, points: int) -> None:
     )
 
 
-def clustered(folder: Path, count: int) -> None:
+def clustered(folder: Path, count: int, size: int) -> None:
     """The same cases by one process, and by clusters of one and two workers."""
     from distributed import LocalCluster
 
     cases = str(folder / "clustered")
-    running_programs.write(Path(cases), count, SIZE)
+    running_programs.write(Path(cases), count, size)
     ran = "run", cases, "--no-pictures", "--report"
     lab(folder, *ran, str(folder / "first"))  # what is compiled is kept from here on
     alone = lab(folder, *ran, str(folder / "alone"), "-j", "1").clock
