@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from shaderlab.compiler.shader_files import OUTSIDE_REMEDY, File, OutsideError, Roots, inside
 from shaderlab.compiler.text import version_of, without_comments
-from shaderlab.errors import ShaderError, nearest
+from shaderlab.errors import ShaderError
 from shaderlab.lazy_dataclass import dataclass
 
 MAX_DEPTH = 64
@@ -190,7 +190,7 @@ class Expansion:
                 return File(file.name, file.path, "\n") if open_files else file
         if outside is not None:
             raise _error(f"#include {path!r} {outside}", trail, OUTSIDE_REMEDY)
-        raise _error(f"no file to #include: {path!r}", trail, nearest(path, self._roots.names()))
+        raise _error(f"no file to #include: {path!r}", trail, self._roots.nearest(path))
 
 
 def _guard(file: File, code: str) -> str | None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import os
 import posixpath
 import re
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -15,6 +17,8 @@ from shaderlab.lazy_dataclass import dataclass
 
 _SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)")
 _NO_SHADERS = frozenset({"__pycache__", "node_modules", "site-packages"})
+_LOOKED_AT = 20_000
+"""Files below a shader folder that are looked at for names like a misspelt one: 0.1 s."""
 _LEADS_OUT = "leads out of the shader folders"
 OUTSIDE_REMEDY = "name a file inside a shader folder, or add its folder: --include DIR"
 
@@ -62,7 +66,7 @@ class Roots:
         if file is None:
             where = ", ".join(str(folder) for folder in self.folders) or "no folder"
             raise ShaderError(
-                f"no shader {name!r} in {where}", file=name, remedy=nearest(name, self.names())
+                f"no shader {name!r} in {where}", file=name, remedy=self.nearest(name)
             )
         return file
 
@@ -99,12 +103,21 @@ class Roots:
                 return File(known, path, read_shader(path))
         return None
 
-    def names(self) -> tuple[str, ...]:
+    def nearest(self, name: str) -> str:
+        """A remedy for a misspelt name: like ones of shaders that are not too deep in the roots, of
+        which one may be somebody's home folder."""
+        return nearest(name, self.names(_LOOKED_AT))
+
+    def names(self, most: int | None = None) -> tuple[str, ...]:
         """All overridden names and all shader files below the roots, each by its shortest name, as
-        `load` and `#include` take them; those of the first root first."""
+        `load` and `#include` take them; those of the first root first.
+
+        Args:
+            most: files that are looked at below a root, of any kind, the least deep first.
+        """
         found: dict[str, str] = {}
         for folder in self.folders:
-            for name in _below(folder):
+            for name in _below(folder, most):
                 path = self._real(os.path.join(folder, name))
                 found[path] = min(found.get(path, name), name, key=len)
         return tuple(dict.fromkeys([*self._overrides, *found.values()]))
@@ -207,8 +220,8 @@ def is_shader(name: str) -> bool:
     return _SHADER_SUFFIXES.fullmatch(os.path.splitext(name)[1]) is not None
 
 
-def _below(folder: Path) -> Iterator[str]:
-    for path in map(Path, _walk(str(folder))):
+def _below(folder: Path, most: int | None) -> Iterator[str]:
+    for path in map(Path, itertools.islice(_walk(str(folder)), most)):
         if _SHADER_SUFFIXES.fullmatch(path.suffix) and path.is_file():
             yield path.relative_to(folder).as_posix()
 
@@ -272,10 +285,17 @@ def _placed(
 
 
 def _walk(folder: str) -> Iterator[str]:
-    for where, folders, files in os.walk(folder):
-        folders[:] = sorted(n for n in folders if not n.startswith(".") and n not in _NO_SHADERS)
+    """The files below a folder, those of a folder before those of the folders in it."""
+    waiting = deque([folder])
+    while waiting:
+        where = waiting.popleft()
+        _, folders, files = next(os.walk(where), ("", [], []))
         for name in sorted(files):
             yield os.path.join(where, name)
+        for name in sorted(folders):
+            inner = os.path.join(where, name)
+            if not (name.startswith(".") or name in _NO_SHADERS or os.path.islink(inner)):
+                waiting.append(inner)
 
 
 def _tells_stage(file: str) -> bool:

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from shaderlab.compiler import WORK, FileResult, compile_glsl
-from shaderlab.compiler.shader_files import find_shaders
+from shaderlab.compiler import WORK, FileResult, compile_glsl, shader_files
+from shaderlab.compiler.shader_files import Roots, find_shaders
 from shaderlab.errors import ShaderError, UsageError
 from shaderlab.execution import WorkerPool
 
@@ -147,3 +147,26 @@ def test_a_missing_path_is_a_usage_error(tmp_path: Path) -> None:
         compile_glsl([tmp_path / "gone"])
     with pytest.raises(UsageError, match="no shader in this folder"):
         compile_glsl([tmp_path])
+
+
+def test_a_misspelt_name_is_looked_for_near_the_top_of_a_large_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    deep = tmp_path / "a" / "photographs"
+    deep.mkdir(parents=True)
+    for number in range(30):
+        (deep / f"lamp_{number}.frag").write_text(GOOD)
+    (tmp_path / "z").mkdir()
+    (tmp_path / "z" / "lamp.frag").write_text(GOOD)
+    looked_at = []
+
+    def is_file(path: Path) -> bool:
+        looked_at.append(path)
+        return True
+
+    monkeypatch.setattr(shader_files, "_LOOKED_AT", 10)
+    monkeypatch.setattr(Path, "is_file", is_file)
+    with pytest.raises(ShaderError, match=r"no shader 'lmp\.frag'") as caught:
+        Roots([tmp_path], {}).shader("lmp.frag")
+    assert caught.value.remedy == "did you mean z/lamp.frag?"
+    assert len(looked_at) == 10
