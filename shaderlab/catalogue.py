@@ -13,7 +13,6 @@ from dataclasses import replace
 from importlib import import_module
 from importlib.machinery import ModuleSpec
 from importlib.util import module_from_spec, spec_from_file_location
-from itertools import takewhile
 from pathlib import Path
 from types import ModuleType
 
@@ -90,7 +89,7 @@ def _import(path: Path) -> ModuleType:
         raise CaseError("a case file is a Python file (.py)", file=path)
     file = Path(os.path.abspath(path))
     tree = tree_of(file)
-    known = sys.modules.copy()
+    known = set(sys.modules)
     try:
         with searched(str(file.parent)):  # for `import helper` of a module beside the file
             name = f"{_package(file.parent, tree)}.{file.stem.replace('.', '_')}"
@@ -110,10 +109,7 @@ def _import(path: Path) -> ModuleType:
             or _right_spelling(error),
         ) from error
     finally:
-        # What is imported comes last; a worker has thousands of cases before it.
-        _forget_scripts(
-            list(takewhile(lambda n: n not in known, reversed(sys.modules))), file.parent
-        )
+        _forget_scripts(sorted(set(sys.modules) - known, reverse=True), file.parent)
 
 
 def _package(folder: Path, tree: Path) -> str:

@@ -98,6 +98,24 @@ def test_a_neighbour_that_is_named_like_a_module_of_pythons(tmp_path: Path) -> N
     assert sys.path == before
 
 
+@pytest.mark.parametrize("more", ["", "import importlib, colorsys\nimportlib.reload(colorsys)\n"])
+def test_bare_imports_of_packages_stay_apart_with_all_their_modules(
+    tmp_path: Path, more: str
+) -> None:
+    """In sys.modules a package comes after its modules, and what is imported anew comes last."""
+    for name in ("a", "b"):
+        tree(
+            tmp_path / name,
+            {
+                "parts/__init__.py": "from parts.titles import TITLE",
+                "parts/titles.py": f"TITLE = {name!r}",
+                "lamp.py": titled("from parts import TITLE\n" + more),
+            },
+        )
+    for name in ("a", "b"):
+        assert load_case(tmp_path / name / "lamp.py").title == name
+
+
 def test_bare_imports_of_folders_and_of_what_they_import_stay_apart_too(tmp_path: Path) -> None:
     for name in ("a", "b"):
         tree(
