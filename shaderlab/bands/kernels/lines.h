@@ -120,31 +120,25 @@ MULTIPLY_LINES(square_four, 4, SQUARE, 0)
 MULTIPLY_LINES(square_three_tiny, 3, SQUARE, 1)
 MULTIPLY_LINES(square_four_tiny, 4, SQUARE, 1)
 
-static inline double narrowed_bound(double bound, double least)
-{
-    double narrow = (float)bound;
-    return (narrow > 0.0) & (narrow < least) ? 0.0 : narrow;
-}
-
 /* Adds up the products, each rounded outward; called while the processor rounds downward. */
 LOOP void add_products(npy_intp count, int terms, int flush, Sums *sums)
 {
-    double least = flush ? SMALLEST_NORMAL : 0.0;
+    uint64_t flushed = flushed_numbers(flush);
     double (*restrict lo)[ROWS] = sums->lo, (*restrict hi)[ROWS] = sums->negated_hi;
     double *restrict low = sums->low, *restrict high = sums->negated_high;
     if (terms > 3)
         for (npy_intp i = 0; i < count; i++) {
-            low[i] = narrowed_bound(lo[0][i], least) + narrowed_bound(lo[1][i], least)
-                + narrowed_bound(lo[2][i], least) + narrowed_bound(lo[3][i], least);
-            high[i] = narrowed_bound(hi[0][i], least) + narrowed_bound(hi[1][i], least)
-                + narrowed_bound(hi[2][i], least) + narrowed_bound(hi[3][i], least);
+            low[i] = narrowed_bound(lo[0][i], flushed) + narrowed_bound(lo[1][i], flushed)
+                + narrowed_bound(lo[2][i], flushed) + narrowed_bound(lo[3][i], flushed);
+            high[i] = narrowed_bound(hi[0][i], flushed) + narrowed_bound(hi[1][i], flushed)
+                + narrowed_bound(hi[2][i], flushed) + narrowed_bound(hi[3][i], flushed);
         }
     else
         for (npy_intp i = 0; i < count; i++) {
-            low[i] = narrowed_bound(lo[0][i], least) + narrowed_bound(lo[1][i], least)
-                + narrowed_bound(lo[2][i], least);
-            high[i] = narrowed_bound(hi[0][i], least) + narrowed_bound(hi[1][i], least)
-                + narrowed_bound(hi[2][i], least);
+            low[i] = narrowed_bound(lo[0][i], flushed) + narrowed_bound(lo[1][i], flushed)
+                + narrowed_bound(lo[2][i], flushed);
+            high[i] = narrowed_bound(hi[0][i], flushed) + narrowed_bound(hi[1][i], flushed)
+                + narrowed_bound(hi[2][i], flushed);
         }
 }
 

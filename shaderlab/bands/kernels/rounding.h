@@ -96,17 +96,32 @@ static inline void round_downward(void) { fesetround(FE_DOWNWARD); }
 static inline void round_to_nearest(void) { fesetround(FE_TONEAREST); }
 #endif
 
+/* Of all positive numbers in their order, which is that of their bits, how many are flushed. */
+static uint64_t flushed_numbers(int flush)
+{
+    return flush ? (uint64_t)bits_of(SMALLEST_NORMAL) - 1 : 0;
+}
+
+/* A bound rounded to float32 in the processor's direction; 0 for the first positive numbers. */
+static inline double narrowed_bound(double bound, uint64_t flushed)
+{
+    double narrow = (float)bound;
+    uint64_t bits = (uint64_t)bits_of(narrow);
+    bits = bits - 1 < flushed ? 0 : bits;
+    memcpy(&narrow, &bits, sizeof bits);
+    return narrow;
+}
+
 /* Called while the processor rounds downward. The upper bound comes negated. */
 LOOP int64_t narrowed(
     npy_intp count, int flush, const double *lo, const double *negated_hi, double *restrict out_lo,
     double *restrict out_hi)
 {
     int64_t differ = 0;
-    double least = flush ? SMALLEST_NORMAL : 0.0;
+    uint64_t flushed = flushed_numbers(flush);
     for (npy_intp i = 0; i < count; i++) {
-        double low = (float)lo[i], high = -(double)(float)negated_hi[i];
-        low = (low > 0.0) & (low < least) ? 0.0 : low;
-        high = (high < 0.0) & (high > -least) ? 0.0 : high;
+        double low = narrowed_bound(lo[i], flushed);
+        double high = -narrowed_bound(negated_hi[i], flushed);
         out_lo[i] = low;
         out_hi[i] = high;
         differ |= low != high ? -1 : 0;

@@ -86,9 +86,12 @@ LOOP int64_t widened(npy_intp count, const float *from, double *restrict to)
 {
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
-        double size = fabs((double)from[i]);
+        uint32_t bits;
+        memcpy(&bits, &from[i], sizeof bits);
+        bits &= 0x7FFFFFFF;
         to[i] = from[i];
-        rare |= !(size >= SMALLEST_NORMAL) & !(size == 0.0) ? ODD : 0;
+        /* From the smallest normal number to infinity. */
+        rare |= (bits != 0) & (bits - 0x00800000 > 0x7F000000) ? ODD : 0;
     }
     return rare;
 }

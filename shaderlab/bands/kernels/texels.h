@@ -129,15 +129,14 @@ static void read_texels(
     else memcpy(high, low, 4 * count * sizeof *low);
 }
 
-/* The places of whole numbers across and up; nonzero where there is none. */
+/* The places of whole numbers across and up, in these layers; nonzero where there is none. */
 LOOP int64_t places_at(
-    const Level *level, npy_intp start, npy_intp count, const double *x, const double *y,
+    const Level *level, const int64_t *layer, npy_intp count, const double *x, const double *y,
     int64_t *restrict place)
 {
     int64_t row[BLOCK], rare = wrap(count, x, level->width, level->across, place);
     rare |= wrap(count, y, level->height, level->up, row);
     int64_t width = level->width, height = level->height, layers = level->layers;
-    const int64_t *layer = level->layer + start;
     for (npy_intp i = 0; i < count; i++) {
         int64_t inside = (layer[i] * height + row[i]) * width + place[i];
         rare |= (layer[i] < -1) | (layer[i] >= layers) ? ODD : 0;
@@ -214,7 +213,7 @@ static PyObject *texels_at(PyObject *self, PyObject *const *args, Py_ssize_t giv
     for (npy_intp start = 0; start < level.count && !result.rare; start += BLOCK) {
         int64_t place[BLOCK];
         npy_intp some = texels_in(&level, start);
-        result.rare = places_at(&level, start, some, x + start, y + start, place);
+        result.rare = places_at(&level, level.layer + start, some, x + start, y + start, place);
         if (!result.rare)
             read_texels(&level, some, place, result.low + 4 * start, result.high + 4 * start);
     }
@@ -258,7 +257,6 @@ static PyObject *nearest_texels(PyObject *self, PyObject *const *args, Py_ssize_
     Result result = {0};
     Level level;
     const double *ends[4];
-    int candidates = given == 12 && args[0] == args[1] && args[2] == args[3] ? 1 : 4;
     if (given != 12 || !read_level(&level, args + 4)) Py_RETURN_NONE;
     Operand operands[4];
     Shape shape;
@@ -266,22 +264,26 @@ static PyObject *nearest_texels(PyObject *self, PyObject *const *args, Py_ssize_
     if (shape.ndim != 1 || shape.size != level.count) Py_RETURN_NONE;
     if (room_for_texels(&result, &level)) return NULL;
     for (npy_intp start = 0; start < level.count && !result.rare; start += BLOCK) {
-        ALIGNED double whole[4][BLOCK];
-        int64_t place[4][BLOCK], rest[BLOCK];
+        ALIGNED double whole[4][BLOCK], x[BLOCK], y[BLOCK];
+        int64_t place[BLOCK], layer[BLOCK];
         npy_intp some = texels_in(&level, start), at[BLOCK], crossing = 0;
         double *low = result.low + 4 * start, *high = result.high + 4 * start;
         for (int k = 0; k < 4; k++) ends[k] = values_at(&operands[k], start, some);
         for (int k = 0; k < 4; k += 2)
             result.rare |= floors(some, ends[k], ends[k + 1], whole[k], whole[k + 1]);
-        for (int k = 0; k < candidates; k++)
-            result.rare |= places_at(&level, start, some, whole[k & 1], whole[2 + k / 2], place[k]);
+        result.rare |= places_at(&level, level.layer + start, some, whole[0], whole[2], place);
         if (result.rare) break;
-        read_texels(&level, some, place[0], low, high);
+        read_texels(&level, some, place, low, high);
         for (npy_intp i = 0; i < some; i++)
             if ((whole[0][i] != whole[1][i]) | (whole[2][i] != whole[3][i])) at[crossing++] = i;
+        for (npy_intp i = 0; i < crossing; i++) layer[i] = level.layer[start + at[i]];
         for (int k = 1; k < 4 && crossing; k++) {
-            for (npy_intp i = 0; i < crossing; i++) rest[i] = place[k][at[i]];
-            result.rare |= join_candidates(&level, crossing, at, rest, low, high);
+            for (npy_intp i = 0; i < crossing; i++) {
+                x[i] = whole[k & 1][at[i]];
+                y[i] = whole[2 + k / 2][at[i]];
+            }
+            result.rare |= places_at(&level, layer, crossing, x, y, place);
+            result.rare |= join_candidates(&level, crossing, at, place, low, high);
         }
         result.differ |= crossing;
     }

@@ -109,12 +109,19 @@ static void load_settled(Value *value, npy_intp start, npy_intp count)
     }
 }
 
+/* Whether each block holds the same bounds. */
+static int is_repeated(const Value *value)
+{
+    return value->lo.kind == REPEATED && (value->exact || value->hi.kind == REPEATED);
+}
+
 /* Makes a block the current one. */
 static void load(Value *value, npy_intp start, npy_intp count)
 {
     load_settled(value, start, count);
     if (value->plain) {
         value->size = value->blocks[2];
+        if (start && is_repeated(value)) return;
         sizes(count, value->low, value->high, value->blocks[2]);
     } else
         value->size = values_at(&value->mag, start, count);
