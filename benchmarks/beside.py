@@ -2,7 +2,8 @@
 
 Each round runs a few small programs and many, each time in a new command with two workers. Shown is
 the processor time of the command alone, in milliseconds, for each program more: in all, and of that
-what is written when the last worker is done (the page, run.json). Median, and least, of the rounds.
+what is written when the last worker is done (the page, run.json). Here one process writes the whole
+page. Median, and least, of the rounds.
 
 `python -m benchmarks.beside --page FOLDER` makes the page of a run once more, and shows the
 processor time of that.
@@ -26,7 +27,14 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 FEW = 5
 RUN = """
 import json, sys, time
+from contextlib import contextmanager
 from shaderlab.cli import main, recorded_run
+from shaderlab.report import html
+@contextmanager
+def here(work, after):
+    work()
+    yield
+html.in_second_process = here
 write_report, written = recorded_run.write_report, []
 def timed(*asked):
     began = time.process_time()

@@ -211,6 +211,7 @@ def command(
                 is_latest=is_latest,
                 outputs=outputs,
                 open_report=open_report,
+                by_two=workers not in (0, 1) and scheduler is None,
             )
 
 

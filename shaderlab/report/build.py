@@ -10,9 +10,7 @@ from itertools import groupby
 from typing import TypeVar
 
 from shaderlab.records import Curve, Outcome, Plot, Record, Row, Run
-from shaderlab.report import markup
 from shaderlab.report.assembly import Packed, assemblies
-from shaderlab.report.chart import chart
 from shaderlab.report.grouping import CaseGroup, group_cases, total
 from shaderlab.report.inline import SMALL, Picture, Pictures
 from shaderlab.report.listing import Listing, anchor_of
@@ -27,7 +25,6 @@ from shaderlab.report.page import (
     Step,
     VariantView,
 )
-from shaderlab.report.plot import plot_view
 from shaderlab.report.sources import Shown, compiled, listings
 from shaderlab.report.text import Anchors
 from shaderlab.report.worst import worst_panel
@@ -60,8 +57,8 @@ def build(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | None = 
         for group in groups
     )
     if run.plots and cases:  # a sweep has one case
-        over_all = (*(("", plot_view(plot)) for plot in run.plots), *cases[0].plots)
-        cases = (replace(cases[0], plots=over_all), *cases[1:])
+        over_all = (*(("", plot) for plot in run.plots), *cases[0].points)
+        cases = (replace(cases[0], points=over_all), *cases[1:])
     chapters = []
     for (number, name), members in groupby(cases, lambda case: case.group.chapter):
         anchor = anchors.new(f"chapter-{number}")
@@ -82,7 +79,6 @@ def _apart(run: Run, case_id: str, pictures: Pictures) -> tuple[Apart, ...]:
 def _case(
     group: CaseGroup, anchors: Anchors, pictures: Pictures, shown: Shown, packed: Packed
 ) -> CaseView:
-    first = group.first
     anchor = anchors.new("case", group.id)
     source = anchors.next_short
     several = len(group.records) > 1
@@ -108,16 +104,14 @@ def _case(
         page=f"{CASES}/{_file_name(anchor)}",
         source=source,
         status=group.status,
-        lesson=markup.lesson(first.lesson),
-        formula=markup.formula(first.formula),
         thumbnail=_thumbnail(group, pictures),
         plates=tuple(
             _plate(pictures, record, name, file, len(group.records))
             for record in group.records
             for name, file in record.images.items()
         ),
-        charts=tuple((n, chart(curve)) for n, curve in _with_variants(group, lambda r: r.curves)),
-        plots=tuple((n, plot_view(plot)) for n, plot in _with_variants(group, lambda r: r.plots)),
+        curves=tuple(_with_variants(group, lambda record: record.curves)),
+        points=tuple(_with_variants(group, lambda record: record.plots)),
         figures=figures if together else (),
         errata=tuple(dict.fromkeys(note for record in group.records for note in record.errata)),
         compiled=compiled(group),

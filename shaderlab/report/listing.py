@@ -23,34 +23,45 @@ class Part:
 
 @dataclass(frozen=True)
 class Listing:
-    """A source ready to print: `count` lines, counted from `first`. `variants` says which variants
-    use it, empty for all of them.
+    """A source ready to print: `count` lines, counted from `first`, and `messages` by line.
+    `variants` says which variants use it, empty for all of them.
 
     `repeated`: an earlier case has the same listing, under the same anchors.
     """
 
-    file: str
-    language: str
+    source: SourceText
     anchor: str
-    first: int
     count: int
-    parts: tuple[Part, ...]
+    messages: Mapping[int, Sequence[Diagnostic]]
     variants: tuple[str, ...] = ()
     repeated: bool = False
 
     @property
+    def first(self) -> int:
+        """The number of its first line."""
+        return self.source.line
+
+    @property
     def place(self) -> str:
         """File and first line, as editors understand it."""
-        return f"{self.file}:{self.first}"
+        return f"{self.source.file}:{self.first}"
 
     @property
     def has_messages(self) -> bool:
-        """Whether compilers have messages about it."""
-        return any(part.messages for part in self.parts)
+        """Whether compilers have messages about one of its lines."""
+        return any(self.first <= line < self.first + self.count for line in self.messages)
+
+    @property
+    def parts(self) -> Iterator[Part]:
+        """Its lines, coloured when they are asked for, cut after those with messages."""
+        from shaderlab.report.colouring import coloured_lines
+
+        lines = coloured_lines(_code(self.source), self.source.language)
+        return _parts(lines, self.first, self.anchor, self.messages)
 
     def anchor_of(self, file: str, line: int) -> str | None:
         """The anchor of a line of a file, if it is in this listing."""
-        if file != self.file or not 0 <= line - self.first < self.count:
+        if file != self.source.file or not 0 <= line - self.first < self.count:
             return None
         return _anchor(self.anchor, line)
 
@@ -62,23 +73,15 @@ def listing(
     variants: tuple[str, ...] = (),
 ) -> Listing:
     """`source` with the `diagnostics` about its file, each once."""
-    from shaderlab.report.colouring import coloured_lines
-
     by_line: dict[int, list[Diagnostic]] = {}
     for message in dict.fromkeys(diagnostics):
         if message.file == source.file and message.line is not None:
             by_line.setdefault(message.line, []).append(message)
-    code = clean(source.text).expandtabs(4).rstrip("\n") + "\n"
-    lines = coloured_lines(code, source.language)
-    return Listing(
-        file=source.file,
-        language=source.language,
-        anchor=anchor,
-        first=source.line,
-        count=len(lines),
-        parts=tuple(_parts(lines, source.line, anchor, by_line)),
-        variants=variants,
-    )
+    return Listing(source, anchor, _code(source).count("\n"), by_line, variants)
+
+
+def _code(source: SourceText) -> str:
+    return clean(source.text).expandtabs(4).rstrip("\n") + "\n"
 
 
 def _parts(

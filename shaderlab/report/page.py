@@ -10,24 +10,27 @@ from typing import TYPE_CHECKING
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import (
     CodeCoverage,
+    Curve,
     Declared,
     Disagreement,
     ErratumNote,
     Outcome,
+    Plot,
     Record,
     Row,
     Run,
     Status,
     Verdict,
 )
+from shaderlab.report import markup
 from shaderlab.report.assembly import Assembly
-from shaderlab.report.chart import Chart
+from shaderlab.report.chart import Chart, chart
 from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, worst
 from shaderlab.report.inline import Picture
 from shaderlab.report.listing import Listing, anchor_of
 from shaderlab.report.mutants import Mutants
 from shaderlab.report.plain_text import conditions
-from shaderlab.report.plot import PlotView
+from shaderlab.report.plot import PlotView, plot_view
 from shaderlab.report.worst import WorstPanel
 
 if TYPE_CHECKING:
@@ -104,7 +107,8 @@ class CaseView:
     """A case with all its variants.
 
     `page` is its own page in the run's folder, `source` the number in the anchor of the first
-    source or SPIR-V text that no earlier case has.
+    source or SPIR-V text that no earlier case has. `curves` and `points` are what its charts and
+    plots show.
     """
 
     group: CaseGroup
@@ -112,12 +116,10 @@ class CaseView:
     page: str
     source: int
     status: Status
-    lesson: Markup
-    formula: Markup
     thumbnail: Picture | None
     plates: tuple[Plate, ...]
-    charts: tuple[tuple[str, Chart], ...]
-    plots: tuple[tuple[str, PlotView], ...]
+    curves: tuple[tuple[str, Curve], ...]
+    points: tuple[tuple[str, Plot], ...]
     figures: tuple[tuple[str, Row], ...]
     errata: tuple[ErratumNote, ...]
     compiled: tuple[Compiled, ...]
@@ -129,6 +131,27 @@ class CaseView:
     mutants: Mutants | None = None
     coverage: CodeCoverage | None = None
     apart: tuple[Apart, ...] = ()
+
+    # What takes time to make is made for the page that shows it.
+    @cached_property
+    def lesson(self) -> Markup:
+        """Its lesson."""
+        return markup.lesson(self.group.first.lesson)
+
+    @cached_property
+    def formula(self) -> Markup:
+        """Its formula, "" if there is none."""
+        return markup.formula(self.group.first.formula)
+
+    @cached_property
+    def charts(self) -> list[tuple[str, Chart]]:
+        """Its curves, each with the names of its variants, "" if all share it."""
+        return [(names, chart(curve)) for names, curve in self.curves]
+
+    @cached_property
+    def plots(self) -> list[tuple[str, PlotView]]:
+        """Its plots, likewise."""
+        return [(names, plot_view(plot)) for names, plot in self.points]
 
     @property
     def several(self) -> bool:

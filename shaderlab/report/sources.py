@@ -53,8 +53,8 @@ def listings(
         else:
             texts.append(replace(earlier, variants=users_of_it, repeated=True))
     return (
-        tuple(text for text in texts if text.language == "glsl"),
-        tuple(text for text in texts if text.language == "python"),
+        tuple(text for text in texts if text.source.language == "glsl"),
+        tuple(text for text in texts if text.source.language == "python"),
     )
 
 
