@@ -17,6 +17,7 @@ _RUNNING = ("run", "sweep", "mutate")
 """Commands that take workers."""
 _WITHOUT_WORKERS = ("-j0", "--jobs=0", "-h", "--help")
 _OBJECTS_PER_LOOK = 50_000
+_SWITCH_SECONDS = 0.0002
 
 
 def main() -> None:
@@ -41,6 +42,9 @@ def main() -> None:
             begin_server(_is_of_one_case(sys.argv[1:]))
         # A command makes few cycles, and each look for some goes over all that was imported.
         gc.set_threshold(_OBJECTS_PER_LOOK)
+        # Threads that wait for workers wait for Python's lock as well, which a thread that imports
+        # or writes a page would keep for 5 ms each time.
+        sys.setswitchinterval(_SWITCH_SECONDS)
         from shaderlab.cli import main as command_line
 
         try:

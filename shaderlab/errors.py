@@ -6,7 +6,6 @@ catches everything that the lab raises.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -132,6 +131,8 @@ def nearest(word: str, choices: Iterable[str]) -> str:
     >>> nearest("uniform", ["uniforms", "textures"])
     'did you mean uniforms?'
     """
+    import difflib  # few commands have such a word
+
     known = list(dict.fromkeys(choices))
     close = difflib.get_close_matches(word, known, n=3, cutoff=0.6)
     if close:

@@ -195,20 +195,19 @@ def command(
         recorded = compared_drivers(recorded, plan, executor, show)
         if coverage and recorded.complete:
             recorded = with_coverage(recorded, executor, plan, show)
-        show.outcomes(recorded.run)
-        show.gl_calls(recorded.run)
-        show.coverage(recorded.run)
-        show_drivers(recorded.run, show.console)
-        if profile:
-            show.profile(recorded.run)
-        is_latest = folder is None and resume is None
         with _beside(workers_end.close, close_servers):
+            show.outcomes(recorded.run)
+            show.gl_calls(recorded.run)
+            show.coverage(recorded.run)
+            show_drivers(recorded.run, show.console)
+            if profile:
+                show.profile(recorded.run)
             return finish(
                 recorded,
                 show,
                 "run",
                 verdict=_status(recorded.run),
-                is_latest=is_latest,
+                is_latest=folder is None and resume is None,
                 outputs=outputs,
                 open_report=open_report,
                 by_two=workers not in (0, 1) and scheduler is None,

@@ -247,11 +247,20 @@ class _Server:
 
 def _end_children() -> None:
     """End what cases have started in sessions of their own: it was left to this process."""
-    while children := _children():
+    while _has_children() and (children := _children()):
         for child in children:
             with contextlib.suppress(ProcessLookupError, ChildProcessError):
                 os.kill(child, signal.SIGKILL)
                 os.waitpid(child, 0)
+
+
+def _has_children() -> bool:
+    """Whether this process has any; to find them, all processes have to be looked at."""
+    try:
+        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOWAIT | os.WNOHANG)
+    except ChildProcessError:
+        return False
+    return True
 
 
 def _children() -> list[int]:
