@@ -94,10 +94,10 @@ class Lab(SceneDrawer):
         folder = self.options.picture_folder
         writer = PictureWriter(folder, scene.case.id, scene.variant, files.submit)
 
-        def assembly(modules: Mapping[str, bytes]) -> str:
+        def assembly(spirv: Mapping[str, Mapping[str, bytes]]) -> str:
             file = ""
             with unless_unwritable(builder):
-                file = writer.write_assembly(modules)
+                file = writer.write_assembly(spirv)
             return file
 
         builder.add_programs(programs, assembly)

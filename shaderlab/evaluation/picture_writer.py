@@ -65,7 +65,7 @@ class PictureWriter:
         self._folder = folder
         self._run = run
         self._stem = f"{_safe(case_id)}--{_safe(variant)}"
-        self._saved: dict[tuple[bytes, tuple[int, ...], int], str] = {}
+        self._saved: dict[_Pixels, str] = {}
         self._picture: tuple[Image, PictureFiles] | None = None
         self._made = False
 
@@ -162,10 +162,8 @@ class PictureWriter:
             files["distance"] = self._save(f"{label}-distance", seen, COMPARISON_SIDE, palette)
         relative, path = self._file(label, "values")
         numbers = pictures.judged_part(arrays, worst)
-        corner = None
-        if "covered" not in arrays and not numbers.outside.any():
-            corner = pictures.judged_part(arrays, worst, pictures.WINDOW // 2)
-        self._run(lambda: _write_numbers(path, numbers, corner))
+        equal = "covered" not in arrays and not numbers.fine
+        self._run(lambda: _write_numbers(path, numbers, equal))
         return PictureFiles(files, captions, relative)
 
     def _is_picture(self, values: Array) -> bool:
@@ -174,15 +172,20 @@ class PictureWriter:
             return False
         return _place(values) == _place(self._picture[0].values)
 
-    def write_assembly(self, modules: Mapping[str, bytes]) -> str:
-        """Write a program's modules as SPIR-V assembly, by stage; equal modules share a file.
+    def write_assembly(self, spirv: Mapping[str, Mapping[str, bytes]]) -> str:
+        """Write a program's modules, by target and stage, as SPIR-V assembly; equal ones share a
+        file.
 
         Returns:
             the file, relative to the run's folder; "" where there is none.
         """
+        modules = {
+            f"{to} {stage}": data for to, own in spirv.items() for stage, data in own.items()
+        }
         if self._folder is None or not modules:
             return ""
-        name = hashlib.blake2s(b"".join(modules.values()), digest_size=8).hexdigest()
+        whole = b"".join(part for title, data in modules.items() for part in (title.encode(), data))
+        name = hashlib.blake2s(whole, digest_size=8).hexdigest()
         relative = f"spirv/{name}.spvasm"
         path = self._folder / relative
         if not path.exists():
@@ -195,7 +198,7 @@ class PictureWriter:
         """Write a picture; equal ones of a scene are one file, named by the first label."""
         pixels = np.ascontiguousarray(image)
         factor = max(1, -(-side // min(pixels.shape[:2])))
-        key = hashlib.blake2b(pixels.data, digest_size=16).digest(), pixels.shape, factor
+        key = _Pixels(pixels, factor)
         if key not in self._saved:
             relative, path = self._file(label, "png")
             self._run(lambda: pictures.save_png(path, pixels, min_side=side, palette=palette))
@@ -212,16 +215,39 @@ class PictureWriter:
         return relative, path
 
 
+class _Pixels:
+    """What a picture file shows, for a dictionary: equal to what has the same size and a digest
+    that is the same, computed where another one has the size."""
+
+    def __init__(self, pixels: Array, factor: int) -> None:
+        self._size = pixels.shape, factor
+        self._pixels: Array | None = pixels
+        self._known = b""
+
+    def __hash__(self) -> int:
+        return hash(self._size)
+
+    def __eq__(self, other: object) -> bool:
+        assert isinstance(other, _Pixels)
+        return self._size == other._size and self._digest() == other._digest()
+
+    def _digest(self) -> bytes:
+        if self._pixels is not None:
+            self._known = hashlib.blake2b(self._pixels.data, digest_size=16).digest()
+            self._pixels = None
+        return self._known
+
+
 def _place(values: Array) -> tuple[object, ...]:
     """What memory an array is, and how it is read."""
     return values.ctypes.data, values.dtype, values.shape, values.strides
 
 
-def _write_numbers(path: Path, numbers: pictures.Values, corner: pictures.Values | None) -> None:
+def _write_numbers(path: Path, numbers: pictures.Values, equal: bool) -> None:
     """Write numbers, or those of a corner where every bit is equal and the data do not compress."""
     packed = pictures.pack(numbers)
-    if corner is not None and len(packed) > LARGE:
-        packed = pictures.pack(corner)
+    if equal and len(packed) > LARGE:
+        packed = pictures.pack(numbers.corner())
     write_bytes(path, packed)
 
 

@@ -41,7 +41,7 @@ from shaderlab.records import (
     Verdict,
 )
 
-Assembly = Callable[[Mapping[str, bytes]], str]
+Assembly = Callable[[Mapping[str, Mapping[str, bytes]]], str]
 
 
 class RecordBuilder:
@@ -236,6 +236,7 @@ class RecordBuilder:
 
 def _program(draw: PreparedDraw, assembly: Assembly) -> ProgramRecord:
     modules = draw.compiled.spirv
+    file = assembly(modules)
     parts: dict[str, str] = {}
     for source in draw.authored:
         parts.update(dict(source.parts))
@@ -247,7 +248,7 @@ def _program(draw: PreparedDraw, assembly: Assembly) -> ProgramRecord:
         files=tuple(source.file for source in sources),
         sources=tuple(sources),
         verdicts=tuple(
-            _for_display(verdict, assembly(modules.get(verdict.target, {})))
+            _for_display(verdict, file if modules.get(verdict.target) else "")
             for verdict in draw.compiled.verdicts
         ),
         declared=tuple(_declared(draw.compiled.interface)),

@@ -127,7 +127,9 @@ class Formula(OfReference):
 
 
 def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
-    def laid_out(values: Array, nothing: float) -> LaidOut:
+    def laid_out(values: Array, nothing: float) -> Array | LaidOut:
+        if len(values) == covered.size:
+            return values.reshape(*covered.shape, -1)
         return LaidOut(covered, values.__getitem__, nothing)
 
     def reference(rows: Array | slice) -> Array:
@@ -143,7 +145,7 @@ def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
         "exact": LaidOut(covered, banded.band.at, np.nan),
         "low": laid_out(banded.low, np.nan),
         "high": laid_out(banded.high, np.nan),
-        "outside": LaidOut(covered, lambda rows: ~banded.inside[rows], False),
+        "outside": laid_out(~banded.inside, False),
         "unit": np.asarray(banded.unit or 0.0),
     }
 

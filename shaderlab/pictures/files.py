@@ -5,12 +5,11 @@ Files have the top row first, OpenGL the lowest; the flip happens here and nowhe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from shaderlab.errors import AssetError, extra
 from shaderlab.files import write_bytes
@@ -130,55 +129,54 @@ def load(path: str | Path) -> Floats:
 def reduced(pixels: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
     """uint8 (height, width, channels), at most `side` pixels in each direction.
 
-    Each new pixel is the mean of its own block: quick, and no colour rings around an edge.
+    Each new pixel is the mean of a square: quick, and no colour rings around an edge.
     """
-    height, width = pixels.shape[:2]
-    scale = side / max(height, width)
-    if scale >= 1:
+    factor = -(-max(pixels.shape[:2]) // side)
+    if factor < 2:
         return pixels
-    means: NDArray[Any] = pixels
-    for length in (height, width):
-        count = max(1, round(length * scale))
-        starts = np.arange(count) * length // count
-        blocks = np.diff(starts, append=length)
-        sums = means[starts].astype(np.float32)
-        # One row of each block after the other: `np.add.reduceat` takes three times as long.
-        for step in range(1, int(blocks.max())):
-            more = blocks > step
-            sums[more] += means[starts[more] + step]
-        sums /= blocks.astype(np.float32)[:, None, None]
-        means = np.ascontiguousarray(sums.swapaxes(0, 1))
-    return np.asarray(np.rint(means), dtype=np.uint8)
+    sums, count = _sums(pixels, factor, np.uint16)
+    sums += count // 2
+    sums //= count
+    return sums.astype(np.uint8)
 
 
 def coarse(values: NDArray[Any], side: int) -> NDArray[Any]:
     """Values of a picture (height, width, channels) at so many pixels in its longer direction, or
     up to twice as many.
 
-    Colours are means of squares. Numbers that are no colours, which are integers or stand alone,
-    may have no mean: of these each square gives one.
+    Colours are means of squares, without a fourth channel. Numbers that are no colours, which are
+    integers or stand alone, may have no mean: of these each square gives one.
     """
     factor = max(values.shape[:2]) // side
     if factor < 2:
         return values
-    down, across = (min(factor, count) for count in values.shape[:2])
-    height, width = values.shape[0] // down * down, values.shape[1] // across * across
     if values.dtype.kind != "f" or values.shape[2] == 1:
+        down, across = (min(factor, count) for count in values.shape[:2])
+        height, width = values.shape[0] // down * down, values.shape[1] // across * across
         return values[:height:down, :width:across]
-    if values.dtype == np.float16:
-        values = values.astype(np.float32)  # processors add no halves
+    wanted = np.promote_types(values.dtype, np.float32)  # processors add no halves
     with np.errstate(all="ignore"):
-        rows = _sum([values[start:height:down] for start in range(down)])
-        mean = _sum([rows[:, start:width:across] for start in range(across)])
-        return np.asarray(mean / (down * across))
+        sums, count = _sums(values, factor, wanted)
+        sums /= count
+    return sums
 
 
-def _sum(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """Their sum, in an array of its own."""
-    found = np.array(parts[0])
-    for part in parts[1:]:
-        found += part
-    return found
+def _sums(values: NDArray[Any], factor: int, kind: DTypeLike) -> tuple[NDArray[Any], int]:
+    """Sums of squares of `factor` × `factor` pixels, without a fourth channel, and of how many
+    pixels: of all up to 4 × 4, else of so many all over the square."""
+    down, across = (min(factor, count) for count in values.shape[:2])
+    height, width = values.shape[0] // down, values.shape[1] // across
+    ys, xs = (range(0, side, -(-side // 4)) for side in (down, across))
+    found = np.zeros((height, width, min(values.shape[2], 3)), kind)
+    # Of one channel after the other: loops over a pixel's own are short, and take twice as long.
+    for channel in range(found.shape[2]):
+        plane = values[: height * down, : width * across, channel]
+        rows = plane[::down].astype(kind)
+        for y in ys[1:]:
+            rows += plane[y::down]
+        for x in xs:
+            found[:, :, channel] += rows[:, x::across]
+    return found, len(ys) * len(xs)
 
 
 def _damaged(path: Path, problem: str) -> AssetError:

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -29,7 +30,7 @@ from numpy.typing import NDArray
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.pictures.deflate import deflated
 
-Floats = NDArray[np.float64]
+Numbers = NDArray[Any]
 _REST = 65535.0
 _COARSE = 2048
 # Pictures with more pixels than a square of this side, at four components, are cut to such a
@@ -55,10 +56,10 @@ class Values:
     origin: tuple[int, int]
     unit: float
     whole: bool
-    measured: Floats
-    reference: Floats
-    low: Floats
-    high: Floats
+    measured: Numbers
+    reference: Numbers
+    low: Numbers
+    high: Numbers
     judged: NDArray[np.bool_]
     outside: NDArray[np.bool_]
 
@@ -66,6 +67,15 @@ class Values:
     def fine(self) -> bool:
         """Whether references are kept to more than the eight digits that a passing check shows."""
         return bool(self.outside.any())
+
+    def corner(self) -> Values:
+        """The lowest values at the left, a quarter of a whole window at most."""
+        side = WINDOW // 2
+        if self.measured.size <= 4 * side**2:
+            return self
+        named = ("measured", "reference", "low", "high", "judged", "outside")
+        part = {name: getattr(self, name)[:side, :side] for name in named}
+        return replace(self, whole=False, **part)
 
 
 def pack(values: Values) -> bytes:
@@ -86,9 +96,7 @@ def pack(values: Values) -> bytes:
     return deflated(b"".join((text.encode("ascii"), *columns)))
 
 
-def judged_part(
-    arrays: Mapping[str, Any], worst: tuple[int, int] | None = None, window: int = WINDOW
-) -> Values:
+def judged_part(arrays: Mapping[str, Any], worst: tuple[int, int] | None = None) -> Values:
     """The smallest part of a check's pictures that holds all judged values.
 
     Args:
@@ -96,26 +104,25 @@ def judged_part(
             "outside"; "covered" (height, width), and "unit". Of an exact comparison "measured" and
             "reference" alone: each band is its reference. Only the part is looked at.
         worst: (x, y) of the value to keep where the picture is too large to be kept whole.
-        window: how many pixels of it are kept then in each direction.
     """
     height, width, components = arrays["measured"].shape
     covered = arrays.get("covered", np.True_)
     covered = np.broadcast_to(covered, (height, width))
     ys, xs = (np.flatnonzero(covered.any(axis=axis)) for axis in (1, 0))
     box = [(int(a[0]), int(a[-1]) + 1) if a.size else (0, 1) for a in (xs, ys)]
-    whole = (box[0][1] - box[0][0]) * (box[1][1] - box[1][0]) * components <= 4 * window**2
+    whole = (box[0][1] - box[0][0]) * (box[1][1] - box[1][0]) * components <= 4 * WINDOW**2
     if not whole:
         centre = worst or (box[0][0], box[1][0])
-        box = [_window(*ends, at, window) for ends, at in zip(box, centre, strict=True)]
+        box = [_window(*ends, at) for ends, at in zip(box, centre, strict=True)]
     part = slice(*box[1]), slice(*box[0])
-    measured = arrays["measured"][part].astype(np.float64)
+    measured = arrays["measured"][part]
     if "exact" in arrays:
         reference, low, high, outside = (
             arrays[name][part] for name in ("exact", "low", "high", "outside")
         )
         unit = float(arrays["unit"])
     else:
-        low = high = reference = arrays["reference"][part].astype(np.float64)
+        low = high = reference = arrays["reference"][part]
         outside = (measured != reference) & ~(np.isnan(measured) & np.isnan(reference))
         unit = float(arrays["measured"].dtype.kind in "iu")
     return Values(
@@ -132,55 +139,63 @@ def judged_part(
     )
 
 
-def _window(start: int, stop: int, centre: int, size: int) -> tuple[int, int]:
-    low = max(start, min(centre - size // 2, stop - size))
-    return low, min(stop, low + size)
+def _window(start: int, stop: int, centre: int) -> tuple[int, int]:
+    low = max(start, min(centre - WINDOW // 2, stop - WINDOW))
+    return low, min(stop, low + WINDOW)
 
 
 def _columns(values: Values) -> list[bytes]:
     judged = np.moveaxis(values.judged, -1, 0)
-    all_judged = bool(judged.all())
-
-    def planes(array: NDArray[Any], wanted: type = np.float32) -> NDArray[Any]:
-        with np.errstate(over="ignore"):
-            found: NDArray[Any] = np.ascontiguousarray(np.moveaxis(array, -1, 0), wanted)
-        return found if all_judged else np.where(judged, found, wanted(0))
-
-    measured, nearest, low, high = (
-        _ordered(planes(a)) for a in (values.measured, values.reference, values.low, values.high)
-    )
-    exact = planes(values.reference, np.float64)
+    planes = np.empty((4, *judged.shape), np.float32)
+    exact = np.empty(judged.shape)
+    arrays = values.measured, values.reference, values.low, values.high, values.reference
     with np.errstate(invalid="ignore", over="ignore"):
-        near = exact.astype(np.float32)
-        left = (exact - near) / np.spacing(np.abs(near))
-        left[~np.isfinite(left)] = 0.0
-    unit = 1 if values.fine else _COARSE
-    whole = np.rint(np.clip(left, -0.5, 0.5) * (_REST / unit)) * unit
-    rest = whole.clip(-32768, 32767).astype(np.int16)
-    steps = measured.copy()
+        for plane, array in zip((*planes, exact), arrays, strict=True):
+            plane[...] = np.moveaxis(array, -1, 0)
+    if not values.judged.all():
+        planes[:, ~judged] = exact[~judged] = 0.0
+    rest = _rest(exact, planes[1], 1 if values.fine else _COARSE)
+    measured, nearest, low, high = _ordered(planes)
+    steps, away, below, above = columns = np.empty_like(planes, np.int32)
+    steps[...] = measured
     steps[:, :, 1:] -= measured[:, :, :-1]
     steps[:, 1:, 0] -= measured[:, :-1, 0]
+    np.subtract(nearest, measured, out=away)
+    np.subtract(low, nearest, out=below)
+    np.subtract(nearest, high, out=above)
+    above -= below
+    signs = columns >> 31
+    columns <<= 1
+    columns ^= signs
     flags = judged.astype(np.uint8)
     flags += np.moveaxis(values.outside, -1, 0).astype(np.uint8) << 1
-    return [
-        flags.tobytes(),
-        _fold(steps),
-        _fold(nearest - measured),
-        _split(rest),
-        _fold(low - nearest),
-        _fold(nearest - high - (low - nearest)),
-    ]
+    return [flags.tobytes(), *map(_split, (steps, away, rest, below, above))]
+
+
+def _rest(exact: NDArray[Any], near: NDArray[np.float32], unit: int) -> NDArray[np.int16]:
+    """What is left of float64 numbers beside the nearest float32 ones, in `unit` of 1/65535 ULP."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        ulp = near.astype(np.float64)
+        left = exact - ulp
+        powers = ulp.view(np.int64)
+        powers &= 0x7FF << 52  # without their signs and fractions
+        np.maximum(ulp, 2.0**-126, out=ulp)  # below that float32 numbers lie equally far apart
+        ulp *= 2.0**-23
+        left /= ulp
+        left[np.isnan(left)] = 0.0  # of numbers that are not finite
+        np.clip(left, -0.5, 0.5, out=left)
+        left *= _REST / unit
+        np.rint(left, out=left)
+        left *= unit
+    return np.clip(left, -32768, 32767, out=left).astype(np.int16)
 
 
 def _ordered(values: NDArray[np.float32]) -> NDArray[np.int32]:
-    bits = np.ascontiguousarray(values).view(np.int32)
-    return np.where(bits < 0, bits ^ np.int32(0x7FFFFFFF), bits)
-
-
-def _fold(numbers: NDArray[np.int32]) -> bytes:
-    return _split((numbers << 1) ^ (numbers >> 31))
+    bits = values.view(np.int32)
+    return bits ^ ((bits >> 31) & np.int32(0x7FFFFFFF))
 
 
 def _split(numbers: NDArray[Any]) -> bytes:
-    little = np.ascontiguousarray(numbers).astype(numbers.dtype.newbyteorder("<"))
-    return little.view(np.uint8).reshape(-1, numbers.dtype.itemsize).T.tobytes()
+    """Integers byte by byte, all lowest bytes first."""
+    shifts = range(0, 8 * numbers.itemsize, 8)
+    return b"".join((numbers >> shift).astype(np.uint8).tobytes() for shift in shifts)

@@ -28,7 +28,7 @@ class Verdict:
     validator alone is in `valid`, None where there was no module to look at.
     `spirv_bytes` is the size of all its stages' modules and `instructions` how many SPIR-V
     instructions they have; both are 0 for plain GLSL. `assembly` is the file of the modules as
-    text, relative to the run's folder, or "".
+    text, those of the program's other targets among them, relative to the run's folder, or "".
     `status` is "" for an answer; "crash" or "timeout" where the compiler gave none, and
     "disagrees" where a driver's answer is not that of the plain GLSL compiler.
     """

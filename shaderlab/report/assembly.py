@@ -7,6 +7,7 @@ import zlib
 from markupsafe import Markup
 
 from shaderlab.lazy_dataclass import dataclass
+from shaderlab.records import Verdict
 from shaderlab.report.grouping import CaseGroup
 from shaderlab.report.inline import Pictures, in_base64
 from shaderlab.report.text import Anchors
@@ -17,14 +18,12 @@ Packed = dict[str, tuple[str, Markup]]
 
 @dataclass(frozen=True)
 class Assembly:
-    """One program's modules for one target: the files it is made of, its size, and where its text
-    is. `packed` is that text, deflated and in base64, "" where the file has gone; `repeated` says
-    that an earlier case has it, under the same anchor."""
+    """One program's modules: the files it is made of, what was compiled for each target, and where
+    the text of all is. `packed` is that text, deflated and in base64, "" where the file has gone;
+    `repeated` says that an earlier case has it, under the same anchor."""
 
-    target: str
     files: tuple[str, ...]
-    bytes: int
-    instructions: int
+    verdicts: tuple[Verdict, ...]
     file: str
     anchor: str
     packed: Markup
@@ -38,22 +37,21 @@ def assemblies(
     by_file: dict[str, Assembly] = {}
     for record in group.records:
         for program in record.programs:
-            for verdict in program.verdicts:
-                if not verdict.assembly or verdict.assembly in by_file:
+            verdicts = tuple(verdict for verdict in program.verdicts if verdict.assembly)
+            for file in {verdict.assembly: None for verdict in verdicts}:
+                if file in by_file:
                     continue
-                repeated = verdict.assembly in packed
+                repeated = file in packed
                 if not repeated:
-                    data = pictures.text(verdict.assembly)
+                    data = pictures.text(file)
                     text = in_base64(zlib.compress(data, 6)) if data else Markup()
-                    packed[verdict.assembly] = (anchors.short() if text else "", text)
-                by_file[verdict.assembly] = Assembly(
-                    target=verdict.target,
+                    packed[file] = (anchors.short() if text else "", text)
+                by_file[file] = Assembly(
                     files=program.files,
-                    bytes=verdict.spirv_bytes,
-                    instructions=verdict.instructions,
-                    file=verdict.assembly,
-                    anchor=packed[verdict.assembly][0],
-                    packed=packed[verdict.assembly][1],
+                    verdicts=tuple(verdict for verdict in verdicts if verdict.assembly == file),
+                    file=file,
+                    anchor=packed[file][0],
+                    packed=packed[file][1],
                     repeated=repeated,
                 )
     return tuple(by_file.values())

@@ -169,16 +169,18 @@ def modules(text: str) -> dict[str, bytes]:
 def test_equal_modules_are_one_file_and_others_are_another(tmp_path: Path) -> None:
     quarter, half = modules(FRAGMENT), modules(FRAGMENT.replace("0.25", "0.5"))
     writers = [PictureWriter(tmp_path, "case", variant) for variant in "abc"]
-    names = [a.write_assembly(m) for a, m in zip(writers, (quarter, quarter, half), strict=True)]
+    given = [{"opengl": quarter}, {"opengl": quarter}, {"opengl": quarter, "vulkan": half}]
+    names = [a.write_assembly(spirv) for a, spirv in zip(writers, given, strict=True)]
     assert names[0] == names[1] != names[2]
-    text = (tmp_path / names[0]).read_text()
-    assert text.startswith("; fragment\n") and "OpConstant %float 0.25" in text
-    assert "OpConstant %float 0.5" in (tmp_path / names[2]).read_text()
+    text, both = ((tmp_path / name).read_text() for name in (names[0], names[2]))
+    assert text.startswith("; opengl fragment\n") and "OpConstant %float 0.25" in text
+    first, _, second = both.partition("\n; vulkan fragment\n")
+    assert first == text and "OpConstant %float 0.5" in second
     assert sorted(p.suffix for p in (tmp_path / "spirv").iterdir()) == [".spvasm"] * 2
 
 
 def test_nothing_is_written_without_a_folder_or_modules(tmp_path: Path) -> None:
-    assert PictureWriter(None, "case", "v").write_assembly(modules(FRAGMENT)) == ""
+    assert PictureWriter(None, "case", "v").write_assembly({"opengl": modules(FRAGMENT)}) == ""
     assert PictureWriter(tmp_path, "case", "v").write_assembly({}) == ""
     assert not list(tmp_path.iterdir())
 
