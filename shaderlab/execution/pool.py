@@ -23,6 +23,9 @@ from shaderlab.options import Limits
 
 BATCH = 32
 """Items sent at once: enough that sending costs little, few enough that progress is seen."""
+QUICK, IN_A_ROW, TOGETHER = 0.02, 8, 4
+"""A worker that took at most `QUICK` seconds for each of `IN_A_ROW` items gets `TOGETHER` batches
+at once while it stays so: between two of them it waits for this process, which may be busy."""
 
 
 @dataclass(frozen=True)
@@ -51,15 +54,18 @@ class ItemResult:
 
 @dataclass(frozen=True, eq=False)
 class _Batch:
-    """Items that one worker gets at once, and the queue for their results; None ends a batch."""
+    """Items that one worker gets at once, and the queue for their results; None ends a batch, and
+    several of them one that is made of so many, `count`."""
 
     items: list[tuple[int, Any]]
     key: Hashable
     results: queue.SimpleQueue[ItemResult | BaseException | None]
+    count: int = 1
 
 
 class _Worker:
-    """A process, the thread that feeds it, and the key of its last batch.
+    """A process, the thread that feeds it, the key of its last batch, and how many items in a row
+    were quick.
 
     The thread lives as long as the pool.
     """
@@ -67,6 +73,7 @@ class _Worker:
     def __init__(self, process: WorkerProcess) -> None:
         self.process = process
         self.key: Hashable = None
+        self.quick = 0
         self.inbox: queue.SimpleQueue[_Batch | None] = queue.SimpleQueue()
         self.thread: threading.Thread | None = None
 
@@ -146,7 +153,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         """The items' results as they complete.
 
         Only a few batches are taken from `items` ahead of the results that were read, so memory
-        does not grow with their number. Closing the generator drops what no worker has begun.
+        does not grow with their number. Closing the generator drops what no worker was sent.
 
         Args:
             items: what to work on.
@@ -201,21 +208,26 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         """A worker's thread: one batch after the other, until the pool is closed."""
         batch = worker.inbox.get()
         while batch is not None:
+            began = time.monotonic()
             try:
                 for result in self._results(worker.process, batch):
                     batch.results.put(result)
             except BaseException as error:
                 if not self._closed:
                     batch.results.put(error)
+            quick = time.monotonic() - began <= QUICK * len(batch.items)
+            worker.quick = worker.quick + len(batch.items) if quick else 0
             with self._lock:
                 following = self._next(worker)
                 if following is None:
                     self._idle.append(worker)
-            batch.results.put(None)
+            for _ in range(batch.count):
+                batch.results.put(None)
             batch = following or worker.inbox.get()
 
     def _next(self, worker: _Worker) -> _Batch | None:
-        """The waiting batch that suits a worker best, taken off the queue."""
+        """The waiting batch that suits a worker best, taken off the queue; for a quick one with
+        others like it, if several wait for each worker."""
         if self._closed or not self._pending:
             return None
         best = self._pending[0]
@@ -224,9 +236,15 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             mine = (b for b in self._pending if b.key == worker.key and b.key is not None)
             free = (b for b in self._pending if b.key not in taken)
             best = next(mine, None) or next(free, best)
-        self._pending.remove(best)
         worker.key = best.key
-        return best
+        like = (b for b in self._pending if b.key == best.key and b.results is best.results)
+        most = TOGETHER if worker.quick >= IN_A_ROW else 1
+        share = min(len(self._pending) // len(self._workers), most)
+        some = list(itertools.islice(like, max(share, 1)))
+        for batch in some:
+            self._pending.remove(batch)
+        items = [item for batch in some for item in batch.items]
+        return _Batch(items, best.key, best.results, len(some))
 
     def _results(self, worker: WorkerProcess, batch: _Batch) -> Iterator[ItemResult]:
         rest = deque(batch.items)

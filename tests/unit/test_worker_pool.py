@@ -17,7 +17,7 @@ import pytest
 from shaderlab.errors import ShaderlabError
 from shaderlab.execution import WorkerPool
 from shaderlab.execution.jobs import LoadCase
-from shaderlab.execution.pool import ItemResult
+from shaderlab.execution.pool import IN_A_ROW, TOGETHER, ItemResult
 from shaderlab.options import Limits
 
 WORK = """
@@ -78,6 +78,10 @@ class Work:
                 open(item.removeprefix("touch "), "w").close()
             if item == "place":
                 yield os.getcwd(), os.environ.get("PLACE"), sys.path
+            if item == "slow size":
+                time.sleep(0.03)
+            if str(item).endswith("size"):
+                item = len(items)
             if item == "before":
                 yield len(self.done) - 1
             yield os.getpid() if str(item).endswith("pid") else f"did {item}"
@@ -332,7 +336,10 @@ def test_workers_that_are_not_needed_are_not_started(work: str, tmp_path: Path) 
         assert len(list(results)) == 4
 
 
-def test_without_keys_no_item_overtakes_another_on_its_way_to_a_worker(work: str) -> None:
+def test_quick_items_are_sent_together_and_none_overtakes_another(work: str) -> None:
     with WorkerPool(work, limits=LIMITS, jobs=1, batch=1) as pool:
+        sent = [result.value for result in pool.run(["size"] * 200)]
+        assert set(sent[:IN_A_ROW]) == {"did 1"} and f"did {TOGETHER}" in sent
         for _ in range(3):
             assert [result.item for result in pool.run(range(60))] == list(range(60))
+        assert {result.value for result in pool.run(["slow size"] * 6)} == {"did 1"}
