@@ -81,10 +81,8 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
 
     def add(self, value: RunPlan | Record) -> None:
         """Append one line. If the disk is full the run goes on, and `problem` says so."""
-        from shaderlab.report import store  # not before workers get ready: it takes its time
-
         if not self.problem:
-            self.write(as_line(store.plain(value)))
+            self.write(as_line(value))
 
     def write(self, line: bytes) -> int | None:
         """Append a line that `as_line` made, as `add` does; returns where in the file it begins,
@@ -104,9 +102,10 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
 
 
 def as_line(data: Any) -> bytes:
-    """Plain data as a line of a journal."""
-    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
-    return (text + "\n").encode("utf-8", "replace")
+    """Plain data, or a dataclass of such, as a line of a journal."""
+    from shaderlab.report import store  # not before workers get ready: it takes its time
+
+    return (store.encoded(data) + "\n").encode("utf-8", "replace")
 
 
 def read(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:

@@ -16,7 +16,7 @@ from typing import Any
 
 from shaderlab.files import write_text
 from shaderlab.records import Run
-from shaderlab.report import mutants, parts, store
+from shaderlab.report import mutants, parts
 from shaderlab.report.build import build
 from shaderlab.report.compare import compare
 from shaderlab.report.drivers import driver_table
@@ -136,14 +136,14 @@ def load_libraries() -> None:
     from shaderlab.report.environment import environment
 
     def load() -> None:
-        store.prepare()
         for name in environment().list_templates():
             environment().get_template(name)
         coloured_lines = importlib.import_module("shaderlab.report.colouring").coloured_lines
         for language in ("glsl", "python"):
-            coloured_lines("\n", language)
+            coloured_lines("a\n", language)
         for name in ("markdown_it", "latex2mathml.converter"):
             importlib.import_module(name)
+        _ = parts.style(), parts.script()
 
     global _loading
     _loading = threading.Thread(target=load, daemon=True)

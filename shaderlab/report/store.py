@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -36,11 +36,10 @@ def save(run: Run, folder: str | Path) -> Path:
 
 def _pieces(run: Run) -> Iterator[str]:
     """A run's JSON, one record at a time: the whole of it takes several times its size."""
-    encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
-    before, _, after = encode(plain(replace(run, records=()))).partition('"records":[]')
+    before, _, after = encoded(replace(run, records=())).partition('"records":[]')
     yield f'{before}"records":['
     for number, record in enumerate(run.records):
-        yield f"{',' if number else ''}{encode(plain(record))}"
+        yield f"{',' if number else ''}{encoded(record)}"
     yield f"]{after}\n"
 
 
@@ -67,14 +66,46 @@ def load(folder: str | Path) -> Run:
     return parse(data, Run, path)
 
 
-def prepare() -> None:
-    """Have what writes a run generated, as the first call of `plain` would."""
-    _converter().get_unstructure_hook(Run)
+def encoded(value: Any) -> str:
+    """A record, another dataclass of plain data, or a list of such, as strict JSON."""
+    try:
+        return _ENCODER.encode(value)
+    except ValueError:  # few have numbers that are none
+        return _ENCODER.encode(plain(value))
 
 
 def plain(value: Any) -> Any:
     """A record, or another dataclass of plain data, as what strict JSON can hold."""
-    return _converter().unstructure(value)
+    kind = type(value)
+    if kind in _AS_IT_IS:
+        return value
+    if kind is float:
+        return value if math.isfinite(value) else str(value)
+    if kind is tuple or kind is list:
+        return [each if type(each) in _AS_IT_IS else plain(each) for each in value]
+    if kind is dict:
+        return {name: plain(each) for name, each in value.items()}
+    return plain(_parts(value))
+
+
+def _parts(value: Any) -> Any:
+    """What is written for a value that JSON does not know."""
+    if is_dataclass(value):
+        return {name: getattr(value, name) for name in _names(value.__class__)}
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, Mapping):
+        return dict(value)
+    raise TypeError(f"{type(value).__name__} is no plain data")
+
+
+@cache
+def _names(kind: Any) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(kind))
+
+
+_AS_IT_IS = frozenset({str, int, bool, type(None)})
+_ENCODER = json.JSONEncoder(allow_nan=False, separators=(",", ":"), default=_parts)
 
 
 def parse(data: Any, kind: type[Kind], path: Path | None = None) -> Kind:
@@ -89,18 +120,11 @@ def parse(data: Any, kind: type[Kind], path: Path | None = None) -> Kind:
         raise _damaged(path or Path(kind.__name__), error) from error
 
 
-def _number(value: float) -> float | str:
-    """A float for strict JSON: itself, or "nan", "inf", "-inf"."""
-    number = float(value)
-    return number if math.isfinite(number) else str(number)
-
-
 @cache
 def _converter() -> Converter:
     from cattrs import Converter
 
     converter = Converter(forbid_extra_keys=True)
-    converter.register_unstructure_hook(float, _number)
     # float() reads "nan" and "inf" too, but would also take true, and "1".
     converter.register_structure_hook(float, lambda value, _: _float(value))
     converter.register_structure_hook(int, lambda value, _: _exactly(value, int))

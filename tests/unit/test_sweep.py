@@ -123,7 +123,7 @@ def worst(widths: float, ulp: float) -> Worst:
 
 def measured(template: Record, variant: str, widths: float, ulp: float) -> Record:
     fine = Outcome(
-        name="a", kind="formula", status="pass", judged=4, vacuous=0.5, worst=worst(0, 0)
+        name="a", kind="formula", status="pass", judged=4, vacuous=0.5, worst=worst(0.0, 0.0)
     )
     other = Outcome(name="b", kind="formula", status="fail", judged=6, outside=int(widths > 1),
                     worst=worst(widths, ulp))  # fmt: skip
