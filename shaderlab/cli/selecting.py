@@ -184,7 +184,8 @@ def distinct(cases: Sequence[CaseFacts]) -> list[CaseFacts]:
     Raises:
         UsageError: two files of one folder have the same id.
     """
-    ids = {Path(case.file).resolve(): case.id for case in cases}
+    files = [Path(case.file).resolve() for case in cases]
+    ids = {file: case.id for file, case in zip(files, cases, strict=True)}
     parts = {file: [*file.parts[1:-1], case_id] for file, case_id in ids.items()}
     length = 1
     while taken := [word for word, count in Counter(ids.values()).items() if count > 1]:
@@ -195,7 +196,7 @@ def distinct(cases: Sequence[CaseFacts]) -> list[CaseFacts]:
                 remedy="rename one of the files",
             )
         ids |= {f: "/".join(parts[f][-length:]) for f, case_id in ids.items() if case_id in taken}
-    return [replace(case, id=ids[Path(case.file).resolve()]) for case in cases]
+    return [replace(case, id=ids[file]) for file, case in zip(files, cases, strict=True)]
 
 
 def _name_skipped(file: Path, reason: str) -> None:

@@ -10,8 +10,11 @@ from pathlib import Path
 
 def preview(path: str | Path, side: int) -> Path:
     """A PNG file's copy of at most `side` pixels, or the file itself if there is none."""
-    file = copy_path(Path(path), side)
-    return file if side and file.is_file() else Path(path)
+    original = Path(path)
+    if not side:
+        return original
+    copy = copy_path(original, side)
+    return copy if copy.is_file() else original
 
 
 def copy_path(path: Path, side: int) -> Path:

@@ -22,6 +22,7 @@ from jinja2 import (
     StrictUndefined,
 )
 from jinja2.bccache import Bucket
+from markupsafe import Markup
 
 from shaderlab import pictures
 from shaderlab.report import inline, markup, search, text
@@ -65,8 +66,17 @@ def environment() -> Environment:
             "uncovered": _css(pictures.UNCOVERED),
         },
         script_colours=_script_colours,
+        fixed=_fixed,
     )
+    # An attribute is one, and an error where there is none: Jinja would look for an item, too.
+    made.getattr = getattr  # type: ignore[method-assign, assignment]
     return made
+
+
+@cache
+def _fixed(name: str) -> Markup:
+    """A template that is the same wherever it stands."""
+    return Markup(environment().get_template(name).render())
 
 
 def _finalize(value: Any) -> Any:

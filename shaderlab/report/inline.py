@@ -11,7 +11,7 @@ import os
 import struct
 from collections import Counter
 from collections.abc import Callable, Iterable
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from urllib.parse import quote
 
@@ -34,7 +34,7 @@ class Picture:
     The page may show its small copy instead (`shaderlab.pictures.preview`).
 
     `side` is the most pixels that the page may have of it in each direction; 0 for all. `folder`
-    is the run's.
+    is the run's, in which it is, with a slash at its end.
     """
 
     path: Path = Path()
@@ -45,15 +45,15 @@ class Picture:
     side: int = 0
     folder: str = ""
 
-    @property
+    @cached_property
     def link(self) -> str:
         """Where the page finds it in the run's folder, as a relative URL."""
-        return quote(os.path.relpath(pictures.preview(self.path, self.side), self.folder))
+        return self._below(pictures.preview(self.path, self.side))
 
     @property
     def original(self) -> str:
         """Where the PNG file itself is, likewise."""
-        return quote(os.path.relpath(self.path, self.folder))
+        return self._below(self.path)
 
     @property
     def uri(self) -> Markup:
@@ -64,6 +64,9 @@ class Picture:
     def small_uri(self) -> Markup:
         """As `uri`, of the small copy where there is one, in few bytes."""
         return self._data(self.side or SMALL, pictures.repacked)
+
+    def _below(self, path: Path) -> str:
+        return quote(str(path).removeprefix(self.folder))
 
     def _data(self, side: int, pack: Callable[[bytes], bytes] = bytes) -> Markup:
         try:

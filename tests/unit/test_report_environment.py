@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from jinja2 import Environment
+from jinja2 import Environment, UndefinedError
 from jinja2.environment import Template
 
 from shaderlab.report import environment
@@ -124,3 +124,13 @@ def pieces(folder: Path, count: int) -> list[str]:
     page = build(made, Pictures(folder))
     template = environment.environment().get_template(PAGE)
     return list(template.stream(empty, page=page, run=made, single=True, level=3, here=""))
+
+
+def test_what_a_template_misnames_is_an_error() -> None:
+    shown = environment.environment().from_string("{{ thing.title }}")
+    assert shown.render(thing=record(title="<a>")) == "&lt;a&gt;"
+    for thing in ({"title": "an item"}, outcome()):
+        with pytest.raises(AttributeError, match="title"):
+            shown.render(thing=thing)
+    with pytest.raises(UndefinedError, match="thing"):
+        shown.render()
