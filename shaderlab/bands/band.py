@@ -28,6 +28,7 @@ from shaderlab.bands.truth import Truth
 from shaderlab.errors import FormulaError
 
 _DEFAULT = Rules()
+_FLOAT32 = np.dtype(np.float32)
 _NO = np.zeros((), dtype=np.bool_)
 _NOWHERE = (_NO, _NO, _NO)
 
@@ -86,7 +87,7 @@ class Band(Interval, Operators, Swizzled):
         A denormal includes zero where the rules let it flush; for NaN anything is legal.
         """
         got: Any = values
-        if type(got) is not np.ndarray or got.dtype != np.float32 or not got.ndim:
+        if type(got) is not np.ndarray or got.dtype is not _FLOAT32 or not got.ndim:
             with np.errstate(all="ignore"):
                 got = np.atleast_1d(np.asarray(values, dtype=np.float32))
         plain = ordinary(got)

@@ -137,7 +137,9 @@ def power(x: Band, y: Band) -> Band:
     if not reaches_zero.any():
         return result
     undefined = (x.lo < 0.0) | (reaches_zero & (y.lo <= 0.0))
-    lo = np.where(reaches_zero, np.zeros(1), result.lo)
+    lo = np.where(reaches_zero, 0.0, result.lo)
+    if not undefined.any():
+        return result.kept(lo, result.hi)
     return result.made(lo, result.hi, anything=undefined)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 SETS = ("xyzw", "rgba", "stpq")
 
 
+@lru_cache(maxsize=256)
 def components(names: str, size: int) -> list[int] | None:
     """The components that GLSL's letters name, of one set and of `size`; None for other words."""
     for letters in SETS:

@@ -13,12 +13,13 @@ from shaderlab.bands import Band, Integer, Literal, Truth
 Value: TypeAlias = Any
 # A Python bool, a boolean array, or a Truth.
 Condition: TypeAlias = Any
+_OF_THE_SHADER = (Band, Literal, Integer)
 
 
 def number(value: Value) -> Value:
     """A band, literal or integer as it is, anything else as float64: dividing by zero then
     follows IEEE 754."""
-    if isinstance(value, Band | Literal | Integer):
+    if isinstance(value, _OF_THE_SHADER):
         return value
     return np.asanyarray(value, dtype=np.float64)[()]
 
@@ -56,7 +57,7 @@ def applied(plain: Callable[..., Any], banded: Callable[..., Band | Truth], *val
     """
     for value in values:
         if isinstance(value, Band):
-            return banded(*[value.lift(other) for other in values])
+            return banded(*[o if o is value else value.lift(o) for o in values])
     lifted = bands(*values)
     band = None if lifted is None else banded(*lifted)
     if band is not None and not all(isinstance(value, int | float) for value in values):

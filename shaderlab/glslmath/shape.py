@@ -28,6 +28,8 @@ def _vector(size: int, parts: Sequence[Value]) -> Value:
         raise FormulaError(f"{name} needs at least one value")
     together = stacked(parts, -1)
     got = together.shape[-1]
+    if got == size:
+        return together
     if got == 1:
         return together[..., [0] * size]
     # GLSL takes what it needs of the last argument, but no argument may be left over.

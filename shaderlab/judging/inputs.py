@@ -31,7 +31,7 @@ from shaderlab.lazy_dataclass import dataclass
 from shaderlab.sampling import Sampler
 
 Reference = Callable[..., Any]
-_TAKEN: WeakKeyDictionary[FunctionType, tuple[inspect.Parameter, ...]] = WeakKeyDictionary()
+_TAKEN: WeakKeyDictionary[FunctionType, dict[str, bool]] = WeakKeyDictionary()
 # NumPy's words of a product by component that was meant as a matrix's: shapes such as (2,2) (50,2).
 _MATRIX = re.compile(r"broadcast together.*\(([234]),\1\)")
 _INDEXED = re.compile(r"\[(\d+)\]")
@@ -96,7 +96,7 @@ class Inputs:
 
     def parameters(self) -> dict[str, list[str]]:
         """The GLSL names behind each parameter name; several for a list of struct members."""
-        return _parameters((*self.exact, *self.textures))
+        return _parameters((*{**self.shared, **self.each, **self.textures},))
 
     def at(self, index: int, names: Sequence[str]) -> dict[str, tuple[float, ...]]:
         """The values of some inputs for judged value `index`, for showing."""
@@ -134,26 +134,32 @@ def wanted(reference: Reference, inputs: Inputs) -> dict[str, list[str]]:
     """
     known = inputs.parameters()
     asked = {}
-    for parameter in _taken(reference):
-        if parameter.name in known:
-            asked[parameter.name] = known[parameter.name]
-        elif parameter.default is parameter.empty:
+    for name, required in _taken(reference).items():
+        if name in known:
+            asked[name] = known[name]
+        elif required:
             raise FormulaError(
-                f"{name_of(reference)}() asks for {parameter.name!r}, which the shader lacks",
+                f"{name_of(reference)}() asks for {name!r}, which the shader lacks",
                 file=source_of(reference).file,
                 line=source_of(reference).line,
-                remedy=nearest(parameter.name, known),
+                remedy=nearest(name, known),
             )
     return asked
 
 
-def _taken(reference: Reference) -> tuple[inspect.Parameter, ...]:
-    """A formula's parameters; a function's are found once."""
+def _taken(reference: Reference) -> dict[str, bool]:
+    """A formula's parameters, and whether each must be given; a function's are found once."""
     if not isinstance(reference, FunctionType):
-        return tuple(inspect.signature(reference).parameters.values())
-    if reference not in _TAKEN:
-        _TAKEN[reference] = tuple(inspect.signature(reference).parameters.values())
-    return _TAKEN[reference]
+        return _parameters_of(reference)
+    found = _TAKEN.get(reference)
+    if found is None:
+        found = _TAKEN[reference] = _parameters_of(reference)
+    return found
+
+
+def _parameters_of(reference: Reference) -> dict[str, bool]:
+    parameters = inspect.signature(reference).parameters.values()
+    return {p.name: p.default is p.empty for p in parameters}
 
 
 def evaluate(
@@ -215,8 +221,10 @@ def evaluate(
 
 def _numeric(result: Any) -> Any:
     """What a formula gave, if bands and arrays can be made of it. Raises FormulaError."""
+    if isinstance(result, Band):
+        return result
     numbers = isinstance(result, np.ndarray | np.generic) and result.dtype.kind in "fiub"
-    if numbers or isinstance(result, Band | Integer | Truth | int | float):
+    if numbers or isinstance(result, Integer | Truth | int | float):
         return result
     if isinstance(result, list | tuple):
         several = ", ".join("…" for _ in result)

@@ -105,8 +105,9 @@ def across_edges(sampler: Sampler, level: int, x: Array, y: Array, face: Integer
     corner = out_x & out_y
     own = place[corner]
     for side, out, at, along in ((0, out_x, column, inside_y), (2, out_y, row, inside_x)):
-        # At a corner this ends with the neighbour above or below.
-        place[out] = _beyond(size)[face[out], side + (at[out] > 0), along[out]]
+        # Few texels lie beyond an edge. At a corner this ends with the neighbour above or below.
+        few = out.nonzero()
+        place[few] = _beyond(size)[face[few], side + (at[few] > 0), along[few]]
     low, high = stored_at(sampler, level, place)
     if not corner.any():
         return low, high

@@ -85,9 +85,9 @@ def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
     if texels.kind == "Cube":
         raise FormulaError("texelFetch(): GLSL fetches no texels of cubes")
     low, high = span_of(p)
-    if not np.array_equal(np.rint(low), np.rint(high)):
-        raise FormulaError("texelFetch(): a band holds several texels")
     place = np.rint(low).astype(np.int64)
+    if low is not high and not np.array_equal(place, np.rint(high)):
+        raise FormulaError("texelFetch(): a band holds several texels")
     number = int(span_of(lod)[0].flat[0])
     level, layer = (0, number) if texels.kind == "2DMS" else (number, 0)
     if not 0 <= level <= len(texels.smaller):
@@ -96,13 +96,13 @@ def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
     if texels.kind in ("2DArray", "3D"):
         layers = place[..., 2]
     count, height, width, _ = reading.level_values(sampler, level).shape
-    place = np.stack([place[..., 0], place[..., 1], layers], axis=-1)
-    if (place < 0).any() or (place >= (width, height, count)).any():
+    places, sizes = (place[..., 0], place[..., 1], layers), (width, height, count)
+    if any(((n < 0) | (n >= size)).any() for n, size in zip(places, sizes, strict=True)):
         raise FormulaError(
             f"texelFetch(): a texel outside {width} × {height}"
             + (f" × {count}" if count > 1 else "")
         )
-    return value_of(sampler, reading.stored(sampler, level, *(place[..., k] for k in range(3))))
+    return value_of(sampler, reading.stored(sampler, level, *places))
 
 
 def textureSize(sampler: Sampler, lod: Any = 0) -> Integer:
@@ -128,12 +128,12 @@ def textureQueryLevels(sampler: Sampler) -> int:
 def _of_plane(sampler: Sampler, p: Any, lod: Span | None, offset: Offset) -> Span:
     texels = sampler.texels
     reference = reference_of(sampler, p)
-    layers: list[Array] = [np.zeros(span_of(p)[0].shape[:-1])]
+    layers: list[Integers] = [np.zeros(span_of(p)[0].shape[:-1], np.int64)]
     if texels.kind == "2DArray":
         count = reading.level_values(sampler, 0).shape[0]
         low, high = component(span_of(p), 2)
         ends = [low] if low is high else [low, high]
-        layers = [np.clip(np.floor(end + 0.5), 0, count - 1) for end in ends]
+        layers = [np.clip(np.floor(end + 0.5), 0, count - 1).astype(np.int64) for end in ends]
 
     def filtered(level: int, word: str) -> Span:
         height, width = reading.level_values(sampler, level).shape[1:3]
@@ -141,8 +141,7 @@ def _of_plane(sampler: Sampler, p: Any, lod: Span | None, offset: Offset) -> Spa
         place = span_of(uv * np.array([width, height], np.float64))
         x, y = component(place, 0), component(place, 1)
         found = []
-        for layer in layers:
-            number = layer.astype(np.int64)
+        for number in layers:
 
             def texel(column: Array, row: Array, at: Any, number: Integers = number) -> Span:
                 column, row = column + offset[0], row + offset[1]

@@ -50,6 +50,8 @@ def at_level(sampler: Sampler, filtered: Filtered, lod: Span | None) -> Span:
         parts.append((minified, _minified(sampler, filtered, within, between, (low, high))))
     result_low: Any = np.inf
     result_high: Any = -np.inf
+    if len(parts) == 1 and parts[0][0].all():
+        result_low, result_high = parts.pop()[1]
     for may, (part_low, part_high) in parts:
         result_low = np.where(may[..., None], np.minimum(result_low, part_low), result_low)
         result_high = np.where(may[..., None], np.maximum(result_high, part_high), result_high)

@@ -43,7 +43,9 @@ static PyArrayObject *join_columns(Columns *from)
     for (npy_intp start = 0; made && start < from->rows; start += ROWS) {
         npy_intp count = from->rows - start < ROWS ? from->rows - start : ROWS;
         for (npy_intp j = 0; j < from->width; j++)
-            at[j] = picked(&from->columns[j], 0, 0, start, count, blocks[j]);
+            at[j] = picked(&from->columns[j], 0, 0, start, count,
+                           from->width > 1 ? blocks[j] : to + start);
+        if (at[0] == to + start) continue;
         put_together(count, from->width, at, to + start * from->width);
     }
     return made;
