@@ -89,13 +89,20 @@ def plain(value: Any) -> Any:
 
 
 def _parts(value: Any) -> Any:
-    """What is written for a value that JSON does not know."""
+    """What is written for a value that JSON does not know, or whose class is one's own."""
+    if isinstance(value, str):
+        return str.__str__(value)
+    for kind in (int, float):
+        if isinstance(value, kind):
+            return kind(value)
     if is_dataclass(value):
         return {name: getattr(value, name) for name in _names(value.__class__)}
     if isinstance(value, Path):
         return str(value)
     if isinstance(value, Mapping):
         return dict(value)
+    if hasattr(value, "item"):
+        return value.item()  # a number of NumPy's
     raise TypeError(f"{type(value).__name__} is no plain data")
 
 

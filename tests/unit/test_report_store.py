@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import enum
 import json
 import math
 import os
 import re
 import struct
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from shaderlab.errors import ShaderlabError, UsageError
@@ -29,7 +33,7 @@ from shaderlab.records import (
     Worst,
 )
 from shaderlab.report.formats.json import render
-from shaderlab.report.store import load, save
+from shaderlab.report.store import load, plain, save
 
 NAN, INF = math.nan, math.inf
 ODD = "\x00\x1b</script>\udc80 ½ 🜂"
@@ -164,6 +168,30 @@ def test_the_files_json_is_strict(tmp_path: Path) -> None:
     data = json.loads(text, parse_constant=refuse)
     worst = data["records"][0]["expectations"][0]["worst"]
     assert worst["measured"] == ["nan", 0.1] and worst["low"][0] == "-inf" and worst["ulp"] == "inf"
+
+
+class Named(enum.StrEnum):
+    """Names of variants, as a case may have them."""
+
+    NEAR = "near"
+
+    def __str__(self) -> str:
+        return "another text"
+
+
+@pytest.mark.parametrize("odd", [1.0, math.nan])
+def test_numbers_of_numpy_and_strings_of_other_classes_are_written_as_what_they_are(
+    tmp_path: Path, odd: float
+) -> None:
+    def run(variant: str, seconds: Any, size: Any, text: str) -> Run:
+        record = replace(full_run().records[0], variant=variant, seconds=seconds, size=size)
+        return replace(full_run(), records=(replace(record, title=text),), seconds=odd)
+
+    made = run(Named.NEAR, np.float32(0.5), np.int64(3), np.str_("t"))
+    usual = run("near", 0.5, 3, "t")
+    assert bits(load(save(made, tmp_path).parent)) == bits(usual)
+    assert repr(plain(made)) == repr(plain(usual))
+    assert repr(plain(np.float64(odd))) == repr(plain(odd))
 
 
 def test_the_public_json_is_strict_and_as_documented() -> None:
