@@ -51,7 +51,8 @@ class Cases:
         return {file.name: file.read_text().count("once") for file in self.told.iterdir()}
 
     def run(self, *args: str | Path) -> pytest.RunResult:
-        return self.pytester.runpytest_subprocess(*map(str, args))
+        """A session in this process; its workers are others."""
+        return self.pytester.runpytest_inprocess(*map(str, args))
 
 
 @pytest.fixture
@@ -273,11 +274,11 @@ def test_the_environment_goes_before_the_configuration(
     monkeypatch.setenv("SHADERLAB_JOBS", "2")
     cases.run(*meeting(cases), "-o", "shaderlab_jobs=0").assert_outcomes(passed=2)
     pids = cases.told / "pid"
-    alone = cases.add("alone", f"open('{pids}', 'w').write(str(os.getppid()))")
-    for jobs, parent in (("0", True), ("1", False)):
+    alone = cases.add("alone", f"open('{pids}', 'w').write(str(os.getpid()))")
+    for jobs, here in (("0", True), ("1", False)):
         monkeypatch.setenv("SHADERLAB_JOBS", jobs)
         cases.run(alone, "-o", "shaderlab_jobs=2").assert_outcomes(passed=1)
-        assert (pids.read_text() == str(os.getpid())) is parent
+        assert (pids.read_text() == str(os.getpid())) is here
 
 
 def test_runs_of_one_executor_keep_their_notes_apart(cases: Cases) -> None:

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
+import shaderlab.evaluation
 from shaderlab.discovery import examined
 from tests.gpu import faulty
 
 STAND_IN = """
 import dataclasses, os
 import shaderlab.evaluation
-os.environ["SHADERLAB_JOBS"] = "0"
 from shaderlab.records import Outcome, Record, Worst
 
 WORST = Worst(pixel=(3, 17), component=0, measured=(0.5,), reference=(0.25,), low=(0.2,),
@@ -41,8 +41,12 @@ shaderlab.evaluation.Lab = Lab
 
 
 @pytest.fixture
-def cases(pytester: pytest.Pytester, case_folder: Path) -> pytest.Pytester:
+def cases(
+    pytester: pytest.Pytester, case_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> pytest.Pytester:
     """A pytester whose folder holds the case `lamp` and the stand-in lab."""
+    monkeypatch.setenv("SHADERLAB_JOBS", "0")
+    monkeypatch.setattr(shaderlab.evaluation, "Lab", shaderlab.evaluation.Lab)  # as it is after
     for file in case_folder.iterdir():
         (pytester.path / file.name).write_text(file.read_text())
     pytester.makeconftest(STAND_IN)
@@ -50,13 +54,13 @@ def cases(pytester: pytest.Pytester, case_folder: Path) -> pytest.Pytester:
 
 
 def test_each_variant_is_an_item(cases: pytest.Pytester) -> None:
-    result = cases.runpytest_subprocess("--collect-only", "-q")
+    result = cases.runpytest_inprocess("--collect-only", "-q")
     result.stdout.fnmatch_lines(["lamp.py::lamp[[]near]", "lamp.py::lamp[[]far]"])
     assert result.ret == 0
 
 
 def test_a_failure_shows_what_run_shows(cases: pytest.Pytester) -> None:
-    result = cases.runpytest_subprocess()
+    result = cases.runpytest_inprocess()
     result.assert_outcomes(passed=1, failed=1)
     result.stdout.fnmatch_lines(
         [
@@ -73,22 +77,22 @@ def test_a_failure_shows_what_run_shows(cases: pytest.Pytester) -> None:
 
 
 def test_selecting_and_stopping(cases: pytest.Pytester) -> None:
-    cases.runpytest_subprocess("-k", "near").assert_outcomes(passed=1, deselected=1)
+    cases.runpytest_inprocess("-k", "near").assert_outcomes(passed=1, deselected=1)
     (cases.path / "alamp.py").write_text((cases.path / "lamp.py").read_text())
-    cases.runpytest_subprocess("-x").assert_outcomes(passed=1, failed=1)
-    cases.runpytest_subprocess("lamp.py::lamp[far]").assert_outcomes(failed=1)
+    cases.runpytest_inprocess("-x").assert_outcomes(passed=1, failed=1)
+    cases.runpytest_inprocess("lamp.py::lamp[far]").assert_outcomes(failed=1)
 
 
 def test_one_lab_a_process_and_none_unless_needed(cases: pytest.Pytester) -> None:
-    result = cases.runpytest_subprocess("-s")
+    result = cases.runpytest_inprocess("-s")
     assert result.stdout.str().count("lab opened") == 1
     assert result.stdout.str().count("lab closed") == 1
-    quiet = cases.runpytest_subprocess("-s", "--collect-only")
+    quiet = cases.runpytest_inprocess("-s", "--collect-only")
     assert "lab opened" not in quiet.stdout.str()
 
 
 def test_xdist(cases: pytest.Pytester) -> None:
-    result = cases.runpytest_subprocess("-n", "2")
+    result = cases.runpytest_subprocess("-n", "1")
     result.assert_outcomes(passed=1, failed=1)
     result.stdout.fnmatch_lines(["*worst pixel (3, 17)*"])
 
@@ -96,7 +100,7 @@ def test_xdist(cases: pytest.Pytester) -> None:
 def test_unsupported_is_skipped_with_its_reason(cases: pytest.Pytester) -> None:
     file = cases.path / "lamp.py"
     file.write_text(file.read_text().replace('"far"', '"mars"'))
-    result = cases.runpytest_subprocess("-rs")
+    result = cases.runpytest_inprocess("-rs")
     result.assert_outcomes(passed=1, skipped=1)
     result.stdout.fnmatch_lines(["*no red light*"])
 
@@ -107,7 +111,7 @@ def test_other_files_are_left_alone(cases: pytest.Pytester) -> None:
         broken_tool="def (:",
         test_own="def test_own(): pass",
     )
-    cases.runpytest_subprocess("-k", "not far").assert_outcomes(passed=2, deselected=1)
+    cases.runpytest_inprocess("-k", "not far").assert_outcomes(passed=2, deselected=1)
 
 
 def test_a_file_is_examined_once(
@@ -137,7 +141,7 @@ def test_cases_called_tests_are_collected_and_what_is_no_case_is_named(
         both_test=f"{case}\ndef test_own(): pass",
         many="from shaderlab import Case\ncases = []",
     )
-    result = cases.runpytest_subprocess("-k", "not far")
+    result = cases.runpytest_inprocess("-k", "not far")
     result.assert_outcomes(passed=3, deselected=2, warnings=1)
     result.stdout.fnmatch_lines(["*many.py takes Case but is no case: it assigns no `case`*"])
 
@@ -145,23 +149,23 @@ def test_cases_called_tests_are_collected_and_what_is_no_case_is_named(
 def test_a_wrong_case_file_is_one_message(cases: pytest.Pytester) -> None:
     file = cases.path / "lamp.py"
     file.write_text(file.read_text().replace("section=", "sektion="))
-    result = cases.runpytest_subprocess()
+    result = cases.runpytest_inprocess()
     result.assert_outcomes(errors=1)
     result.stdout.fnmatch_lines(["*lamp.py*sektion*"])
     result.stdout.no_fnmatch_line("*importlib*")
 
 
 def test_a_case_is_really_drawn_and_judged(pytester: pytest.Pytester, case_folder: Path) -> None:
-    pytester.runpytest_subprocess(case_folder).assert_outcomes(passed=2)
+    pytester.runpytest_inprocess(case_folder).assert_outcomes(passed=2)
     shader = case_folder / "lamp.frag"
     shader.write_text(shader.read_text().replace("0.25", "0.26"))
-    result = pytester.runpytest_subprocess(case_folder, "-n", "2")
+    result = pytester.runpytest_inprocess(case_folder)
     result.assert_outcomes(failed=2)
     result.stdout.fnmatch_lines(["*FragColor (exact)"])
 
 
 def test_a_case_given_by_its_file_runs_once(pytester: pytest.Pytester, case_folder: Path) -> None:
-    pytester.runpytest_subprocess(case_folder / "lamp.py").assert_outcomes(passed=2)
+    pytester.runpytest_inprocess(case_folder / "lamp.py").assert_outcomes(passed=2)
 
 
 def test_a_case_given_by_its_file_is_not_imported_by_pytest(
@@ -171,7 +175,7 @@ def test_a_case_given_by_its_file_is_not_imported_by_pytest(
     (case_folder / "helper.py").write_text(helper)
     case = case_folder / "lamp.py"
     case.write_text(case.read_text().replace("\ncase =", "\nfrom . import helper\ncase ="))
-    pytester.runpytest_subprocess(case).assert_outcomes(passed=2)
+    pytester.runpytest_inprocess(case).assert_outcomes(passed=2)
 
 
 def broken(folder: Path, name: str, act: str, *, when: str = "draw") -> None:
@@ -193,7 +197,7 @@ def broken(folder: Path, name: str, act: str, *, when: str = "draw") -> None:
 def test_a_crash_and_a_hang_are_failed_tests(pytester: pytest.Pytester, case_folder: Path) -> None:
     broken(case_folder, "dies", "os.kill(os.getpid(), 11)")
     broken(case_folder, "hangs", faulty.HANG)
-    result = pytester.runpytest_subprocess(
+    result = pytester.runpytest_inprocess(
         case_folder, "-o", "shaderlab_timeout=60", "-k", "near or lamp"
     )
     result.assert_outcomes(passed=2, failed=2, deselected=2)
@@ -214,7 +218,7 @@ def test_a_file_that_crashes_or_hangs_on_import_costs_only_itself(
 ) -> None:
     broken(case_folder, "dies", "os._exit(3)", when="import")
     broken(case_folder, "hangs", faulty.HANG, when="import")
-    result = pytester.runpytest_subprocess(
+    result = pytester.runpytest_inprocess(
         case_folder, "-o", "shaderlab_timeout=60", "--continue-on-collection-errors"
     )
     result.assert_outcomes(passed=2, errors=2)

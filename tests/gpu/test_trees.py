@@ -106,7 +106,7 @@ def test_mutate_and_sweep(tree: Path) -> None:
 
 
 def test_pytest(tree: Path, pytester: pytest.Pytester) -> None:
-    pytester.runpytest_subprocess(tree).assert_outcomes(passed=2)
+    pytester.runpytest_inprocess(tree).assert_outcomes(passed=2)
 
 
 def test_a_cluster_is_sent_the_whole_tree(tree: Path) -> None:

@@ -70,7 +70,7 @@ def test_programs_have_the_same_verdicts_messages_and_modules(kind: str) -> None
 def test_a_tree_has_the_same_results(tmp_path: Path, repository: Path) -> None:
     rng = random.Random(8)
     own = own_shaders(repository)
-    for number in range(40):
+    for number in range(20):
         source = own[number % len(own)]
         text = source.text if number % 5 == 0 else mutant(source.code, rng)
         suffix = Path(source.name).suffix
@@ -78,7 +78,7 @@ def test_a_tree_has_the_same_results(tmp_path: Path, repository: Path) -> None:
     library = list(compile_glsl([tmp_path], engine="library", keep=True))
     process = list(compile_glsl([tmp_path], engine="process", keep=True))
     assert process == library
-    assert 5 < sum(result.ok for result in library) < 35
+    assert 3 < sum(result.ok for result in library) < 17
 
 
 def test_each_stage_is_linked_for_two_targets_alone(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ from benchmarks.trees import storm
 from shaderlab.compiler import WORK, compile_glsl
 from shaderlab.execution import WorkerPool
 
-COUNT = 800
+COUNT = 300
 
 
 def test_every_source_of_a_storm_gets_verdicts(tmp_path: Path, repository: Path) -> None:
