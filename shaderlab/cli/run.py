@@ -182,7 +182,6 @@ def command(
         from shaderlab.cli.showing_drivers import show_drivers
         from shaderlab.report.html import load_libraries
 
-        load_libraries()
         show = Show(to_stderr=uses_stdout(outputs))
         if resume is None:
             replacements = parsed(shaders)
@@ -191,6 +190,7 @@ def command(
             in_place = named(replacements, jobs, includes, names)
             plan = new_plan(jobs, replace(options, shaders=in_place, renames=names), folder)
             plan = on_each(plan, compared)
+        load_libraries()  # before this, workers that get ready keep the cores busy
         recorded = run_plan(executor, plan, show, done)
         recorded = compared_drivers(recorded, plan, executor, show)
         if coverage and recorded.complete:

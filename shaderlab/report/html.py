@@ -20,6 +20,7 @@ from shaderlab.report import mutants, parts
 from shaderlab.report.build import build
 from shaderlab.report.compare import compare
 from shaderlab.report.drivers import driver_table
+from shaderlab.report.environment import environment
 from shaderlab.report.history import history, save
 from shaderlab.report.inline import Pictures, Repeated
 from shaderlab.report.page import Page
@@ -129,11 +130,9 @@ def write_single(run: Run, folder: str | Path, path: str | Path) -> None:
 def load_libraries() -> None:
     """Import the page's libraries and read its templates in a background thread.
 
-    This takes a third of a second, during which workers can draw; `write` does it otherwise. A
+    This takes a tenth of a second, during which workers can draw; `write` does it otherwise. A
     run that is interrupted does not wait for the thread.
     """
-    # Not in the thread: two threads should not import modules that import each other.
-    from shaderlab.report.environment import environment
 
     def load() -> None:
         for name in environment().list_templates():
@@ -151,8 +150,6 @@ def load_libraries() -> None:
 
 
 def _render(template: str, **values: Any) -> Iterator[str]:
-    from shaderlab.report.environment import environment
-
     return environment().get_template(template).generate(boot=parts.BOOT, **values)
 
 
