@@ -53,7 +53,7 @@ class Lab(SceneDrawer):
         builder = RecordBuilder(scene)
         activity = Activity(self._notice)
         try:
-            with activity.watch(), FileThread(builder) as files:
+            with activity.watch(), FileThread(builder, self.options.file_thread) as files:
                 self._run(scene, builder, files)
         except KeyboardInterrupt:
             raise

@@ -25,7 +25,7 @@ from shaderlab.execution.jobs import (
     failed_record,
 )
 from shaderlab.execution.pool import ItemResult, WorkerPool
-from shaderlab.execution.sizing import loads, suitable
+from shaderlab.execution.sizing import cores, loads, suitable
 from shaderlab.execution.worker_main import LAB_WORK
 from shaderlab.options import Limits, RunOptions
 
@@ -133,7 +133,7 @@ class ProcessExecutor(LocalExecutor):
             batch=1,
             folder=folder,
         )
-        self._sized = workers is not None
+        self._workers = workers
         self._thread = ThreadPoolExecutor(1)
         self._early = early
         if early:
@@ -147,13 +147,16 @@ class ProcessExecutor(LocalExecutor):
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
         if not self._early:
             self.about()  # now, while workers are free: a failed job's record names the driver
-        yield from super().run(jobs, options)
+        count = sum(not job.broken for job in jobs)
+        most = suitable(count) if self._workers is None else self._workers
+        idle = min(most, count) < cores()
+        yield from super().run(jobs, replace(options, file_thread=idle))
 
     def perform(
         self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
     ) -> Generator[ItemResult]:
         requests = list(requests)
-        if not self._sized:
+        if self._workers is None:
             self._pool.widen(suitable(len(requests)))
         yield from self._pool.run(requests, batch, key)
 

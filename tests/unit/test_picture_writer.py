@@ -185,8 +185,9 @@ def test_nothing_is_written_without_a_folder_or_modules(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("beside", [True, False])
 @pytest.mark.parametrize("error", [OSError(28, "no room"), IndexError("a defect")])
-def test_files_are_written_in_order_beside_what_goes_on(error: Exception) -> None:
+def test_files_are_written_in_order_beside_what_goes_on(error: Exception, beside: bool) -> None:
     builder = SimpleNamespace(notices=[], add_notice=lambda said: builder.notices.append(said))
     written, go_on = list[int](), threading.Event()
 
@@ -196,13 +197,13 @@ def test_files_are_written_in_order_beside_what_goes_on(error: Exception) -> Non
     defect = not isinstance(error, OSError)
     with (
         pytest.raises(IndexError) if defect else contextlib.nullcontext(),
-        FileThread(cast("RecordBuilder", builder)) as files,
+        FileThread(cast("RecordBuilder", builder), beside) as files,
     ):
-        files.submit(lambda: go_on.wait(20) and None)
+        files.submit(lambda: go_on.wait(20 * beside) and None)
         for number in range(3):
             files.submit(lambda number=number: written.append(number))
         files.submit(wrong)
-        assert not written
+        assert written == ([] if beside else [0, 1, 2])
         go_on.set()
     assert written == [0, 1, 2]
     assert builder.notices == ([] if defect else ["can't write a file for the report (no room)"])
