@@ -24,8 +24,8 @@ from shaderlab.options import Limits
 BATCH = 32
 """Items sent at once: enough that sending costs little, few enough that progress is seen."""
 QUICK, IN_A_ROW, TOGETHER = 0.02, 8, 4
-"""A worker that took at most `QUICK` seconds for each of `IN_A_ROW` items gets `TOGETHER` batches
-at once while it stays so: between two of them it waits for this process, which may be busy."""
+"""A worker that took at most `QUICK` seconds for each of `IN_A_ROW` items gets `TOGETHER` at once
+while it stays so: between two batches it waits for this process, which may be busy."""
 
 
 @dataclass(frozen=True)
@@ -238,7 +238,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             best = next(mine, None) or next(free, best)
         worker.key = best.key
         like = (b for b in self._pending if b.key == best.key and b.results is best.results)
-        most = TOGETHER if worker.quick >= IN_A_ROW else 1
+        most = TOGETHER // len(best.items) if worker.quick >= IN_A_ROW else 1
         share = min(len(self._pending) // len(self._workers), most)
         some = list(itertools.islice(like, max(share, 1)))
         for batch in some:
