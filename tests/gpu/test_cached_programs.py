@@ -27,7 +27,6 @@ from shaderlab.records import Diagnostic
 
 Call = Callable[..., Result]
 SAID = "only the cache says so"
-PLAIN = ("-p", "no:cacheprovider", "-p", "no:hypothesispytest")
 
 
 @pytest.fixture(autouse=True)
@@ -144,20 +143,19 @@ def test_a_file_in_the_folders_place_is_ignored(call: Call, case_folder: Path) -
     assert ran(call, cache=str(case_folder / "lamp.py"))["status"] == "pass"
 
 
-@pytest.mark.usefixtures("call")
-def test_pytest_uses_the_cache(store: Store) -> None:
-    def pytested() -> tuple[int, str]:
-        process = elsewhere(
-            store, "pytest", "lamp.py::lamp[near]", "-o", "shaderlab_jobs=0", *PLAIN
-        )
-        said, _ = process.communicate(timeout=120)
-        return process.returncode, said
-
-    assert pytested()[0] == 0
+def test_pytest_uses_the_cache(
+    pytester: pytest.Pytester,
+    case_folder: Path,
+    store: Store,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(store.folder.parent))
+    near = (f"{case_folder / 'lamp.py'}::lamp[near]", "-o", "shaderlab_jobs=0")
+    pytester.runpytest_inprocess(*near).assert_outcomes(passed=1)
     assert alter(store) == 1
-    code, said = pytested()
-    assert code == 1
-    assert SAID in said
+    altered = pytester.runpytest_inprocess(*near)
+    altered.assert_outcomes(failed=1)
+    assert SAID in altered.stdout.str()
 
 
 def test_mutants_are_cached_and_get_the_same_fate(call: Call, store: Store) -> None:

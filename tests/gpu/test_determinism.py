@@ -37,7 +37,7 @@ def files_below(folder: Path) -> dict[str, bytes]:
 def drawn(
     executor: ProcessExecutor, jobs: list[Job], folder: Path
 ) -> tuple[dict[Any, Any], dict[str, bytes]]:
-    options = RunOptions(size=32, folder=folder / "run", frames=folder / "frames")
+    options = RunOptions(size=32, picture_size=128, folder=folder / "run", frames=folder / "frames")
     records = dict(executor.run(jobs, options)).values()
     return {(r.id, r.variant): timeless(r) for r in records}, files_below(folder)
 
@@ -85,7 +85,7 @@ def test_a_record_says_what_its_values_depend_on(runs: Mapping[str, Any]) -> Non
     for record in runs["once"][0].values():
         renderer, version = record["driver"].split("; ")
         assert renderer and version[0].isdigit()
-        assert (record["size"], record["picture_size"]) == (32, 512)
+        assert (record["size"], record["picture_size"]) == (32, 128)
 
 
 def test_another_size_would_be_noticed(

@@ -28,16 +28,17 @@ def cases(tmp_path: Path) -> Path:
     return tmp_path
 
 
-# Where it does not matter that a driver is at work, which takes all processors.
+# Where it does not matter that a driver is at work.
 SLEEP = "__import__('time').sleep(600)"
 
 
 def begun(cases: Path, *args: str) -> subprocess.Popen[str]:
-    """A run that has come to the draw without end; its workers are marked by its folder."""
+    """A run that has come to the draw without end, for which one thread of the driver will do; its
+    workers are marked by its folder."""
     child = subprocess.Popen(
         faulty.command("./cases", "--report", "run", "--size", "16", *args), cwd=cases,
-        env=faulty.surroundings(SHADERLAB_TEST=str(cases)), text=True, start_new_session=True,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        env=faulty.surroundings(SHADERLAB_TEST=str(cases), LP_NUM_THREADS="1"), text=True,
+        start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
     )  # fmt: skip
     journal = cases / "run" / "records.jsonl"
     # Whole lines are counted: the last one may be half there while it is written.

@@ -68,7 +68,8 @@ def execute(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         ["sh", "-c", line],
         cwd=folder,
-        env={**os.environ, "PATH": path},
+        # Hypothesis's plugin takes longer to import than a session of the docs does.
+        env={**os.environ, "PATH": path, "PYTEST_ADDOPTS": "-p no:hypothesispytest"},
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.meta.examples import execute
 from tests.meta.test_layers import COURSE, OPTIONAL
 from tests.meta.test_readme import example
 
@@ -64,7 +65,7 @@ def test_a_loader_asks_for_its_extra(engine: dict[str, str], example: Path) -> N
     (example / "model.py").write_text(CASE)
     (example / "a.obj").write_text(OBJ)
     words = ("run", "./model.py", "--no-pictures", "--json", "out.json")
-    assert run({**os.environ}, example, *words).returncode == 0
+    assert execute(" ".join(("shaderlab", *words)), example).returncode == 0
     done = run(engine, example, *words)
     assert done.returncode == 1
     assert "an OBJ file needs trimesh" in done.stdout

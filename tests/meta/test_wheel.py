@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.meta.examples import execute
+
 
 def run(*command: str | Path, cwd: Path) -> str:
     """Run a command away from the checkout; its standard output. Failing shows all it said."""
@@ -97,7 +99,7 @@ def test_it_runs_a_case(elsewhere: Path, repository: Path, tmp_path: Path) -> No
 
 def test_it_lists_the_same_cases(elsewhere: Path, repository: Path, tmp_path: Path) -> None:
     there = json.loads(run(elsewhere / "shaderlab", "list", "--json", "-", cwd=tmp_path))
-    here = json.loads(run(sys.executable, "-m", "shaderlab", "list", "--json", "-", cwd=repository))
+    here = json.loads(execute("shaderlab list --json -", repository).stdout)
     assert [case["id"] for case in there] == [case["id"] for case in here]
     assert all(Path(case["file"]).is_relative_to(elsewhere.parent) for case in there)
 
