@@ -107,12 +107,25 @@ static PyObject *divide(PyObject *self, PyObject *const *args, Py_ssize_t given)
     return finished(&pass);
 }
 
+#ifdef __x86_64__
+/* Roots, eight at a time; how many it took. */
+__attribute__((target("avx512f"))) static npy_intp eight_roots(
+    npy_intp count, const double *x, double *restrict to)
+{
+    npy_intp i = 0;
+    for (; i + 7 < count; i += 8)
+        _mm512_storeu_pd(to + i, _mm512_sqrt_pd(_mm512_abs_pd(_mm512_loadu_pd(x + i))));
+    return i;
+}
+#endif
+
 /* Of what is not negative: the rest is left to NumPy. Compilers that mind the rounding direction
  * take one root at a time. */
 static void square_roots(npy_intp count, const double *x, double *restrict to)
 {
     npy_intp i = 0;
-#ifdef __SSE2__
+#ifdef __x86_64__
+    if (__builtin_cpu_supports("avx512f")) i = eight_roots(count, x, to);
     for (; i + 1 < count; i += 2)
         _mm_storeu_pd(to + i, _mm_sqrt_pd(_mm_andnot_pd(_mm_set1_pd(-0.0), _mm_loadu_pd(x + i))));
 #endif

@@ -82,7 +82,7 @@ static inline void widen(double *lo, double *hi, double ulps_lo, double ulps_hi)
 /* The direction in which the processor rounds; the library's own call takes longer than a short
  * loop. */
 #ifdef __x86_64__
-#include <emmintrin.h>
+#include <immintrin.h>
 static inline void round_downward(void)
 {
     _mm_setcsr((_mm_getcsr() & ~(unsigned)_MM_ROUND_MASK) | _MM_ROUND_DOWN);
