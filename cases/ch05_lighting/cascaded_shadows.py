@@ -191,7 +191,8 @@ def told_otherwise_in_picture(FragColor, shadow, place):
     """The same of every eighth pixel both ways, whichever way it faces: the bias is once the least
     one where the sun falls straight down, and at most twelve times that, on faces turned away."""
     drawn = FragColor[::8, ::8, 3] > 0.0
-    told, place = shadow[::8, ::8, 0][drawn] > 0.5, place[::8, ::8, :3][drawn]
+    told = shadow[::8, ::8, 0][drawn] > 0.5
+    place = place[::8, ::8, :3][drawn].astype(float)
     either, both = (dark_by_rays("practical", 2.0, place, np.full(len(place), b)) for b in (1, 12))
     return np.mean((told & ~either) | (~told & both))
 
@@ -271,6 +272,7 @@ case = Case(
             told_otherwise_in_picture,
             reads=reads("scene", "FragColor", "shadow", "place"),
             at_most=0.001,  # as below
+            own_types=True,
         ),
         *(
             measure(

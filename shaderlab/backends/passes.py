@@ -18,7 +18,7 @@ from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Bindings, Fragments, Image, PassDraw, Samples, leading
 from shaderlab.model import Output, Pass, Scene, State, Target
 from shaderlab.programs import bind, captures, vertex_capture
-from shaderlab.programs.formats import components_of
+from shaderlab.programs.formats import COLOR, components_of
 from shaderlab.programs.fragment_capture import PassCapture
 from shaderlab.programs.passes import check_continues, check_reads
 from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
@@ -67,13 +67,13 @@ class PassSession(Session, Generic[Kind, Made]):
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
         self._sample_positions: dict[str, Array] = {}
-        self._needed_later = {p.onto for p in scene.passes} | {
-            source.pass_name
-            for description in scene.passes
-            for draw in description.draws
-            for source in draw.textures.values()
-            if isinstance(source, Output)
-        }
+        self._continued = {p.onto for p in scene.passes}
+        self._sampled: dict[str, list[tuple[str, Output]]] = {}  # with the passes that sample them
+        for description in scene.passes:
+            for source in (one for draw in description.draws for one in draw.textures.values()):
+                if isinstance(source, Output):
+                    samplings = self._sampled.setdefault(source.pass_name, [])
+                    samplings.append((description.name, source))
         self._captures: dict[str, PassCapture] = {}
         # They draw by this session: it and all its images would stay until cycles are collected.
         stack.callback(self._captures.clear)
@@ -94,7 +94,7 @@ class PassSession(Session, Generic[Kind, Made]):
         if (pass_name, name) in self.images:
             return self.images[pass_name, name]
         description = self.scene.find_pass(pass_name)
-        if self._can_go(description):
+        if not any(self.targets[pass_name] is one for one in self._unreleased.values()):
             return self._drawn_again(description, name, self.extent(description))
         self.reading()
         return self.targets[pass_name].read(name)
@@ -228,6 +228,8 @@ class PassSession(Session, Generic[Kind, Made]):
             target.resolve()
             # Drivers draw when they are made to: a program that hangs, hangs here.
             self.finish()
+        if self.uploads_images and not self.keeps_targets:
+            self._release_sampled(description.name)
         with doing("read", f"reading pass {description.name!r}"):
             self.reading()
             self._read(description, target)
@@ -237,14 +239,36 @@ class PassSession(Session, Generic[Kind, Made]):
     def _can_go(self, description: Pass) -> bool:
         """Whether a pass's target is its own, and neither sampled nor drawn on in by another."""
         return not (self.keeps_targets or description.onto) and (
-            description.name not in self._needed_later
+            description.name not in self._continued | self._sampled.keys()
         )
+
+    def _release_sampled(self, last: str) -> None:
+        """Release the targets that a pass is the last to sample, where their images hold all that a
+        redraw of it samples."""
+        for name, samplings in self._sampled.items():
+            if samplings[-1][0] != last or name in self._continued:
+                continue
+            single = not self.scene.find_pass(name).target.samples
+            if single and all(self._in_images(output) for _, output in samplings):
+                self._release(name)
+
+    def _in_images(self, output: Output) -> bool:
+        """Whether an image holds all that is sampled of an output."""
+        image = self.images.get((output.pass_name, output.name))
+        if image is None or output.mipmaps or image.format not in COLOR:  # depths are rounded
+            return False
+        return bool(image.values.shape[-1] == COLOR[image.format].components)
 
     def _release(self, name: str) -> None:
         """Release a pass's own target, once."""
         target = self._unreleased.pop(name, None)
         if target is not None:
             target.release()
+
+    @property
+    def uploads_images(self) -> bool:
+        """Whether a texture can be made of what was read of a target."""
+        return False
 
     @property
     def keeps_targets(self) -> bool:

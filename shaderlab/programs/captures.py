@@ -15,7 +15,7 @@ from shaderlab.model import Scene, State
 from shaderlab.programs import stages
 from shaderlab.programs.prepare import Programs
 
-ROOM = 32 << 20
+ROOM = 8 << 20
 """Capacity of the cache, in bytes of arrays."""
 
 

@@ -24,8 +24,8 @@ from shaderlab.model import (
 from shaderlab.model.textures import level_sizes
 from shaderlab.programs.formats import format_of
 
-# Bytes of what functions made that are kept for the next scene.
-MADE = 1 << 26
+MADE = 20 << 20
+"""Bytes of what functions made that are kept for the next scenes, the last used of it."""
 _MADE: WeakKeyDictionary[Callable[[], Any], Array] = WeakKeyDictionary()
 Images = Mapping[tuple[str, str], Image]
 """What earlier passes have drawn, by (pass, output)."""
@@ -138,7 +138,8 @@ def pixel_values(image: Any, format: str, folder: Path, owner: str) -> Array:
     values = values[:, :, :channels]
     if wanted is np.uint8 and values.dtype.kind == "f":
         values = np.rint(np.clip(values, 0.0, 1.0) * 255.0)
-    return np.ascontiguousarray(values.astype(wanted))
+    # What nobody can write to is what it was when it is uploaded: it needs no copy.
+    return np.ascontiguousarray(values.astype(wanted, copy=values.flags.writeable))
 
 
 def _made(function: Callable[[], Any]) -> Array:
@@ -151,9 +152,11 @@ def _made(function: Callable[[], Any]) -> Array:
     if known is None:
         known = np.array(function())
         known.flags.writeable = False
-        if sum(values.nbytes for values in _MADE.values()) + known.nbytes > MADE:
-            _MADE.clear()
-        _MADE[function] = known
+        while _MADE and sum(values.nbytes for values in _MADE.values()) + known.nbytes > MADE:
+            del _MADE[next(iter(_MADE))]  # the one whose use is longest ago
+    else:
+        del _MADE[function]
+    _MADE[function] = known
     return known
 
 

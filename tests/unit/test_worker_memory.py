@@ -45,13 +45,13 @@ def worker(channel: Any, start: int = START) -> lab_worker.LabWorker:
 @pytest.mark.parametrize(
     ("held", "free", "after", "error"),
     [
-        (271, 0, None, CaseError),
-        (273, 0, 223, CaseError),
-        (273, 0, 225, EndedError),
-        (559, 288, None, CaseError),  # what is free will be used again
-        (559, 286, 225, EndedError),
-        (561, 300, 223, CaseError),
-        (561, 300, 225, EndedError),
+        (223, 0, None, CaseError),
+        (225, 0, 187, CaseError),
+        (225, 0, 189, EndedError),
+        (439, 216, None, CaseError),  # what is free will be used again
+        (439, 214, 189, EndedError),
+        (441, 300, 187, CaseError),
+        (441, 300, 189, EndedError),
     ],
 )
 def test_a_worker_that_has_grown_and_can_spare_little_ends(

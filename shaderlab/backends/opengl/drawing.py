@@ -53,6 +53,10 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
         return RenderTarget(self.device, target, colors, size)
 
     @property
+    def uploads_images(self) -> bool:
+        return True
+
+    @property
     def keeps_targets(self) -> bool:
         return self.device.recorder is not None  # each object keeps a number of its own
 

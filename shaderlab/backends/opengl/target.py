@@ -42,6 +42,7 @@ class RenderTarget(Attachments):
             )
         super().__init__(target, colors, size)
         self._device = device
+        self.released = False
         self.textures = {name: self._texture(word) for name, word in colors.items()}
         self._sampled = [
             self._texture(w, target.samples) for w in colors.values() if target.samples
@@ -59,6 +60,7 @@ class RenderTarget(Attachments):
             texture.release()
         if self._depth is not None:
             self._depth.release()
+        self.released = True
 
     @property
     def samples(self) -> int:
@@ -164,7 +166,9 @@ class RenderTarget(Attachments):
 
     def _framebuffer(self, textures: list[Any]) -> Any:
         if not textures:
-            return self._device.context.framebuffer(self._device.context.renderbuffer(self.size))
+            # moderngl makes none without a colour; nothing is drawn into this one.
+            least = self._device.context.renderbuffer(self.size, components=1)
+            return self._device.context.framebuffer(least)
         try:
             return self._device.context.framebuffer(textures)
         except moderngl.Error as error:
