@@ -26,7 +26,7 @@ from shaderlab.model import Case, Ramp, Scene
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 
-GROWTH = 144 << 20
+GROWTH = 88 << 20
 """A worker that uses so many bytes more than before its first scene, or holds two and a half times
 as many more, gives back what it can spare before its next scene; one that then still holds three
 quarters of that more gives way to a fresh one."""
