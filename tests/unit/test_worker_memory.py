@@ -31,8 +31,7 @@ def ends(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lab_worker, "prepare_process", lambda driver: None)
 
 
-MIB = 1 << 20
-START = 80 * MIB
+START = 80 << 20
 
 
 def worker(channel: Any, start: int = START) -> lab_worker.LabWorker:
@@ -43,23 +42,29 @@ def worker(channel: Any, start: int = START) -> lab_worker.LabWorker:
 
 
 @pytest.mark.parametrize(
-    ("held", "free", "after", "error"),
+    ("more", "free", "after", "error"),
     [
-        (223, 0, None, CaseError),
-        (225, 0, 187, CaseError),
-        (225, 0, 189, EndedError),
-        (439, 216, None, CaseError),  # what is free will be used again
-        (439, 214, 189, EndedError),
-        (441, 300, 187, CaseError),
-        (441, 300, 189, EndedError),
+        (0.99, 0.0, None, CaseError),
+        (1.01, 0.0, 0.74, CaseError),
+        (1.01, 0.0, 0.76, EndedError),
+        (2.49, 1.5, None, CaseError),  # what is free will be used again
+        (2.49, 1.48, 0.76, EndedError),
+        (2.51, 2.0, 0.74, CaseError),
+        (2.51, 2.0, 0.76, EndedError),
     ],
 )
 def test_a_worker_that_has_grown_and_can_spare_little_ends(
-    monkeypatch: pytest.MonkeyPatch, held: int, free: int, after: int | None, error: type[Exception]
+    monkeypatch: pytest.MonkeyPatch,
+    more: float,
+    free: float,
+    after: float | None,
+    error: type[Exception],
 ) -> None:
-    sizes = iter([held * MIB] if after is None else [held * MIB, after * MIB])
+    """By how much more than before its first scene it holds, as a multiple of GROWTH."""
+    grown = [more] if after is None else [more, after]
+    sizes = iter([START + round(part * lab_worker.GROWTH) for part in grown])
     monkeypatch.setattr(lab_worker, "_own_memory", lambda: next(sizes))
-    monkeypatch.setattr(lab_worker, "freed_memory", lambda: free * MIB)
+    monkeypatch.setattr(lab_worker, "freed_memory", lambda: round(free * lab_worker.GROWTH))
     with pytest.raises(error):
         worker(SimpleNamespace(note=lambda step: None)).run(JOB, RunOptions())
 
