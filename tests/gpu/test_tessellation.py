@@ -278,6 +278,7 @@ def test_what_takes_single_invocations_says_so(lab: Lab, tmp_path: Path) -> None
 
 
 def test_vulkan_names_what_it_leaves_out() -> None:
+    pytest.importorskip("vulkan")
     modules = pytest.importorskip("shaderlab.backends.vulkan.modules")
     with pytest.raises(UnsupportedError, match="tess_control stage: the lab tessellates on OpenGL"):
         modules.check_capabilities(None, {"tess_control": b""})

@@ -198,5 +198,8 @@ def test_every_dependency_is_pinned_exactly(repository: Path) -> None:
     while wanted := wanted - seen:
         name = wanted.pop()
         seen.add(name)
-        wanted |= needed(importlib.metadata.requires(name) or [])
+        try:
+            wanted |= needed(importlib.metadata.requires(name) or [])
+        except importlib.metadata.PackageNotFoundError:
+            assert name == "vulkan"  # CI alone installs it, where there is a Vulkan driver
     assert seen - pinned == {"shaderlab"}
