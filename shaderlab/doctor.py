@@ -7,8 +7,7 @@ import platform
 import struct
 import sys
 from collections.abc import Iterator
-
-from shaderlab.lazy_dataclass import dataclass
+from dataclasses import dataclass
 
 from .errors import ShaderlabError
 

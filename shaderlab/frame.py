@@ -9,14 +9,12 @@ arrays for integers. Single numbers keep a last axis of one component.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from shaderlab.lazy_dataclass import dataclass
 
 Array = npt.NDArray[Any]
 PassDraw = tuple[str, int]

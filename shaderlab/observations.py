@@ -4,9 +4,7 @@ attributed by."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
-
-from shaderlab.lazy_dataclass import dataclass
+from dataclasses import dataclass, field
 
 Pixel = tuple[int, int]
 

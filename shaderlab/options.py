@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextvars import ContextVar
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
-
-from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from shaderlab.errors import UsageError, nearest
 from shaderlab.files import display_path
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import Limits
 
 FILE = "pyproject.toml"

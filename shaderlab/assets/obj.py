@@ -12,6 +12,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,6 @@ import numpy as np
 
 from shaderlab.assets.meshes import Geometry
 from shaderlab.errors import AssetError, extra, nearest
-from shaderlab.lazy_dataclass import dataclass
 
 MAX_BYTES = 64 << 20
 """The largest file that is read."""

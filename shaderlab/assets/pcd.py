@@ -10,6 +10,7 @@ from __future__ import annotations
 import io
 import struct
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,6 @@ import numpy.typing as npt
 
 from shaderlab.assets.obj import at, read_bytes
 from shaderlab.errors import AssetError, extra
-from shaderlab.lazy_dataclass import dataclass
 
 Array = npt.NDArray[Any]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -24,7 +24,6 @@ from shaderlab.equivalence.roles import Role, roles_of, unknown_names
 from shaderlab.errors import UsageError, nearest
 from shaderlab.interpreter import Program
 from shaderlab.interpreter.workgroups import NUMBERS
-from shaderlab.lazy_dataclass import dataclass
 
 _MOST = 16_384  # invocations that a case's draws give, of those with the same textures
 

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-
-from shaderlab.lazy_dataclass import dataclass
 
 FLOATS = frozenset({12, *range(127, 149)})
 """The opcodes of arithmetic on floats, and of GLSL.std.450."""

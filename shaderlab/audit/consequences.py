@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,6 @@ from shaderlab.interpreter import Program
 from shaderlab.interpreter.memory import World
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.running import Run, Watch
-from shaderlab.lazy_dataclass import dataclass
 
 _VALUES = (None, 0.37, 41.0, -2.6, 7.5e3)
 _STAND_IN = 0.5

@@ -7,7 +7,7 @@ Functions": both are undefined within non-uniform control flow.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,6 @@ from shaderlab.interpreter import Program
 from shaderlab.interpreter.memory import World
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.running import Run
-from shaderlab.lazy_dataclass import dataclass
 
 KIND = "derivative in divergent control flow"
 _DERIVATIVES, _SAMPLES = range(207, 216), (87, 89, 91, 93)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 from shaderlab.audit.portability import Spread
 from shaderlab.equivalence.answer import shown
 from shaderlab.files import display_path
-from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)

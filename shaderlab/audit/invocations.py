@@ -7,7 +7,7 @@ Invocation Control Functions", 4.3.8 "Shared Variables".
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,6 @@ from shaderlab.interpreter.memory import Flags, Pointer, World, fetch
 from shaderlab.interpreter.program import BARRIER, Instruction
 from shaderlab.interpreter.running import Run
 from shaderlab.interpreter.types import Type
-from shaderlab.lazy_dataclass import dataclass
 
 RACE, DIVERGENT, TOO_MANY = (
     "race", "barrier in divergent control flow", "more vertices than max_vertices"

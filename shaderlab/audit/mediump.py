@@ -9,7 +9,7 @@ Source: the Vulkan specification (Khronos), "Precision and Operation of SPIR-V I
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -30,7 +30,6 @@ from shaderlab.interpreter.instructions import HANDLERS
 from shaderlab.interpreter.memory import World
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.running import Run, Watch
-from shaderlab.lazy_dataclass import dataclass
 
 _DEVICES = 6
 _ROUNDED = frozenset({"add", "subtract", "multiply"})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,6 @@ from shaderlab.files import display_path
 from shaderlab.frame import Array
 from shaderlab.interpreter import Bands, Program, Stored, interpret
 from shaderlab.interpreter.losing import is_vector, lost
-from shaderlab.lazy_dataclass import dataclass
 
 MOST = 512
 """Invocations that are looked at."""

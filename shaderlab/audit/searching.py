@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,7 +14,6 @@ from shaderlab.equivalence.interface import Input
 from shaderlab.equivalence.roles import Role
 from shaderlab.frame import Array
 from shaderlab.interpreter import Program
-from shaderlab.lazy_dataclass import dataclass
 
 _GENERATIONS = 18
 _PARENTS = 6

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,6 @@ from shaderlab.interpreter.memory import Pointer, World, spelt
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.running import Run
 from shaderlab.interpreter.values import null
-from shaderlab.lazy_dataclass import dataclass
 
 READ, UNWRITTEN = "uninitialised read", "output not written"
 _UNDEFINED, _VARIABLE, _LOAD = 1, 59, 61

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,6 @@ from shaderlab.interpreter.memory import Flags, Pointer, World
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.running import Run, Watch
 from shaderlab.interpreter.workgroups import numbered, places_in
-from shaderlab.lazy_dataclass import dataclass
 
 _ACCESS = (65, 66)  # OpAccessChain, OpInBoundsAccessChain
 _DYNAMIC = {77: 1, 78: 2}  # OpVectorExtractDynamic, OpVectorInsertDynamic: where the index is

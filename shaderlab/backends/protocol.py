@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Mapping, Sequence, Set
 from contextlib import AbstractContextManager
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import OtherApiError, UnsupportedError
@@ -22,7 +22,6 @@ from shaderlab.frame import (
     Timing,
     TracedCall,
 )
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Call, Pass, Scene, TextureSource
 from shaderlab.model.call_edits import CallEdit
 from shaderlab.programs.prepare import Programs

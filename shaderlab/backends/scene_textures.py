@@ -5,13 +5,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 from shaderlab.compiler.interface import Variable
 from shaderlab.frame import Array, Image, Texels
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import CompressedTexture, Output, TextureSource
 from shaderlab.programs.textures import check_sampler, find_image, kind_of
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from shaderlab.bands.compiled import compiled
 from shaderlab.bands.rounding import Flags, Floats, ulp
-from shaderlab.lazy_dataclass import dataclass
 
 # Float64 values that fit into a second-level cache with their bounds.
 BLOCK = 16384

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
 from shaderlab.errors import FormulaError, nearest
-from shaderlab.lazy_dataclass import dataclass
 
 Spec = Literal["vulkan", "glsl"]
 TrigOutside = Literal["vacuous", "scaled", "error"]

@@ -9,12 +9,12 @@ normal number.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from shaderlab.bands.rounding import RELATIVE_STEP, SMALLEST_NORMAL, Flags, Floats
-from shaderlab.lazy_dataclass import dataclass
 
 if TYPE_CHECKING:
     from shaderlab.bands.band import Band

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,6 @@ from shaderlab.cli.options import INCLUDE, JSON, jobs_option, limits_option, mak
 from shaderlab.cli.shader_inputs import RANGES, is_of_functions, shader_of_file
 from shaderlab.compiler.text import STAGES
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import Limits, RunOptions
 
 if TYPE_CHECKING:

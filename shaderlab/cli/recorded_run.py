@@ -6,7 +6,7 @@ import contextlib
 import datetime
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,7 +27,6 @@ from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan, read
 from shaderlab.execution.sweep_grid import Grid
 from shaderlab.files import display_path
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import Limits, RunOptions
 from shaderlab.records import CodeCoverage, Record, Run
 from shaderlab.settings import settings_of

@@ -8,11 +8,11 @@ import tarfile
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.compiler.shader_files import is_shader
 from shaderlab.errors import UsageError
-from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True)

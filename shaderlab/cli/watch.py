@@ -8,6 +8,7 @@ import os
 import sys
 import time
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,7 +25,6 @@ from shaderlab.cli.options import (
 )
 from shaderlab.errors import UsageError
 from shaderlab.files import display_path
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import Limits, RunOptions
 from shaderlab.settings import FILE, settings_changed, settings_of
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 from shaderlab.code_coverage.points import ITEMS, Point, wrapped
 from shaderlab.code_coverage.watching import WORD, watched
@@ -13,7 +13,6 @@ from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.evaluation import Lab
 from shaderlab.expectations.reads import all_reads
 from shaderlab.files import display_path
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Scene
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.records import CodeCoverage, CoverageGap

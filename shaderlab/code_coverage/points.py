@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 from tree_sitter import Node
 
 from shaderlab.compiler.syntax import Syntax, arguments_of, field, name_of, operator_of, reachable
-from shaderlab.lazy_dataclass import dataclass
 
 # What each kind of point can see, a bit each, and what is to be said where it never did.
 ITEMS: dict[str, tuple[str, ...]] = {

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import RunOptions
 from shaderlab.records import CodeCoverage
 

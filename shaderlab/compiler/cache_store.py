@@ -16,10 +16,10 @@ import os
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.files import open_regular, write_bytes
-from shaderlab.lazy_dataclass import dataclass
 
 LIMIT = 256 << 20
 _BLOCK = 4096  # bytes of disk that the smallest file takes

@@ -15,6 +15,7 @@ import subprocess
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.compiler.engines import Checked, CompilerDiedError, Linked
@@ -23,7 +24,6 @@ from shaderlab.compiler.sources import Source
 from shaderlab.compiler.targets import SETTINGS
 from shaderlab.compiler.text import EXTENSIONS
 from shaderlab.errors import ShaderError
-from shaderlab.lazy_dataclass import dataclass
 
 # The first extension of each stage is the one that the command knows.
 _SUFFIX = {stage: extension for extension, stage in reversed(list(EXTENSIONS.items()))}

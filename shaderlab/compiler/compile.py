@@ -6,7 +6,7 @@ import functools
 import posixpath
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 from shaderlab.compiler.dialects import in_dialect, with_interface
@@ -18,7 +18,6 @@ from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
 from shaderlab.compiler.text import STAGES
 from shaderlab.compiler.verdicts import Result, check_stages, link_stages, to_spirv
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Diagnostic, Verdict
 
 

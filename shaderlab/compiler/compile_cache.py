@@ -19,7 +19,7 @@ import sys
 import time
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,6 @@ from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv_tools import disassemble
 from shaderlab.errors import ShaderError
 from shaderlab.files import cache_root
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Diagnostic, Verdict
 
 _LARGEST = 64 << 20  # bytes that an entry may inflate to
@@ -184,7 +183,7 @@ def program_key(ordered: Sequence[Source], targets: Sequence[str], compilers: st
 
 
 # What the code around the compilers imports of the lab.
-_SHARED = ("errors.py", "files.py", "lazy_dataclass.py", "observations.py", "records/*.py")
+_SHARED = ("errors.py", "files.py", "observations.py", "records/*.py")
 
 
 def compilers_digest(store: Store) -> str | None:

@@ -8,11 +8,11 @@ from __future__ import annotations
 import functools
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.lazy_dataclass import dataclass
 
 ENGINES = ("library", "process")
 COMMAND_VARIABLE = "SHADERLAB_GLSLANG"

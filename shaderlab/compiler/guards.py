@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from shaderlab.compiler.diagnostics import VERSION, line_of
 from shaderlab.compiler.engines import Engine
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.targets import SETTINGS
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Diagnostic
 
 MAX_NESTING = 200

@@ -8,7 +8,7 @@ import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -20,7 +20,6 @@ from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
 from shaderlab.compiler.text import STAGES, stage_of
 from shaderlab.errors import DriverError, ShaderError, nearest
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Diagnostic, Verdict
 
 WORK = "shaderlab.compiler.harness:work"

@@ -10,11 +10,11 @@ from __future__ import annotations
 import posixpath
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 from shaderlab.compiler.shader_files import OUTSIDE_REMEDY, File, OutsideError, Roots, inside
 from shaderlab.compiler.text import version_of, without_comments
 from shaderlab.errors import ShaderError
-from shaderlab.lazy_dataclass import dataclass
 
 MAX_DEPTH = 64
 MAX_INCLUDES = 1000

@@ -7,10 +7,8 @@ of a varying block with an instance name.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Literal
-
-from shaderlab.lazy_dataclass import dataclass
 
 Interpolation = Literal["smooth", "flat", "noperspective"]
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 from shaderlab.compiler.diagnostics import declaration
@@ -16,7 +17,6 @@ from shaderlab.compiler.sources import Source
 from shaderlab.compiler.text import STAGES
 from shaderlab.compiler.types import OPAQUE, elements_of, leaves_count, slots, unwrap
 from shaderlab.compiler.variables import stage_variables
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Diagnostic
 
 _NUMBERED = (Storage.UNIFORM_CONSTANT, Storage.UNIFORM, Storage.STORAGE_BUFFER)

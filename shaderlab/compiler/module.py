@@ -8,11 +8,10 @@ from __future__ import annotations
 import functools
 import struct
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from shaderlab.errors import ShaderError
-from shaderlab.lazy_dataclass import dataclass
 
 MAGIC = 0x07230203
 

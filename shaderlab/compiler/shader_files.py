@@ -9,11 +9,11 @@ import posixpath
 import re
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.compiler.text import EXTENSIONS, normalise, read_shader, stage_of
 from shaderlab.errors import ShaderError, UsageError, nearest
-from shaderlab.lazy_dataclass import dataclass
 
 _SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)")
 _NO_SHADERS = frozenset({"__pycache__", "node_modules", "site-packages"})

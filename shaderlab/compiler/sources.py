@@ -9,14 +9,13 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from shaderlab.compiler.include import LineMap, expand
 from shaderlab.compiler.shader_files import File, Roots
 from shaderlab.compiler.text import STAGES, normalise, stage_of, version_of, without_comments
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Diagnostic, Severity
 
 

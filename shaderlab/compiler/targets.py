@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
-
-from shaderlab.lazy_dataclass import dataclass
+from dataclasses import dataclass, replace
 
 _SPV_RULES, _VULKAN_RULES = 1 << 3, 1 << 4
 _MAP_BINDINGS, _MAP_LOCATIONS, _RELAXED = 1 << 0, 1 << 1, 1 << 2

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from shaderlab.compiler.interface import Interpolation, Variable
 from shaderlab.compiler.module import Decoration, Instruction, Module, Op, Storage
 from shaderlab.compiler.types import component_count, image_format, slots, type_name, unwrap
-from shaderlab.lazy_dataclass import dataclass
 
 Path = tuple[int, ...]
 """Indices from a variable to a part of it; `ANY` if computed at run time."""

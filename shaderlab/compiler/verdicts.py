@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from shaderlab.compiler import guards
 from shaderlab.compiler.diagnostics import has_errors, of_link, of_stage, of_validator
@@ -13,7 +13,6 @@ from shaderlab.compiler.lifting import lift_samplers
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv_tools import instruction_count
 from shaderlab.compiler.targets import SETTINGS
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Diagnostic, Verdict
 
 

@@ -11,10 +11,10 @@ import ast
 import os
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.discovery.trees import data_folder, files_below
-from shaderlab.lazy_dataclass import dataclass
 
 _ASSIGNS = re.compile(rb"^case\s*(:[^=\n]*)?=", re.MULTILINE)
 _MENTIONS = re.compile(rb"\bcase\b|\bCase\b")

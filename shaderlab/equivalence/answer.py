@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
-
-from shaderlab.lazy_dataclass import dataclass
 
 _SHOWN = 6  # inputs of an example
 _WHY = {

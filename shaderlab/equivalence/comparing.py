@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from shaderlab.equivalence.noise import Noisy
 from shaderlab.frame import Array
 from shaderlab.interpreter import Program, interpret
 from shaderlab.interpreter.memory import Flags
-from shaderlab.lazy_dataclass import dataclass
 
 COPIES = 3
 """Runs with noise, besides the one without."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,6 @@ from shaderlab.equivalence.varying import learned, varied
 from shaderlab.errors import NotInterpretedError, UsageError, nearest
 from shaderlab.files import display_path
 from shaderlab.interpreter import Program
-from shaderlab.lazy_dataclass import dataclass
 
 _SMALL = 1024  # invocations; sets of no more than so many are run together
 _BITS = range(194, 206)  # SPIR-V's instructions from OpShiftRightLogical to OpBitCount

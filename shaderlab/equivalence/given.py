@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from shaderlab.frame import Array, Bindings, Fragments, Samples
 from shaderlab.interpreter import Program
-from shaderlab.lazy_dataclass import dataclass
 
 _DERIVATIVES = range(207, 216)  # OpDPdx to OpFwidthCoarse
 

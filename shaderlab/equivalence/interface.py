@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from shaderlab.compiler.module import Storage
 from shaderlab.compiler.types import type_name, unwrap
@@ -12,7 +13,6 @@ from shaderlab.interpreter import Program
 from shaderlab.interpreter.binding import called
 from shaderlab.interpreter.program import INPUTS
 from shaderlab.interpreter.workgroups import NUMBERS
-from shaderlab.lazy_dataclass import dataclass
 
 _RANGE = re.compile(r"//.*?\brange:\s*(\S+)\s*\.\.\s*(\S+)")
 _UNIT = re.compile(r"//.*?\brange:\s*unit\b")

@@ -7,6 +7,7 @@ searched for by bisection, and both are compared on either side.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from shaderlab.equivalence.given import Given
 from shaderlab.equivalence.roles import Role
 from shaderlab.frame import Array
 from shaderlab.interpreter import Program
-from shaderlab.lazy_dataclass import dataclass
 
 PAIRS = 192
 _PARTS, _ROUNDS = 8, 6  # each round looks for the steepest of so many parts

@@ -7,6 +7,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ import numpy as np
 from shaderlab.equivalence.given import Given
 from shaderlab.interpreter import Program, Stored, interpret
 from shaderlab.interpreter.arithmetic import Arithmetic
-from shaderlab.lazy_dataclass import dataclass
 
 _KILL = 252  # OpKill
 _SOON, _MORE = 128, 16  # stored values that are compared first; how many times as many then

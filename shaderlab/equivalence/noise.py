@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import struct
 import zlib
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -13,7 +14,6 @@ import numpy as np
 from shaderlab.frame import Array
 from shaderlab.interpreter import Numbers
 from shaderlab.interpreter.memory import Flags
-from shaderlab.lazy_dataclass import dataclass
 
 _OPERATION = 2.0**-52
 _INPUT = 2.0**-24  # a float32 is within half of an ULP of what it stands for, at most

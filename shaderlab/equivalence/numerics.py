@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from shaderlab.equivalence.locating import Step, first
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.frame import Array
 from shaderlab.interpreter import Bands, Program, interpret
-from shaderlab.lazy_dataclass import dataclass
 
 MOST = 512
 """Invocations whose bands are looked at."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -13,7 +13,6 @@ import numpy as np
 from shaderlab.equivalence.interface import Input
 from shaderlab.errors import UsageError
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 
 Kind = Literal["number", "unit", "rotation", "affine", "projection", "texture"]
 

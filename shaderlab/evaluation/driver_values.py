@@ -4,7 +4,7 @@ with outputs added."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from shaderlab.evaluation.watches import Watched, Watches
 from shaderlab.frame import Array, PassDraw, differ
 from shaderlab.interpreter import Stored
 from shaderlab.interpreter.memory import Flags
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.programs.formats import for_output
 from shaderlab.programs.instrument import Watch, instrumented, room
 

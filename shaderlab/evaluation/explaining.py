@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,6 @@ from shaderlab.interpreter import (
     interpret,
 )
 from shaderlab.interpreter.losing import is_vector, lost, row_of, width
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Explanation, Step
 
 _MOST_BLOCKS = 10_000  # a few seconds, for so few invocations

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from weakref import WeakKeyDictionary
 
@@ -15,7 +16,6 @@ from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw
 from shaderlab.interpreter import Program, load
-from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

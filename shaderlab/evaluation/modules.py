@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator, Sequence, Set
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -28,7 +28,6 @@ from shaderlab.frame import PassDraw
 from shaderlab.interpreter import Bands, Interpreted, Program, interpret, read
 from shaderlab.interpreter.memory import Flags
 from shaderlab.judging.formats import stored
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need
 from shaderlab.programs.formats import for_output
 from shaderlab.records import ModulesRecord, Row

@@ -6,7 +6,7 @@ import hashlib
 import os
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,6 @@ from shaderlab import pictures
 from shaderlab.compiler.compile_cache import assembly
 from shaderlab.files import write_bytes
 from shaderlab.frame import Array, Image
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Pass, Scene
 from shaderlab.records import Attachment, PassRecord
 

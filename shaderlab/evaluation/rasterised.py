@@ -9,11 +9,11 @@ and a triangle that is clipped may cover anything. Source: OpenGL 4.5 core profi
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from shaderlab.frame import Array, Samples
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Mesh, State
 from shaderlab.programs.vertices import corners
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from shaderlab.compiler.sources import Source
@@ -13,7 +13,6 @@ from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.lab import Lab
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.frame import PassDraw
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Case
 from shaderlab.programs.prepare import PreparedDraw, Programs
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,6 @@ from shaderlab.interpreter.memory import Flags
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.types import Type
 from shaderlab.interpreter.values import component
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.programs.instrument import VALUE, Watch
 from shaderlab.programs.watch_points import WatchPoint, watch_points
 

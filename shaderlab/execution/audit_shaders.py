@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,6 @@ from shaderlab.errors import FormulaError, NotInterpretedError, in_file
 from shaderlab.execution.compare_shaders import ShaderOfFile
 from shaderlab.files import display_path
 from shaderlab.interpreter import load
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import RunOptions
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,6 @@ from shaderlab.equivalence.answer import Answer
 from shaderlab.equivalence.comparison import Plan, compare_programs
 from shaderlab.errors import in_file
 from shaderlab.interpreter import Program, load
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import RunOptions
 
 if TYPE_CHECKING:

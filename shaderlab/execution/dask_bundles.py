@@ -11,7 +11,7 @@ import hashlib
 import io
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -20,7 +20,6 @@ from typing import Any
 from shaderlab.discovery import data_folder, files_below
 from shaderlab.errors import UsageError
 from shaderlab.files import replacing
-from shaderlab.lazy_dataclass import dataclass
 
 MOST_BYTES = 64 << 20
 SHIPPED = "shipped"

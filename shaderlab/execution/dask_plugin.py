@@ -12,7 +12,7 @@ import shutil
 import tempfile
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,6 @@ from shaderlab.errors import CaseError
 from shaderlab.execution.dask_bundles import SHIPPED, Address, Bundle, homes, identity, renamed
 from shaderlab.execution.executor import ProcessExecutor
 from shaderlab.execution.jobs import About, CaseFacts, Job
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import Limits, RunOptions
 
 IDLE_SECONDS = 120.0

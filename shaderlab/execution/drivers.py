@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shaderlab.execution.difference_pictures import shades
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.observations import Pixel
 from shaderlab.records import Agreement, Disagreement, DrawnOutput, DriverResult, Record
 

@@ -13,11 +13,11 @@ import socket
 import sys
 import traceback
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from shaderlab.execution import driver_libraries, worker_main
-from shaderlab.lazy_dataclass import dataclass
 
 HEADER = 8
 """Bytes that say how long the message after them is."""

@@ -7,12 +7,11 @@ rooms have requests of their own. The processes that ask import this module, so 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from shaderlab.errors import CaseError, UsageError, nearest
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.observations import Look
 from shaderlab.options import RunOptions
 

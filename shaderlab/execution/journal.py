@@ -13,6 +13,7 @@ import fcntl
 import json
 import os
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
@@ -20,7 +21,6 @@ from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution.jobs import Job
 from shaderlab.execution.sweep_grid import Grid
 from shaderlab.files import NO_ROOM, open_regular
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 

@@ -14,11 +14,11 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Generator, Hashable, Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 from shaderlab.execution.worker_process import DiedError, WorkerProcess, environment
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import Limits
 
 BATCH = 32

@@ -6,11 +6,11 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 from shaderlab.errors import UsageError, nearest
 from shaderlab.execution.jobs import CaseFacts, Job, Point
-from shaderlab.lazy_dataclass import dataclass
 
 SIZE = "size"
 """The parameter that sets the side of the judged frame in pixels; it is not a shader input."""

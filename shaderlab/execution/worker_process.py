@@ -9,6 +9,7 @@ import signal
 import socket
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -16,7 +17,6 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.execution.fork_server import ForkServer, ServerDiedError, fork_server, last_words
 from shaderlab.execution.worker_main import LAB_WORK, STEP_BYTES
 from shaderlab.files import memory_file
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.module_path import pythons_first
 from shaderlab.options import Limits
 

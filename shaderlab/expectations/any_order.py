@@ -17,7 +17,7 @@ fill areas.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from shaderlab.activity import doing
 from shaderlab.expectations.base import Context
 from shaderlab.expectations.exact import Exact, bits_of
 from shaderlab.frame import Array, Frame, every_component
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Depth, Draw, Judgement, Need, Output, Pass, Programs, Scene
 from shaderlab.model.checked import checked_arguments
 

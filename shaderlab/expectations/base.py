@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,6 @@ from shaderlab.backends import Session
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Bindings, PassDraw
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Expectation, Judgement, Need, Programs, Read, Scene
 from shaderlab.programs.prepare import Preparer, step
 from shaderlab.programs.vertices import vertex_outputs

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.expectations.attribute_layout import memory_table
 from shaderlab.expectations.base import Asked, OfDraw
 from shaderlab.frame import BlockReading, Frame
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Programs, Scene
 from shaderlab.records import Row
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Self, TypedDict
 
 from shaderlab.errors import CaseError
-from shaderlab.lazy_dataclass import dataclass
 
 
 class Bounds(TypedDict, total=False):

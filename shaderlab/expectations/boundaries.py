@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from shaderlab.frame import Array, Frame, Samples
 from shaderlab.judging.banded import judge_band
 from shaderlab.judging.chunks import PLACE
 from shaderlab.judging.inputs import Inputs, evaluate
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Programs, Scene
 
 WAYS = 256

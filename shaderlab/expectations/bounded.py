@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,6 @@ import numpy as np
 from shaderlab.errors import CaseError
 from shaderlab.expectations.law import Figure, Finding, Law, least
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import UniformValue
 
 

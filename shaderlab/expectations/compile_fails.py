@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from shaderlab.activity import doing
 from shaderlab.errors import CaseError, DriverError
 from shaderlab.expectations.base import Context, judge_rows
 from shaderlab.frame import Frame
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Expectation, Judgement, Need, Programs, Scene
 from shaderlab.model.checked import checked_arguments
 from shaderlab.records import Row, Verdict

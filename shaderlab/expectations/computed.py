@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from shaderlab.errors import FormulaError
@@ -12,7 +12,6 @@ from shaderlab.expectations.value import Figure
 from shaderlab.frame import Frame
 from shaderlab.judging.figures import figure_row, rounds_to, shown
 from shaderlab.judging.written import source_of
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Expectation, Judgement, Scene
 
 

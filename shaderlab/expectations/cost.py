@@ -5,13 +5,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import KW_ONLY, field, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import Any
 
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import Asked, judge_rows
 from shaderlab.frame import Frame, Timing
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Expectation, Judgement, Need, Programs, Scene, one_of
 from shaderlab.records import Plot, PlotPoint, Row
 

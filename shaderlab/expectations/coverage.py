@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
 from shaderlab.expectations.base import OfDraw, judge_rows
 from shaderlab.expectations.needs import CapturedFragments
 from shaderlab.frame import Frame
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Programs, Read, Scene
 from shaderlab.records import Row
 

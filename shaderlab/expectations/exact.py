@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import KW_ONLY, fields, is_dataclass, replace
+from dataclasses import KW_ONLY, dataclass, fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,6 @@ from shaderlab.expectations.base import OfOutput
 from shaderlab.expectations.subject import find_image
 from shaderlab.frame import Array, Frame, every_component
 from shaderlab.judging.figures import plain
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Output, Programs, Read, Scene
 from shaderlab.records import Outcome, Worst
 

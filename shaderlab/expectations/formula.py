@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, field
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,6 @@ from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.expectations.subject import subject_of
 from shaderlab.frame import Array, Frame, Image
 from shaderlab.judging.banded import Banded, independent_references, judge_band
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, LazyArrays, Need, Programs, Scene, UniformValue
 from shaderlab.records import Outcome, Row
 

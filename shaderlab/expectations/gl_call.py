@@ -6,13 +6,13 @@ What serves such calls alone is imported from here: `call`, `Object`, `Program`,
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from shaderlab.activity import doing
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import Context, judge_rows
 from shaderlab.frame import Frame, Reply
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import (
     GL_ERRORS,
     Argument,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 from shaderlab.activity import doing
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import Context, judge_rows
 from shaderlab.frame import Frame, TracedCall
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Expectation, Judgement, Need, Programs, Scene
 from shaderlab.records import Row
 

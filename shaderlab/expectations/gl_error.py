@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 from shaderlab.expectations.base import Asked, OfDraw, judge_rows
 from shaderlab.frame import Frame, PassDraw
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import GL_ERRORS, Judgement, Need, Programs, Scene, error_name, one_of
 from shaderlab.records import Row
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.expectations.base import Asked, OfDraw, judge_rows
 from shaderlab.frame import Frame
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Programs, Scene
 from shaderlab.model.checked import checked_arguments
 from shaderlab.records import Row

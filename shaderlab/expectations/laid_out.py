@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 
 Part = tuple[slice, slice]
 WHOLE: Part = (slice(None), slice(None))

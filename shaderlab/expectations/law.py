@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,6 @@ from shaderlab.expectations.base import OfOutput
 from shaderlab.expectations.needs import Probe
 from shaderlab.frame import Array, Frame, Samples
 from shaderlab.judging.figures import plain, ulp_distance
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Programs, Scene, UniformValue
 from shaderlab.records import Outcome, Row, Worst
 

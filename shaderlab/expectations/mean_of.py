@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,6 @@ from shaderlab.errors import CaseError
 from shaderlab.expectations.law import Figure, Finding, Law
 from shaderlab.frame import Array
 from shaderlab.judging.figures import shown
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import UniformValue
 from shaderlab.records import Row
 

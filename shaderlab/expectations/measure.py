@@ -11,7 +11,7 @@ import math
 import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, Unpack
 
 import numpy as np
@@ -25,7 +25,6 @@ from shaderlab.expectations.subject import find_image
 from shaderlab.frame import Array, Bindings, Frame
 from shaderlab.judging.inputs import parameter_name
 from shaderlab.judging.written import located, source_of
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Read, Scene, UniformValue
 from shaderlab.model.checked import checked_arguments
 from shaderlab.records import Outcome, Plot, PlotPoint, Row

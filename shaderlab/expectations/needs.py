@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,6 @@ from shaderlab.activity import doing
 from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.expectations.base import Context, OfOutput
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Need, Programs
 from shaderlab.programs.bind import declared, exact_inputs, value_arrays
 from shaderlab.programs.prepare import PreparedDraw

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 from typing import Literal
 
 import numpy as np
@@ -17,7 +17,6 @@ from shaderlab.expectations.base import Context, OfOutput, judge_rows
 from shaderlab.expectations.needs import CapturedFragments
 from shaderlab.frame import Frame, PassDraw
 from shaderlab.interpreter import load
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Programs, Scene
 from shaderlab.records import Row
 

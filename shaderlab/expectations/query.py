@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import Asked, OfDraw, judge_rows
 from shaderlab.frame import Frame
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import COUNTERS, Judgement, Need, Programs, Scene, one_of
 from shaderlab.records import Row
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Unpack
 
 from shaderlab.errors import CaseError
 from shaderlab.expectations.bound import Bound, Bounds
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import UniformValue
 from shaderlab.model.checked import checked_arguments
 from shaderlab.records import Row

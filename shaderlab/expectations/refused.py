@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.expectations.base import Context, judge_rows
 from shaderlab.frame import Frame
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Expectation, Judgement, Need, Programs, Scene
 from shaderlab.records import Row
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 
 from shaderlab.activity import doing
 from shaderlab.equivalence.answer import Answer
@@ -14,7 +14,6 @@ from shaderlab.expectations.base import Context, OfDraw, judge_rows
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.frame import Frame, PassDraw
 from shaderlab.interpreter import load
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Programs, Read, Scene
 from shaderlab.records import Row
 

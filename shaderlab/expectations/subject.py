@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from shaderlab.expectations.base import OfOutput
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.frame import Array, Frame, Image, PassDraw
 from shaderlab.judging.inputs import Inputs
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Scene, UniformValue
 from shaderlab.programs import images
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, field
+from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from shaderlab.expectations.needs import Probe
 from shaderlab.expectations.subject import inputs_of
 from shaderlab.frame import Frame
 from shaderlab.judging.banded import judge_band
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Programs, Scene, UniformValue
 from shaderlab.records import Curve
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,6 @@ import numpy as np
 from shaderlab.errors import CaseError
 from shaderlab.expectations.law import UNVARIED, Finding, Law, least
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True)

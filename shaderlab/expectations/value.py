@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,6 @@ from shaderlab.frame import Array, Frame, Image
 from shaderlab.judging.banded import judge_band
 from shaderlab.judging.figures import figure_row, rounds_to, shown
 from shaderlab.judging.inputs import evaluate
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Pixel, Programs, Read, Scene, UniformValue
 from shaderlab.records import Row
 

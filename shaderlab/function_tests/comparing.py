@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +17,6 @@ from shaderlab.functions.function import Function
 from shaderlab.functions.library import Library
 from shaderlab.functions.signatures import Signature
 from shaderlab.functions.types import Type
-from shaderlab.lazy_dataclass import dataclass
 
 if TYPE_CHECKING:
     from shaderlab.execution.lab_worker import LabWorker

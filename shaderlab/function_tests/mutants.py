@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,6 @@ from shaderlab.errors import CaseError
 from shaderlab.files import display_path
 from shaderlab.function_tests.comparing import difference
 from shaderlab.function_tests.running import RunTestFile, TestFileResult
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.mutation import Fate, Mutant, MutationPlan, ShaderMutant, chosen, mutants_of
 from shaderlab.report.plain_text import failed
 

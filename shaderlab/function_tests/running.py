@@ -10,7 +10,7 @@ import os
 import sys
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, redirect_stdout
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,6 @@ from shaderlab.discovery import is_own
 from shaderlab.errors import ShaderError, extra
 from shaderlab.functions.calling import called_in
 from shaderlab.functions.substitutes import Loads, loading
-from shaderlab.lazy_dataclass import dataclass
 
 if TYPE_CHECKING:
     import pytest

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,6 @@ import numpy as np
 from shaderlab.errors import CallError
 from shaderlab.frame import Array
 from shaderlab.functions.types import DTYPES, Type
-from shaderlab.lazy_dataclass import dataclass
 
 _ACCEPTED = {"float": "fiu", "int": "iu", "uint": "iu", "bool": "b"}
 _WORD = {"f": np.dtype(np.float32), "i": np.dtype(np.int32)}

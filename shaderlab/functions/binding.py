@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,6 @@ import numpy as np
 from shaderlab.errors import CallError, nearest
 from shaderlab.functions.arguments import Argument, argument
 from shaderlab.functions.signatures import Input, Signature
-from shaderlab.lazy_dataclass import dataclass
 
 
 def _strange(kind: str, whole: str) -> int:

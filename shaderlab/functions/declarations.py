@@ -5,10 +5,9 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from shaderlab.functions.scanner import Item, Scanner
-from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,6 @@ import numpy as np
 from shaderlab.bands.rounding import shortest
 from shaderlab.errors import CallError
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 
 _NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _TINY = float(np.finfo(np.float32).tiny)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from shaderlab.compiler.include import LineMap
 from shaderlab.compiler.sources import Source
@@ -12,7 +12,6 @@ from shaderlab.functions.declarations import declarations
 from shaderlab.functions.kernels import own
 from shaderlab.functions.signatures import PREFIX, Signature, declaration, signatures
 from shaderlab.functions.types import Type
-from shaderlab.lazy_dataclass import dataclass
 
 _RANGES = {"bool": " // range: 0..1"}
 _VERSION = re.compile(r"#version \d+")

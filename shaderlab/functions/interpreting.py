@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
 from shaderlab.audit import Audit, Plan as AuditPlan, audit_program
@@ -19,7 +19,6 @@ from shaderlab.functions.library import readable
 from shaderlab.functions.requests import Preprocess
 from shaderlab.functions.running import versions
 from shaderlab.interpreter import Program, load
-from shaderlab.lazy_dataclass import dataclass
 
 if TYPE_CHECKING:
     from shaderlab.execution.lab_worker import LabWorker

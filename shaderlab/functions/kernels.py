@@ -8,10 +8,10 @@ A pixel stands for one element, or for four where that makes no difference to th
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from shaderlab.functions.signatures import PREFIX, Input, Signature, declaration, variable
 from shaderlab.functions.types import Type
-from shaderlab.lazy_dataclass import dataclass
 
 MAX_WORDS = 8
 """Attachments that every driver has; what is more goes into another pass."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,6 @@ import numpy as np
 from shaderlab.errors import CallError
 from shaderlab.frame import Array
 from shaderlab.functions.binding import Call
-from shaderlab.lazy_dataclass import dataclass
 
 if TYPE_CHECKING:
     from shaderlab.functions.function import Function

@@ -9,11 +9,11 @@ from __future__ import annotations
 import mmap
 import os
 import tempfile
+from dataclasses import dataclass
 
 import numpy as np
 
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True)

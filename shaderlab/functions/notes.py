@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from shaderlab.compiler.sources import Source
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Outcome, SourceText
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,6 @@ from shaderlab.frame import Array, Texels
 from shaderlab.functions.arguments import argument
 from shaderlab.functions.binding import Call
 from shaderlab.functions.types import Type
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import CompressedTexture, CubeTexture, Texture, TextureArray
 from shaderlab.programs.textures import contents, kind_of
 

@@ -10,6 +10,7 @@ import dataclasses
 import functools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,6 @@ from shaderlab.frame import Array
 from shaderlab.functions.types import Type
 from shaderlab.glslmath.choice import where
 from shaderlab.glslmath.shape import stacked
-from shaderlab.lazy_dataclass import dataclass
 
 Reference = Callable[..., Any]
 

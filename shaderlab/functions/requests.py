@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +14,6 @@ from shaderlab.compiler.engines import choose
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError
 from shaderlab.functions.memory import Region
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import RunOptions
 
 if TYPE_CHECKING:

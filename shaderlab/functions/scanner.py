@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 from shaderlab.errors import ShaderError
-from shaderlab.lazy_dataclass import dataclass
 
 _TOKEN = re.compile(r"[A-Za-z_]\w*|(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\w*|<<|>>|\S")
 _NAME = re.compile(r"[A-Za-z_]\w*")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,6 @@ from shaderlab.files import display_path
 from shaderlab.frame import Array
 from shaderlab.functions.domains import Domain, hints_of, weights
 from shaderlab.functions.nesting import Values, element, flat, nested, rows, spelt, stretched
-from shaderlab.lazy_dataclass import dataclass
 
 if TYPE_CHECKING:
     from shaderlab.functions.function import Function

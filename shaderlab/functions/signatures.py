@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Literal
 
 from shaderlab.functions.declarations import Declarations
 from shaderlab.functions.emission import Types, emitted, redeclares
 from shaderlab.functions.scanner import Item, Named, Spec
 from shaderlab.functions.types import Type
-from shaderlab.lazy_dataclass import dataclass
 
 PREFIX = "shaderlab_"
 Direction = Literal["in", "out", "inout"]

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 from shaderlab.compiler.sources import Source
-from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from shaderlab.bands import Band, Rules
 from shaderlab.bands.arithmetic import scaled
 from shaderlab.bands.rounding import is_power_of_two
 from shaderlab.interpreter.arithmetic import Floats
-from shaderlab.lazy_dataclass import dataclass
 
 # A float32 that needs more digits was computed by the compiler: another one may round otherwise.
 _DIGITS, _COMPUTED = 8, 3.0

@@ -7,6 +7,7 @@ a whole array, "Block.member" for members of a block that has an instance name, 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,6 @@ from shaderlab.interpreter.arithmetic import Arithmetic
 from shaderlab.interpreter.program import INPUTS, Program
 from shaderlab.interpreter.types import Type
 from shaderlab.interpreter.values import Missing, Value, broadcast, component, undefined
-from shaderlab.lazy_dataclass import dataclass
 
 
 def memory_of(

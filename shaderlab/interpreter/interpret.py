@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,6 @@ from shaderlab.interpreter.program import BARRIER, Program
 from shaderlab.interpreter.running import BLOCKS, TURNS, Run, Watch
 from shaderlab.interpreter.stored import Trace
 from shaderlab.interpreter.values import Missing, Value
-from shaderlab.lazy_dataclass import dataclass
 
 _NOTHING = Bindings()
 

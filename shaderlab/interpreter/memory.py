@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from shaderlab.bands import Integer, Truth
 from shaderlab.bands.truth import as_truth
 from shaderlab.interpreter.types import Type
 from shaderlab.interpreter.values import Value, component, composed, select
-from shaderlab.lazy_dataclass import dataclass
 
 Flags = npt.NDArray[np.bool_]
 

@@ -8,6 +8,7 @@ is computed in float64 and rounded once.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from shaderlab import glslmath
 from shaderlab.bands import Integer
 from shaderlab.bands.rounding import shortest
 from shaderlab.interpreter.arithmetic import Floats
-from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True)

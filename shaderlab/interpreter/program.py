@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from shaderlab.compiler.compile_cache import compiled_with_lines
 from shaderlab.compiler.module import Instruction as Raw, Module, Op, Storage, parse
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import NotInterpretedError, ShaderError
 from shaderlab.interpreter.types import Type, Types
-from shaderlab.lazy_dataclass import dataclass
 
 _PARAMETER, _FUNCTION_END, _LABEL, _NO_LINE = 55, 56, 248, 317
 _LOCAL_SIZE = 17

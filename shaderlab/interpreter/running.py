@@ -9,7 +9,7 @@ still compute the same.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import KW_ONLY
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,6 @@ from shaderlab.interpreter.program import Function, Instruction, Program
 from shaderlab.interpreter.stored import Stored, Trace
 from shaderlab.interpreter.types import Kind, Type
 from shaderlab.interpreter.values import Missing, NotGivenError, UnchoosableError, Value, component
-from shaderlab.lazy_dataclass import dataclass
 
 TURNS = 4096
 """How often a loop may turn each time that it is entered, unless a caller says otherwise."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from shaderlab.interpreter.memory import Flags
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.types import Type
-from shaderlab.lazy_dataclass import dataclass
 
 _FLOW = (57, 250, 251)  # a call, a branch, a switch
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Literal
 
 from shaderlab.compiler.module import Instruction, Module, Op
 from shaderlab.errors import NotInterpretedError
-from shaderlab.lazy_dataclass import dataclass
 
 Kind = Literal[
     "void", "bool", "int", "float", "vector", "matrix", "array", "struct", "image", "pointer"

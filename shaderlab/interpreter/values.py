@@ -8,6 +8,7 @@ samplers are `Texels`. None is what nothing was stored to.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,6 @@ from shaderlab.bands.exact import concatenated, joined, select as select_bands
 from shaderlab.errors import FormulaError
 from shaderlab.interpreter.arithmetic import Arithmetic, Floats
 from shaderlab.interpreter.types import Type
-from shaderlab.lazy_dataclass import dataclass
 
 Value = Any
 

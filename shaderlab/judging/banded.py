@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +19,6 @@ from shaderlab.judging.informative import MAX_UNDECIDED, MIN_INFORMATIVE, Plausi
 from shaderlab.judging.inputs import Inputs, Reference, evaluate
 from shaderlab.judging.reference_bands import ReferenceBand, reference_band
 from shaderlab.judging.written import source_of
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Row, SourceText, Worst
 
 MAX_VACUOUS = 0.01

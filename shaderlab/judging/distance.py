@@ -7,6 +7,7 @@ computed block by block, in memory that stays in the processor's cache, and none
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,6 @@ import numpy.typing as npt
 from shaderlab.bands.allowed import widths
 from shaderlab.bands.compiled import compiled
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 
 Floats = npt.NDArray[np.float64]
 Distances = npt.NDArray[np.floating[Any]]

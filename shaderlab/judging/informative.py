@@ -7,12 +7,13 @@ narrower than the magnitude of the whole vector, or the range of an attachment t
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from shaderlab.bands.compiled import compiled
 from shaderlab.frame import Array
 from shaderlab.judging.formats import FLOAT_FORMATS, INTEGER_FORMATS
-from shaderlab.lazy_dataclass import dataclass
 
 MIN_INFORMATIVE = 0.99
 """The least share of an expectation's values that must be informative."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import lru_cache
 from types import FunctionType
 from typing import Any
@@ -27,7 +27,6 @@ from shaderlab.frame import Array, Bindings, Texels
 from shaderlab.glslmath.arrays import Elements
 from shaderlab.judging.as_written import as_written
 from shaderlab.judging.written import located, name_of, source_of
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.sampling import Sampler
 
 Reference = Callable[..., Any]

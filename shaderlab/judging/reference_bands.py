@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +18,6 @@ from shaderlab.judging.formats import FLOAT_FORMATS, as_result, in_format, store
 from shaderlab.judging.inputs import Inputs, Reference, evaluate, wanted
 from shaderlab.judging.remembered import digest, remembered_bands
 from shaderlab.judging.written import name_of, source_of
-from shaderlab.lazy_dataclass import dataclass
 
 Flags = npt.NDArray[np.bool_]
 

@@ -8,9 +8,9 @@ of an object that the lab makes and deletes, a `Location` to where a program has
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from shaderlab.errors import CaseError
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model.checked import Checked
 from shaderlab.model.state import one_of
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import PassDraw
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model.checked import Checked
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.scene import Draw, Pass, Ramp, UniformBuffer

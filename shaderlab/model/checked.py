@@ -15,13 +15,12 @@ import re
 import sys
 import typing
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, dataclass, fields
 from typing import Any, TypeVar, cast
 
 import numpy as np
 
 from shaderlab.errors import CaseError, nearest
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model.type_checks import SCALARS, UNIONS, Check, Misfit, type_check
 
 _SHOWN = 60

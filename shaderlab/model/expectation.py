@@ -12,11 +12,10 @@ import os
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from shaderlab.frame import Frame, PassDraw
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model.checked import Checked
 from shaderlab.model.scene import Pixel
 from shaderlab.records import Curve, Outcome, Plot

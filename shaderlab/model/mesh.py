@@ -7,14 +7,13 @@ alone, so they are worked out here, without a device, and can be held against th
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model.checked import Checked
 from shaderlab.model.state import one_of
 

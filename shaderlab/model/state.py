@@ -8,9 +8,9 @@ Rectangles are (x, y, width, height) in pixels, from the target's lower left cor
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from shaderlab.errors import CaseError, nearest
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model.checked import Checked
 
 COMPARISONS = (

@@ -7,12 +7,12 @@ import random
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 from shaderlab.evaluation import Lab
 from shaderlab.expectations.gl_calls import Traced
 from shaderlab.frame import TracedCall
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Case, Scene
 from shaderlab.model.call_edits import CallEdit, Changed, Dropped, PutOff, Repeated
 from shaderlab.mutation.call_arguments import other_arguments

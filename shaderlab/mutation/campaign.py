@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
@@ -12,7 +12,6 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.execution.executor import LocalExecutor, error_text
 from shaderlab.execution.jobs import Request
 from shaderlab.execution.pool import ItemResult
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.requests import OPENING, JudgeMutant, MakeMutants, MutationPlan
 from shaderlab.mutation.results import CaseResult, Fate, Tried

@@ -5,14 +5,13 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from tree_sitter import Node
 
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.syntax import Syntax, name_of, reachable, walk
 from shaderlab.files import display_path
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Scene
 from shaderlab.model.call_edits import CallEdit
 from shaderlab.mutation.names import Names, names_of

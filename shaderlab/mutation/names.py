@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 from tree_sitter import Node
 
 from shaderlab.compiler.syntax import Syntax, field, name_of, walk
-from shaderlab.lazy_dataclass import dataclass
 
 _QUALIFIERS = ("uniform", "in", "out", "inout", "const")
 

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
 from shaderlab.evaluation import Evaluation
 from shaderlab.frame import Array, PassDraw, Texels
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import (
     CompressedTexture,
     CubeTexture,

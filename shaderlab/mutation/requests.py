@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.mutation.results import Fate
 from shaderlab.options import RunOptions
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.states import STATE
 

@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import random
 from collections.abc import Collection, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from shaderlab.frame import PassDraw
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Blend, Case, Scene, State, Stencil
 from shaderlab.mutation.mutants import Effect, Mutant
 from shaderlab.mutation.subjects import scenes_of

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from shaderlab.errors import CaseError, UnsupportedError
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Scene
 from shaderlab.mutation.mutants import Effect
 from shaderlab.mutation.subjects import with_what_they_read

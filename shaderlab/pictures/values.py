@@ -21,13 +21,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.pictures.deflate import deflated
 
 Numbers = NDArray[Any]

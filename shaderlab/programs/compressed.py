@@ -7,11 +7,11 @@ Source: Microsoft, "Programming Guide for DDS" (DDS_HEADER, DDS_PIXELFORMAT, DDS
 from __future__ import annotations
 
 import struct
+from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.errors import AssetError, CaseError
 from shaderlab.files import read_regular
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import CompressedTexture
 from shaderlab.model.textures import BLOCK_BYTES, level_sizes
 

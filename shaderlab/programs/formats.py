@@ -6,11 +6,11 @@ Source: OpenGL 4.5 core profile specification, tables 8.10 to 8.13 (sized intern
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model.textures import DEPTH_FORMATS
 
 

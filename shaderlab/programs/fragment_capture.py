@@ -5,13 +5,12 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Fragments, differ, leading
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.programs import formats, stages
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece, assembled

@@ -4,13 +4,12 @@ interpolated. No device: the caller draws."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Bindings, Samples
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Mesh, State, Stencil, Target
 from shaderlab.programs import bind, formats, stages, vertex_stages
 from shaderlab.programs.prepare import PreparedDraw

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 from shaderlab.compiler.syntax import Syntax, field
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.programs.stages import MOST_OUTPUTS, PREFIX, after_directives
 from shaderlab.programs.watch_points import WatchPoint
 

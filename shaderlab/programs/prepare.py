@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 from shaderlab.compiler.compile import Compile, Compiled, compile_program
 from shaderlab.compiler.interface import Interface, Variable
@@ -12,7 +12,6 @@ from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.targets import TARGETS
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import Array, PassDraw
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Draw, Pass
 from shaderlab.programs import bind, formats, storage, vertex_stages
 from shaderlab.programs.varyings import Declared

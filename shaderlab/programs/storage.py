@@ -7,7 +7,7 @@ std430).
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,6 @@ import numpy as np
 from shaderlab.compiler.interface import Block, Interface, Member, Variable
 from shaderlab.errors import CaseError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Fragments, Image
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import BufferValue, Draw, Output
 from shaderlab.programs import bind, blocks, formats, images as stored_images
 from shaderlab.programs.textures import Images, find_image

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -12,7 +13,6 @@ import numpy as np
 from shaderlab.compiler.interface import Variable
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array, Image
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import (
     CubeTexture,
     Output,

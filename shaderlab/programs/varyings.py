@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from shaderlab.compiler.interface import Variable
 from shaderlab.compiler.text import without_comments
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 
 _BLOCK = re.compile(
     r"\b(?P<direction>in|out)\s+(\w+)\s*\{([^{}]*)\}\s*(\w*)\s*((?:\[[^\]]*\]\s*)*);"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Literal
 
 from tree_sitter import Node
 
 from shaderlab.compiler.syntax import Syntax, field, name_of, walk
-from shaderlab.lazy_dataclass import dataclass
 
 Kind = Literal["store", "return", "condition", "entry"]
 _LOOPS = ("while_statement", "do_statement", "for_statement")

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Literal
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records.programs import SourceText
 
 Status = Literal["pass", "fail", "error", "unsupported", "timeout", "crash"]

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.observations import Observation
 from shaderlab.records.outcomes import Curve, Outcome, Plot, Status
 from shaderlab.records.programs import ProgramRecord

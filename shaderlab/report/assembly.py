@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import zlib
+from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Verdict
 from shaderlab.report.grouping import CaseGroup
 from shaderlab.report.inline import Pictures, in_base64

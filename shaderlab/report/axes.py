@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-
-from shaderlab.lazy_dataclass import dataclass
+from dataclasses import dataclass
 
 _SMALLEST, _LARGEST = 1e-307, 1e308
 

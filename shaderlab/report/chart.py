@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Curve
 from shaderlab.report.axes import Axis, Plane, axis
 from shaderlab.report.worst import half_widths, outside

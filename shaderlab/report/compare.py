@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Record, Run, Status
 from shaderlab.report.grouping import STATUSES
 from shaderlab.report.inline import Picture, Pictures

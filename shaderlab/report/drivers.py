@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import groupby
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Agreement, Disagreement, DriverResult, Run
 from shaderlab.report.plain_text import MARKS
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from shaderlab.files import read_regular
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Diagnostic, Outcome, Record, Run, Severity, Verdict
 from shaderlab.report.grouping import PASSABLE, STATUS_WORDS
 from shaderlab.report.plain_text import label, listed, outcome_details, printable

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Record, Run, Status
 
 # Worst first: a case has the first of these that one of its variants has.

@@ -9,12 +9,11 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from shaderlab.files import read_regular, write_text
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Record, Run, Status, Worst
 from shaderlab.report.grouping import STATUSES, group_cases
 from shaderlab.report.plain_text import summary

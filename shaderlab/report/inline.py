@@ -11,6 +11,7 @@ import os
 import struct
 from collections import Counter
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 from urllib.parse import quote
@@ -19,7 +20,6 @@ from markupsafe import Markup
 
 from shaderlab import pictures
 from shaderlab.files import read_regular
-from shaderlab.lazy_dataclass import dataclass
 
 # Below this a picture is a table of pixels, to be enlarged with hard edges.
 _TABLE = 200

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Diagnostic, SourceText
 from shaderlab.report.text import clean
 

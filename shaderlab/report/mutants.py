@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import read_regular
-from shaderlab.lazy_dataclass import dataclass
 
 FILE_NAME = "mutation.json"
 

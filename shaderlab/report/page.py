@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import (
     CodeCoverage,
     Curve,

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from operator import itemgetter
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Plot, PlotPoint
 from shaderlab.report.axes import Plane, axis
 from shaderlab.report.chart import BOTTOM, LEFT, RIGHT, TOP, WIDTH

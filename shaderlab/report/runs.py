@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
 from shaderlab.files import read_regular, write_text
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.report import html, parts
 from shaderlab.report.grouping import STATUSES
 from shaderlab.report.history import FILE_NAME

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Worst
 
 # Positions on a number line of 100 units: the band lies between these.

@@ -6,6 +6,7 @@ border), §8.16 (absent components), §8.23.1 (depth comparison), §2.3.5.1 (nor
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -16,7 +17,6 @@ from shaderlab.bands import Rules
 from shaderlab.bands.compiled import compiled
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array, Texels
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.sampling.spans import Span
 
 Integers = npt.NDArray[np.int64]

@@ -9,6 +9,7 @@ import sys
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,6 @@ from shaderlab.execution.jobs import CaseFacts, Job
 from shaderlab.function_tests.running import RunTestFile
 from shaderlab.functions.calling import called_in
 from shaderlab.functions.library import load
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import RunOptions
 
 if TYPE_CHECKING:

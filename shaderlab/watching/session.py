@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from shaderlab.discovery import imported_files, is_own
@@ -13,7 +13,6 @@ from shaderlab.execution.executor import LocalExecutor, error_text
 from shaderlab.execution.jobs import CaseFacts, Job, failed_record
 from shaderlab.execution.pool import ItemResult
 from shaderlab.functions.test_records import record_of_test
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import RunOptions
 from shaderlab.records import Record, Status
 from shaderlab.watching.requests import LoadWatched, RunWatched, RunWatchedTests

@@ -16,7 +16,7 @@ BEGIN, END = "<!-- rooms: generated -->", "<!-- end of rooms -->"
 
 # Bottom to top: a room may import those before it.
 ORDER = (
-    "lazy_dataclass", "errors", "files", "activity", "packages", "module_path", "options",
+    "errors", "files", "activity", "packages", "module_path", "options",
     "observations", "records", "frame", "bands", "sampling", "glslmath", "pictures", "model",
     "assets", "reference",
     "compiler", "interpreter", "equivalence", "audit", "programs", "backends", "judging",

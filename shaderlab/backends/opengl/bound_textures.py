@@ -4,7 +4,7 @@ them; what they hold as exact values, and their binding to a program's samplers.
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,6 @@ from shaderlab.backends.opengl.textures import (
 from shaderlab.backends.scene_textures import DeviceTexels, SceneTextures
 from shaderlab.compiler.interface import Variable
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import CompressedTexture, CubeTexture, Output, Texture, TextureSource
 from shaderlab.model.textures import Sampling, level_sizes
 from shaderlab.programs.compressed import blocks_of

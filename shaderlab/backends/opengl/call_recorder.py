@@ -10,6 +10,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import cache
 from types import ModuleType
 from typing import Any
@@ -19,7 +20,6 @@ import numpy as np
 from shaderlab.backends.opengl.api import prototypes
 from shaderlab.backends.opengl.edited_calls import VECTOR, Editor, numbers_of
 from shaderlab.backends.opengl.pyopengl import GL, GL_1_0, GL_1_2, GL_1_3
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model.call_edits import CallEdit
 
 _NUMBERS: Mapping[str, Any] = {"f": ctypes.c_float, "i": ctypes.c_int, "ui": ctypes.c_uint}

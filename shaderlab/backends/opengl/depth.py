@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,6 @@ from shaderlab.backends.opengl.pyopengl import GL, GL_1_0
 from shaderlab.backends.opengl.textures import DeviceTexture, address, depth_storage, tightly_packed
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Image
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Target
 from shaderlab.programs.formats import DEPTH
 

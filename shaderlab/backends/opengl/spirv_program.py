@@ -10,6 +10,7 @@ import ctypes
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -23,7 +24,6 @@ from shaderlab.compiler.module import parse
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.transform_feedback import with_feedback
 from shaderlab.errors import ShaderError, UnsupportedError
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.programs.formats import components_of
 
 _STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment", "compute")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from shaderlab.backends.opengl.mapping import write_mapped
 from shaderlab.backends.opengl.pyopengl import GL, GL_1_0, GL_1_2, GL_1_3, named
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model.textures import level_sizes
 from shaderlab.programs.compressed import Blocks
 from shaderlab.programs.formats import DEPTH, format_of

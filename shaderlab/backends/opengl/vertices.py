@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from shaderlab.backends.opengl.linking import has_names
 from shaderlab.backends.opengl.mapping import write_mapped
 from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.frame import Array, AttributeReading
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Mesh, Placement
 
 _KINDS = {"f": 0x1406, "i": 0x1404, "u": 0x1405}

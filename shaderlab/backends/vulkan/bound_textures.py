@@ -3,7 +3,7 @@ them; what they hold as exact values, and their views and samplers."""
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,6 @@ from shaderlab.backends.vulkan.target import RenderTarget
 from shaderlab.compiler.interface import Variable
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Image
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import CompressedTexture, Output, TextureSource
 from shaderlab.model.state import COMPARISONS
 from shaderlab.model.textures import WRAPS, Sampling, level_sizes

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,6 @@ from shaderlab.compiler.types import unwrap
 from shaderlab.compiler.variables import own_variables
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.programs import blocks
 
 SAMPLED, UNIFORM, STORED = 1, 6, 7

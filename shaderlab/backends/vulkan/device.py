@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 from shaderlab.backends.vulkan import environment
 from shaderlab.backends.vulkan.api import NULL, Structs, check, constant, ffi, lib
 from shaderlab.errors import DriverError
-from shaderlab.lazy_dataclass import dataclass
 
 REQUIRED_VERSION = (1, 3)
 # What the lab can't do without, so that a shader means what it means in OpenGL: the clip volume,

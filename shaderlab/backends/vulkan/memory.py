@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from shaderlab.backends.vulkan.api import NULL, Structs, check, constant, ffi, lib
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 
 _HOST = 0x2 | 0x4  # visible to this process, without flushing
 _CACHED = 0x8

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from shaderlab.activity import doing
@@ -18,7 +19,6 @@ from shaderlab.backends.vulkan.vertices import VertexLayout
 from shaderlab.compiler.interface import Variable
 from shaderlab.compiler.module import Storage, parse
 from shaderlab.compiler.variables import stage_variables
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import State
 
 _STAGES = {"vertex": 1, "tess_control": 2, "tess_evaluation": 4, "geometry": 8, "fragment": 16}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from shaderlab.backends import Size
@@ -11,7 +12,6 @@ from shaderlab.backends.vulkan.api import NULL, lib
 from shaderlab.backends.vulkan.commands import Commands
 from shaderlab.backends.vulkan.program import Layout, Program
 from shaderlab.backends.vulkan.vertices import VertexBuffers
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import State
 
 _GRAPHICS = 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,6 @@ from shaderlab.backends.vulkan.commands import Commands
 from shaderlab.backends.vulkan.memory import Buffer, Resources
 from shaderlab.compiler.interface import Variable
 from shaderlab.frame import Array, AttributeReading
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Mesh
 from shaderlab.model.mesh import PRIMITIVES
 from shaderlab.programs.formats import numpy_type

@@ -4,7 +4,7 @@ them; what they hold as exact values, and the samplers that read them."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,6 @@ from shaderlab.backends.webgl.target import RenderTarget
 from shaderlab.compiler.interface import Variable
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import CompressedTexture, Output, TextureSource
 from shaderlab.model.textures import Sampling, level_sizes
 from shaderlab.programs.compressed import blocks_of

@@ -9,6 +9,7 @@ import base64
 import functools
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ import numpy as np
 from shaderlab.backends.webgl.browser import Browser
 from shaderlab.errors import DeviceLostError
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 
 _ARRAYS = {
     np.dtype(np.uint8): "Uint8Array", np.dtype(np.float16): "Uint16Array",

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from shaderlab.backends.webgl.browser import Browser
 from shaderlab.backends.webgl.calls import Calls, Object
 from shaderlab.backends.webgl.essl import cross_compiler
 from shaderlab.errors import DriverError, UnsupportedError
-from shaderlab.lazy_dataclass import dataclass
 
 _NEEDED = "EXT_color_buffer_float"
 

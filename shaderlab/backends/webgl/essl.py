@@ -5,12 +5,12 @@ from __future__ import annotations
 import shutil
 import subprocess
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from shaderlab.activity import doing
 from shaderlab.compiler.interface import Interface
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, UnsupportedError
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.programs import stages
 from shaderlab.programs.module_texts import (
     compiled_to_modules,

@@ -6,12 +6,13 @@ WEBGL_compressed_texture_s3tc and EXT_texture_compression_bptc.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from shaderlab.backends.webgl.device import Device
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.programs.formats import DEPTH, format_of
 
 _CHANNELS = {1: "RED", 2: "RG", 3: "RGB", 4: "RGBA"}

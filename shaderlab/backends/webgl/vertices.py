@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from shaderlab.backends.webgl.calls import Calls, Object, Objects
 from shaderlab.compiler.interface import Variable
 from shaderlab.frame import AttributeReading
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Mesh
 from shaderlab.programs.formats import numpy_type
 

@@ -3,7 +3,7 @@ than `shaderlab.sampling` takes, the answer is any texel."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +11,6 @@ import numpy as np
 from shaderlab.bands import Band, Rules, Truth
 from shaderlab.interpreter.memory import Flags
 from shaderlab.interpreter.values import select
-from shaderlab.lazy_dataclass import dataclass
 from shaderlab.sampling import Sampler
 from shaderlab.sampling.filters import ROUNDING, WEIGHT
 from shaderlab.sampling.functions import sampled
