@@ -18,16 +18,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from shaderlab.audit import Audit, audit_program
-from shaderlab.catalogue import load_cases
+from shaderlab.analysis.audit import Audit, audit_program
+from shaderlab.analysis.interpreter import load
 from shaderlab.compiler import Shaders
-from shaderlab.discovery import data_folder, shipped_cases
+from shaderlab.engine.catalogue import load_cases
+from shaderlab.engine.discovery import data_folder, shipped_cases
+from shaderlab.engine.interpreting import program_of
+from shaderlab.engine.lab import Lab
+from shaderlab.engine.rewriting import stages
 from shaderlab.errors import ShaderlabError
-from shaderlab.evaluation import Lab
-from shaderlab.evaluation.interpreting import program_of
-from shaderlab.evaluation.rewriting import stages
-from shaderlab.interpreter import load
-from shaderlab.options import RunOptions
+from shaderlab.model.options import RunOptions
 
 PLANTED = Path(__file__).with_name("hazards.toml")
 DECLARATIONS = """#version 430 core

@@ -29,16 +29,16 @@ import numpy as np
 from shaderlab import glslmath
 from shaderlab.bands import Band, Rules, compiled
 from shaderlab.bands.allowed import contains
-from shaderlab.catalogue import load_cases
-from shaderlab.discovery import shipped_cases
-from shaderlab.evaluation import Lab
-from shaderlab.execution.worker_main import keep_freed_memory
-from shaderlab.expectations.formula import Formula
-from shaderlab.expectations.subject import subject_of
-from shaderlab.frame import Frame
-from shaderlab.judging.inputs import Inputs, evaluate
-from shaderlab.model import Scene
-from shaderlab.options import RunOptions
+from shaderlab.engine.catalogue import load_cases
+from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.expectations.formula import Formula
+from shaderlab.engine.expectations.subject import subject_of
+from shaderlab.engine.judging.inputs import Inputs, evaluate
+from shaderlab.engine.lab import Lab
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import Frame
+from shaderlab.model.options import RunOptions
+from shaderlab.workers.worker_main import keep_freed_memory
 
 SIDE = 64
 LARGE = 512

@@ -72,11 +72,11 @@ def measured(programs: Path, count: int, cache: str) -> list[float]:
 
 def prepared(folder: Path, count: int) -> list[float]:
     """The same in this process."""
-    import shaderlab.evaluation  # noqa: F401  a run has imported it before it compiles
+    import shaderlab.engine.lab  # noqa: F401  a run has imported it before it compiles
     from shaderlab import fullscreen
     from shaderlab.compiler import Shaders
     from shaderlab.compiler.compile_cache import cached_compiler
-    from shaderlab.programs.prepare import Preparer
+    from shaderlab.drivers.programs.prepare import Preparer
 
     uniforms = {"gain": running_programs.GAIN}
     names = [f"light_{index}.frag" for index in range(count)]

@@ -17,7 +17,7 @@ import numpy as np
 
 from shaderlab import CubeTexture, Texture, TextureArray, glsl
 from shaderlab.compiler.text import EXTENSIONS
-from shaderlab.discovery import data_folder
+from shaderlab.engine.discovery import data_folder
 from shaderlab.errors import ShaderlabError
 from shaderlab.functions.types import DTYPES, Type
 

@@ -17,16 +17,16 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from benchmarks.rewrites import Rewrite, rewrites
-from shaderlab.catalogue import load_cases
-from shaderlab.discovery import shipped_cases
-from shaderlab.equivalence.answer import Answer
-from shaderlab.equivalence.comparison import Plan, compare_programs
+from shaderlab.analysis.equivalence.answer import Answer
+from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
+from shaderlab.engine.catalogue import load_cases
+from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.interpreting import program_of
+from shaderlab.engine.lab import Lab
+from shaderlab.engine.rewriting import rewritten
 from shaderlab.errors import ShaderlabError
-from shaderlab.evaluation import Lab
-from shaderlab.evaluation.interpreting import program_of
-from shaderlab.evaluation.rewriting import rewritten
-from shaderlab.model import Case
-from shaderlab.options import RunOptions
+from shaderlab.model.case import Case
+from shaderlab.model.options import RunOptions
 
 
 def compared(

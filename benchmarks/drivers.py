@@ -15,12 +15,12 @@ import statistics
 import time
 from collections.abc import Mapping, Sequence
 
-from shaderlab.backends import DRIVERS
-from shaderlab.catalogue import load_cases
-from shaderlab.discovery import shipped_cases
+from shaderlab.drivers import DRIVERS
+from shaderlab.engine.catalogue import load_cases
+from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import ShaderlabError
-from shaderlab.evaluation import Lab
-from shaderlab.options import RunOptions
+from shaderlab.model.options import RunOptions
 
 CASES = (
     "attenuation", "mvp", "ten-cubes", "mipmap-chain", "cubemap", "stencil-outline",

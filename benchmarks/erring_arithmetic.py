@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.adversary_device import Device, ulp
+from shaderlab.analysis.interpreter import FLOAT64, Bands
+from shaderlab.analysis.interpreter.numbers import Numbers
 from shaderlab.bands import Band, Integer
-from shaderlab.interpreter import FLOAT64, Bands
-from shaderlab.interpreter.numbers import Numbers
 
 Floats = np.ndarray
 _MADE = 1024  # results whose operands are remembered

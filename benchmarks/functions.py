@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab import glsl
-from shaderlab.backends.opengl import environment
+from shaderlab.drivers.opengl import environment
 
 FUNCTION = "float attenuation(float d) { return 1.0 / (1.0 + 0.09 * d + 0.032 * d * d); }"
 TRIANGLE = """#version 330

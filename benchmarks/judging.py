@@ -28,11 +28,11 @@ from unittest.mock import patch
 
 import numpy as np
 
-from shaderlab.catalogue import load_case
-from shaderlab.discovery import case_files, data_folder
-from shaderlab.evaluation import Lab
-from shaderlab.judging.banded import Banded
-from shaderlab.model import Case
+from shaderlab.engine.catalogue import load_case
+from shaderlab.engine.discovery import case_files, data_folder
+from shaderlab.engine.judging.banded import Banded
+from shaderlab.engine.lab import Lab
+from shaderlab.model.case import Case
 from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.subjects import glsl_mutants
@@ -76,7 +76,9 @@ RULES: Mapping[str, Rule] = {
 @contextmanager
 def recorded() -> Iterator[list[Banded]]:
     """Everything that is judged by a band meanwhile."""
-    modules = [import_module(f"shaderlab.expectations.{n}") for n in ("formula", "sweep", "value")]
+    modules = [
+        import_module(f"shaderlab.engine.expectations.{n}") for n in ("formula", "sweep", "value")
+    ]
     original = modules[0].judge_band
     seen: list[Banded] = []
 

@@ -20,17 +20,17 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.catalogue import load_cases
-from shaderlab.discovery import shipped_cases
+from shaderlab.drivers.programs.watch_points import watch_points
+from shaderlab.engine.catalogue import load_cases
+from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import ShaderlabError
-from shaderlab.evaluation import Lab
-from shaderlab.evaluation.evaluation import Evaluation
-from shaderlab.model import Case
+from shaderlab.model.case import Case
+from shaderlab.model.options import RunOptions
 from shaderlab.mutation import glsl_mutants
 from shaderlab.mutation.locating import Traces, first_traced, traces_of
 from shaderlab.mutation.mutants import ShaderMutant
-from shaderlab.options import RunOptions
-from shaderlab.programs.watch_points import watch_points
 
 # Mistakes where nothing is stored.
 LEFT_OUT = ("removed", "return", "discarded", "halved", "never written", "else")

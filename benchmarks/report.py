@@ -109,9 +109,9 @@ def _opening(page: Path) -> float | None:
 def _made_up(folder: Path, count: int) -> None:
     import numpy as np
 
-    from shaderlab.evaluation.picture_writer import PictureWriter
-    from shaderlab.frame import Image
-    from shaderlab.records import ProgramRecord, SourceText, Verdict
+    from shaderlab.engine.picture_writer import PictureWriter
+    from shaderlab.model.frame import Image
+    from shaderlab.model.records import ProgramRecord, SourceText, Verdict
     from shaderlab.report.store import save
     from tests.unit.test_report_samples import curve, outcome, record, run, worst
 

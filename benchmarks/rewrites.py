@@ -14,11 +14,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from shaderlab.catalogue import load_cases
-from shaderlab.discovery import data_folder, shipped_cases
-from shaderlab.evaluation import Lab
-from shaderlab.model import Case
-from shaderlab.options import RunOptions
+from shaderlab.engine.catalogue import load_cases
+from shaderlab.engine.discovery import data_folder, shipped_cases
+from shaderlab.engine.lab import Lab
+from shaderlab.model.case import Case
+from shaderlab.model.options import RunOptions
 
 
 @dataclass(frozen=True)

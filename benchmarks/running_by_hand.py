@@ -71,7 +71,7 @@ def by_bands(folder: Path, index: int) -> Any:
     from running_programs import GAIN
 
     from shaderlab.bands import Band, Rules
-    from shaderlab.catalogue import load_case
+    from shaderlab.engine.catalogue import load_case
 
     color = load_case(folder / f"light_{index}.py").expect[0].reference  # type: ignore[union-attr]
     rules = Rules()

@@ -15,8 +15,8 @@ from collections import Counter
 from pathlib import Path
 
 from shaderlab.compiler import WORK, compile_glsl
-from shaderlab.execution import WorkerPool
-from shaderlab.options import Limits
+from shaderlab.model.options import Limits
+from shaderlab.workers import WorkerPool
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from trees import storm

@@ -18,9 +18,9 @@ import argparse
 import sys
 from collections import Counter
 
-from shaderlab.catalogue import load_cases
-from shaderlab.discovery import shipped_cases
-from shaderlab.evaluation import Lab
+from shaderlab.engine.catalogue import load_cases
+from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.lab import Lab
 from shaderlab.mutation import glsl_mutants
 from shaderlab.mutation.coverage import covered, halved
 from shaderlab.mutation.judging import Judge

@@ -35,8 +35,8 @@ def main() -> None:
         signal.signal(signal.SIGINT, _interrupt)
     try:
         if _will_run(sys.argv[1:]):
-            from shaderlab.execution.worker_process import begin_server
             from shaderlab.files import hold_standard_descriptors
+            from shaderlab.workers.worker_process import begin_server
 
             hold_standard_descriptors()
             begin_server(_is_of_one_case(sys.argv[1:]))

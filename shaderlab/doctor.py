@@ -162,7 +162,7 @@ def _compile_cache() -> Finding:
 
 
 def _data() -> Iterator[Finding]:
-    from .discovery import data_folder
+    from shaderlab.engine.discovery import data_folder
 
     for kind in ("shaders", "cases"):
         try:
@@ -172,7 +172,7 @@ def _data() -> Iterator[Finding]:
 
 
 def _driver() -> Iterator[Finding]:
-    from .backends import probe
+    from shaderlab.drivers import probe
 
     try:
         driver = probe()

@@ -14,7 +14,7 @@ from typing import Any
 
 from shaderlab.errors import UsageError, nearest
 from shaderlab.files import display_path
-from shaderlab.options import Limits
+from shaderlab.model.options import Limits
 
 FILE = "pyproject.toml"
 TABLE = "shaderlab"
@@ -173,7 +173,7 @@ def _targets(value: Any, root: Path) -> tuple[str, ...]:
 
 
 def _driver(value: Any, root: Path) -> str:
-    from shaderlab.backends import DRIVERS
+    from shaderlab.drivers import DRIVERS
 
     if value not in DRIVERS:
         raise ValueError(f"there is no driver {value!r}; {nearest(str(value), DRIVERS)}")

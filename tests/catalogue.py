@@ -7,11 +7,11 @@ from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING
 
-from shaderlab.catalogue import load_cases
-from shaderlab.discovery import shipped_cases
+from shaderlab.engine.catalogue import load_cases
+from shaderlab.engine.discovery import shipped_cases
 
 if TYPE_CHECKING:
-    from shaderlab.model import Case
+    from shaderlab.model.case import Case
 
 FOR_PEOPLE = {"scene", "picture"}
 

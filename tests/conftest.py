@@ -15,7 +15,15 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
-from shaderlab.records import Diagnostic, Outcome, ProgramRecord, Record, SourceText, Verdict, Worst
+from shaderlab.model.records import (
+    Diagnostic,
+    Outcome,
+    ProgramRecord,
+    Record,
+    SourceText,
+    Verdict,
+    Worst,
+)
 
 # A session's tests, and the processes that they start, share a compile cache that is empty when
 # they begin: what was compiled at another time is not tested, and nothing is compiled twice.
@@ -124,7 +132,7 @@ def refused(passing: Record) -> Record:
 
 
 class FakeLab:
-    """Stands in for `shaderlab.evaluation.Lab`: every scene passes but those named in `answers`."""
+    """Stands in for `shaderlab.engine.lab.Lab`: every scene passes but those named in `answers`."""
 
     def __init__(self, answers: Mapping[str, Record], template: Record, log: list[Any]) -> None:
         self._answers = answers
@@ -173,7 +181,7 @@ def fake_lab(
             made.options = options
             return made
 
-        monkeypatch.setattr("shaderlab.evaluation.Lab", lab)
+        monkeypatch.setattr("shaderlab.engine.lab.Lab", lab)
         monkeypatch.setenv("SHADERLAB_JOBS", "0")  # worker processes would have the real one
         return log
 

@@ -27,7 +27,7 @@ from shaderlab import (
     fullscreen,
 )
 from shaderlab.glslmath import floor, fract, max, min, mix, swizzle, vec3, vec4, where
-from shaderlab.sampling import texelFetch
+from shaderlab.glslmath.sampling import texelFetch
 
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import enlarged, panel, rectangle

@@ -12,7 +12,7 @@ as in the first, to the bit.
 """
 
 from shaderlab import Case, Output, boundaries, exact, formula, gl_call, inactive_uniforms
-from shaderlab.expectations.gl_call import Location, Program, call
+from shaderlab.engine.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import (
     abs,
     cos,
@@ -32,7 +32,7 @@ from shaderlab.glslmath import (
     vec4,
     where,
 )
-from shaderlab.sampling import texelFetch
+from shaderlab.glslmath.sampling import texelFetch
 
 from ..scenes.api import answers, sent
 from ..scenes.drawing import encoded

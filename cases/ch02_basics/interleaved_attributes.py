@@ -15,7 +15,7 @@ coordinates wide and high. Both grow evenly over the triangle: they are interpol
 import numpy as np
 
 from shaderlab import Case, Output, attribute_layout, boundaries, coverage, exact, formula, measure
-from shaderlab.expectations.gl_call import Object, call
+from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.glslmath import floor, mod, swizzle, vec4, where
 from shaderlab.reference.rasterisation import barycentric
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from shaderlab import Case, Ramp, Texture, assets, formula
 from shaderlab.glslmath import floor, swizzle, vec2
+from shaderlab.glslmath.sampling import texelFetch, textureSize
 from shaderlab.reference.filtering import box, level_count, texel_count
-from shaderlab.sampling import texelFetch, textureSize
 
 from ..scenes.figures import figure, results
 from ..scenes.panels import WHOLE, panel, panel_pass, picture

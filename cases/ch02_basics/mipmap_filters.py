@@ -15,8 +15,8 @@ level below, LINEAR above. Steps against a smooth change, and sharp chessboards 
 import numpy as np
 
 from shaderlab import Case, Texture, gl_call, measure, up
-from shaderlab.expectations.gl_call import Object, call
-from shaderlab.sampling import textureLod
+from shaderlab.engine.expectations.gl_call import Object, call
+from shaderlab.glslmath.sampling import textureLod
 
 from ..scenes.figures import each_draw, figure
 from ..scenes.panel_checks import enlarged_check

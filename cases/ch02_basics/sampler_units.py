@@ -25,9 +25,9 @@ from shaderlab import (
     gl_call,
     sweep,
 )
-from shaderlab.expectations.gl_call import Location, Program, call
+from shaderlab.engine.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import fract, max, min, mix, swizzle, vec4, where
-from shaderlab.sampling import texture
+from shaderlab.glslmath.sampling import texture
 
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import enlarged, panel, rectangle

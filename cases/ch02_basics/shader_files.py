@@ -18,7 +18,7 @@ import numpy as np
 
 from shaderlab import Case, Output, Texture, boundaries, exact, formula, fullscreen, refused
 from shaderlab.glslmath import floor, fract, max, min, mix, swizzle, vec3, vec4, where
-from shaderlab.sampling import texelFetch
+from shaderlab.glslmath.sampling import texelFetch
 
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import enlarged, panel, rectangle

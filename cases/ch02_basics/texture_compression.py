@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from shaderlab import Case, CompressedTexture, Target, assets, exact, fullscreen, measure
-from shaderlab.sampling import texture as texel
+from shaderlab.glslmath.sampling import texture as texel
 
 from ..scenes.block_codecs import compressed, decoded_blocks
 from ..scenes.figures import each_draw

@@ -15,10 +15,10 @@ centre that stay level outside of the outermost.
 import numpy as np
 
 from shaderlab import Case, Erratum, Target, Texture, formula, fullscreen, gl_call
-from shaderlab.expectations.gl_call import Object, call
+from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.glslmath import swizzle, vec2
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.filtering import linear_sample
-from shaderlab.sampling import texture
 
 from ..scenes.figures import each_draw, figure, figures
 from ..scenes.panels import WHOLE, cell, panel, picture

@@ -11,7 +11,7 @@ import numpy as np
 
 from shaderlab import Case, Erratum, Pixel, Texture, Variant, assets, formula, gl_call, sweep, value
 from shaderlab.glslmath import mix
-from shaderlab.sampling import texture
+from shaderlab.glslmath.sampling import texture
 
 from ..scenes.api import limits
 from ..scenes.draws import drawn

@@ -27,7 +27,7 @@ from shaderlab import (
     fullscreen,
     gl_call,
 )
-from shaderlab.expectations.gl_call import Object, call
+from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.reference.filtering import linear_sample
 
 from ..scenes.figures import each_draw, figure

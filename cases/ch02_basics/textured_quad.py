@@ -13,7 +13,7 @@ import numpy as np
 
 from shaderlab import Case, Mesh, Texture, assets, coverage, formula
 from shaderlab.glslmath import vec4
-from shaderlab.sampling import texture
+from shaderlab.glslmath.sampling import texture
 
 from ..scenes.draws import drawn
 from ..scenes.figures import each_draw, figure, figures

@@ -16,7 +16,7 @@ variant all of them have moved.
 import numpy as np
 
 from shaderlab import Case, Variant, boundaries, exact, formula, fullscreen, gl_calls
-from shaderlab.expectations.gl_call import Location, Program, call
+from shaderlab.engine.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import (
     abs,
     atan,

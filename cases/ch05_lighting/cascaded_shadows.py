@@ -17,10 +17,10 @@ import numpy as np
 
 from shaderlab import Case, Output, TextureArray, any_order, both_ways, formula, measure, reading
 from shaderlab.glslmath import dot, max, mix, mul, normalize, swizzle, vec3, vec4, where
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.cascades import cascade_index, fitted, slice_corners, split_distances
 from shaderlab.reference.shadows import shadow, shadow_coordinates, slope_bias
 from shaderlab.reference.transforms import look_at, translate
-from shaderlab.sampling import texture
 
 from ..scenes import lit, shadow_stage
 from ..scenes.cameras import camera, turned

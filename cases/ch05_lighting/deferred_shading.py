@@ -28,10 +28,10 @@ from shaderlab import (
     reading,
 )
 from shaderlab.glslmath import dot, fract, length, max, normalize, swizzle, vec2, vec4, where
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.attenuation import attenuation
 from shaderlab.reference.lighting import gated, lobe
 from shaderlab.reference.transforms import normal_matrix
-from shaderlab.sampling import texture
 
 from ..scenes.cameras import camera, turned
 from ..scenes.drawing import encoded

@@ -27,9 +27,9 @@ from shaderlab import (
     sweep,
 )
 from shaderlab.glslmath import dot, max as larger, normalize, swizzle, vec4
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference import tone_mapping
 from shaderlab.reference.transforms import translate
-from shaderlab.sampling import texture
 
 from ..scenes import lit
 from ..scenes.cameras import camera, turned

@@ -16,9 +16,9 @@ import numpy as np
 
 from shaderlab import Case, Mesh, State, Texture, assets, formula, gl_calls
 from shaderlab.glslmath import swizzle, vec4
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.lighting import diffuse_factor, specular_factor
 from shaderlab.reference.transforms import clip_position, translate
-from shaderlab.sampling import texture
 
 from ..scenes import lit
 from ..scenes.cameras import camera, turned

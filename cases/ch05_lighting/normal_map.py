@@ -17,6 +17,7 @@ import numpy as np
 
 from shaderlab import Case, Mesh, Texture, assets, formula
 from shaderlab.glslmath import mul, normalize, swizzle, vec3, vec4, where
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference import tangent_space
 from shaderlab.reference.lighting import blinn, diffuse, halfway_lobe
 from shaderlab.reference.transforms import (
@@ -26,7 +27,6 @@ from shaderlab.reference.transforms import (
     world_normal,
     world_position,
 )
-from shaderlab.sampling import texture
 
 from ..scenes import lit
 from ..scenes.cameras import camera, turned

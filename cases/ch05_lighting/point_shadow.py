@@ -26,6 +26,7 @@ from shaderlab import (
     reading,
 )
 from shaderlab.glslmath import dot, length, max, normalize, swizzle, vec3, vec4
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.shadows import shadow, slope_bias
 from shaderlab.reference.transforms import (
     clip_position,
@@ -34,7 +35,6 @@ from shaderlab.reference.transforms import (
     perspective,
     world_position,
 )
-from shaderlab.sampling import texture
 
 from ..scenes import lit, shadow_stage
 from ..scenes.cameras import camera

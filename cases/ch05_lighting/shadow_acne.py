@@ -13,7 +13,7 @@ on the walls that light grazes; lower right one that grows with the slope.
 """
 
 from shaderlab import Case, Output, any_order, both_ways, formula, measure, reading
-from shaderlab.sampling import texture
+from shaderlab.glslmath.sampling import texture
 
 from ..scenes import shadow_stage as courtyard
 from ..scenes.cameras import camera

@@ -15,9 +15,9 @@ light as the ambient term makes them, never black.
 import numpy as np
 
 from shaderlab import Case, Erratum, Output, formula, measure, reading
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.shadows import shadow_coordinates
 from shaderlab.reference.transforms import look_at, orthographic
-from shaderlab.sampling import texture
 
 from ..scenes import shadow_stage as courtyard
 from ..scenes.cameras import camera

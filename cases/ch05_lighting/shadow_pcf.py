@@ -20,8 +20,8 @@ from dataclasses import replace
 import numpy as np
 
 from shaderlab import Case, Output, any_order, both_ways, formula, measure, reading
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.transforms import orthographic
-from shaderlab.sampling import texture
 
 from ..scenes import shadow_stage as courtyard
 from ..scenes.cameras import camera

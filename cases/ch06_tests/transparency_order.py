@@ -28,8 +28,8 @@ from shaderlab import (
     value,
 )
 from shaderlab.glslmath import dot, max, min, swizzle, vec3, vec4, where
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.blending import over
-from shaderlab.sampling import texture
 
 from ..scenes.figures import figure
 from ..scenes.panel_checks import enlarged_check

@@ -20,9 +20,9 @@ import numpy as np
 
 from shaderlab import Case, CubeTexture, State, assets, measure
 from shaderlab.glslmath import dot, max, normalize, swizzle, vec4
+from shaderlab.glslmath.sampling import textureLod
 from shaderlab.reference.cube_maps import face_coordinates
 from shaderlab.reference.transforms import look_at, perspective, rotate, translate
-from shaderlab.sampling import textureLod
 
 from ..scenes import stage
 from ..scenes.cameras import directions

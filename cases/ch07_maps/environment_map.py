@@ -12,9 +12,9 @@ In the ball the hills stand on their heads, as in any lens; its rim is a mirror.
 
 from shaderlab import Case, Depth, any_order, assets, formula, measure
 from shaderlab.glslmath import mix
+from shaderlab.glslmath.sampling import textureLod
 from shaderlab.reference.cube_maps import bent, fresnel, mirrored
 from shaderlab.reference.transforms import translate, world_normal
-from shaderlab.sampling import textureLod
 
 from ..scenes import lit
 from ..scenes.cameras import camera, camera_rays, turned

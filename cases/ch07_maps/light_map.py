@@ -14,8 +14,8 @@ import numpy as np
 
 from shaderlab import Case, Texture, assets
 from shaderlab.glslmath import mix, swizzle, vec4
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.light_maps import baked
-from shaderlab.sampling import texture
 
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.panel_checks import enlarged_check

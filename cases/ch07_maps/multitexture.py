@@ -13,7 +13,7 @@ import numpy as np
 
 from shaderlab import Case, Texture, assets, formula, value
 from shaderlab.glslmath import mix, swizzle
-from shaderlab.sampling import texture
+from shaderlab.glslmath.sampling import texture
 
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import enlarged, panel, picture, rectangle

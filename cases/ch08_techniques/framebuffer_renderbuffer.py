@@ -14,7 +14,7 @@ without one: there the far square, drawn last, hides the near one.
 import numpy as np
 
 from shaderlab import Case, Depth, Erratum, assets, exact, formula
-from shaderlab.expectations.gl_call import Object, call
+from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.glslmath import swizzle, vec4
 
 from ..scenes.api import answers, errors, limits, sent

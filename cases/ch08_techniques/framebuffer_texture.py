@@ -13,8 +13,8 @@ import numpy as np
 
 from shaderlab import Case, Output, assets, exact, formula, fullscreen
 from shaderlab.glslmath import min, swizzle, vec4, where
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.transforms import clip_position, device_position, translate
-from shaderlab.sampling import texture
 
 from ..scenes.cameras import camera, turned
 from ..scenes.draws import tested

@@ -12,9 +12,9 @@ colours (x in red, y in green, z in blue) and luminance.
 
 from shaderlab import Case, Output, Texture, assets, exact, formula
 from shaderlab.glslmath import dot, fract, max, normalize, sqrt, swizzle, vec3, vec4, where
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference import post_processing
 from shaderlab.reference.transforms import clip_position, normal_matrix, world_normal
-from shaderlab.sampling import texture
 
 from ..scenes.api import limits
 from ..scenes.cameras import turned

@@ -16,9 +16,9 @@ import numpy as np
 
 from shaderlab import Case, Erratum, Texture, assets, coverage, formula
 from shaderlab.glslmath import swizzle, vec4, where
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference import post_processing
 from shaderlab.reference.gamma import srgb_decode, srgb_encode
-from shaderlab.sampling import texture
 
 from ..scenes.drawing import decoded, encoded
 from ..scenes.figures import figure, figures, results

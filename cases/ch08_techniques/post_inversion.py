@@ -9,8 +9,8 @@ shadows are bright.
 
 from shaderlab import Case, Output, Texture, assets, coverage, formula, measure, value
 from shaderlab.glslmath import swizzle, vec4
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference import post_processing
-from shaderlab.sampling import texture
 
 from ..scenes.still_life import CORAL, SCENE, photograph_checks, photographed, post_processed
 

@@ -17,8 +17,8 @@ import numpy as np
 
 from shaderlab import Case, Erratum, Pixel, Texture, Variant, formula
 from shaderlab.glslmath import swizzle, vec4
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.post_processing import BLUR, EDGES, EMBOSS, SHARPEN, convolved, filtered
-from shaderlab.sampling import texture
 
 from ..scenes.figures import figures, results
 from ..scenes.panels import WHOLE, square

@@ -14,7 +14,7 @@ the vertices cost, which resolution does not change.
 
 from shaderlab import Case, Output, Target, cost, formula, fullscreen, measure, reading
 from shaderlab.glslmath import fract, swizzle, vec2, vec4, where
-from shaderlab.sampling import texture
+from shaderlab.glslmath.sampling import texture
 
 from ..scenes.laws import sampled
 from ..scenes.picture_difference import flip, psnr

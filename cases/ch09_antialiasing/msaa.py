@@ -28,7 +28,7 @@ from shaderlab import (
     mesh_pass,
     reading,
 )
-from shaderlab.expectations.gl_call import Object, call
+from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.reference.coverage import area_coverage
 
 from ..scenes.laws import pixel_place

@@ -13,8 +13,8 @@ first of each pixel's four samples, on the right the mean of all four.
 from shaderlab import Case, Output, exact, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import abs, floor, swizzle, vec4, where
+from shaderlab.glslmath.sampling import texelFetch
 from shaderlab.reference.transforms import clip_position, translate, world_normal
-from shaderlab.sampling import texelFetch
 
 from ..scenes import stage
 from ..scenes.cameras import camera, turned

@@ -26,8 +26,8 @@ from shaderlab import (
     mesh_pass,
 )
 from shaderlab.glslmath import distance, floor, fract, min, mix, swizzle, vec3, vec4, where
+from shaderlab.glslmath.sampling import texelFetch
 from shaderlab.reference.coverage import on_inner_side
-from shaderlab.sampling import texelFetch
 
 from ..scenes.laws import pixel_place
 from ..scenes.panel_checks import enlarged_check

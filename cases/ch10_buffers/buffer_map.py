@@ -19,7 +19,7 @@ that were copied.
 import numpy as np
 
 from shaderlab import Case, Output, Texture, attribute_layout, exact, formula, gl_call, gl_calls
-from shaderlab.expectations.gl_call import Object, call
+from shaderlab.engine.expectations.gl_call import Object, call
 
 from ..scenes.api import answers, errors
 from ..scenes.laws import sampled

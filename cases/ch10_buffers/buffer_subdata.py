@@ -14,7 +14,7 @@ would serve as colours, and three corners with negative coordinates would be bla
 """
 
 from shaderlab import Case, Erratum, Output, attribute_layout, exact, gl_call, measure
-from shaderlab.expectations.gl_call import Object, call
+from shaderlab.engine.expectations.gl_call import Object, call
 
 from ..scenes.api import ONE_PIXEL, answers, sent
 from ..scenes.rosette import rosette_checks, window

@@ -11,7 +11,7 @@ STATIC and DYNAMIC. All were made empty and written to afterwards.
 """
 
 from shaderlab import Case, Erratum, Output, attribute_layout, coverage, exact, gl_calls
-from shaderlab.expectations.gl_call import Object, call
+from shaderlab.engine.expectations.gl_call import Object, call
 
 from ..scenes.api import answers
 from ..scenes.draws import drawn

@@ -11,7 +11,7 @@ described once: stride and offsets are the same behind the last draw as behind t
 """
 
 from shaderlab import Case, Output, attribute_layout, cost, coverage, exact, gl_calls, query, value
-from shaderlab.expectations.gl_call import Object, Program, call
+from shaderlab.engine.expectations.gl_call import Object, Program, call
 from shaderlab.glslmath import swizzle, vec4
 
 from ..scenes.api import answers, errors

@@ -14,7 +14,7 @@ buffer, on the right in that of a list of seven bytes, which takes every third o
 import numpy as np
 
 from shaderlab import Case, Erratum, Mesh, Output, exact, formula, gl_calls, measure, query
-from shaderlab.expectations.gl_call import Object, Program, call
+from shaderlab.engine.expectations.gl_call import Object, Program, call
 
 from ..scenes.api import PIXEL, answers, errors, in_use
 from ..scenes.draws import drawn

@@ -18,7 +18,7 @@ import numpy as np
 
 from shaderlab import Case, Output, Pass, Target, coverage, exact, formula, gl_calls
 from shaderlab.glslmath import abs, dot, max, mix, swizzle, vec3, vec4, where
-from shaderlab.sampling import texture
+from shaderlab.glslmath.sampling import texture
 
 from ..scenes.figures import each_draw, figure, figures
 from ..scenes.panel_checks import enlarged_check

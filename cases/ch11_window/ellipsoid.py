@@ -15,8 +15,8 @@ import numpy as np
 
 from shaderlab import Case, Output, Pass, Target, assets, formula, fullscreen, gl_calls
 from shaderlab.glslmath import abs, dot, fract, max, mul, normalize, swizzle, vec3, vec4, where
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.transforms import normal_matrix, orthographic
-from shaderlab.sampling import texture
 
 from ..scenes.cameras import turned
 from ..scenes.draws import tested

@@ -17,7 +17,7 @@ import numpy as np
 
 from shaderlab import Case, Mesh, Output, Pixel, boundaries, exact, query, up
 from shaderlab.glslmath import length, swizzle, vec2, vec3, vec4, where
-from shaderlab.sampling import texelFetch
+from shaderlab.glslmath.sampling import texelFetch
 
 from ..scenes.drawing import encoded
 from ..scenes.draws import tested

@@ -27,7 +27,7 @@ from shaderlab.glslmath import (
     vec4,
     where,
 )
-from shaderlab.sampling import texelFetch
+from shaderlab.glslmath.sampling import texelFetch
 
 from ..scenes.drawing import encoded
 from ..scenes.figures import each_draw, figure

@@ -7,7 +7,7 @@ from itertools import chain
 from typing import Any
 
 from shaderlab import gl_call, gl_calls
-from shaderlab.expectations.gl_call import Object, Program, call
+from shaderlab.engine.expectations.gl_call import Object, Program, call
 from shaderlab.model.calls import Call
 
 _COLOR = ("GL_FRAMEBUFFER", "GL_COLOR_ATTACHMENT0", "GL_RENDERBUFFER")

@@ -80,7 +80,7 @@ def shadow_of_fragment(texture: Callable[[Any, Value], Value]) -> Callable[..., 
     """How dark the map says that a fragment is, from the inputs of shadow_map.frag.
 
     Args:
-        texture: how the map is read; `shaderlab.sampling.texture`.
+        texture: how the map is read; `shaderlab.glslmath.sampling.texture`.
 
     Returns:
         a function of the fragment's normal, its place in the light's clip space, the map, the
@@ -122,7 +122,7 @@ def compared_shadow(texture: Callable[[Any, Value], Value]) -> Callable[..., Val
     of the texels around whose depth is at least the fragment's.
 
     Args:
-        texture: how the map is read; `shaderlab.sampling.texture`.
+        texture: how the map is read; `shaderlab.glslmath.sampling.texture`.
 
     Returns:
         a function of the fragment's normal, its place in the light's clip space, the map, the
@@ -164,7 +164,7 @@ def courtyard_references(texture: Callable[[Any, Value], Value]) -> Mapping[str,
     """A reference for each output of the pass from the camera.
 
     Args:
-        texture: how the shadow map is read; `shaderlab.sampling.texture`.
+        texture: how the shadow map is read; `shaderlab.glslmath.sampling.texture`.
 
     >>> sorted(courtyard_references(lambda map, uv: uv))[:3]
     ['Color', 'FragColor', 'FragPos']

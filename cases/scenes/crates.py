@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from shaderlab import Cell, Draw, Texture, assets
 from shaderlab.glslmath import Value, mul, swizzle
-from shaderlab.sampling import texture
+from shaderlab.glslmath.sampling import texture
 
 from .drawing import decoded
 from .draws import tested

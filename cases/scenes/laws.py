@@ -8,8 +8,8 @@ from functools import wraps
 from typing import Any
 
 from shaderlab.glslmath import either, mul, vec4, where
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.transforms import in_view
-from shaderlab.sampling import texture
 
 Law = Callable[..., Any]
 

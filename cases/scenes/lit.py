@@ -24,6 +24,7 @@ from shaderlab import (
     fullscreen,
 )
 from shaderlab.glslmath import vec4
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.transforms import (
     clip_position,
     normal_matrix,
@@ -31,7 +32,6 @@ from shaderlab.reference.transforms import (
     world_normal,
     world_position,
 )
-from shaderlab.sampling import texture
 
 from .draws import tested, twins
 from .laws import Law, unchanged

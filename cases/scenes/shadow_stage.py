@@ -23,7 +23,9 @@ from shaderlab import (
     measure,
     value,
 )
-from shaderlab.model import Expectation, TextureSource, UniformValue
+from shaderlab.model.expectation import Expectation
+from shaderlab.model.scene import UniformValue
+from shaderlab.model.textures import TextureSource
 from shaderlab.reference.transforms import look_at, orthographic
 
 from .cameras import turned
@@ -90,7 +92,7 @@ def lit(
         uniforms: others than no bias and a single texel.
         target: what `Target` takes.
 
-    >>> from shaderlab.model import Output
+    >>> from shaderlab.model.passes import Output
     >>> map = Output("shadow.depth")
     >>> lit("lit", map, *[np.eye(4)] * 2, (np.eye(4), np.eye(4))).draws[0].uniforms["radius"]
     0

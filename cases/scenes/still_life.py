@@ -12,7 +12,7 @@ import numpy.typing as npt
 from shaderlab import Output, Pass, Ramp, Target, measure
 from shaderlab.assets.meshes import Geometry, joined, moved, sphere, torus
 from shaderlab.assets.solids import box, painted
-from shaderlab.model import TextureSource
+from shaderlab.model.textures import TextureSource
 from shaderlab.reference.rasterisation import samples_seen
 
 from .cameras import camera

@@ -52,7 +52,7 @@ def finished(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:
     point does not make its neighbours white; a gamma of 2.2 encodes.
 
     Args:
-        texture: how the scene is read; `shaderlab.sampling.texture`.
+        texture: how the scene is read; `shaderlab.glslmath.sampling.texture`.
 
     >>> class Scene:
     ...     texels = type("Texels", (), {"values": np.zeros((4, 4, 1))})

@@ -26,7 +26,7 @@ from shaderlab.glslmath import (
     vec4,
     where,
 )
-from shaderlab.sampling import Sampler, texelFetch
+from shaderlab.glslmath.sampling import Sampler, texelFetch
 
 from .panels import panel, picture, rectangle
 

@@ -22,10 +22,10 @@ from shaderlab.cli.options import (
 from shaderlab.cli.shader_inputs import RANGES, is_of_functions, shaders_of_paths
 from shaderlab.compiler.text import EXTENSIONS, STAGES
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.options import Limits, RunOptions
+from shaderlab.model.options import Limits, RunOptions
 
 if TYPE_CHECKING:
-    from shaderlab.audit import Audit, Plan
+    from shaderlab.analysis.audit import Audit, Plan
     from shaderlab.report.findings import Finding
 
 NO_ANSWER = USAGE
@@ -80,7 +80,7 @@ def command(
       shaderlab audit lighting.glsl
       shaderlab audit specular my_case.py
     """
-    from shaderlab.audit import Plan
+    from shaderlab.analysis.audit import Plan
 
     files = dict(outputs) if json_file is None else {**outputs, "json": json_file}
     to_stderr = uses_stdout(files)
@@ -112,7 +112,7 @@ def _requests(
 ) -> Iterator[Any]:
     """What is asked of workers: one request for each shader file, and for each case."""
     from shaderlab.cli.selecting import files_of
-    from shaderlab.execution.audit_shaders import AuditCase, AuditFile
+    from shaderlab.workers.audit_shaders import AuditCase, AuditFile
 
     shaders = [Path(t) for t in targets if _is_shader(t)]
     for shader in shaders_of_paths(shaders, options.include):
@@ -137,8 +137,8 @@ def _is_shader(target: str) -> bool:
 
 def _audits(results: Iterable[Any]) -> Iterator[Audit]:
     """The audits of requests; one that was refused where there is no answer."""
-    from shaderlab.audit import Audit
-    from shaderlab.execution.executor import error_text
+    from shaderlab.analysis.audit import Audit
+    from shaderlab.workers.executor import error_text
 
     for result in results:
         if result.status == "done":

@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from shaderlab.discovery import place
-from shaderlab.execution.jobs import CaseFacts
+from shaderlab.engine.discovery import place
 from shaderlab.files import cache_root, read_regular, write_bytes
+from shaderlab.workers.jobs import CaseFacts
 
 KEPT = ("id", "section", "title", "variants", "file")
 """What is kept of each case's facts."""

@@ -20,14 +20,14 @@ from shaderlab.compiler.shader_files import find_shaders
 from shaderlab.compiler.targets import TARGETS
 from shaderlab.compiler.text import STAGES
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.execution import WorkerPool
-from shaderlab.execution.jobs import checked_driver
-from shaderlab.execution.sizing import cores
-from shaderlab.options import Limits
+from shaderlab.model.options import Limits
 from shaderlab.report.findings import Finding, of_verdicts
+from shaderlab.workers import WorkerPool
+from shaderlab.workers.jobs import checked_driver
+from shaderlab.workers.sizing import cores
 
 # Workers import the driver's room by this name; the command itself never touches a device.
-_DRIVER = "shaderlab.backends:driver_verdict"
+_DRIVER = "shaderlab.drivers:driver_verdict"
 _FILES_PER_WORKER = 500
 _MOST_WORKERS = 4
 _DIED = ("crash", "timeout")
@@ -84,7 +84,7 @@ def command(
       shaderlab compile my_shaders/ --define LIGHTS=4 --include common/
       shaderlab compile --link lamp.vert lamp.frag --driver llvmpipe --driver lavapipe
     """
-    from shaderlab.discovery import data_folder
+    from shaderlab.engine.discovery import data_folder
     from shaderlab.settings import settings_of
 
     shipped = data_folder("shaders").resolve()

@@ -16,13 +16,13 @@ from shaderlab.cli.options import INCLUDE, JSON, jobs_option, limits_option, mak
 from shaderlab.cli.shader_inputs import RANGES, is_of_functions, shader_of_file
 from shaderlab.compiler.text import STAGES
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.options import Limits, RunOptions
+from shaderlab.model.options import Limits, RunOptions
 
 if TYPE_CHECKING:
+    from shaderlab.analysis.equivalence.answer import Answer
+    from shaderlab.analysis.equivalence.comparison import Plan
     from shaderlab.cli.revisions import Revision
-    from shaderlab.equivalence.answer import Answer
-    from shaderlab.equivalence.comparison import Plan
-    from shaderlab.execution.executor import LocalExecutor
+    from shaderlab.workers.executor import LocalExecutor
 
 NO_ANSWER = USAGE
 """The exit status where it can't be said, for whatever reason."""
@@ -76,7 +76,7 @@ def command(
       shaderlab diff lamp.frag --against HEAD~1
       shaderlab diff lib/phong.glsl my_phong.glsl --case specular
     """
-    from shaderlab.equivalence.comparison import Plan
+    from shaderlab.analysis.equivalence.comparison import Plan
 
     if (new is None) == (against is None):
         raise UsageError("name two shaders, OLD and NEW, or one and --against REV")
@@ -145,7 +145,7 @@ class _Asking:
         then: Callable[[Path], Path] | None,
         executor: LocalExecutor,
     ) -> object:
-        from shaderlab.execution import compare_shaders as requests
+        from shaderlab.workers import compare_shaders as requests
 
         if self.case is None:
             shaders = shader_of_file(old, self.includes, then), shader_of_file(new, self.includes)
@@ -156,7 +156,7 @@ class _Asking:
             return requests.CompareFiles(*shaders, self.stage, self.plan)
         from shaderlab.cli.replacing import named
         from shaderlab.cli.selecting import one
-        from shaderlab.execution.jobs import jobs_of
+        from shaderlab.workers.jobs import jobs_of
 
         facts, _ = one(self.case, executor.load)
         mine, other = (old, new) if then is None else (new, then(old))
@@ -192,7 +192,7 @@ def _renamed(error: ShaderlabError, before: Revision) -> ShaderlabError:
 
 def _inside(path: Path, folder: Path, includes: Sequence[Path]) -> str:
     """A shader's name as the cases of a folder know it; what was typed where it is no file."""
-    from shaderlab.evaluation.search_path import shaders_of
+    from shaderlab.engine.search_path import shaders_of
 
     if path.is_file():
         for root in shaders_of(folder, {}, includes).folders:

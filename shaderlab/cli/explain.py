@@ -22,8 +22,8 @@ from shaderlab.cli.options import (
 from shaderlab.cli.shader_inputs import RANGES, shader_of_file
 from shaderlab.compiler.text import EXTENSIONS
 from shaderlab.errors import ShaderlabError, UsageError, nearest
-from shaderlab.options import Limits, RunOptions
-from shaderlab.records import Explanation, Step
+from shaderlab.model.options import Limits, RunOptions
+from shaderlab.model.records import Explanation, Step
 
 _MOST = 3  # of the steps that lose most, in words
 
@@ -89,12 +89,12 @@ def command(
     Exit code: 0 shown, 1 the shader can't be interpreted, or the driver leaves what it allows,
     2 wrong usage.
     """
+    from shaderlab.analysis.equivalence.answer import shown
     from shaderlab.cli.selecting import one
-    from shaderlab.equivalence.answer import shown
 
     with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
-        from shaderlab.execution.executor import error_text
-        from shaderlab.execution.explain_pixel import ExplainFile, ExplainPixel
+        from shaderlab.workers.executor import error_text
+        from shaderlab.workers.explain_pixel import ExplainFile, ExplainPixel
 
         request: ExplainFile | ExplainPixel
         if Path(target).suffix in EXTENSIONS:

@@ -20,7 +20,7 @@ from shaderlab.files import NO_ROOM, replacing, write_named
 from shaderlab.report.formats import FINDING_FORMATS, FORMATS, Format
 
 if TYPE_CHECKING:
-    from shaderlab.records import Run
+    from shaderlab.model.records import Run
     from shaderlab.report.findings import Finding
 
 REPORTS = Path("reports")

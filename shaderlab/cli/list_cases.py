@@ -11,8 +11,8 @@ from shaderlab.cli import FAILED, OK
 from shaderlab.cli.case_index import KEPT
 from shaderlab.cli.options import JSON, make_local_executor
 from shaderlab.errors import UsageError, nearest
-from shaderlab.execution.jobs import CaseFacts
-from shaderlab.options import Limits
+from shaderlab.model.options import Limits
+from shaderlab.workers.jobs import CaseFacts
 
 
 @click.command("list")
@@ -67,14 +67,14 @@ def _problems(found: Sequence[CaseFacts]) -> Iterator[str]:
 
 def _shipped() -> list[CaseFacts]:
     from shaderlab.cli.case_index import kept_facts
-    from shaderlab.discovery import data_folder
+    from shaderlab.engine.discovery import data_folder
 
     return kept_facts(data_folder("cases"), _imported)
 
 
 def _imported() -> list[CaseFacts]:
-    from shaderlab.catalogue import load_cases
-    from shaderlab.discovery import shipped_cases
+    from shaderlab.engine.catalogue import load_cases
+    from shaderlab.engine.discovery import shipped_cases
     from shaderlab.errors import CaseError
 
     found = []
@@ -97,7 +97,7 @@ def _imported() -> list[CaseFacts]:
 
 def _loaded(targets: Sequence[str]) -> list[CaseFacts]:
     from shaderlab.cli.selecting import distinct, files_of
-    from shaderlab.discovery import place
+    from shaderlab.engine.discovery import place
 
     with contextlib.closing(make_local_executor(None, Limits(), None, early=False)) as executor:
         found = distinct(executor.load(files_of(targets)))

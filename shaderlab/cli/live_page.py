@@ -13,11 +13,12 @@ import click
 
 from shaderlab.cli.files import new_run_folder
 from shaderlab.errors import ShaderlabError
-from shaderlab.options import RunOptions
-from shaderlab.records import Record, Run
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record, Run
 from shaderlab.report import html, store
 from shaderlab.report.live import LiveReport, live_report
-from shaderlab.watching.session import Session
+
+from .watching.session import Session
 
 
 class LivePage:

@@ -23,14 +23,14 @@ from shaderlab.cli.options import (
 )
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.files import display_path
-from shaderlab.options import Limits
+from shaderlab.model.options import Limits
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from shaderlab.cli.showing import Show
-    from shaderlab.execution.executor import LocalExecutor
     from shaderlab.mutation import Campaign, CaseResult, MutationPlan, Subject
+    from shaderlab.workers.executor import LocalExecutor
 
 
 @click.command("mutate")
@@ -175,7 +175,7 @@ def _subjects(
         cases = _cases(rest, every, plan.variants, executor)
         found += [CaseSubject(file, case_id, plan) for file, case_id in cases.items()]
     if files:
-        from shaderlab.function_tests.mutants import TestSubject
+        from shaderlab.mutation.function_tests.mutants import TestSubject
 
         if plan.api:
             raise UsageError(f"--api is about cases, and {display_path(files[0])} has tests")

@@ -9,7 +9,7 @@ import shutil
 from pathlib import Path
 
 from shaderlab.errors import UsageError
-from shaderlab.execution.journal import FILE_NAME
+from shaderlab.workers.journal import FILE_NAME
 
 KEEP = 20
 """How many runs stay where the project does not say."""

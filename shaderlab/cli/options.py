@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from shaderlab.errors import UsageError, nearest
-from shaderlab.execution.jobs import checked_driver
-from shaderlab.execution.sizing import WORDS
-from shaderlab.options import Limits
+from shaderlab.model.options import Limits
+from shaderlab.workers.jobs import checked_driver
+from shaderlab.workers.sizing import WORDS
 
 if TYPE_CHECKING:
-    from shaderlab.execution import Executor
-    from shaderlab.execution.executor import LocalExecutor
+    from shaderlab.workers import Executor
+    from shaderlab.workers.executor import LocalExecutor
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -151,7 +151,7 @@ def make_executor(
         return make_local_executor(driver, limits, workers)
     if workers == 0:
         raise UsageError("--scheduler does not go with -j 0")
-    from shaderlab.execution.dask_executor import DaskExecutor
+    from shaderlab.workers.dask_executor import DaskExecutor
 
     return DaskExecutor(scheduler, driver, limits)
 
@@ -160,7 +160,7 @@ def make_local_executor(
     driver: str | None, limits: Limits, workers: int | None, early: bool = True
 ) -> LocalExecutor:
     """An executor on this machine: in this process for 0 workers."""
-    from shaderlab.execution import InProcessExecutor, ProcessExecutor
+    from shaderlab.workers import InProcessExecutor, ProcessExecutor
 
     if workers == 0:
         return InProcessExecutor(driver)

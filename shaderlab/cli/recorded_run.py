@@ -24,16 +24,16 @@ from shaderlab.cli.files import (
 from shaderlab.cli.old_runs import KEEP, mark_named, remove_old
 from shaderlab.cli.replacing import unread
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan, read
-from shaderlab.execution.sweep_grid import Grid
 from shaderlab.files import display_path
-from shaderlab.options import Limits, RunOptions
-from shaderlab.records import CodeCoverage, Record, Run
+from shaderlab.model.options import Limits, RunOptions
+from shaderlab.model.records import CodeCoverage, Record, Run
 from shaderlab.settings import settings_of
+from shaderlab.workers.journal import FILE_NAME, Journal, RunPlan, read
+from shaderlab.workers.sweep_grid import Grid
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Reporter, Show
-    from shaderlab.execution import Executor, Job
+    from shaderlab.workers import Executor, Job
 
 
 @dataclass(frozen=True)
@@ -154,8 +154,8 @@ def with_coverage(
     recorded: RecordedRun, executor: Executor, plan: RunPlan, show: Show
 ) -> RecordedRun:
     """The run with the code coverage of its cases that passed, measured now."""
-    from shaderlab.code_coverage.requests import CoverCase
-    from shaderlab.execution.executor import LocalExecutor, error_text
+    from shaderlab.mutation.code_coverage.requests import CoverCase
+    from shaderlab.workers.executor import LocalExecutor, error_text
 
     assert isinstance(executor, LocalExecutor)
     passed = {record.key for record in recorded.run.records if record.status == "pass"}

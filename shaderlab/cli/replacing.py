@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from shaderlab.errors import UsageError, nearest
-from shaderlab.execution import Job
-from shaderlab.records import Record
+from shaderlab.model.records import Record
+from shaderlab.workers import Job
 
 Replacements = Mapping[str, Path]
 
@@ -46,7 +46,7 @@ def named(
     if not replacements:
         return {}
     from shaderlab.cli.renaming import require_same_names
-    from shaderlab.evaluation.search_path import shaders_of
+    from shaderlab.engine.search_path import shaders_of
 
     folders = dict.fromkeys(Path(job.file).parent for job in jobs)
     places = [shaders_of(folder, {}, include) for folder in folders]

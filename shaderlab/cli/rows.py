@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Sequence
 from rich.table import Table
 from rich.text import Text
 
-from shaderlab.records import Outcome, Record
+from shaderlab.model.records import Outcome, Record
 from shaderlab.report.plain_text import MARKS, label, printable
 from shaderlab.report.text import share
 

@@ -15,12 +15,12 @@ from shaderlab.cli import FAILED, OK
 from shaderlab.cli.files import output_options, uses_stdout
 from shaderlab.cli.options import make_executor, running_options
 from shaderlab.errors import UsageError
-from shaderlab.execution.fork_server import close_servers
-from shaderlab.execution.jobs import checked_driver
-from shaderlab.options import Limits, RunOptions
+from shaderlab.model.options import Limits, RunOptions
+from shaderlab.workers.fork_server import close_servers
+from shaderlab.workers.jobs import checked_driver
 
 if TYPE_CHECKING:
-    from shaderlab.records import Record, Run
+    from shaderlab.model.records import Record, Run
 
 
 @click.command("run")

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 
 from shaderlab.cli.recorded_run import RecordedRun, each_record, tell_damaged
 from shaderlab.errors import ShaderlabError
-from shaderlab.execution.journal import Journal, RunPlan
-from shaderlab.execution.sweep_plots import plots
-from shaderlab.execution.sweep_records import PointRecords
-from shaderlab.execution.sweep_table import SweepTable
-from shaderlab.records import Run
+from shaderlab.model.records import Run
+from shaderlab.workers.journal import Journal, RunPlan
+from shaderlab.workers.sweep_plots import plots
+from shaderlab.workers.sweep_records import PointRecords
+from shaderlab.workers.sweep_table import SweepTable
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
-    from shaderlab.execution import Executor
+    from shaderlab.workers import Executor
 
 AT_ONCE = 4096
 """So many points are given to an executor, which keeps all that it is given."""

@@ -15,10 +15,10 @@ from pathlib import Path
 import click
 
 from shaderlab.cli.case_index import kept_facts
-from shaderlab.discovery import case_files, data_folder, is_case_file, place, shipped_cases
+from shaderlab.engine.discovery import case_files, data_folder, is_case_file, place, shipped_cases
 from shaderlab.errors import CaseError, UsageError, nearest
-from shaderlab.execution.jobs import CaseFacts, Job, jobs_of
-from shaderlab.function_tests.finding import function_tests, is_function_test
+from shaderlab.mutation.function_tests.finding import function_tests, is_function_test
+from shaderlab.workers.jobs import CaseFacts, Job, jobs_of
 
 Load = Callable[[Sequence[Path]], list[CaseFacts]]
 _WITH_VARIANT = re.compile(r"(?P<id>[^\[\]]+)\[(?P<variant>.*)\]")

@@ -8,15 +8,15 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from shaderlab.cli.recorded_run import RecordedRun
-from shaderlab.execution.journal import RunPlan
-from shaderlab.observations import Look, Pixel
+from shaderlab.model.observations import Look, Pixel
+from shaderlab.workers.journal import RunPlan
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
-    from shaderlab.execution import Executor, Job
-    from shaderlab.execution.drivers import Difference
-    from shaderlab.observations import Observation
-    from shaderlab.records import Disagreement
+    from shaderlab.model.observations import Observation
+    from shaderlab.model.records import Disagreement
+    from shaderlab.workers import Executor, Job
+    from shaderlab.workers.drivers import Difference
 
 FRAMES = "drawn"
 """The folder in the run's own that holds what each driver drew, until that is compared."""
@@ -45,8 +45,8 @@ def compared_drivers(
     frames = plan.options.frames
     if frames is None or not recorded.complete:
         return recorded
-    from shaderlab.execution.difference_pictures import write_picture
-    from shaderlab.execution.drivers import disagreements, results
+    from shaderlab.workers.difference_pictures import write_picture
+    from shaderlab.workers.drivers import disagreements, results
 
     differences = list(disagreements(recorded.records, frames))
     observed = _observed(differences, plan, executor, show)
@@ -91,7 +91,7 @@ def _observed(
 
 
 def _attributed(found: Disagreement, observed: Observed) -> Disagreement:
-    from shaderlab.execution.attribution import attributed
+    from shaderlab.workers.attribution import attributed
 
     if found.verdict == "equal":
         return found

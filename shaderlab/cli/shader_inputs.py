@@ -13,7 +13,7 @@ from shaderlab.compiler.text import EXTENSIONS
 from shaderlab.errors import UsageError
 
 if TYPE_CHECKING:
-    from shaderlab.execution.compare_shaders import ShaderOfFile
+    from shaderlab.workers.compare_shaders import ShaderOfFile
 
 
 def _range(word: str) -> tuple[str, str]:
@@ -58,9 +58,9 @@ def shaders_of_paths(
 ) -> list[ShaderOfFile]:
     """The shader files at paths, and in folders among them; as `shader_of_file`."""
     from shaderlab.compiler.shader_files import find_shaders
-    from shaderlab.discovery import data_folder
-    from shaderlab.execution.compare_shaders import ShaderOfFile
+    from shaderlab.engine.discovery import data_folder
     from shaderlab.settings import settings_of
+    from shaderlab.workers.compare_shaders import ShaderOfFile
 
     shipped = data_folder("shaders").resolve()
     found = []

@@ -24,7 +24,7 @@ from rich.text import Text
 
 from shaderlab.cli.rows import STYLES, case_table, plain_table
 from shaderlab.files import display_path
-from shaderlab.records import Record, Run
+from shaderlab.model.records import Record, Run
 from shaderlab.report.plain_text import (
     MARKS,
     conditions,
@@ -41,7 +41,7 @@ from shaderlab.report.plain_text import (
 from shaderlab.report.text import duration
 
 if TYPE_CHECKING:
-    from shaderlab.execution.sweep_table import SweepTable
+    from shaderlab.workers.sweep_table import SweepTable
 
 HEARTBEAT = 10.0
 MOST_ROWS = 40

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.text import Text
 
 from shaderlab.cli.rows import plain_table
-from shaderlab.records import Disagreement, DriverResult, Run
+from shaderlab.model.records import Disagreement, DriverResult, Run
 from shaderlab.report.drivers import AGREEMENTS, driver_table
 from shaderlab.report.plain_text import label, printable
 

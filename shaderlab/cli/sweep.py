@@ -11,7 +11,7 @@ import click
 from shaderlab.cli import FAILED, OK
 from shaderlab.cli.options import make_executor, running_options
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.options import Limits, RunOptions
+from shaderlab.model.options import Limits, RunOptions
 
 TABLE = "sweep.csv"
 
@@ -100,9 +100,9 @@ def command(
         from shaderlab.cli.running_sweeps import run_points, with_points
         from shaderlab.cli.selecting import one
         from shaderlab.cli.showing import Show
-        from shaderlab.execution.journal import FILE_NAME
-        from shaderlab.execution.sweep_grid import grid, parameters
         from shaderlab.report.html import load_libraries
+        from shaderlab.workers.journal import FILE_NAME
+        from shaderlab.workers.sweep_grid import grid, parameters
 
         swept = parameters(params)
         load_libraries()

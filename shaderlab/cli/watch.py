@@ -25,16 +25,17 @@ from shaderlab.cli.options import (
 )
 from shaderlab.errors import UsageError
 from shaderlab.files import display_path
-from shaderlab.options import Limits, RunOptions
+from shaderlab.model.options import Limits, RunOptions
 from shaderlab.settings import FILE, settings_changed, settings_of
 
 if TYPE_CHECKING:
     from shaderlab.cli.live_page import LivePage
     from shaderlab.cli.showing import Show
-    from shaderlab.execution.executor import LocalExecutor
-    from shaderlab.execution.jobs import CaseFacts, Job
-    from shaderlab.watching.changes import Changes, Contents
-    from shaderlab.watching.session import Session
+    from shaderlab.workers.executor import LocalExecutor
+    from shaderlab.workers.jobs import CaseFacts, Job
+
+    from .watching.changes import Changes, Contents
+    from .watching.session import Session
 
 _SHOWN = 4
 
@@ -84,9 +85,10 @@ def command(
         return make_local_executor(driver, limits, workers)
 
     from shaderlab.cli.showing import Show
-    from shaderlab.watching.changes import Changes, Contents
-    from shaderlab.watching.requests import warm_up
-    from shaderlab.watching.session import Session
+
+    from .watching.changes import Changes, Contents
+    from .watching.requests import warm_up
+    from .watching.session import Session
 
     wanted = _Wanted(targets or (".",))
     case_files, test_files = wanted.files()

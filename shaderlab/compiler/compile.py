@@ -18,7 +18,7 @@ from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
 from shaderlab.compiler.text import STAGES
 from shaderlab.compiler.verdicts import Result, check_stages, link_stages, to_spirv
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.records import Diagnostic, Verdict
+from shaderlab.model.records import Diagnostic, Verdict
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv_tools import disassemble
 from shaderlab.errors import ShaderError
 from shaderlab.files import cache_root
-from shaderlab.records import Diagnostic, Verdict
+from shaderlab.model.records import Diagnostic, Verdict
 
 _LARGEST = 64 << 20  # bytes that an entry may inflate to
 # A file written after this process started may differ from what the process has loaded.
@@ -183,7 +183,14 @@ def program_key(ordered: Sequence[Source], targets: Sequence[str], compilers: st
 
 
 # What the code around the compilers imports of the lab.
-_SHARED = ("errors.py", "files.py", "observations.py", "records/*.py")
+_SHARED = ("errors.py", "files.py", "model/__init__.py", "model/observations.py")
+_SHARED += ("model/records/*.py",)
+    "errors.py",
+    "files.py",
+    "model/__init__.py",
+    "model/observations.py",
+    "model/records/*.py",
+)
 
 
 def compilers_digest(store: Store) -> str | None:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from shaderlab.compiler.sources import Source
-from shaderlab.records import Diagnostic, Severity
+from shaderlab.model.records import Diagnostic, Severity
 
 _MESSAGE = re.compile(r"^(?P<severity>(?:INTERNAL )?ERROR|WARNING|NOTE): (?P<rest>.*)$")
 _PLACED = re.compile(

@@ -11,7 +11,7 @@ from shaderlab.compiler.diagnostics import VERSION
 from shaderlab.compiler.engines import Engine
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.verdicts import Result, to_spirv
-from shaderlab.records import Diagnostic
+from shaderlab.model.records import Diagnostic
 
 _LOOSE = re.compile(
     r"(?P<uniform>(?:\blayout\s*\([^)]*\)\s*)?\buniform)(?=\s+(?:(?:low|medium|high)p\s+)?(?P<type>\w+)"

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from shaderlab.compiler.sources import Source
-from shaderlab.records import Diagnostic, Severity, Verdict
+from shaderlab.model.records import Diagnostic, Severity, Verdict
 
 DRIVER = "driver"
 """The target that a driver's verdict is for."""

@@ -15,7 +15,7 @@ from shaderlab.compiler.diagnostics import VERSION, line_of
 from shaderlab.compiler.engines import Engine
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.targets import SETTINGS
-from shaderlab.records import Diagnostic
+from shaderlab.model.records import Diagnostic
 
 MAX_NESTING = 200
 MAX_OPERATORS = 5000

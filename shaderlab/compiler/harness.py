@@ -20,7 +20,7 @@ from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
 from shaderlab.compiler.text import STAGES, stage_of
 from shaderlab.errors import DriverError, ShaderError, nearest
-from shaderlab.records import Diagnostic, Verdict
+from shaderlab.model.records import Diagnostic, Verdict
 
 WORK = "shaderlab.compiler.harness:work"
 """What a pool of processes runs, by name: takes `CompileJob`s, yields `FileResult`s."""
@@ -31,10 +31,10 @@ _COMMANDS_PER_FILE = 8
 
 
 class Workers(Protocol):
-    """A pool of processes, such as `shaderlab.execution.WorkerPool(WORK)`."""
+    """A pool of processes, such as `shaderlab.workers.WorkerPool(WORK)`."""
 
     def run(self, items: Iterable[Any]) -> Iterator[Any]:
-        """The jobs' results as they complete; see `shaderlab.execution.pool.ItemResult`."""
+        """The jobs' results as they complete; see `shaderlab.workers.pool.ItemResult`."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,7 +17,7 @@ from shaderlab.compiler.sources import Source
 from shaderlab.compiler.text import STAGES
 from shaderlab.compiler.types import OPAQUE, elements_of, leaves_count, slots, unwrap
 from shaderlab.compiler.variables import stage_variables
-from shaderlab.records import Diagnostic
+from shaderlab.model.records import Diagnostic
 
 _NUMBERED = (Storage.UNIFORM_CONSTANT, Storage.UNIFORM, Storage.STORAGE_BUFFER)
 _Words = Mapping[str, list[int]]

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from shaderlab.compiler.engines import Engine
 from shaderlab.compiler.sources import Source
-from shaderlab.records import Diagnostic
+from shaderlab.model.records import Diagnostic
 
 _STRUCT = re.compile(r"\bstruct\s+(?P<name>\w+)\s*\{(?P<body>[^{}]*)\}")
 _MEMBER = re.compile(r"(?P<all>[^;]*?\b(?P<type>[iu]?(?:sampler|image)\w+)\s+(?P<names>[^;]+);)")

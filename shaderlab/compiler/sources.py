@@ -16,7 +16,7 @@ from shaderlab.compiler.include import LineMap, expand
 from shaderlab.compiler.shader_files import File, Roots
 from shaderlab.compiler.text import STAGES, normalise, stage_of, version_of, without_comments
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.records import Diagnostic, Severity
+from shaderlab.model.records import Diagnostic, Severity
 
 
 @dataclass(frozen=True)

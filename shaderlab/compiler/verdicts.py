@@ -13,7 +13,7 @@ from shaderlab.compiler.lifting import lift_samplers
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv_tools import instruction_count
 from shaderlab.compiler.targets import SETTINGS
-from shaderlab.records import Diagnostic, Verdict
+from shaderlab.model.records import Diagnostic, Verdict
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from shaderlab.errors import CallError
-from shaderlab.frame import Array
 from shaderlab.functions.types import DTYPES, Type
+from shaderlab.model.frame import Array
 
 _ACCEPTED = {"float": "fiu", "int": "iu", "uint": "iu", "bool": "b"}
 _WORD = {"f": np.dtype(np.float32), "i": np.dtype(np.int32)}

@@ -12,19 +12,19 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shaderlab.backends import Evaluation
 from shaderlab.compiler.sources import Source
+from shaderlab.drivers import Evaluation
 from shaderlab.errors import CallError
-from shaderlab.execution import InProcessExecutor, ProcessExecutor
-from shaderlab.execution.executor import LocalExecutor
-from shaderlab.frame import Array
 from shaderlab.functions.memory import SharedMemory
 from shaderlab.functions.requests import Evaluate, Preprocess
-from shaderlab.options import CALL_LIMITS
+from shaderlab.model.frame import Array
+from shaderlab.model.options import CALL_LIMITS
 from shaderlab.settings import settings_of
+from shaderlab.workers import InProcessExecutor, ProcessExecutor
+from shaderlab.workers.executor import LocalExecutor
 
 if TYPE_CHECKING:
-    from shaderlab.execution.lab_worker import LabWorker
+    from shaderlab.workers.lab_worker import LabWorker
 
 
 class Caller:
@@ -32,7 +32,7 @@ class Caller:
 
     Args:
         executor: performs the requests.
-        driver: as in `shaderlab.backends.open_backend`.
+        driver: as in `shaderlab.drivers.open_backend`.
     """
 
     def __init__(self, executor: LocalExecutor, driver: str | None = None) -> None:
@@ -61,7 +61,7 @@ class Caller:
         (layers, height, width, lanes). `versions` are those of GLSL to try, `what` says what runs.
 
         Raises:
-            ShaderError, CaseError, CallError: as `shaderlab.backends.Backend.evaluate`; it hangs,
+            ShaderError, CaseError, CallError: as `shaderlab.drivers.Backend.evaluate`; it hangs,
                 or takes its process down.
         """
         width, height = evaluation.size

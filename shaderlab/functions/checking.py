@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shaderlab.engine.judging.banded import judge_band
+from shaderlab.engine.judging.inputs import Inputs
 from shaderlab.errors import CallError
-from shaderlab.frame import Array
 from shaderlab.functions.binding import Call
 from shaderlab.functions.laws import Finding, Law
 from shaderlab.functions.parts import Part, Reference, parts
 from shaderlab.functions.reference_inputs import leaves, reference_inputs
-from shaderlab.judging.banded import judge_band
-from shaderlab.judging.inputs import Inputs
-from shaderlab.records import Outcome, SourceText
+from shaderlab.model.frame import Array
+from shaderlab.model.records import Outcome, SourceText
 from shaderlab.report.plain_text import numbers, outcome_details
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ import numpy as np
 
 from shaderlab.bands.rounding import shortest
 from shaderlab.errors import CallError
-from shaderlab.frame import Array
+from shaderlab.model.frame import Array
 
 _NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _TINY = float(np.finfo(np.float32).tiny)

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from shaderlab.errors import CallError, ShaderlabError
-from shaderlab.frame import Array
 from shaderlab.functions import domains
 from shaderlab.functions.domains import Directions, Domain, Floats, Ints, OneOf, hints_of
 from shaderlab.functions.function import Function
 from shaderlab.functions.library import Library
 from shaderlab.functions.signatures import Input, Signature
 from shaderlab.functions.types import Type
+from shaderlab.model.frame import Array
 
 _SAMPLES, _SEEDS = 10_000, 3
 _MOST_WORDS = 16  # an argument of more numbers gets one value

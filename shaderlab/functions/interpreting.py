@@ -7,21 +7,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
-from shaderlab.audit import Audit, Plan as AuditPlan, audit_program
-from shaderlab.equivalence.answer import Answer, OutputAnswer
-from shaderlab.equivalence.comparison import Plan as ComparisonPlan, compare_programs
-from shaderlab.equivalence.interface import inputs_of
-from shaderlab.equivalence.roles import unknown_names
+from shaderlab.analysis.audit import Audit, Plan as AuditPlan, audit_program
+from shaderlab.analysis.equivalence.answer import Answer, OutputAnswer
+from shaderlab.analysis.equivalence.comparison import Plan as ComparisonPlan, compare_programs
+from shaderlab.analysis.equivalence.interface import inputs_of
+from shaderlab.analysis.equivalence.roles import unknown_names
+from shaderlab.analysis.interpreter import Program, load
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, nearest
-from shaderlab.execution.compare_shaders import ShaderOfFile
 from shaderlab.functions.entry_points import EntryPoint, entry_points
 from shaderlab.functions.library import readable
 from shaderlab.functions.requests import Preprocess
 from shaderlab.functions.running import versions
-from shaderlab.interpreter import Program, load
+from shaderlab.workers.compare_shaders import ShaderOfFile
 
 if TYPE_CHECKING:
-    from shaderlab.execution.lab_worker import LabWorker
+    from shaderlab.workers.lab_worker import LabWorker
 
 Plan = TypeVar("Plan", AuditPlan, ComparisonPlan)
 
@@ -39,7 +39,7 @@ class AuditFunctions:
         return self.shader.file.path
 
     def perform(self, worker: LabWorker) -> list[Audit]:
-        """See `shaderlab.execution.jobs.Request`."""
+        """See `shaderlab.workers.jobs.Request`."""
         found, refused = [], []
         functions = _functions(worker, self.shader)
         _check_ranges(self.plan.ranges, functions)
@@ -70,7 +70,7 @@ class CompareFunctions:
     plan: ComparisonPlan
 
     def perform(self, worker: LabWorker) -> list[Answer]:
-        """See `shaderlab.execution.jobs.Request`."""
+        """See `shaderlab.workers.jobs.Request`."""
         old, new = (_functions(worker, shader) for shader in (self.old, self.new))
         _check_ranges(self.plan.ranges, [*old, *new])
         others = {str(one.signature): one for one in new}

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.errors import CallError
-from shaderlab.frame import Array
 from shaderlab.functions.binding import Call
+from shaderlab.model.frame import Array
 
 if TYPE_CHECKING:
     from shaderlab.functions.function import Function

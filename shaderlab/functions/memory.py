@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shaderlab.frame import Array
+from shaderlab.model.frame import Array
 
 
 @dataclass(frozen=True)

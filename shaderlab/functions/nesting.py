@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands.rounding import shortest
-from shaderlab.frame import Array
+from shaderlab.model.frame import Array
 
 Values = dict[str, Array]
 

@@ -8,7 +8,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field
 
 from shaderlab.compiler.sources import Source
-from shaderlab.records import Outcome, SourceText
+from shaderlab.model.records import Outcome, SourceText
 
 
 @dataclass

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.drivers.programs.textures import contents, kind_of
 from shaderlab.errors import CallError
-from shaderlab.frame import Array, Texels
 from shaderlab.functions.arguments import argument
 from shaderlab.functions.binding import Call
 from shaderlab.functions.types import Type
-from shaderlab.model import CompressedTexture, CubeTexture, Texture, TextureArray
-from shaderlab.programs.textures import contents, kind_of
+from shaderlab.model.frame import Array, Texels
+from shaderlab.model.textures import CompressedTexture, CubeTexture, Texture, TextureArray
 
 _ARRAY = "give a shaderlab.Texture, or an array (height, width, channels)"
 _REMEDIES = {
@@ -82,7 +82,7 @@ def of_references(call: Call, folder: Path) -> Opaque:
         folder: what paths of textures are relative to.
 
     Raises:
-        CaseError, AssetError: as `shaderlab.programs.textures.contents`.
+        CaseError, AssetError: as `shaderlab.drivers.programs.textures.contents`.
     """
     uniforms: dict[str, Array] = {}
     sources: dict[str, tuple[str, Any]] = {}

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from shaderlab.errors import FormulaError
-from shaderlab.frame import Array
 from shaderlab.functions.types import Type
 from shaderlab.glslmath.choice import where
 from shaderlab.glslmath.shape import stacked
+from shaderlab.model.frame import Array
 
 Reference = Callable[..., Any]
 

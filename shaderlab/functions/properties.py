@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from shaderlab.errors import extra
 from shaderlab.functions.notes import notes
 from shaderlab.functions.searching import SAMPLES, Batch, Search, Test
-from shaderlab.records import Outcome, SourceText
+from shaderlab.model.records import Outcome, SourceText
 
 if TYPE_CHECKING:
     from shaderlab.functions.function import Function

@@ -10,12 +10,12 @@ from typing import TypeVar
 
 import numpy as np
 
+from shaderlab.engine.judging.inputs import Inputs, parameter_name
 from shaderlab.errors import CallError
-from shaderlab.frame import Array
 from shaderlab.functions.binding import Call
 from shaderlab.functions.opaque import Opaque, of_references
 from shaderlab.functions.parts import Reference
-from shaderlab.judging.inputs import Inputs, parameter_name
+from shaderlab.model.frame import Array
 
 Input = TypeVar("Input")
 

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shaderlab.backends import Evaluation
 from shaderlab.compiler.compile_cache import cached_compiler
 from shaderlab.compiler.engines import choose
 from shaderlab.compiler.sources import Source
+from shaderlab.drivers import Evaluation
 from shaderlab.errors import ShaderError
 from shaderlab.functions.memory import Region
-from shaderlab.options import RunOptions
+from shaderlab.model.options import RunOptions
 
 if TYPE_CHECKING:
-    from shaderlab.execution.lab_worker import LabWorker
+    from shaderlab.workers.lab_worker import LabWorker
 
 _VERSION = re.compile(r"#version \d+")
 
@@ -47,7 +47,7 @@ class Evaluate:
         layers, words: of the inputs and of the outputs.
         region: the memory.
         note: what runs, for messages.
-        driver: as in `shaderlab.backends.open_backend`.
+        driver: as in `shaderlab.drivers.open_backend`.
     """
 
     evaluation: Evaluation
@@ -59,7 +59,7 @@ class Evaluate:
     driver: str | None
 
     def perform(self, worker: LabWorker) -> None:
-        """See `shaderlab.execution.jobs.Request`. Raises as `Backend.evaluate`."""
+        """See `shaderlab.workers.jobs.Request`. Raises as `Backend.evaluate`."""
         worker.note(self.note)
         lab = worker.lab(RunOptions(driver=self.driver))
         memory = worker.keep("memory", self.region, self.region.opened)

@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.backends import Evaluation
 from shaderlab.compiler.include import LineMap
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.text import version_of, without_comments
-from shaderlab.frame import Array
+from shaderlab.drivers import Evaluation
 from shaderlab.functions.arguments import Argument, result
 from shaderlab.functions.binding import Call
 from shaderlab.functions.calling import caller
 from shaderlab.functions.kernels import LANES, MAX_WORDS, Kernel, own
 from shaderlab.functions.opaque import spread
 from shaderlab.functions.signatures import variable
+from shaderlab.model.frame import Array
 
 _MAX_SIDE = 16384
 _WIDTH = 4096

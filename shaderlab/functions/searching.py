@@ -16,9 +16,9 @@ import numpy as np
 
 from shaderlab.errors import CallError
 from shaderlab.files import display_path
-from shaderlab.frame import Array
 from shaderlab.functions.domains import Domain, hints_of, weights
 from shaderlab.functions.nesting import Values, element, flat, nested, rows, spelt, stretched
+from shaderlab.model.frame import Array
 
 if TYPE_CHECKING:
     from shaderlab.functions.function import Function

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from shaderlab.files import display_path
 from shaderlab.functions.notes import Notes
-from shaderlab.records import Outcome, ProgramRecord, Record, SourceText, Status
+from shaderlab.model.records import Outcome, ProgramRecord, Record, SourceText, Status
 
 
 def record_of_test(

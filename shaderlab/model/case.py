@@ -7,11 +7,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from shaderlab.errors import CaseError, nearest
-from shaderlab.frame import PassDraw
 from shaderlab.model.checked import Checked
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.scene import Draw, Pass, Ramp, UniformBuffer
 from shaderlab.model.textures import Output
+
+from .frame import PassDraw
 
 DEFAULT_VARIANT = "default"
 
@@ -91,7 +92,7 @@ class Case(Checked):
             if not isinstance(expectation, Expectation):
                 raise CaseError(
                     f"Case: {expectation!r} is no expectation",
-                    remedy="expect=[formula(…), value(…), …]: see shaderlab.expectations",
+                    remedy="expect=[formula(…), value(…), …]: see shaderlab.engine.expectations",
                 )
 
     @property

@@ -1,7 +1,7 @@
 """What every kind of expectation is: data, what it reads and needs of a run, and its judgement.
 
-The kinds themselves are in `shaderlab.expectations`, one a file. A kind is a frozen dataclass that
-derives from `Expectation`. It names the outputs that it reads and the passes that draw them, asks
+The kinds themselves are in `shaderlab.engine.expectations`, one a file. A kind is a frozen
+dataclass that derives from `Expectation`. It names the outputs that it reads and the passes that draw them, asks
 for what it needs beyond the pictures (`needs`), and judges the frame that holds the answers.
 """
 
@@ -15,10 +15,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
-from shaderlab.frame import Frame, PassDraw
 from shaderlab.model.checked import Checked
 from shaderlab.model.scene import Pixel
-from shaderlab.records import Curve, Outcome, Plot
+
+from .frame import Frame, PassDraw
+from .records import Curve, Outcome, Plot
 
 _MOST_CALLERS = 32
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from shaderlab.model.case import Scene
 
 Programs = Mapping[str, tuple[Any, ...]]
-"""The compiled draws of each pass: `shaderlab.programs.PreparedDraw`."""
+"""The compiled draws of each pass: `shaderlab.drivers.programs.PreparedDraw`."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class Need(ABC):
 
     @abstractmethod
     def answer(self, context: Any) -> Any:
-        """Ask the device or the compilers, given a `shaderlab.expectations.base.Context`.
+        """Ask the device or the compilers, given a `shaderlab.engine.expectations.base.Context`.
 
         Raises:
             ShaderlabError: there is no answer.

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from shaderlab.errors import CaseError, nearest
-from shaderlab.frame import Array
 from shaderlab.model.checked import Checked
 from shaderlab.model.state import one_of
+
+from .frame import Array
 
 PRIMITIVES = (
     "points", "lines", "line_strip", "triangles", "triangle_strip", "triangle_fan", "patches",

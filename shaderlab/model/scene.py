@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from shaderlab.errors import CaseError
-from shaderlab.frame import Array
 from shaderlab.model.checked import Checked
 from shaderlab.model.members import by_member
 from shaderlab.model.mesh import Mesh
@@ -22,6 +21,8 @@ from shaderlab.model.textures import (
     TextureSource,
     outputs_read,
 )
+
+from .frame import Array
 
 Number = float | int | bool
 UniformValue = Number | Sequence[Any] | Array

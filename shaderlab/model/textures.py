@@ -10,9 +10,10 @@ from typing import ClassVar
 import numpy as np
 
 from shaderlab.errors import CaseError
-from shaderlab.frame import Array
 from shaderlab.model.checked import Checked
 from shaderlab.model.state import COMPARISONS, one_of
+
+from .frame import Array
 
 COLOR_FORMATS = (
     "r8", "rg8", "rgba8", "srgb8_alpha8", "r16f", "rg16f", "rgba16f", "r32f", "rg32f", "rgba32f",

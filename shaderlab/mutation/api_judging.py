@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from shaderlab.expectations.gl_calls import GlCalls
-from shaderlab.frame import TracedCall
-from shaderlab.model import Scene
+from shaderlab.engine.expectations.gl_calls import GlCalls
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import TracedCall
 from shaderlab.mutation.results import Fate
 
 

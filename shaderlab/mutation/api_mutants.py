@@ -10,11 +10,11 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from shaderlab.evaluation import Lab
-from shaderlab.expectations.gl_calls import Traced
-from shaderlab.frame import TracedCall
-from shaderlab.model import Case, Scene
+from shaderlab.engine.expectations.gl_calls import Traced
+from shaderlab.engine.lab import Lab
 from shaderlab.model.call_edits import CallEdit, Changed, Dropped, PutOff, Repeated
+from shaderlab.model.case import Case, Scene
+from shaderlab.model.frame import TracedCall
 from shaderlab.mutation.call_arguments import other_arguments
 from shaderlab.mutation.mutants import Effect, Mutant
 from shaderlab.mutation.subjects import scenes_of

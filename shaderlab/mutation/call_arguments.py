@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from shaderlab.frame import TracedCall
+from shaderlab.model.frame import TracedCall
 
 _FILTERS = {
     "GL_NEAREST": ("GL_LINEAR",), "GL_LINEAR": ("GL_NEAREST",),

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Protocol
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.execution.executor import LocalExecutor, error_text
-from shaderlab.execution.jobs import Request
-from shaderlab.execution.pool import ItemResult
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.requests import OPENING, JudgeMutant, MakeMutants, MutationPlan
 from shaderlab.mutation.results import CaseResult, Fate, Tried
+from shaderlab.workers.executor import LocalExecutor, error_text
+from shaderlab.workers.jobs import Request
+from shaderlab.workers.pool import ItemResult
 
 
 class Subject(Protocol):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from shaderlab.evaluation import Evaluation
-from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
-from shaderlab.expectations.reads import Named
-from shaderlab.frame import differ
-from shaderlab.model import Pixel
+from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
+from shaderlab.engine.expectations.reads import Named
+from shaderlab.model.frame import differ
+from shaderlab.model.scene import Pixel
 
 Judged = Mapping[Named, "frozenset[Pixel] | None"]
 """What expectations read of each output: some pixels, or all of it (None)."""

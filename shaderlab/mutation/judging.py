@@ -7,13 +7,16 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
+from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.expectations.gl_calls import Traced
+from shaderlab.engine.expectations.reads import Named, judged_outputs
+from shaderlab.engine.judging.remembered import RememberedBands
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError, ShaderError
-from shaderlab.evaluation import Evaluation, Lab
-from shaderlab.expectations.gl_calls import Traced
-from shaderlab.expectations.reads import Named, judged_outputs
-from shaderlab.frame import TracedCall
-from shaderlab.judging.remembered import RememberedBands
-from shaderlab.model import Case, Draw, Scene
+from shaderlab.model.case import Case, Scene
+from shaderlab.model.frame import TracedCall
+from shaderlab.model.scene import Draw
 from shaderlab.mutation import compare, proof
 from shaderlab.mutation.api_judging import fate_of_unseen
 from shaderlab.mutation.mutants import Mutant
@@ -21,7 +24,6 @@ from shaderlab.mutation.results import Fate
 from shaderlab.mutation.subjects import downstream, scenes_of
 from shaderlab.mutation.tasks import PartError, Task, part_of, sound_part
 from shaderlab.mutation.wider import WiderInputs
-from shaderlab.programs.prepare import PreparedDraw, Programs
 
 if TYPE_CHECKING:
     from shaderlab.mutation.locating import Traces

@@ -6,15 +6,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from shaderlab.analysis.interpreter import Bands, Stored
+from shaderlab.engine.driver_values import driver_values
+from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.explaining import Trace, traced
+from shaderlab.engine.interpreting import Invocations, fragments
+from shaderlab.engine.modules import outside
 from shaderlab.errors import ShaderlabError
-from shaderlab.evaluation import Evaluation
-from shaderlab.evaluation.driver_values import driver_values
-from shaderlab.evaluation.explaining import Trace, traced
-from shaderlab.evaluation.interpreting import Invocations, fragments
-from shaderlab.evaluation.modules import outside
 from shaderlab.files import display_path
-from shaderlab.frame import PassDraw
-from shaderlab.interpreter import Bands, Stored
+from shaderlab.model.frame import PassDraw
 
 MOST = 1024
 """Pixels of a draw that are looked at."""

@@ -13,24 +13,24 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.evaluation import Evaluation
-from shaderlab.frame import Array, PassDraw, Texels
-from shaderlab.model import (
+from shaderlab.drivers.programs.bind import declared
+from shaderlab.drivers.programs.formats import format_of, shape_of
+from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
+from shaderlab.drivers.programs.varyings import elements
+from shaderlab.engine.evaluation import Evaluation
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import Array, PassDraw, Texels
+from shaderlab.model.scene import UNIT_SQUARE, Ramp, Target, UniformBuffer
+from shaderlab.model.textures import (
+    TEXTURE_FORMATS,
     CompressedTexture,
     CubeTexture,
     Output,
-    Ramp,
-    Scene,
+    Sampling,
     Texture,
     TextureArray,
-    UniformBuffer,
+    TextureSource,
 )
-from shaderlab.model.scene import UNIT_SQUARE, Target
-from shaderlab.model.textures import TEXTURE_FORMATS, Sampling, TextureSource
-from shaderlab.programs.bind import declared
-from shaderlab.programs.formats import format_of, shape_of
-from shaderlab.programs.prepare import PreparedDraw, Programs
-from shaderlab.programs.varyings import elements
 
 SAMPLES = 1024
 _SIZES = ((48, 80), (96, 40), (64, 64), (40, 96), (80, 48), (57, 71))

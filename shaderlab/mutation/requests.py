@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shaderlab.model.options import RunOptions
 from shaderlab.mutation.results import Fate
-from shaderlab.options import RunOptions
 
 if TYPE_CHECKING:
-    from shaderlab.execution.lab_worker import LabWorker
-    from shaderlab.model import Case
+    from shaderlab.model.case import Case
     from shaderlab.mutation.judging import Judge
     from shaderlab.mutation.mutants import Mutant
+    from shaderlab.workers.lab_worker import LabWorker
 
 OPENING = "running the case as it is"
 """The step that a worker notes while it opens a case."""

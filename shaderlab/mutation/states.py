@@ -9,8 +9,9 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from shaderlab.frame import PassDraw
-from shaderlab.model import Blend, Case, Scene, State, Stencil
+from shaderlab.model.case import Case, Scene
+from shaderlab.model.frame import PassDraw
+from shaderlab.model.state import Blend, State, Stencil
 from shaderlab.mutation.mutants import Effect, Mutant
 from shaderlab.mutation.subjects import scenes_of
 

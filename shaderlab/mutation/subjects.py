@@ -6,8 +6,9 @@ from collections.abc import Collection, Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from shaderlab.evaluation.search_path import shaders_of
-from shaderlab.model import Case, Pass, Scene
+from shaderlab.engine.search_path import shaders_of
+from shaderlab.model.case import Case, Scene
+from shaderlab.model.scene import Pass
 from shaderlab.mutation.mutants import Operator, ShaderMutant, mutants_of
 
 

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from shaderlab.errors import CaseError, UnsupportedError
-from shaderlab.model import Scene
+from shaderlab.model.case import Scene
 from shaderlab.mutation.mutants import Effect
 from shaderlab.mutation.subjects import with_what_they_read
 

@@ -7,15 +7,16 @@ from contextlib import suppress
 
 import numpy as np
 
+from shaderlab.drivers.programs.prepare import Programs
+from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.expectations.reads import Named
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import ShaderlabError, UnsupportedError
-from shaderlab.evaluation import Evaluation, Lab
-from shaderlab.expectations.reads import Named
-from shaderlab.frame import Array, differ
-from shaderlab.model import Scene
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import Array, differ
 from shaderlab.mutation.other_inputs import Round, other_inputs
 from shaderlab.mutation.subjects import with_what_they_read
 from shaderlab.mutation.tasks import Task, part_of, sound_part
-from shaderlab.programs.prepare import Programs
 
 ROUNDS = 6
 _MOST_KEPT = 48  # rounds, each with the pictures of a scene

@@ -29,17 +29,17 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from shaderlab.discovery import examined
+from shaderlab.engine.discovery import examined
 from shaderlab.errors import ShaderlabError
-from shaderlab.execution.sizing import WORDS
 from shaderlab.files import display_path
-from shaderlab.options import CALL_LIMITS, Limits
+from shaderlab.model.options import CALL_LIMITS, Limits
 from shaderlab.report.plain_text import failed, failure, label
+from shaderlab.workers.sizing import WORDS
 
 if TYPE_CHECKING:
-    from shaderlab.execution import Job, Prefetcher
-    from shaderlab.records import Record
+    from shaderlab.model.records import Record
     from shaderlab.settings import Settings
+    from shaderlab.workers import Job, Prefetcher
 
 _TESTS = re.compile(rb"^\s*(?:async\s+)?def test|^\s*class \w*Test|^Test", re.MULTILINE)
 _PREFETCHER: pytest.StashKey[Prefetcher] = pytest.StashKey()
@@ -58,7 +58,7 @@ class CaseFile(pytest.File):
     """A case file; collecting it has the worker import it, which touches no device."""
 
     def collect(self) -> Iterator[CaseItem]:
-        from shaderlab.execution.jobs import jobs_of
+        from shaderlab.workers.jobs import jobs_of
 
         (facts,) = prefetcher_of(self.config).executor.load([self.path])
         if facts.error is not None:
@@ -116,8 +116,8 @@ def prefetcher_of(config: pytest.Config) -> Prefetcher:
     """What runs this process's cases, made when it is first needed."""
     prefetcher = config.stash.get(_PREFETCHER, None)
     if prefetcher is None:
-        from shaderlab.execution import InProcessExecutor, Prefetcher, ProcessExecutor
-        from shaderlab.options import RunOptions
+        from shaderlab.model.options import RunOptions
+        from shaderlab.workers import InProcessExecutor, Prefetcher, ProcessExecutor
 
         workers, settings = _workers(config), _settings(config)
         limits = _limits(config)
@@ -250,7 +250,7 @@ def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> 
 
 
 def _examined(file: Path, config: pytest.Config) -> str | None:
-    """What `shaderlab.discovery.examined` says; of two hooks that ask one after the other for the
+    """What `shaderlab.engine.discovery.examined` says; of two hooks that ask for the
     same file, the first has it parsed."""
     asked, reason = config.stash.get(_EXAMINED, (None, None))
     if asked != file:

@@ -15,8 +15,8 @@ from shaderlab.files import display_path
 from shaderlab.functions.notes import Notes, noted
 
 if TYPE_CHECKING:
-    from shaderlab.execution.jobs import About
-    from shaderlab.records import Record, Status
+    from shaderlab.model.records import Record, Status
+    from shaderlab.workers.jobs import About
 
 ATTRIBUTE = "shaderlab_record"
 """A report's attribute with the record as plain data: pytest-xdist sends it on."""
@@ -100,7 +100,7 @@ class ReportWriter:
         """Keep a report's record."""
         data = getattr(report, ATTRIBUTE, None)
         if data is not None:
-            from shaderlab.records import Record
+            from shaderlab.model.records import Record
             from shaderlab.report.store import parse
 
             self._records.append(parse(data, Record))
@@ -109,7 +109,7 @@ class ReportWriter:
     def pytest_sessionfinish(self) -> None:
         """Write the page."""
         from shaderlab.errors import ShaderlabError
-        from shaderlab.records import Run
+        from shaderlab.model.records import Run
         from shaderlab.report import html, store
 
         if not self._records:

@@ -115,7 +115,7 @@ def linear_sample(image: Any, TexCoords: Array) -> Array:
     modes and border: (count, 4).
 
     Args:
-        image: a `shaderlab.sampling.Sampler` of four channels.
+        image: a `shaderlab.glslmath.sampling.Sampler` of four channels.
         TexCoords: (count, 2).
 
     >>> from types import SimpleNamespace as Of

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from shaderlab.records import Verdict
+from shaderlab.model.records import Verdict
 from shaderlab.report.grouping import CaseGroup
 from shaderlab.report.inline import Pictures, in_base64
 from shaderlab.report.text import Anchors

@@ -9,7 +9,7 @@ from dataclasses import replace
 from itertools import groupby
 from typing import TypeVar
 
-from shaderlab.records import Curve, Outcome, Plot, Record, Row, Run
+from shaderlab.model.records import Curve, Outcome, Plot, Record, Row, Run
 from shaderlab.report.assembly import Packed, assemblies
 from shaderlab.report.grouping import CaseGroup, group_cases, total
 from shaderlab.report.inline import SMALL, Picture, Pictures

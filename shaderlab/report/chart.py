@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from shaderlab.records import Curve
+from shaderlab.model.records import Curve
 from shaderlab.report.axes import Axis, Plane, axis
 from shaderlab.report.worst import half_widths, outside
 

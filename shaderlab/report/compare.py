@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from shaderlab.records import Record, Run, Status
+from shaderlab.model.records import Record, Run, Status
 from shaderlab.report.grouping import STATUSES
 from shaderlab.report.inline import Picture, Pictures
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from shaderlab.files import read_regular
-from shaderlab.records import Diagnostic, Outcome, Record, Run, Severity, Verdict
+from shaderlab.model.records import Diagnostic, Outcome, Record, Run, Severity, Verdict
 from shaderlab.report.grouping import PASSABLE, STATUS_WORDS
 from shaderlab.report.plain_text import label, listed, outcome_details, printable
 from shaderlab.report.text import plural

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from shaderlab.records import Record, Run, Status
+from shaderlab.model.records import Record, Run, Status
 
 # Worst first: a case has the first of these that one of its variants has.
 STATUSES: tuple[Status, ...] = ("crash", "timeout", "error", "fail", "unsupported", "pass")

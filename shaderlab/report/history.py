@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from shaderlab.files import read_regular, write_text
-from shaderlab.records import Record, Run, Status, Worst
+from shaderlab.model.records import Record, Run, Status, Worst
 from shaderlab.report.grouping import STATUSES, group_cases
 from shaderlab.report.plain_text import summary
 

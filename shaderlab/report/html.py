@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from shaderlab.files import write_text
-from shaderlab.records import Run
+from shaderlab.model.records import Run
 from shaderlab.report import mutants, parts
 from shaderlab.report.build import build
 from shaderlab.report.compare import compare

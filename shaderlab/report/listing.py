@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from shaderlab.records import Diagnostic, SourceText
+from shaderlab.model.records import Diagnostic, SourceText
 from shaderlab.report.text import clean
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shaderlab.records import (
+from shaderlab.model.records import (
     CodeCoverage,
     Curve,
     Declared,

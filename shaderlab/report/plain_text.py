@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import indent
 
 from shaderlab.files import display_path
-from shaderlab.options import RunOptions
-from shaderlab.records import (
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import (
     CodeCoverage,
     Diagnostic,
     Outcome,

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 
-from shaderlab.records import Plot, PlotPoint
+from shaderlab.model.records import Plot, PlotPoint
 from shaderlab.report.axes import Plane, axis
 from shaderlab.report.chart import BOTTOM, LEFT, RIGHT, TOP, WIDTH
 from shaderlab.report.text import figure

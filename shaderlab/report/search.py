@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Sequence
 
-from shaderlab.records import Record
+from shaderlab.model.records import Record
 from shaderlab.report.text import clean
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from shaderlab.records import Declared, Diagnostic, SourceText, Verdict
+from shaderlab.model.records import Declared, Diagnostic, SourceText, Verdict
 from shaderlab.report.grouping import CaseGroup
 from shaderlab.report.listing import Listing, listing
 from shaderlab.report.page import Compiled

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import read_regular, write_text
-from shaderlab.records import Run
+from shaderlab.model.records import Run
 
 if TYPE_CHECKING:
     from cattrs import Converter

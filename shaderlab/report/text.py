@@ -6,7 +6,7 @@ import math
 import re
 from datetime import datetime
 
-from shaderlab.records import significant
+from shaderlab.model.records import significant
 
 # C0 and C1 controls (but tab and line ends), lone surrogates, and XML's two non-characters.
 _UNPRINTABLE = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")

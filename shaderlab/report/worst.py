@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from shaderlab.records import Worst
+from shaderlab.model.records import Worst
 
 # Positions on a number line of 100 units: the band lies between these.
 BAND_FROM, BAND_TO = 30.0, 70.0

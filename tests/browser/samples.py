@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab.evaluation.picture_writer import PictureWriter
-from shaderlab.frame import Array, Image
-from shaderlab.records import (
+from shaderlab.engine.picture_writer import PictureWriter
+from shaderlab.model.frame import Array, Image
+from shaderlab.model.records import (
     Declared,
     ErratumNote,
     Outcome,

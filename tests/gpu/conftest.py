@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from shaderlab.options import CALL_LIMITS, Limits
+from shaderlab.model.options import CALL_LIMITS, Limits
 
 
 class Imports:

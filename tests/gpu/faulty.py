@@ -36,7 +36,7 @@ ALARM = "signal.setitimer(signal.ITIMER_REAL, 0.3)"
 HANG = f"{ALARM}; __import__('time').sleep(600)"
 IN_DRAW = """
 import os, signal
-from shaderlab.backends.opengl.drawing import Drawing
+from shaderlab.drivers.opengl.drawing import Drawing
 issue = Drawing.issue
 def shot(self, key, draw, target):
     if draw.draw.fragment == "{name}.frag":

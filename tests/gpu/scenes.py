@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from shaderlab import Draw, Mesh, Pass, Ramp, Target, exact, formula, fullscreen
-from shaderlab.evaluation import Lab
-from shaderlab.frame import Array
-from shaderlab.model import Expectation, Scene
-from shaderlab.records import Record
+from shaderlab.engine.lab import Lab
+from shaderlab.model.case import Scene
+from shaderlab.model.expectation import Expectation
+from shaderlab.model.frame import Array
+from shaderlab.model.records import Record
 
 WAVE = """#version 330 core
 in vec2 place;
@@ -71,5 +72,5 @@ def points_off_screen_are_dropped(lab: Lab, folder: Path) -> None:
     scene = meshes(folder, (vertex, ONE), mesh, exact("level", 0.0))
     assert lab.run(scene).status == "pass"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("shaderlab.programs.stages._OFF_SCREEN", ())
+        patch.setattr("shaderlab.drivers.programs.stages._OFF_SCREEN", ())
         assert lab.run(scene).status == "fail"

@@ -13,9 +13,9 @@ from click.testing import CliRunner
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, Pass, State, Target, assets, exact, gl_calls
 from shaderlab.cli import cli
+from shaderlab.engine.expectations.gl_calls import Traced
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import ShaderlabError
-from shaderlab.evaluation import Lab
-from shaderlab.expectations.gl_calls import Traced
 from shaderlab.model.call_edits import CallEdit, Changed, Dropped, PutOff, Repeated
 from shaderlab.mutation import ApiMutant, api_mutants
 from shaderlab.mutation.judging import Judge

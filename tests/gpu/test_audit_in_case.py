@@ -10,10 +10,10 @@ from click.testing import CliRunner
 
 from shaderlab import Case, Ramp, fullscreen, portable
 from shaderlab.cli.audit import command
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError
-from shaderlab.evaluation import Lab
-from shaderlab.options import RunOptions
-from shaderlab.records import Outcome
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Outcome
 
 SHADER = """#version 330 core
 in vec2 place;

@@ -30,12 +30,12 @@ from shaderlab import (
     sweep,
     value,
 )
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError
-from shaderlab.evaluation import Lab
 from shaderlab.glslmath import mul, vec4
 from shaderlab.model.mesh import LAYOUTS, UPLOADS, USAGES
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 
 SQUARE = {
     "aPos": np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)], np.float32),
@@ -308,7 +308,7 @@ def test_one_buffer_serves_several_programs_unless_they_lay_it_out_differently(
 def test_a_block_that_the_driver_lays_out_otherwise_is_an_error_that_names_the_member(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.backends.opengl import uniform_buffers
+    from shaderlab.drivers.opengl import uniform_buffers
 
     real = uniform_buffers.read_block
 

@@ -19,7 +19,7 @@ import pytest
 
 from shaderlab import glslmath as g
 from shaderlab.bands import Band, Integer, Rules
-from shaderlab.judging.formats import as_result, stored
+from shaderlab.engine.judging.formats import as_result, stored
 
 SIZE = 32
 RULES = Rules()

@@ -23,7 +23,7 @@ from shaderlab.cli import cli
 from shaderlab.compiler import compile_cache, library
 from shaderlab.compiler.cache_store import Store
 from shaderlab.compiler.compile_cache import decode, encode
-from shaderlab.records import Diagnostic
+from shaderlab.model.records import Diagnostic
 
 Call = Callable[..., Result]
 SAID = "only the cache says so"

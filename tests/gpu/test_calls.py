@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Draw, Pass, State, Target, Texture, exact, gl_call
+from shaderlab.engine.expectations.gl_call import Location, Object, Program, call
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError
-from shaderlab.evaluation import Lab
-from shaderlab.expectations.gl_call import Location, Object, Program, call
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 from shaderlab.model.scene import UNIT_SQUARE
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
 
 TEXTURED = """#version 330 core
 in vec2 TexCoords;

@@ -25,10 +25,10 @@ from shaderlab import (
     sweep,
     value,
 )
-from shaderlab.evaluation import Lab
+from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import dot, mul, vec4
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 
 QUAD = Mesh(
     attributes={"aPos": np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)},

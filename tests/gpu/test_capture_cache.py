@@ -11,15 +11,17 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Draw, Mesh, Pass, Ramp, State, Target, across, formula, mesh_pass
-from shaderlab.backends.opengl.backend import OpenGLBackend
+from shaderlab.drivers.opengl.backend import OpenGLBackend
+from shaderlab.drivers.programs.captures import CaptureCache
+from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.expectations.formula import Formula
+from shaderlab.engine.expectations.needs import CapturedFragments
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import UnsupportedError
-from shaderlab.evaluation import Evaluation, Lab
-from shaderlab.expectations.formula import Formula
-from shaderlab.expectations.needs import CapturedFragments
-from shaderlab.frame import Fragments, PassDraw
-from shaderlab.model import Blend, Cell, Depth, Scene
-from shaderlab.options import RunOptions
-from shaderlab.programs.captures import CaptureCache
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import Fragments, PassDraw
+from shaderlab.model.options import RunOptions
+from shaderlab.model.state import Blend, Cell, Depth
 from tests.catalogue import shipped
 
 SHADER = """#version 330 core

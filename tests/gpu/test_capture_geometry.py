@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Draw, Mesh, Pass, coverage, formula, mesh_pass, value
-from shaderlab.evaluation import Lab
+from shaderlab.drivers.programs.vertices import corners
+from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import cross, normalize, vec4, where
-from shaderlab.options import RunOptions
-from shaderlab.programs.vertices import corners
-from shaderlab.records import Record
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 
 TRIANGLES = Mesh(
     attributes={

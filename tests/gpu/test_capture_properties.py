@@ -19,10 +19,10 @@ from shaderlab import (
     monotone,
     symmetric,
 )
-from shaderlab.evaluation import Lab
-from shaderlab.expectations.law import Law
-from shaderlab.options import RunOptions
-from shaderlab.records import Outcome
+from shaderlab.engine.expectations.law import Law
+from shaderlab.engine.lab import Lab
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Outcome
 
 SHADER = """#version 330 core
 in vec3 lightDir; in vec2 a; in vec2 b; in float x;

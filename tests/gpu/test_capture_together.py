@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Target, coverage, formula
-from shaderlab.evaluation import Lab
-from shaderlab.frame import Array, Fragments
+from shaderlab.drivers.programs import stages
+from shaderlab.drivers.programs.fragment_capture import PassCapture
+from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import vec4
-from shaderlab.model import Scene
-from shaderlab.options import RunOptions
-from shaderlab.programs import stages
-from shaderlab.programs.fragment_capture import PassCapture
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import Array, Fragments
+from shaderlab.model.options import RunOptions
 
 VERTEX = """#version 330 core
 in vec3 place; uniform float turn; out vec2 uv; flat out int id; out vec3 more;

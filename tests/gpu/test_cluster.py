@@ -19,18 +19,11 @@ from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.execution import (
-    Job,
-    dask_bundles,
-    dask_connection,
-    dask_executor,
-    dask_plugin,
-    jobs,
-)
-from shaderlab.execution.dask_executor import DaskExecutor
 from shaderlab.files import cache_root
-from shaderlab.options import Limits, RunOptions
+from shaderlab.model.options import Limits, RunOptions
 from shaderlab.report import store
+from shaderlab.workers import Job, dask_bundles, dask_connection, dask_executor, dask_plugin, jobs
+from shaderlab.workers.dask_executor import DaskExecutor
 from tests.gpu import faulty
 
 distributed = pytest.importorskip("distributed")

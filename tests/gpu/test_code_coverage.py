@@ -26,8 +26,8 @@ from shaderlab import (
     sweep,
 )
 from shaderlab.cli import cli
-from shaderlab.code_coverage.measure import code_coverage
-from shaderlab.evaluation import Lab
+from shaderlab.engine.lab import Lab
+from shaderlab.mutation.code_coverage.measure import code_coverage
 
 Gaps = Callable[..., list[str]]
 

@@ -25,17 +25,17 @@ from shaderlab import (
     measure,
     value,
 )
-from shaderlab.backends import Backend
-from shaderlab.backends.opengl import dispatch
-from shaderlab.catalogue import load_case
+from shaderlab.drivers import Backend
+from shaderlab.drivers.opengl import dispatch
+from shaderlab.engine.catalogue import load_case
+from shaderlab.engine.interpreting import fragments
+from shaderlab.engine.lab import Lab
+from shaderlab.engine.modules import JudgedDraws
 from shaderlab.errors import CaseError, NotInterpretedError, UnsupportedError
-from shaderlab.evaluation import Lab
-from shaderlab.evaluation.interpreting import fragments
-from shaderlab.evaluation.modules import JudgedDraws
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.subjects import glsl_mutants
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
 from tests.meta.examples import File, examples
 
 SUM = """#version 430 core

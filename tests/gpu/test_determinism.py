@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from shaderlab.execution import Job, ProcessExecutor
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 from shaderlab.report import store
+from shaderlab.workers import Job, ProcessExecutor
 
 # Seeded noise as textures, a domain with figures and curves, meshes with depth and stencil.
 CASES = {

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from shaderlab import Case, formula, fullscreen, value
-from shaderlab.evaluation import Lab
+from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import vec4
-from shaderlab.options import RunOptions
+from shaderlab.model.options import RunOptions
 
 ES = "#version 300 es\nprecision highp float;\n"
 OLD = "#version 140\n"

@@ -29,10 +29,10 @@ from shaderlab import (
     measure,
     value,
 )
-from shaderlab.evaluation import Lab
+from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import length, swizzle
-from shaderlab.options import RunOptions
-from shaderlab.records import Outcome
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Outcome
 
 HEAD = "#version 330 core\nin vec2 at; out vec4 color;\n"
 COLOR = "void main() { color = vec4(at, 0.0, 1.0);"

@@ -10,15 +10,15 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from shaderlab.backends import Backend, open_backend
-from shaderlab.backends.opengl.backend import OpenGLBackend
-from shaderlab.backends.opengl.device import Device
-from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.cli import cli
 from shaderlab.compiler import WORK, Shaders, compile_glsl, compile_program
 from shaderlab.compiler.driver_verdict import mark_disagreement, parse_driver_log
+from shaderlab.drivers import Backend, open_backend
+from shaderlab.drivers.opengl.backend import OpenGLBackend
+from shaderlab.drivers.opengl.device import Device
+from shaderlab.drivers.opengl.pyopengl import GL
 from shaderlab.errors import DriverError
-from shaderlab.execution import WorkerPool
+from shaderlab.workers import WorkerPool
 
 VERTEX = (
     "#version 330 core\nin vec3 a;\nout vec3 n;\nvoid main() { n = a; gl_Position = a.xyzz; }\n"
@@ -169,7 +169,7 @@ def test_workers_open_a_driver_of_their_own(tmp_path: Path) -> None:
     (tmp_path / "a.frag").write_text(FRAGMENT)
     with WorkerPool(WORK) as pool:
         (result,) = compile_glsl(
-            [tmp_path], driver="shaderlab.backends:driver_verdict", workers=pool, targets=["glsl"]
+            [tmp_path], driver="shaderlab.drivers:driver_verdict", workers=pool, targets=["glsl"]
         )
     assert [(v.target, v.ok, v.status) for v in result.verdicts] == [
         ("glsl", True, ""),

@@ -9,11 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shaderlab.backends.passes import PassSession
-from shaderlab.evaluation import Lab
-from shaderlab.evaluation.enlarging import enlarged, resized
-from shaderlab.expectations.exact import exact
-from shaderlab.model import Blend, Case, Depth, Output, Pass, Scene, State, Target, fullscreen
+from shaderlab.drivers.passes import PassSession
+from shaderlab.engine.enlarging import enlarged, resized
+from shaderlab.engine.expectations.exact import exact
+from shaderlab.engine.lab import Lab
+from shaderlab.model.case import Case, Scene
+from shaderlab.model.passes import fullscreen
+from shaderlab.model.scene import Pass, Target
+from shaderlab.model.state import Blend, Depth, State
+from shaderlab.model.textures import Output
 
 SHADES = """\
 #version 330 core

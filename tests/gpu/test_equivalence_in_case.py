@@ -13,11 +13,11 @@ from click.testing import CliRunner
 
 from shaderlab import Case
 from shaderlab.cli.diff import command
+from shaderlab.engine.lab import Lab
+from shaderlab.engine.rewriting import rewritten
 from shaderlab.errors import CaseError, UsageError
-from shaderlab.evaluation import Lab
-from shaderlab.evaluation.rewriting import rewritten
-from shaderlab.options import RunOptions
-from shaderlab.records import Outcome
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Outcome
 
 SHADER = """#version 330 core
 #include "law.glsl"

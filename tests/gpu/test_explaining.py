@@ -13,18 +13,19 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab import Case, Ramp, formula, fullscreen
+from shaderlab.analysis.interpreter import load
 from shaderlab.cli.explain import command
 from shaderlab.compiler import Shaders
+from shaderlab.drivers.programs.watch_points import statements
+from shaderlab.engine import interpreting
+from shaderlab.engine.explaining import explain, widest_pixel
+from shaderlab.engine.judging.inputs import Inputs
+from shaderlab.engine.lab import Lab
+from shaderlab.engine.locating import reference_locals
 from shaderlab.errors import UsageError
-from shaderlab.evaluation import Lab, interpreting
-from shaderlab.evaluation.explaining import explain, widest_pixel
-from shaderlab.evaluation.locating import reference_locals
 from shaderlab.glslmath import dot, max, normalize, vec3, vec4, where
-from shaderlab.interpreter import load
-from shaderlab.judging.inputs import Inputs
-from shaderlab.options import RunOptions
-from shaderlab.programs.watch_points import statements
-from shaderlab.records import Outcome
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Outcome
 
 SHADER = """#version 330 core
 in vec2 at;

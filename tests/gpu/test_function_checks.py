@@ -27,10 +27,10 @@ from shaderlab.glslmath import (
     vec4,
     where,
 )  # fmt: skip
+from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.attenuation import attenuation
 from shaderlab.reference.gamma import srgb_encode
 from shaderlab.reference.tone_mapping import reinhard
-from shaderlab.sampling import texture
 
 SHADER = """
 struct Light { float constant; float linear; float quadratic; };

@@ -12,15 +12,15 @@ from click.testing import CliRunner
 from shaderlab.cli import cli, selecting
 from shaderlab.compiler.sources import Shaders
 from shaderlab.errors import CaseError
-from shaderlab.execution.lab_worker import LabWorker
-from shaderlab.function_tests.comparing import difference
-from shaderlab.function_tests.mutants import (
+from shaderlab.mutation import MutationPlan
+from shaderlab.mutation.function_tests.comparing import difference
+from shaderlab.mutation.function_tests.mutants import (
     FunctionMutant,
     JudgeFunctionMutant,
     MakeFunctionMutants,
 )
-from shaderlab.function_tests.running import RunTestFile
-from shaderlab.mutation import MutationPlan
+from shaderlab.mutation.function_tests.running import RunTestFile
+from shaderlab.workers.lab_worker import LabWorker
 
 GLSL = """\
 float fade(float d, float reach) { return max(1.0 - d / reach, 0.0); }

@@ -10,10 +10,11 @@ from click.testing import CliRunner
 
 from shaderlab import Case, Depth, Mesh, State, Target, assets, gl_calls, mesh_pass
 from shaderlab.cli import cli
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError
-from shaderlab.evaluation import Lab
-from shaderlab.model import Expectation, Scene
-from shaderlab.records import Record
+from shaderlab.model.case import Scene
+from shaderlab.model.expectation import Expectation
+from shaderlab.model.records import Record
 from tests.catalogue import shipped
 
 VERTEX = """#version 330 core

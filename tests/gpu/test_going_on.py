@@ -7,11 +7,15 @@ from typing import Any
 
 import pytest
 
+from shaderlab.engine.expectations.exact import exact
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError
-from shaderlab.evaluation import Lab
-from shaderlab.expectations.exact import exact
-from shaderlab.model import Blend, Case, Output, Pass, State, Target, fullscreen
-from shaderlab.records import Record
+from shaderlab.model.case import Case
+from shaderlab.model.passes import fullscreen
+from shaderlab.model.records import Record
+from shaderlab.model.scene import Pass, Target
+from shaderlab.model.state import Blend, State
+from shaderlab.model.textures import Output
 
 PLAIN = """\
 #version 330 core

@@ -15,9 +15,9 @@ import pytest
 SCENE = """
 from shaderlab import Case, Target, exact, formula, fullscreen, gl_call, gl_error
 from shaderlab import Draw, Mesh, Pass
-from shaderlab.backends import open_backend
+from shaderlab.drivers import open_backend
 from shaderlab.compiler import Shaders
-from shaderlab.evaluation import Lab
+from shaderlab.engine.lab import Lab
 
 def judged(**given):
     case = Case(title="t", file=str(FOLDER / "t.py"), **given)
@@ -97,7 +97,7 @@ def test_checks_stay_on_where_the_lab_imports_pyopengl_first(tmp_path: Path) -> 
 def test_a_prepared_process_has_no_checks(tmp_path: Path) -> None:
     run(
         tmp_path,
-        "from shaderlab.backends import prepare_process\n"
+        "from shaderlab.drivers import prepare_process\n"
         "prepare_process('softpipe')\n"
         "assert os.environ['GALLIUM_DRIVER'] == 'softpipe'\n"
         "draws()\n"

@@ -23,15 +23,15 @@ from shaderlab import (
     measure,
     value,
 )
-from shaderlab.catalogue import load_case
-from shaderlab.evaluation import Lab
+from shaderlab.drivers.programs.images import FORMATS
+from shaderlab.engine.catalogue import load_case
+from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import ivec3, uvec4, vec3, vec4, where
+from shaderlab.glslmath.sampling import imageLoad, imageSize, texture
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.subjects import glsl_mutants
-from shaderlab.options import RunOptions
-from shaderlab.programs.images import FORMATS
-from shaderlab.records import Record
-from shaderlab.sampling import imageLoad, imageSize, texture
 from tests.meta.examples import File, examples
 
 HEAD = "#version 430 core\nlayout (local_size_x = 4, local_size_y = 2) in;\n"

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from shaderlab import Case, Ramp, Target, formula, fullscreen, glslmath as g, value
-from shaderlab.evaluation import Lab
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
+from shaderlab.engine.lab import Lab
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 
 SUMS = """#version 330 core
 in vec2 p;

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Ramp, Texture, formula, fullscreen
+from shaderlab.analysis.interpreter import FLOAT32, Bands, Interpreted, interpret, load
 from shaderlab.compiler import Shaders
-from shaderlab.evaluation import Lab
-from shaderlab.evaluation.interpreting import Invocations, fragments
-from shaderlab.interpreter import FLOAT32, Bands, Interpreted, interpret, load
-from shaderlab.options import RunOptions
+from shaderlab.engine.interpreting import Invocations, fragments
+from shaderlab.engine.lab import Lab
+from shaderlab.model.options import RunOptions
 
 HEAD = "#version 330 core\nin vec2 at; out vec4 color;\n"
 PROGRAMS = {

@@ -6,9 +6,9 @@ import gc
 
 import numpy as np
 
-from shaderlab.backends import open_backend
-from shaderlab.backends.opengl.api import fresh_context
-from shaderlab.backends.opengl.pyopengl import GL
+from shaderlab.drivers import open_backend
+from shaderlab.drivers.opengl.api import fresh_context
+from shaderlab.drivers.opengl.pyopengl import GL
 
 
 def test_what_outlives_its_device_deletes_nothing_of_the_next_one() -> None:

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 import pytest
 
 from shaderlab import Case, Ramp, formula, fullscreen
-from shaderlab.evaluation import Lab
-from shaderlab.evaluation.evaluation import Evaluation
+from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import vec4
+from shaderlab.model.options import RunOptions
 from shaderlab.mutation.locating import Traces, first_traced, traces_of
-from shaderlab.options import RunOptions
 
 SHADER = """#version 330 core
 in vec2 at;

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Output, across, formula, fullscreen, measure, reading, value
-from shaderlab.catalogue import load_case
-from shaderlab.evaluation import Lab
+from shaderlab.engine.catalogue import load_case
+from shaderlab.engine.lab import Lab
+from shaderlab.model.options import RunOptions
 from shaderlab.mutation import MutationPlan, mutants_of_case
 from shaderlab.mutation.judging import Judge
-from shaderlab.options import RunOptions
 
 STEP = """\
 #version 330 core

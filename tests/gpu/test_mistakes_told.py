@@ -12,9 +12,9 @@ from click.testing import CliRunner
 
 from shaderlab import Case, formula, fullscreen
 from shaderlab.cli import cli
-from shaderlab.evaluation import Lab
+from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import vec4
-from shaderlab.options import RunOptions
+from shaderlab.model.options import RunOptions
 
 PLAIN = (
     "#version 330 core\nin vec2 TexCoords;\nout vec4 color;\n"

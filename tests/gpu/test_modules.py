@@ -9,11 +9,12 @@ from pathlib import Path
 import pytest
 
 from shaderlab import Blend, Case, Ramp, State, coverage, fullscreen
-from shaderlab.backends.opengl import linking
-from shaderlab.evaluation import Lab, modules
-from shaderlab.evaluation.modules import JudgedDraws
-from shaderlab.options import RunOptions
-from shaderlab.records import ModulesRecord
+from shaderlab.drivers.opengl import linking
+from shaderlab.engine import modules
+from shaderlab.engine.lab import Lab
+from shaderlab.engine.modules import JudgedDraws
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import ModulesRecord
 
 SHADER = """#version 330 core
 in vec2 place;

@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from shaderlab.catalogue import load_case
 from shaderlab.cli import cli
-from shaderlab.evaluation import Lab
-from shaderlab.execution import ProcessExecutor
+from shaderlab.engine.catalogue import load_case
+from shaderlab.engine.lab import Lab
+from shaderlab.model.options import Limits
 from shaderlab.mutation import (
     Campaign,
     CaseSubject,
@@ -28,7 +28,7 @@ from shaderlab.mutation import (
 )
 from shaderlab.mutation.judging import Judge, PartError
 from shaderlab.mutation.mutants import Effect
-from shaderlab.options import Limits
+from shaderlab.workers import ProcessExecutor
 
 SHADER = """\
 #version 330 core
@@ -89,7 +89,7 @@ case = Case(
 COMPARED = '''\
 """Two overlapping quads, in either order."""
 from shaderlab import Depth, Draw, Mesh, Pass, State, Target, Case
-from shaderlab.expectations.any_order import any_order, both_ways
+from shaderlab.engine.expectations.any_order import any_order, both_ways
 
 
 def quad(z):
@@ -219,7 +219,7 @@ GREY_CASE = '''\
 import numpy as np
 from shaderlab import Case, Output, Texture, formula, fullscreen
 from shaderlab.glslmath import vec4
-from shaderlab.sampling import texture
+from shaderlab.glslmath.sampling import texture
 
 
 def shown(image, TexCoords, bias):

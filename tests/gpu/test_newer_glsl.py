@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from shaderlab.backends.opengl.device import Device
-from shaderlab.backends.opengl.drawing import require_glsl
 from shaderlab.compiler.sources import Shaders
+from shaderlab.drivers.opengl.device import Device
+from shaderlab.drivers.opengl.drawing import require_glsl
+from shaderlab.drivers.programs.prepare import Preparer
 from shaderlab.errors import UnsupportedError
-from shaderlab.model import fullscreen
-from shaderlab.programs.prepare import Preparer
+from shaderlab.model.passes import fullscreen
 
 TEXT = "#version 400 core\nout vec4 FragColor;\nvoid main() { FragColor = vec4(1.0); }\n"
 

@@ -21,34 +21,28 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shaderlab.backends.opengl import state as fixed
-from shaderlab.backends.opengl.backend import OpenGLSession
+from shaderlab.drivers.opengl import state as fixed
+from shaderlab.drivers.opengl.backend import OpenGLSession
+from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.expectations.coverage import coverage
+from shaderlab.engine.expectations.exact import exact
+from shaderlab.engine.expectations.formula import formula
+from shaderlab.engine.lab import Lab
+from shaderlab.engine.modules import JudgedDraws
+from shaderlab.engine.picture_writer import PictureWriter
+from shaderlab.engine.record_builder import RecordBuilder
 from shaderlab.errors import ShaderlabError, UnsupportedError
-from shaderlab.evaluation import Evaluation, Lab
-from shaderlab.evaluation.modules import JudgedDraws
-from shaderlab.evaluation.picture_writer import PictureWriter
-from shaderlab.evaluation.record_builder import RecordBuilder
-from shaderlab.expectations.coverage import coverage
-from shaderlab.expectations.exact import exact
-from shaderlab.expectations.formula import formula
-from shaderlab.frame import Array, Fragments, PassDraw, Timing
 from shaderlab.glslmath import vec4
-from shaderlab.model import (
-    Case,
-    Depth,
-    Draw,
-    Expectation,
-    Judgement,
-    Mesh,
-    Output,
-    Pass,
-    Scene,
-    State,
-    Target,
-    mesh_pass,
-)
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
+from shaderlab.model.case import Case, Scene
+from shaderlab.model.expectation import Expectation, Judgement
+from shaderlab.model.frame import Array, Fragments, PassDraw, Timing
+from shaderlab.model.mesh import Mesh
+from shaderlab.model.options import RunOptions
+from shaderlab.model.passes import mesh_pass
+from shaderlab.model.records import Record
+from shaderlab.model.scene import Draw, Pass, Target
+from shaderlab.model.state import Depth, State
+from shaderlab.model.textures import Output
 from tests.catalogue import shipped
 
 SEED = 1

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-import shaderlab.evaluation
-from shaderlab.discovery import examined
+import shaderlab.engine.lab
+from shaderlab.engine.discovery import examined
 from tests.gpu import faulty
 
 STAND_IN = """
 import dataclasses, os
-import shaderlab.evaluation
-from shaderlab.records import Outcome, Record, Worst
+import shaderlab.engine.lab
+from shaderlab.model.records import Outcome, Record, Worst
 
 WORST = Worst(pixel=(3, 17), component=0, measured=(0.5,), reference=(0.25,), low=(0.2,),
               high=(0.3,), ulp=9.0, widths=5.0, inputs={"distance": (2.5,)})
@@ -36,7 +36,7 @@ class Lab:
     def close(self):
         print("lab closed")
 
-shaderlab.evaluation.Lab = Lab
+shaderlab.engine.lab.Lab = Lab
 """
 
 
@@ -46,7 +46,7 @@ def cases(
 ) -> pytest.Pytester:
     """A pytester whose folder holds the case `lamp` and the stand-in lab."""
     monkeypatch.setenv("SHADERLAB_JOBS", "0")
-    monkeypatch.setattr(shaderlab.evaluation, "Lab", shaderlab.evaluation.Lab)  # as it is after
+    monkeypatch.setattr(shaderlab.engine.lab, "Lab", shaderlab.engine.lab.Lab)  # as it is after
     for file in case_folder.iterdir():
         (pytester.path / file.name).write_text(file.read_text())
     pytester.makeconftest(STAND_IN)
@@ -182,7 +182,7 @@ def broken(folder: Path, name: str, act: str, *, when: str = "draw") -> None:
     """A case like `lamp` that does `act` when it is drawn, or when it is imported."""
     if when == "draw":
         act = (
-            "from shaderlab.backends.opengl import drawing\nsubmit = drawing.submit\n"
+            "from shaderlab.drivers.opengl import drawing\nsubmit = drawing.submit\n"
             "def shot(vao, program, draw):\n"
             f"    if draw.draw.fragment == '{name}.frag': {act}\n"
             "    submit(vao, program, draw)\ndrawing.submit = shot"

@@ -8,10 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab.evaluation import Lab
-from shaderlab.expectations.exact import exact
-from shaderlab.frame import Image
-from shaderlab.model import Case, Output, Pass, Scene, Target, fullscreen
+from shaderlab.engine.expectations.exact import exact
+from shaderlab.engine.lab import Lab
+from shaderlab.model.case import Case, Scene
+from shaderlab.model.frame import Image
+from shaderlab.model.passes import fullscreen
+from shaderlab.model.scene import Pass, Target
+from shaderlab.model.textures import Output
 
 SHADES = """\
 #version 330 core

@@ -31,17 +31,17 @@ from shaderlab import (
     fullscreen,
     gl_error,
     mesh_pass,
-    pictures,
     sweep,
     up,
     value,
 )
-from shaderlab.backends.opengl.backend import OpenGLBackend
-from shaderlab.evaluation import Lab
+from shaderlab.assets import pictures
+from shaderlab.drivers.opengl.backend import OpenGLBackend
+from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import normalize, vec4
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
-from shaderlab.sampling import texture
+from shaderlab.glslmath.sampling import texture
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 
 RAMP = """#version 330 core
 in float x; in float y;
@@ -255,7 +255,7 @@ def test_every_wrap_mode_reaches_the_driver(lab: Lab, folder: Path, wrap: str) -
     other = replace(image, wrap=("repeat", "clamp_to_edge"))
 
     def wrong(TexCoords: Any, image: Any) -> Any:
-        from shaderlab.sampling import Sampler
+        from shaderlab.glslmath.sampling import Sampler
 
         return texture(Sampler(replace(image.texels, wrap=other.wrap), image.rules), TexCoords)
 
@@ -444,7 +444,7 @@ def test_a_picture_that_cannot_be_written_changes_no_verdict(
     def full(pixels: Any, palette: Any = None) -> bytes:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("shaderlab.pictures.files.encode", full)
+    monkeypatch.setattr("shaderlab.assets.pictures.files.encode", full)
     with Lab(RunOptions(size=16, picture_size=32, folder=tmp_path)) as lab:
         record = run(lab, folder, ramp(), formula("product", product))
     assert record.status == "pass"
@@ -462,7 +462,7 @@ def test_the_same_scene_gives_the_same_bytes(lab: Lab, folder: Path) -> None:
 def test_a_defect_of_the_lab_costs_one_scene_only(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.evaluation.picture_writer import PictureWriter
+    from shaderlab.engine.picture_writer import PictureWriter
 
     def broken(self: Any, image: Any) -> Any:
         raise IndexError("no such luck")
@@ -481,7 +481,7 @@ def test_a_defect_of_the_lab_costs_one_scene_only(
 def test_a_driver_that_disagrees_with_the_compiler_is_told_on(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.records import Diagnostic, Verdict
+    from shaderlab.model.records import Diagnostic, Verdict
 
     said = Diagnostic(file="ramp.frag", line=3, severity="error", message="not on my machine")
 

@@ -6,17 +6,17 @@ from collections.abc import Iterator
 
 import pytest
 
-from shaderlab.backends.opengl import device
-from shaderlab.backends.opengl.spirv_program import SpirvProgram
-from shaderlab.catalogue import load_case
 from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.sources import Shaders
 from shaderlab.compiler.spirv_tools import validate
 from shaderlab.compiler.transform_feedback import with_feedback
-from shaderlab.discovery import shipped_cases
+from shaderlab.drivers.opengl import device
+from shaderlab.drivers.opengl.spirv_program import SpirvProgram
+from shaderlab.engine.catalogue import load_case
+from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import DriverError, UnsupportedError
-from shaderlab.evaluation import Lab
-from shaderlab.options import RunOptions
+from shaderlab.model.options import RunOptions
 from shaderlab.report.plain_text import failure
 
 VERTEX = """#version 330 core

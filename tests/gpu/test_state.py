@@ -28,11 +28,11 @@ from shaderlab import (
     measure,
     value,
 )
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError
-from shaderlab.evaluation import Lab
 from shaderlab.glslmath import swizzle
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 
 PLACED = """#version 330 core
 in vec3 aPos;

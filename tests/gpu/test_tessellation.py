@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Draw, Mesh, formula, mesh_pass, query, value
-from shaderlab.backends.opengl import verdict
-from shaderlab.catalogue import load_case
+from shaderlab.analysis.interpreter import load
+from shaderlab.drivers.opengl import verdict
+from shaderlab.drivers.programs.tessellation import primitive
+from shaderlab.engine.catalogue import load_case
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError, NotInterpretedError, UnsupportedError
-from shaderlab.evaluation import Lab
 from shaderlab.glslmath import vec4
-from shaderlab.interpreter import load
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.subjects import glsl_mutants
-from shaderlab.options import RunOptions
-from shaderlab.programs.tessellation import primitive
-from shaderlab.records import Record
 from tests.meta.examples import File, examples
 
 VERTEX = """#version 430 core
@@ -279,7 +279,7 @@ def test_what_takes_single_invocations_says_so(lab: Lab, tmp_path: Path) -> None
 
 def test_vulkan_names_what_it_leaves_out() -> None:
     pytest.importorskip("vulkan")
-    modules = pytest.importorskip("shaderlab.backends.vulkan.modules")
+    modules = pytest.importorskip("shaderlab.drivers.vulkan.modules")
     with pytest.raises(UnsupportedError, match="tess_control stage: the lab tessellates on OpenGL"):
         modules.check_capabilities(None, {"tess_control": b""})
 

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shaderlab import Case, Ramp, Texture, formula, fullscreen, glslmath as g, sampling as s
-from shaderlab.evaluation import Lab
-from shaderlab.options import RunOptions
+from shaderlab import Case, Ramp, Texture, formula, fullscreen, glslmath as g
+from shaderlab.engine.lab import Lab
+from shaderlab.glslmath import sampling as s
+from shaderlab.model.options import RunOptions
 
 RNG = np.random.default_rng(17)
 GATHER = "#extension GL_ARB_texture_gather : require\n#extension GL_ARB_gpu_shader5 : require\n"

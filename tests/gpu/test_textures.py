@@ -32,12 +32,12 @@ from shaderlab import (
     value,
 )
 from shaderlab.compiler import Shaders
-from shaderlab.evaluation import Lab
+from shaderlab.drivers.programs.prepare import Preparer
+from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import swizzle
-from shaderlab.options import RunOptions
-from shaderlab.programs.prepare import Preparer
-from shaderlab.records import Record
-from shaderlab.sampling import Sampler, texelFetch, texture, textureLod
+from shaderlab.glslmath.sampling import Sampler, texelFetch, texture, textureLod
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 
 RNG = np.random.default_rng(11)
 HEAD = "#version 330 core\nout vec4 FragColor;\n"
@@ -454,7 +454,7 @@ def test_a_dds_file_with_its_levels(lab: Lab, folder: Path) -> None:
 def test_a_format_that_the_driver_lacks_names_its_extension(
     lab: Lab, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.backends.opengl import textures
+    from shaderlab.drivers.opengl import textures
 
     there_is_none = (0x8E8C, "GL_ARB_no_such_thing", 999)
     monkeypatch.setitem(textures._COMPRESSED, "bc7", there_is_none)

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from shaderlab import Mesh, Target, exact, formula
-from shaderlab.backends.vulkan.__init__ import manifest_of
+from shaderlab.drivers.vulkan.__init__ import manifest_of
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import DriverError
-from shaderlab.evaluation import Lab
-from shaderlab.options import RunOptions
+from shaderlab.model.options import RunOptions
 from tests.catalogue import judged_only
 from tests.gpu.scenes import ONE, RIGHT, image, meshes, points_off_screen_are_dropped, wave
 
@@ -75,7 +75,7 @@ def test_nothing_is_left_on_a_device_that_is_closed(
     assert wave(lab, tmp_path, RIGHT).status == "pass"
     lab.close()
     assert "Validation" not in capfd.readouterr().out
-    from shaderlab.backends.vulkan.memory import Resources
+    from shaderlab.drivers.vulkan.memory import Resources
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Resources, "release", lambda _: None)
@@ -86,7 +86,7 @@ def test_nothing_is_left_on_a_device_that_is_closed(
 
 def test_the_layer_is_on(lab: Lab, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """An image in the wrong layout is told."""
-    from shaderlab.backends.vulkan.commands import Commands
+    from shaderlab.drivers.vulkan.commands import Commands
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Commands, "make_usable", lambda *_: None)
@@ -102,7 +102,7 @@ def test_a_driver_that_is_not_there_is_an_error_with_its_remedy(
 ) -> None:
     for name in ("XDG_DATA_DIRS", "XDG_CONFIG_DIRS", "PATH"):
         monkeypatch.setenv(name, str(tmp_path))
-    monkeypatch.setattr("shaderlab.backends.vulkan.__init__._ELSEWHERE", ())
+    monkeypatch.setattr("shaderlab.drivers.vulkan.__init__._ELSEWHERE", ())
     for driver, package in (("lavapipe", "mesa-vulkan-drivers"), ("swiftshader", "chromium")):
         with pytest.raises(DriverError, match=f"(?s)no manifest.*{driver}.*{package}"):
             manifest_of(driver)
@@ -138,7 +138,7 @@ class Losing:
 def test_a_lost_device_is_a_crash_and_the_next_scene_gets_another(
     lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.backends.vulkan import commands
+    from shaderlab.drivers.vulkan import commands
 
     lost = lab.backend
     with monkeypatch.context() as patch:

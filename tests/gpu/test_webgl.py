@@ -21,9 +21,9 @@ from shaderlab import (
     fullscreen,
 )
 from shaderlab.compiler.sources import Shaders
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import DeviceLostError, DriverError, UnsupportedError
-from shaderlab.evaluation import Lab
-from shaderlab.options import RunOptions
+from shaderlab.model.options import RunOptions
 from tests.catalogue import judged_only
 from tests.gpu.scenes import RIGHT, WAVE, points_off_screen_are_dropped, wave
 
@@ -128,7 +128,7 @@ def test_the_verdict_is_the_browser_s_own(lab: Lab) -> None:
 def test_a_browser_that_is_gone_is_a_crash_and_one_that_hangs_is_given_up(
     lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.backends.webgl import browser
+    from shaderlab.drivers.webgl import browser
 
     gone = lab.backend
     running = gone.device._browser  # type: ignore[attr-defined]
@@ -147,7 +147,7 @@ def test_a_browser_that_is_gone_is_a_crash_and_one_that_hangs_is_given_up(
 def test_what_is_not_there_is_an_error_with_its_remedy(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from shaderlab.backends.webgl import browser, essl
+    from shaderlab.drivers.webgl import browser, essl
 
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("SHADERLAB_CHROMIUM", raising=False)
@@ -161,7 +161,7 @@ def test_what_is_not_there_is_an_error_with_its_remedy(
 
 
 def test_a_lost_context_is_told() -> None:
-    from shaderlab.backends.webgl.calls import Calls
+    from shaderlab.drivers.webgl.calls import Calls
 
     class Answering:
         lost = False
@@ -206,7 +206,7 @@ def test_points_off_screen_are_dropped(lab: Lab, tmp_path: Path) -> None:
     ],
 )
 def test_states_that_webgl2_lacks_are_named(state: State, says: str) -> None:
-    from shaderlab.backends.webgl.state import check
+    from shaderlab.drivers.webgl.state import check
 
     with pytest.raises(UnsupportedError, match=says):
         check(state, samples=4, encodes=True)
@@ -215,7 +215,7 @@ def test_states_that_webgl2_lacks_are_named(state: State, says: str) -> None:
 
 
 def test_depths_are_the_codes_that_were_handed_over() -> None:
-    from shaderlab.backends.webgl.formats import stored_depths, uploaded
+    from shaderlab.drivers.webgl.formats import stored_depths, uploaded
 
     given = np.array([[[0.0], [0.3], [1.0], [1.7]]], np.float32)
     for word, most in (("depth16", 0xFFFF), ("depth24", 0xFFFFFF)):

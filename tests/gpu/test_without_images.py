@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from shaderlab import pictures
+from shaderlab.assets import pictures
 from shaderlab.cli import cli
 from tests.meta.test_readme import example
 

@@ -12,7 +12,8 @@ import OpenImageIO as oiio
 import pytest
 from hypothesis import given, strategies as st
 
-from shaderlab.frame import Texels
+from shaderlab.glslmath.sampling import Sampler
+from shaderlab.model.frame import Texels
 from shaderlab.reference import (
     blending,
     coverage,
@@ -22,7 +23,6 @@ from shaderlab.reference import (
     rasterisation,
     transforms,
 )
-from shaderlab.sampling import Sampler
 from tests.independent.against import against
 
 shares = st.floats(0.0, 1.0)

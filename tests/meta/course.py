@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from tests.catalogue import shipped
 
 if TYPE_CHECKING:
-    from shaderlab.model import Case
+    from shaderlab.model.case import Case
 
 PAGE = "docs/guide/course.md"
 _MADE = "<!-- Made by `python -m tests.meta.course`; do not edit. -->"

@@ -14,8 +14,8 @@ from pathlib import Path
 from types import FunctionType, ModuleType
 
 import shaderlab.glslmath
+import shaderlab.glslmath.sampling
 import shaderlab.reference
-import shaderlab.sampling
 import tests.independent
 from tests.independent import against
 from tests.meta.builtins import CHAPTER_8, SPELT, WHY_NOT
@@ -97,7 +97,7 @@ def _builtins() -> str:
 def _where(builtin: str) -> str:
     """The room of the function of this name, or why there is none."""
     name = SPELT.get(builtin, builtin)
-    for room in (shaderlab.glslmath, shaderlab.sampling):
+    for room in (shaderlab.glslmath, shaderlab.glslmath.sampling):
         if hasattr(room, name):
             return f"`{room.__name__.partition('.')[2]}.{name}`"
     return f"no: {WHY_NOT[builtin]}"

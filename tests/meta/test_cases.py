@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from shaderlab.compiler.sources import Shaders
-from shaderlab.discovery import data_folder
-from shaderlab.expectations.compile_fails import CompileFails
-from shaderlab.expectations.computed import Computed
-from shaderlab.expectations.coverage import Coverage
-from shaderlab.expectations.refused import Refused
-from shaderlab.model import Case
+from shaderlab.engine.discovery import data_folder
+from shaderlab.engine.expectations.compile_fails import CompileFails
+from shaderlab.engine.expectations.computed import Computed
+from shaderlab.engine.expectations.coverage import Coverage
+from shaderlab.engine.expectations.refused import Refused
+from shaderlab.model.case import Case
 from tests.catalogue import shipped
 
 FIRST = {

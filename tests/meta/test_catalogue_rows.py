@@ -5,13 +5,13 @@
 
 from __future__ import annotations
 
-from shaderlab.expectations.compile_fails import CompileFails
-from shaderlab.expectations.computed import Computed
-from shaderlab.expectations.coverage import Coverage
-from shaderlab.expectations.gl_error import GlError
-from shaderlab.expectations.inactive_uniforms import InactiveUniforms
-from shaderlab.expectations.refused import Refused
-from shaderlab.model import Case
+from shaderlab.engine.expectations.compile_fails import CompileFails
+from shaderlab.engine.expectations.computed import Computed
+from shaderlab.engine.expectations.coverage import Coverage
+from shaderlab.engine.expectations.gl_error import GlError
+from shaderlab.engine.expectations.inactive_uniforms import InactiveUniforms
+from shaderlab.engine.expectations.refused import Refused
+from shaderlab.model.case import Case
 from tests.catalogue import shipped
 
 ROWS = {

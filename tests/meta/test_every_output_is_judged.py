@@ -15,9 +15,9 @@ from typing import Any
 import pytest
 
 from shaderlab.compiler.sources import Shaders
-from shaderlab.discovery import data_folder
-from shaderlab.expectations.reads import unread_outputs
-from shaderlab.model import Case, Scene
+from shaderlab.engine.discovery import data_folder
+from shaderlab.engine.expectations.reads import unread_outputs
+from shaderlab.model.case import Case, Scene
 from tests.catalogue import shipped
 
 OUTPUT = re.compile(r"^(?:layout *\([^)]*\) *)?(?:flat +)?out +\w+ +(\w+) *;", re.MULTILINE)

@@ -42,8 +42,8 @@ def modules_after(statement: str) -> set[str]:
     [
         "import shaderlab",
         "import shaderlab.glslmath, shaderlab.assets, shaderlab.reference",
-        "import shaderlab.compiler, shaderlab.records",
-        "import shaderlab.evaluation",
+        "import shaderlab.compiler, shaderlab.model.records",
+        "import shaderlab.engine.lab",
         "import shaderlab.glsl",
     ],
 )
@@ -64,8 +64,8 @@ def test_listing_cases_loads_nothing_heavy() -> None:
 
 def test_a_worker_loads_nothing_that_starts_or_watches_workers() -> None:
     loaded = modules_after(
-        "import shaderlab.compiler.engines, shaderlab.execution.lab_worker\n"
-        "sys.modules = {n.removeprefix('shaderlab.equivalence.'): 0 for n in sys.modules}"
+        "import shaderlab.compiler.engines, shaderlab.workers.lab_worker\n"
+        "sys.modules = {n.removeprefix('shaderlab.analysis.equivalence.'): 0 for n in sys.modules}"
     )
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"click", "cattrs", "logging", "tomllib"})
     assert "given" in loaded and "comparison" not in loaded
@@ -84,14 +84,14 @@ def test_a_device_is_opened_without_pyopengls_wrappers() -> None:
 
 def test_a_command_starts_its_worker_before_it_loads_anything_large() -> None:
     """Not even NumPy: what the report needs is loaded while the worker gets ready."""
-    loaded = modules_after("import shaderlab.cli.run, shaderlab.execution.executor")
+    loaded = modules_after("import shaderlab.cli.run, shaderlab.workers.executor")
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"numpy", "cattrs"})
 
 
 def test_records_and_pages_are_written_without_numpy_and_what_reads_records() -> None:
     statement = (
         "import threading\nfrom shaderlab.cli import recorded_run, showing\n"
-        "from shaderlab.options import Limits\nfrom shaderlab.report import html, store\n"
+        "from shaderlab.model.options import Limits\nfrom shaderlab.report import html, store\n"
         "store.encoded(Limits())\nhtml.load_libraries()\n"
         "[thread.join() for thread in threading.enumerate() if thread.daemon]"
     )

@@ -189,7 +189,11 @@ def test_the_engine_names_nothing_of_the_course(repository: Path) -> None:
     ("room", "text", "wrong"),
     [
         ("compiler", "from ..backends import opengl", True),
-        ("compiler", "def f():\n    from shaderlab.expectations.formula import formula", True),
+        (
+            "compiler",
+            "def f():\n    from shaderlab.engine.expectations.formula import formula",
+            True,
+        ),
         ("model", "from shaderlab import evaluation", True),
         ("model", "from shaderlab import Case", True),
         ("report", "import shaderlab.cli", True),

@@ -8,15 +8,16 @@ from functools import cache
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from shaderlab.discovery import data_folder
-from shaderlab.evaluation import Lab
+from shaderlab.engine.discovery import data_folder
+from shaderlab.engine.lab import Lab
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Outcome
 from shaderlab.mutation.subjects import downstream, with_what_they_read
-from shaderlab.options import RunOptions
-from shaderlab.records import Outcome
 
 if TYPE_CHECKING:
-    from shaderlab.model import Case, Draw, Pass, Scene
-    from shaderlab.programs.prepare import Programs
+    from shaderlab.drivers.programs.prepare import Programs
+    from shaderlab.model.case import Case, Scene
+    from shaderlab.model.scene import Draw, Pass
 
 
 def mistaken(shader: str, right: str, wrong: str) -> dict[str, str]:

@@ -14,9 +14,11 @@ import numpy as np
 import pytest
 
 from shaderlab.bands import Rules
+from shaderlab.engine.expectations.exact import exact
+from shaderlab.engine.judging.banded import judge_band
+from shaderlab.engine.judging.formats import in_format
+from shaderlab.engine.judging.inputs import Inputs, evaluate
 from shaderlab.errors import CaseError
-from shaderlab.expectations.exact import exact
-from shaderlab.frame import Array
 from shaderlab.glslmath import (
     abs,
     acos,
@@ -48,10 +50,9 @@ from shaderlab.glslmath import (
     vec4,
     where,
 )
-from shaderlab.judging.banded import judge_band
-from shaderlab.judging.formats import in_format
-from shaderlab.judging.inputs import Inputs, evaluate
-from shaderlab.model import Output, Scene
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import Array
+from shaderlab.model.textures import Output
 
 Formula = Callable[..., Any]
 COUNT = 41 * 41

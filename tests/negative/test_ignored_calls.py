@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from shaderlab.backends.opengl import (
+from shaderlab.drivers.opengl import (
     bound_textures,
     drawing,
     linking,
@@ -16,8 +16,8 @@ from shaderlab.backends.opengl import (
     uniform_buffers,
     vertices,
 )
-from shaderlab.backends.opengl.pyopengl import named
-from shaderlab.evaluation import Lab
+from shaderlab.drivers.opengl.pyopengl import named
+from shaderlab.engine.lab import Lab
 from shaderlab.model.textures import Sampling
 from tests.catalogue import judged_only, shipped
 

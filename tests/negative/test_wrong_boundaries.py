@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from shaderlab import Case, Ramp, boundaries, formula, fullscreen
-from shaderlab.evaluation import Lab
+from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import abs, fract, step, swizzle, vec4, where
-from shaderlab.records import Outcome, Record
+from shaderlab.model.records import Outcome, Record
 
 SHADER = """#version 330 core
 in vec2 place;

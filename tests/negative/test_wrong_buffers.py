@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from shaderlab import UniformBuffer
-from shaderlab.model import Case, Draw, Mesh, Pass
+from shaderlab.model.case import Case
+from shaderlab.model.mesh import Mesh
+from shaderlab.model.scene import Draw, Pass
 from tests.catalogue import shipped
 from tests.negative.broken import failing, failures, first_failure, mistaken, with_draws
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from shaderlab.expectations.compile_fails import CompileFails
-from shaderlab.expectations.computed import Computed
-from shaderlab.expectations.inactive_uniforms import InactiveUniforms
-from shaderlab.expectations.refused import Refused
-from shaderlab.model import Output
+from shaderlab.engine.expectations.compile_fails import CompileFails
+from shaderlab.engine.expectations.computed import Computed
+from shaderlab.engine.expectations.inactive_uniforms import InactiveUniforms
+from shaderlab.engine.expectations.refused import Refused
+from shaderlab.model.textures import Output
 from tests.catalogue import judged_only, shipped
 from tests.negative.broken import failing, first_failure, mistaken
 

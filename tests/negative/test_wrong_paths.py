@@ -27,16 +27,16 @@ from shaderlab import (
     UniformBuffer,
     formula,
 )
-from shaderlab.backends.opengl import drawing, spirv_program, target, textures
-from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.compiler.module import parse
-from shaderlab.evaluation import Lab
-from shaderlab.execution.attribution import attributed
-from shaderlab.execution.drivers import disagreements
+from shaderlab.drivers.opengl import drawing, spirv_program, target, textures
+from shaderlab.drivers.opengl.pyopengl import GL
+from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import vec4
-from shaderlab.observations import Look
-from shaderlab.options import RunOptions
-from shaderlab.records import Disagreement, Record
+from shaderlab.model.observations import Look
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Disagreement, Record
+from shaderlab.workers.attribution import attributed
+from shaderlab.workers.drivers import disagreements
 
 ADDED = Blend(source="one", destination="one")
 PATHS = ("llvmpipe", "llvmpipe-spirv")

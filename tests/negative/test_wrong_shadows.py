@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from shaderlab.expectations.measure import Measure
-from shaderlab.model import Case
+from shaderlab.engine.expectations.measure import Measure
+from shaderlab.model.case import Case
 from tests.catalogue import shipped
 from tests.negative.broken import failures, mistaken
 

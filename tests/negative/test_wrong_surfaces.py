@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from shaderlab.expectations.measure import Measure
+from shaderlab.engine.expectations.measure import Measure
 from tests.catalogue import shipped
 from tests.negative.broken import failures, mistaken
 

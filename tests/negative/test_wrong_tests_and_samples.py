@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from shaderlab.evaluation import Lab
-from shaderlab.model import Scene
+from shaderlab.engine.lab import Lab
+from shaderlab.model.case import Scene
 from tests.catalogue import shipped
 from tests.negative.broken import failures, first_failure, mistaken
 

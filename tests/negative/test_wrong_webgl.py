@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import DriverError
-from shaderlab.evaluation import Lab
-from shaderlab.execution.attribution import attributed
-from shaderlab.execution.drivers import disagreements
-from shaderlab.observations import Look
-from shaderlab.options import RunOptions
-from shaderlab.records import Disagreement
+from shaderlab.model.observations import Look
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Disagreement
+from shaderlab.workers.attribution import attributed
+from shaderlab.workers.drivers import disagreements
 from tests.negative.test_wrong_paths import scene
 
 PATHS = ("llvmpipe", "webgl2")
@@ -75,7 +75,7 @@ def function(owner: str, name: str, make: Callable[[Any], Any]) -> Plant:
         import importlib
 
         module, _, inner = owner.partition(":")
-        found = importlib.import_module(f"shaderlab.backends.webgl.{module}")
+        found = importlib.import_module(f"shaderlab.drivers.webgl.{module}")
         found = getattr(found, inner) if inner else found
         patch.setattr(found, name, make(getattr(found, name)))
 

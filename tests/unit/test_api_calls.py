@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import pytest
 
-from shaderlab.backends.opengl.effective_calls import StateTracker
-from shaderlab.frame import TracedCall
+from shaderlab.drivers.opengl.effective_calls import StateTracker
+from shaderlab.model.frame import TracedCall
 from shaderlab.mutation.call_arguments import other_arguments
 
 Called = tuple[str, Mapping[str, str]]

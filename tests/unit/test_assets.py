@@ -11,7 +11,7 @@ import pytest
 
 from shaderlab import assets
 from shaderlab.assets import Geometry
-from shaderlab.model import Mesh
+from shaderlab.model.mesh import Mesh
 from shaderlab.reference.transforms import rotate, scale, translate
 
 MESHES: dict[str, Callable[[], Geometry]] = {

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from shaderlab import Cell, Mesh, State
-from shaderlab.evaluation.rasterised import covered, interpolated
-from shaderlab.execution.attribution import attributed
-from shaderlab.execution.difference_pictures import shades
-from shaderlab.frame import Samples
-from shaderlab.observations import Fault, Observation
-from shaderlab.records import Disagreement
+from shaderlab.engine.rasterised import covered, interpolated
+from shaderlab.model.frame import Samples
+from shaderlab.model.observations import Fault, Observation
+from shaderlab.model.records import Disagreement
+from shaderlab.workers.attribution import attributed
+from shaderlab.workers.difference_pictures import shades
 
 FOUND = Disagreement(
     id="lamp", variant="default", output="main.color", drivers=("llvmpipe", "softpipe"),

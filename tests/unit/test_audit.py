@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from shaderlab.audit import Audit, Hazard, Plan, audit_program
+from shaderlab.analysis.audit import Audit, Hazard, Plan, audit_program
+from shaderlab.analysis.interpreter import load
 from shaderlab.cli import cli
 from shaderlab.cli.audit import command
 from shaderlab.compiler import Shaders
 from shaderlab.errors import NotInterpretedError, UsageError
-from shaderlab.interpreter import load
 
 _START = """#version 330 core
 in vec2 uv; // range: 0..1

@@ -20,17 +20,18 @@ from shaderlab import (
     gl_error,
     query,
 )
-from shaderlab.backends import Backend, Drawn, Session, Size
 from shaderlab.compiler import Source
+from shaderlab.drivers import Backend, Drawn, Session, Size
+from shaderlab.drivers.programs import bind
+from shaderlab.drivers.programs.formats import COLOR
+from shaderlab.drivers.programs.prepare import Programs, pass_colors
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import UnsupportedError, UsageError
-from shaderlab.evaluation import Lab
-from shaderlab.frame import Image
-from shaderlab.model import Expectation, Scene
-from shaderlab.options import RunOptions
-from shaderlab.programs import bind
-from shaderlab.programs.formats import COLOR
-from shaderlab.programs.prepare import Programs, pass_colors
-from shaderlab.records import Record, Verdict
+from shaderlab.model.case import Scene
+from shaderlab.model.expectation import Expectation
+from shaderlab.model.frame import Image
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record, Verdict
 
 GRAY = 0.25
 

@@ -16,8 +16,8 @@ from hypothesis import given, settings, strategies as st
 
 from shaderlab import glslmath
 from shaderlab.bands import Band, Rules, arithmetic, compiled, exact, functions, rounding, sums
+from shaderlab.glslmath.sampling import filters, reading
 from shaderlab.glslmath.vector import direction
-from shaderlab.sampling import filters, reading
 
 needs_kernels = pytest.mark.skipif(
     compiled.KERNELS is None, reason="no compiled passes here (see shaderlab doctor)"

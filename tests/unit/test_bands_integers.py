@@ -11,9 +11,9 @@ import pytest
 
 from shaderlab import glslmath as g
 from shaderlab.bands import Band, Integer, Rules, Truth
+from shaderlab.engine.judging.banded import judge_band
+from shaderlab.engine.judging.inputs import Inputs
 from shaderlab.errors import FormulaError
-from shaderlab.judging.banded import judge_band
-from shaderlab.judging.inputs import Inputs
 
 RULES = Rules()
 CORNERS = (0, 1, 2, 7, 31, 2**15, 2**24 + 1, 2**31 - 1, -1, -7, -(2**24) - 1, -(2**31))

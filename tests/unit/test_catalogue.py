@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.catalogue import load_case, load_cases
-from shaderlab.discovery import data_folder
+from shaderlab.engine.catalogue import load_case, load_cases
+from shaderlab.engine.discovery import data_folder
 from shaderlab.errors import CaseError, UsageError
 from tests.catalogue import shipped
 
@@ -189,9 +189,14 @@ def test_a_mistake_in_a_shared_module_is_an_error_of_the_case_each_time(tmp_path
         (("domain=", "domian="), "domian", 5, "domain"),
         (("exact, full", "exactly, full"), "exactly", 4, "exact"),
         (("exact, full", "exact, vec4, full"), "vec4", 4, "from shaderlab.glslmath import vec4"),
-        (("exact, full", "exact, texture, full"), "texture", 4, "shaderlab.sampling import"),
         (
-            ("shaderlab import", "shaderlab.sampling import"),
+            ("exact, full", "exact, texture, full"),
+            "texture",
+            4,
+            "shaderlab.glslmath.sampling import",
+        ),
+        (
+            ("shaderlab import", "shaderlab.glslmath.sampling import"),
             "Case",
             4,
             "from shaderlab import Case",

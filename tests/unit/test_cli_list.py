@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from shaderlab import catalogue
 from shaderlab.cli import COMMANDS, cli, list_cases
 from shaderlab.cli.case_index import kept_facts
 from shaderlab.cli.selecting import choose
+from shaderlab.engine import catalogue
 from shaderlab.errors import CaseError, UsageError
-from shaderlab.execution.jobs import CaseFacts
+from shaderlab.workers.jobs import CaseFacts
 from tests.catalogue import shipped
 
 

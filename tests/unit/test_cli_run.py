@@ -15,7 +15,7 @@ from click.testing import CliRunner, Result
 
 from shaderlab import evaluation
 from shaderlab.cli import cli
-from shaderlab.records import Record
+from shaderlab.model.records import Record
 
 Install = Callable[[Mapping[str, Record]], list[Any]]
 

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from shaderlab.cli.rows import case_table
 from shaderlab.cli.showing import MOST_CASES, Show
-from shaderlab.records import Record, Run
+from shaderlab.model.records import Record, Run
 
 
 def run_of(*records: Record) -> Run:

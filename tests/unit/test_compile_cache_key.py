@@ -118,9 +118,10 @@ def test_the_digest_covers_the_libraries_and_the_code_around_them(
     own = set((repository / "shaderlab" / "compiler").glob("*.py"))
     lab = repository / "shaderlab"
     own |= {
-        lab / name for name in ("errors.py", "files.py", "observations.py")
+        lab / name
+        for name in ("errors.py", "files.py", "model/__init__.py", "model/observations.py")
     }
-    own |= set((lab / "records").glob("*.py"))
+    own |= set((lab / "model" / "records").glob("*.py"))
     assert set(seen) == own | set(library.files())
 
 
@@ -210,7 +211,7 @@ def test_without_a_folder_there_is_no_cache(monkeypatch: pytest.MonkeyPatch) -> 
 def test_doctor_names_the_folder_and_its_size(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("shaderlab.backends.probe", lambda *_: {"renderer": "none"})
+    monkeypatch.setattr("shaderlab.drivers.probe", lambda *_: {"renderer": "none"})
 
     def found() -> str:
         (finding,) = [f for f in examine() if f.name == "compiled programs"]

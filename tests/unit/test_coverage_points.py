@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from shaderlab.code_coverage.points import wrapped
+from shaderlab.mutation.code_coverage.points import wrapped
 
 SHADER = """\
 #version 330 core

@@ -11,8 +11,8 @@ import pytest
 from cases.scenes.block_codecs import compressed, decoded_blocks
 from shaderlab import CompressedTexture
 from shaderlab.assets import checker
+from shaderlab.drivers.programs.compressed import read_dds
 from shaderlab.errors import AssetError, CaseError
-from shaderlab.programs.compressed import read_dds
 
 IMAGE = checker(size=16, cells=4)
 

@@ -19,13 +19,13 @@ def no_driver(monkeypatch: pytest.MonkeyPatch) -> None:
     def probe(driver: str | None = None) -> Mapping[str, str]:
         raise DriverError("no context", remedy="Debian: this · Fedora: that")
 
-    monkeypatch.setattr("shaderlab.backends.probe", probe)
+    monkeypatch.setattr("shaderlab.drivers.probe", probe)
 
 
 @pytest.fixture
 def driver(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "shaderlab.backends.probe", lambda driver=None: {"renderer": "paint", "glsl": "3.30"}
+        "shaderlab.drivers.probe", lambda driver=None: {"renderer": "paint", "glsl": "3.30"}
     )
 
 
@@ -95,7 +95,7 @@ def test_a_vulkan_driver_that_is_not_there_is_named_with_its_cure(
             raise DriverError("no manifest", remedy="Debian: this · Fedora: that")
         return {"renderer": "paint", "version": "9"}
 
-    monkeypatch.setattr("shaderlab.backends.probe", probe)
+    monkeypatch.setattr("shaderlab.drivers.probe", probe)
     code, output = doctor()
     assert code == 0, output  # no case needs it
     assert "✓ lavapipe " in output and "– swiftshader " in output and "→ Fedora: that" in output

@@ -7,10 +7,10 @@ import pytest
 
 from shaderlab.compiler import Shaders, Source, compile_program
 from shaderlab.compiler.compile import Compiled
+from shaderlab.drivers.programs.prepare import PreparedDraw, Preparer
+from shaderlab.drivers.programs.vertex_stages import domain_vertex
 from shaderlab.errors import CaseError
-from shaderlab.model import Draw, Ramp
-from shaderlab.programs.prepare import PreparedDraw, Preparer
-from shaderlab.programs.vertex_stages import domain_vertex
+from shaderlab.model.scene import Draw, Ramp
 
 HEAD = "#version 330 core\nout vec4 c;\n"
 MAIN = "void main() { c = vec4(uv, 0.0, 1.0); }\n"

@@ -12,18 +12,18 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from shaderlab.analysis.equivalence import locating
+from shaderlab.analysis.equivalence.answer import Answer
+from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
+from shaderlab.analysis.equivalence.given import Given, merged
+from shaderlab.analysis.equivalence.locating import Step
+from shaderlab.analysis.equivalence.noise import Noisy
+from shaderlab.analysis.equivalence.varying import learned, varied
+from shaderlab.analysis.interpreter import FLOAT64, Numbers, Program, interpret, load
 from shaderlab.cli.diff import command
 from shaderlab.compiler import Shaders
-from shaderlab.equivalence import locating
-from shaderlab.equivalence.answer import Answer
-from shaderlab.equivalence.comparison import Plan, compare_programs
-from shaderlab.equivalence.given import Given, merged
-from shaderlab.equivalence.locating import Step
-from shaderlab.equivalence.noise import Noisy
-from shaderlab.equivalence.varying import learned, varied
 from shaderlab.errors import NotInterpretedError, ShaderlabError, UsageError
-from shaderlab.frame import Bindings
-from shaderlab.interpreter import FLOAT64, Numbers, Program, interpret, load
+from shaderlab.model.frame import Bindings
 
 LAMP = """#version 330 core
 struct Light { vec3 position; vec3 color; float cutOff; float outerCutOff; };

@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab.activity import Activity, doing
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.execution import ProcessExecutor
-from shaderlab.execution.drivers import apart
-from shaderlab.execution.jobs import Job, failed_record
-from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan, read
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
+from shaderlab.model.activity import Activity, doing
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
+from shaderlab.workers import ProcessExecutor
+from shaderlab.workers.drivers import apart
+from shaderlab.workers.jobs import Job, failed_record
+from shaderlab.workers.journal import FILE_NAME, Journal, RunPlan, read
 
 JOB = Job(file="cases/lamp.py", id="lamp", variant="near", title="A lamp", section="5.1")
 PLAN = RunPlan(
@@ -138,7 +138,7 @@ def test_distance_of_two_drivers(a: np.ndarray, b: np.ndarray, expected: tuple[i
 def test_each_moment_counts_for_one_phase(monkeypatch: pytest.MonkeyPatch) -> None:
     steps: list[str] = []
     ticks = iter([0.0, 2.0, 7.0, 10.0, 20.0, 21.0])  # draw, link in it, link's end, draw's end, …
-    monkeypatch.setattr("shaderlab.activity.time.perf_counter", lambda: next(ticks))
+    monkeypatch.setattr("shaderlab.model.activity.time.perf_counter", lambda: next(ticks))
     with Activity(steps.append).watch() as activity:
         with doing("draw", "outside"), doing("link", "inside"):
             pass

@@ -13,10 +13,10 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
-from shaderlab.execution import Job, ProcessExecutor, executor, sizing
-from shaderlab.execution.jobs import CaseFacts, LoadCase, RunJob
-from shaderlab.execution.pool import ItemResult
-from shaderlab.options import RunOptions
+from shaderlab.model.options import RunOptions
+from shaderlab.workers import Job, ProcessExecutor, executor, sizing
+from shaderlab.workers.jobs import CaseFacts, LoadCase, RunJob
+from shaderlab.workers.pool import ItemResult
 
 
 @pytest.mark.parametrize(

@@ -23,13 +23,13 @@ from shaderlab import (
     sweep,
     value,
 )
+from shaderlab.engine.expectations.base import Asked
+from shaderlab.engine.expectations.needs import CapturedFragments, Probe
 from shaderlab.errors import CaseError, FormulaError
-from shaderlab.expectations.base import Asked
-from shaderlab.expectations.needs import CapturedFragments, Probe
-from shaderlab.frame import Bindings, Fragments, Frame, Image, Samples, Texels
 from shaderlab.glslmath import pow, sin
-from shaderlab.model import Judgement
-from shaderlab.sampling import texture
+from shaderlab.glslmath.sampling import texture
+from shaderlab.model.expectation import Judgement
+from shaderlab.model.frame import Bindings, Fragments, Frame, Image, Samples, Texels
 
 SIZE = 8
 X = (np.arange(SIZE, dtype=np.float32) + 0.5) / SIZE

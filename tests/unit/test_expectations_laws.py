@@ -18,11 +18,11 @@ from shaderlab import (
     monotone,
     symmetric,
 )
+from shaderlab.engine.expectations.law import Law
+from shaderlab.engine.expectations.needs import Probe
 from shaderlab.errors import CaseError
-from shaderlab.expectations.law import Law
-from shaderlab.expectations.needs import Probe
-from shaderlab.frame import Bindings, Frame, Samples
-from shaderlab.records import Outcome
+from shaderlab.model.frame import Bindings, Frame, Samples
+from shaderlab.model.records import Outcome
 
 XS = tuple(np.linspace(-2.0, 2.0, 41).tolist())
 

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Pass, Texture, Variant, computed, exact, fullscreen, measure, reading
+from shaderlab.engine.expectations.measure import Measure
 from shaderlab.errors import CaseError, FormulaError
-from shaderlab.expectations.measure import Measure
-from shaderlab.frame import Bindings, Frame, Image, Texels
-from shaderlab.model import Judgement
-from shaderlab.records import Plot, PlotPoint
+from shaderlab.model.expectation import Judgement
+from shaderlab.model.frame import Bindings, Frame, Image, Texels
+from shaderlab.model.records import Plot, PlotPoint
 from shaderlab.report.store import load, save
 from tests.unit.test_report_samples import NAN, Page, record, run, write
 

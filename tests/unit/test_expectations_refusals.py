@@ -11,12 +11,12 @@ from unittest.mock import Mock
 import pytest
 
 from shaderlab import Case, compile_fails, fullscreen, inactive_uniforms, refused
+from shaderlab.engine.expectations.base import Context
+from shaderlab.engine.expectations.compile_fails import Place, Verdicts
 from shaderlab.errors import CaseError, ShaderError
-from shaderlab.expectations.base import Context
-from shaderlab.expectations.compile_fails import Place, Verdicts
-from shaderlab.frame import Frame
-from shaderlab.model import Expectation
-from shaderlab.records import Diagnostic, Outcome, Verdict
+from shaderlab.model.expectation import Expectation
+from shaderlab.model.frame import Frame
+from shaderlab.model.records import Diagnostic, Outcome, Verdict
 
 UNDECLARED = "'x' : undeclared identifier"
 DRIVER = Verdict(

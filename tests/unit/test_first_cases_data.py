@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shaderlab.catalogue import load_cases
 from shaderlab.compiler import Shaders
-from shaderlab.expectations.compile_fails import CompileFails
-from shaderlab.expectations.computed import Computed
-from shaderlab.expectations.exact import Exact
-from shaderlab.expectations.value import Value
-from shaderlab.frame import Frame
-from shaderlab.model import Case, Scene
+from shaderlab.engine.catalogue import load_cases
+from shaderlab.engine.expectations.compile_fails import CompileFails
+from shaderlab.engine.expectations.computed import Computed
+from shaderlab.engine.expectations.exact import Exact
+from shaderlab.engine.expectations.value import Value
+from shaderlab.model.case import Case, Scene
+from shaderlab.model.frame import Frame
 
 ROOT = Path(__file__).resolve().parents[2]
 SHADERS = ROOT / "shaders"
@@ -67,7 +67,7 @@ def compiled(path: Path) -> tuple[int, list[tuple[int, str]]]:
 
 def test_importing_all_cases_touches_no_device() -> None:
     program = (
-        "import sys; from pathlib import Path; from shaderlab.catalogue import load_cases;"
+        "import sys; from pathlib import Path; from shaderlab.engine.catalogue import load_cases;"
         f"load_cases([Path(p) for p in {[str(f) for f in FILES]!r}]);"
         "print(sorted({'moderngl', 'OpenGL', 'colour', 'OpenImageIO'} & set(sys.modules)))"
     )

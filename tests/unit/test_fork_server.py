@@ -15,12 +15,12 @@ import pytest
 
 from shaderlab.__main__ import _is_of_one_case
 from shaderlab.errors import ShaderlabError
-from shaderlab.execution import WorkerPool, driver_libraries
-from shaderlab.execution.fork_server import fork_server
-from shaderlab.execution.pool import ItemResult
-from shaderlab.execution.worker_main import LAB_WORK
-from shaderlab.execution.worker_process import environment
-from shaderlab.options import Limits
+from shaderlab.model.options import Limits
+from shaderlab.workers import WorkerPool, driver_libraries
+from shaderlab.workers.fork_server import fork_server
+from shaderlab.workers.pool import ItemResult
+from shaderlab.workers.worker_main import LAB_WORK
+from shaderlab.workers.worker_process import environment
 
 WORK = """
 import os, subprocess, sys, time
@@ -43,9 +43,9 @@ def work(items):
 """
 PARENT = """
 import sys
-from shaderlab.execution import WorkerPool
-from shaderlab.execution.fork_server import fork_server
-from shaderlab.execution.worker_process import environment
+from shaderlab.workers import WorkerPool
+from shaderlab.workers.fork_server import fork_server
+from shaderlab.workers.worker_process import environment
 
 if sys.argv.pop(1) == "copied":
     fork_server(environment(), "mine:work", copied=True, single=True)

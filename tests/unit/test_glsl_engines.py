@@ -131,7 +131,7 @@ def test_the_variable_names_the_command(monkeypatch: pytest.MonkeyPatch) -> None
 
 @pytest.mark.parametrize("engine", ["library", "process"])
 def test_doctor_says_which_engine_and_version(monkeypatch: pytest.MonkeyPatch, engine: str) -> None:
-    monkeypatch.setattr("shaderlab.backends.probe", lambda *_: {"renderer": "none"})
+    monkeypatch.setattr("shaderlab.drivers.probe", lambda *_: {"renderer": "none"})
     if engine == "process":
         command = find(GLSLANG_WHEEL, "glslangValidator", "bin")
         monkeypatch.setenv("SHADERLAB_GLSLANG", str(command))

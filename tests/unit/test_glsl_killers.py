@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from shaderlab.compiler import WORK, Shaders, compile_glsl, compile_program
-from shaderlab.execution import WorkerPool
-from shaderlab.options import Limits
+from shaderlab.model.options import Limits
+from shaderlab.workers import WorkerPool
 
 HEAD = "#version 450 core\nuniform float x;\nout vec4 c;\n"
 KILLERS = {
@@ -41,7 +41,7 @@ class Work:
 # A driver that dies on some files.
 DEADLY = """
 import os, signal, time
-from shaderlab.records import Verdict
+from shaderlab.model.records import Verdict
 
 def verdict(sources):
     if "crash" in sources[0].name:

@@ -12,12 +12,8 @@ import pytest
 
 from benchmarks.adversary_device import Device
 from benchmarks.erring_arithmetic import Erring, outside
-from shaderlab import glslmath as g, sampling
-from shaderlab.bands import Band, Integer, Rules
-from shaderlab.compiler import Shaders
-from shaderlab.errors import FormulaError, NotInterpretedError, ShaderError
-from shaderlab.frame import Bindings, Texels
-from shaderlab.interpreter import (
+from shaderlab import glslmath as g
+from shaderlab.analysis.interpreter import (
     FLOAT16,
     FLOAT32,
     FLOAT64,
@@ -29,6 +25,11 @@ from shaderlab.interpreter import (
     load,
     read,
 )
+from shaderlab.bands import Band, Integer, Rules
+from shaderlab.compiler import Shaders
+from shaderlab.errors import FormulaError, NotInterpretedError, ShaderError
+from shaderlab.glslmath import sampling
+from shaderlab.model.frame import Bindings, Texels
 
 RNG = np.random.default_rng(19)
 COUNT = 64

@@ -10,10 +10,10 @@ import pytest
 
 from benchmarks.adversary_device import Device
 from benchmarks.erring_arithmetic import Erring, outside
+from shaderlab.analysis.interpreter import Bands, interpret, load
 from shaderlab.bands import Band
 from shaderlab.compiler import Shaders
-from shaderlab.frame import Bindings, Texels
-from shaderlab.interpreter import Bands, interpret, load
+from shaderlab.model.frame import Bindings, Texels
 
 COUNT = 64
 PLACES = {"p": np.random.default_rng(3).uniform(-40.0, 40.0, (COUNT, 2)).astype(np.float32)}

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from shaderlab.engine.judging import reference_bands
+from shaderlab.engine.judging.banded import judge_band
+from shaderlab.engine.judging.inputs import Inputs
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath import dFdx, dFdy, dot, max, normalize, pow, vec3, where
-from shaderlab.judging import reference_bands
-from shaderlab.judging.banded import judge_band
-from shaderlab.judging.inputs import Inputs
 
 
 def shaded(normal: Any, light: Any, gain: Any) -> Any:

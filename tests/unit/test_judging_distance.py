@@ -7,8 +7,8 @@ import pytest
 
 from shaderlab.bands import compiled
 from shaderlab.bands.allowed import contains, widths
-from shaderlab.judging import distance, informative
-from shaderlab.judging.distance import Placed, furthest
+from shaderlab.engine.judging import distance, informative
+from shaderlab.engine.judging.distance import Placed, furthest
 
 INF, NAN = np.inf, np.nan
 # low, high, whether NaN is legal, measured

@@ -19,15 +19,15 @@ from click.testing import CliRunner, Result
 from shaderlab import evaluation
 from shaderlab.cli import cli, running_sweeps
 from shaderlab.cli.running_sweeps import run_points
-from shaderlab.execution import sweep_table
-from shaderlab.execution.jobs import About, Job, failed_record
-from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan
-from shaderlab.execution.sweep_grid import Grid, Parameter
-from shaderlab.execution.sweep_records import PointRecords, changed, changes
-from shaderlab.execution.sweep_table import SweepTable
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
 from shaderlab.report import store
+from shaderlab.workers import sweep_table
+from shaderlab.workers.jobs import About, Job, failed_record
+from shaderlab.workers.journal import FILE_NAME, Journal, RunPlan
+from shaderlab.workers.sweep_grid import Grid, Parameter
+from shaderlab.workers.sweep_records import PointRecords, changed, changes
+from shaderlab.workers.sweep_table import SweepTable
 from tests.unit.test_report_samples import Page
 from tests.unit.test_sweep import measured
 

@@ -7,7 +7,7 @@ import pytest
 
 from shaderlab import Draw, Mesh
 from shaderlab.errors import CaseError
-from shaderlab.model import Placement
+from shaderlab.model.mesh import Placement
 
 POSITIONS = np.arange(9, dtype=np.float32).reshape(3, 3)
 COLORS = 100.0 + np.arange(9, dtype=np.float32).reshape(3, 3)

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from shaderlab.module_path import pythons_first, searched
+from shaderlab.engine.module_path import pythons_first, searched
 
 
 def test_pythons_own_come_first_and_the_rest_keeps_its_order(tmp_path: Path) -> None:

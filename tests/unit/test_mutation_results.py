@@ -7,22 +7,13 @@ from dataclasses import replace
 
 import pytest
 
-from shaderlab.expectations.exact import exact
-from shaderlab.model import (
-    Blend,
-    Case,
-    CubeTexture,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Stencil,
-    Target,
-    TextureArray,
-    mesh_pass,
-)
+from shaderlab.engine.expectations.exact import exact
+from shaderlab.model.case import Case
+from shaderlab.model.mesh import Mesh
+from shaderlab.model.passes import mesh_pass
+from shaderlab.model.scene import Draw, Pass, Target
+from shaderlab.model.state import Blend, Depth, State, Stencil
+from shaderlab.model.textures import CubeTexture, Output, TextureArray
 from shaderlab.mutation import (
     CaseResult,
     Fate,

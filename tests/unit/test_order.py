@@ -7,11 +7,15 @@ from typing import Any, cast
 
 import numpy as np
 
-from shaderlab.expectations.any_order import Backwards, DrawnAnew, any_order, both_ways
-from shaderlab.expectations.base import Context
-from shaderlab.expectations.exact import Exact
-from shaderlab.frame import Image
-from shaderlab.model import Case, Depth, Draw, Mesh, Output, Pass, State, Target
+from shaderlab.engine.expectations.any_order import Backwards, DrawnAnew, any_order, both_ways
+from shaderlab.engine.expectations.base import Context
+from shaderlab.engine.expectations.exact import Exact
+from shaderlab.model.case import Case
+from shaderlab.model.frame import Image
+from shaderlab.model.mesh import Mesh
+from shaderlab.model.scene import Draw, Pass, Target
+from shaderlab.model.state import Depth, State
+from shaderlab.model.textures import Output
 
 
 def draw(name: str, indices: list[int] | None = None, primitive: str = "triangles") -> Draw:

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from benchmarks.auditing import STAGES, Planted, audit_of, is_found, planted
-from shaderlab.audit import Audit, audit_program
+from shaderlab.analysis.audit import Audit, audit_program
+from shaderlab.analysis.equivalence.answer import Answer
+from shaderlab.analysis.equivalence.comparison import compare_programs
+from shaderlab.analysis.interpreter import FLOAT64, Bands, Program, interpret, load
 from shaderlab.compiler import Shaders
-from shaderlab.equivalence.answer import Answer
-from shaderlab.equivalence.comparison import compare_programs
 from shaderlab.errors import NotInterpretedError
-from shaderlab.execution.audit_shaders import AuditCase
-from shaderlab.interpreter import FLOAT64, Bands, Program, interpret, load
+from shaderlab.workers.audit_shaders import AuditCase
 
 STRIP = """#version 330 core
 layout (triangles) in;
@@ -146,7 +146,7 @@ def test_what_is_not_interpreted_is_named() -> None:
 
 def test_a_case_s_stage_that_gives_nothing_is_not_audited(monkeypatch: pytest.MonkeyPatch) -> None:
     source = program(STRIP, "geometry").source
-    monkeypatch.setattr("shaderlab.evaluation.rewriting.stages", lambda lab, case: [(source, [])])
+    monkeypatch.setattr("shaderlab.engine.rewriting.stages", lambda lab, case: [(source, [])])
 
     class Worker:
         note = lab = case = staticmethod(lambda *given: None)

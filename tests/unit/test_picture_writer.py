@@ -11,12 +11,12 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from shaderlab import pictures
+from shaderlab.assets import pictures
 from shaderlab.compiler import Shaders, compile_program
-from shaderlab.evaluation.file_thread import FileThread
-from shaderlab.evaluation.picture_writer import PictureWriter
-from shaderlab.evaluation.record_builder import RecordBuilder
-from shaderlab.frame import Image
+from shaderlab.engine.file_thread import FileThread
+from shaderlab.engine.picture_writer import PictureWriter
+from shaderlab.engine.record_builder import RecordBuilder
+from shaderlab.model.frame import Image
 
 FRAGMENT = "#version 330 core\nout vec4 color;\nvoid main() { color = vec4(0.25); }\n"
 

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.execution import Job, Prefetcher
-from shaderlab.execution.jobs import About, CaseFacts, failed_record
-from shaderlab.execution.prefetcher import NEAR
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
+from shaderlab.workers import Job, Prefetcher
+from shaderlab.workers.jobs import About, CaseFacts, failed_record
+from shaderlab.workers.prefetcher import NEAR
 
 JOBS = [Job(file="lamp.py", id="lamp", variant=str(number)) for number in range(100)]
 

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from shaderlab.analysis.interpreter import Bands
+from shaderlab.analysis.interpreter.numbers import Numbers
 from shaderlab.bands import Band
 from shaderlab.bands.rounding import shortest
 from shaderlab.functions.domains import weight
 from shaderlab.functions.nesting import number
-from shaderlab.interpreter import Bands
-from shaderlab.interpreter.numbers import Numbers
 
 
 def bounds(band: Band) -> tuple[float, float]:

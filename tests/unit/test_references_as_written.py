@@ -14,9 +14,9 @@ import pytest
 
 from shaderlab import glslmath as g, reference
 from shaderlab.bands import Band, Literal, Rules
-from shaderlab.judging import as_written
-from shaderlab.judging.constants import has_floats, with_literals
-from shaderlab.judging.inputs import Inputs, evaluate
+from shaderlab.engine.judging import as_written
+from shaderlab.engine.judging.constants import has_floats, with_literals
+from shaderlab.engine.judging.inputs import Inputs, evaluate
 from shaderlab.reference import gamma
 
 HALF = 0.52 - 0.02

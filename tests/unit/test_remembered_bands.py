@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from shaderlab.bands import Band, Rules
-from shaderlab.frame import Texels
+from shaderlab.engine.judging.banded import Banded, judge_band
+from shaderlab.engine.judging.inputs import Inputs, Reference
+from shaderlab.engine.judging.remembered import RememberedBands, remembered_bands
 from shaderlab.glslmath import dot, vec4
-from shaderlab.judging.banded import Banded, judge_band
-from shaderlab.judging.inputs import Inputs, Reference
-from shaderlab.judging.remembered import RememberedBands, remembered_bands
-from shaderlab.sampling import texture
+from shaderlab.glslmath.sampling import texture
+from shaderlab.model.frame import Texels
 
 
 class Counted:

@@ -9,11 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab import pictures
-from shaderlab.records import (
-    ProgramRecord,
-    SourceText,
-)
+from shaderlab.assets import pictures
+from shaderlab.model.records import ProgramRecord, SourceText
 from tests.unit.test_report_samples import (
     INF,
     NAN,

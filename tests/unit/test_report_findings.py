@@ -12,10 +12,10 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab import Case, fullscreen
-from shaderlab.catalogue import load_case
 from shaderlab.cli import cli
-from shaderlab.expectations.coverage import coverage
-from shaderlab.records import (
+from shaderlab.engine.catalogue import load_case
+from shaderlab.engine.expectations.coverage import coverage
+from shaderlab.model.records import (
     Diagnostic,
     DriverResult,
     Explanation,

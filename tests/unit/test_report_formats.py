@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 from shaderlab.cli import cli, files
 from shaderlab.errors import UsageError
-from shaderlab.records import Run
+from shaderlab.model.records import Run
 from shaderlab.report import formats
 from tests.unit.test_report_samples import record, run
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.records import Record, Run
+from shaderlab.model.records import Record, Run
 from shaderlab.report import html
 from shaderlab.report.history import FILE_NAME, LONGEST, history, save
 from tests.unit.test_report_samples import HOSTILE, INF, Page, outcome, record, run, worst

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab import pictures
-from shaderlab.records import (
+from shaderlab.assets import pictures
+from shaderlab.model.records import (
     Diagnostic,
     ErratumNote,
     ProgramRecord,

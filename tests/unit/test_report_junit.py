@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree as ET
 
-from shaderlab.records import Outcome, Record, Row, Run, Worst
+from shaderlab.model.records import Outcome, Record, Row, Run, Worst
 from shaderlab.report.formats.junit import render
 
 HOSTILE = "]]></failure>&<\x00\x1b\udc80\ufffe\u202e"

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.records import ProgramRecord, SourceText
+from shaderlab.model.records import ProgramRecord, SourceText
 from shaderlab.report import mutants
 from tests.unit.test_report_samples import record, run, write
 

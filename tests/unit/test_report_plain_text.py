@@ -11,7 +11,7 @@ from pathlib import Path
 from rich.console import Console
 
 from shaderlab.cli.rows import case_table
-from shaderlab.records import DriverResult, Record
+from shaderlab.model.records import DriverResult, Record
 from shaderlab.report.formats import junit, markdown
 from shaderlab.report.plain_text import conditions, failure, label, numbers, summary
 from tests.unit.test_report_samples import Page, outcome, record, run, write
@@ -63,7 +63,7 @@ def test_a_shaders_text_cannot_steer_the_terminal(passing: Record) -> None:
 
 
 def test_a_long_table_is_cut(failing: Record) -> None:
-    from shaderlab.records import Row
+    from shaderlab.model.records import Row
 
     rows = tuple(Row(label=f"r{i}", expected="1", measured="2", ok=i % 2 == 0) for i in range(60))
     outcome = dataclasses.replace(failing.expectations[0], rows=rows)

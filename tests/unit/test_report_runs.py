@@ -8,7 +8,7 @@ from urllib.parse import unquote_to_bytes
 
 import pytest
 
-from shaderlab.records import DriverResult, Record, Run
+from shaderlab.model.records import DriverResult, Record, Run
 from shaderlab.report import html, runs
 from shaderlab.report.history import FILE_NAME
 from tests.unit.test_report_samples import HOSTILE, Page, record, run

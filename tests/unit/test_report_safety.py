@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab import pictures
+from shaderlab.assets import pictures
 from shaderlab.errors import ShaderlabError
 from shaderlab.report.inline import Pictures
 from tests.unit.test_report_samples import (

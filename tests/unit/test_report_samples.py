@@ -7,7 +7,7 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
-from shaderlab.records import (
+from shaderlab.model.records import (
     Curve,
     Diagnostic,
     ErratumNote,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-from shaderlab.records import Explanation, Record, Step
+from shaderlab.model.records import Explanation, Record, Step
 from shaderlab.report.plain_text import failure
 from shaderlab.report.store import load, save
 from tests.unit.test_report_samples import run, write

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.records import (
+from shaderlab.model.records import (
     Attachment,
     Curve,
     Declared,

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from shaderlab import pictures
+from shaderlab.assets import pictures
 from shaderlab.cli import cli
-from shaderlab.records import (
+from shaderlab.model.records import (
     Attachment,
     Declared,
     Disagreement,

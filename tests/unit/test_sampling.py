@@ -9,11 +9,7 @@ import pytest
 
 from shaderlab.bands import Band, Rules
 from shaderlab.errors import CaseError, FormulaError
-from shaderlab.frame import Texels
-from shaderlab.model import CubeTexture, Output, Texture, Texture3D, TextureArray
-from shaderlab.model.textures import level_sizes
-from shaderlab.reference import filtering
-from shaderlab.sampling import (
+from shaderlab.glslmath.sampling import (
     Sampler,
     cube_face,
     texelFetch,
@@ -23,6 +19,16 @@ from shaderlab.sampling import (
     textureQueryLevels,
     textureSize,
 )
+from shaderlab.model.frame import Texels
+from shaderlab.model.textures import (
+    CubeTexture,
+    Output,
+    Texture,
+    Texture3D,
+    TextureArray,
+    level_sizes,
+)
+from shaderlab.reference import filtering
 
 RNG = np.random.default_rng(5)
 

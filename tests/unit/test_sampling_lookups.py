@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shaderlab import sampling as s
 from shaderlab.bands import Band, Rules
 from shaderlab.errors import FormulaError
-from shaderlab.frame import Texels
+from shaderlab.glslmath import sampling as s
+from shaderlab.model.frame import Texels
 
 # Texel (x, y) of 4 × 4 is x + 10·y; of the smaller levels 100 and 200.
 NUMBERS = (np.arange(4.0)[None, :] + 10.0 * np.arange(4.0)[:, None])[..., None].astype(np.float32)

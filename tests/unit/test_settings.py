@@ -10,8 +10,8 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
+from shaderlab.engine.search_path import shaders_of
 from shaderlab.errors import ShaderError, UsageError
-from shaderlab.evaluation.search_path import shaders_of
 from shaderlab.settings import Settings, defaults, settings_of
 
 Write = Callable[[str], Path]

@@ -16,12 +16,12 @@ from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
 from shaderlab.errors import CaseError, UsageError
-from shaderlab.execution.jobs import CaseFacts
-from shaderlab.execution.sweep_grid import Grid, Parameter, grid, parameters
-from shaderlab.execution.sweep_plots import plots
-from shaderlab.execution.sweep_table import SweepTable
-from shaderlab.records import Outcome, Record, Worst
+from shaderlab.model.records import Outcome, Record, Worst
 from shaderlab.report import store, table
+from shaderlab.workers.jobs import CaseFacts
+from shaderlab.workers.sweep_grid import Grid, Parameter, grid, parameters
+from shaderlab.workers.sweep_plots import plots
+from shaderlab.workers.sweep_table import SweepTable
 
 FACTS = CaseFacts(
     file="lamp.py",
@@ -175,8 +175,8 @@ def test_plots_are_over_the_longest_parameter_with_few_series(passing: Record) -
 def test_a_plot_of_many_points_has_the_worst_of_each_part(
     passing: Record, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("shaderlab.execution.sweep_plots.MOST_DOTS", 5)
-    monkeypatch.setattr("shaderlab.execution.sweep_plots.PARTS", 3)
+    monkeypatch.setattr("shaderlab.workers.sweep_plots.MOST_DOTS", 5)
+    monkeypatch.setattr("shaderlab.workers.sweep_plots.PARTS", 3)
     jobs = grid(FACTS, "near", parameters(["reach=1:6:6"]))
     far = {4: 1.5}
     made = {n: measured(passing, "", far.get(n, 0.1 + 0.01 * n), 1.0) for n in range(6)}
@@ -269,7 +269,7 @@ def test_wrong_usage_says_what_is_right(
 
 
 def test_a_changed_scene_is_that_of_a_variant(ramp: Path) -> None:
-    from shaderlab.catalogue import load_case
+    from shaderlab.engine.catalogue import load_case
 
     scene = load_case(ramp).scene("far")
     changed = scene.changed("reach=7", {"reach": 7.0})

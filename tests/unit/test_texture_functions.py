@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab.frame import Array
-from shaderlab.model import Texture
-from shaderlab.programs import textures
-from shaderlab.programs.textures import contents
+from shaderlab.drivers.programs import textures
+from shaderlab.drivers.programs.textures import contents
+from shaderlab.model.frame import Array
+from shaderlab.model.textures import Texture
 
 
 class Noise:

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.discovery import imported_files
+from shaderlab.cli.watching.changes import Changes, Contents
+from shaderlab.cli.watching.requests import OpenedFiles
+from shaderlab.engine.discovery import imported_files
 from shaderlab.report.live import live_report
-from shaderlab.watching.changes import Changes, Contents
-from shaderlab.watching.requests import OpenedFiles
 
 
 @pytest.fixture

@@ -10,10 +10,10 @@ from typing import Any, NoReturn
 import pytest
 
 from shaderlab.errors import CaseError
-from shaderlab.execution import lab_worker
-from shaderlab.execution.jobs import Job
-from shaderlab.execution.worker_main import freed_memory
-from shaderlab.options import RunOptions
+from shaderlab.model.options import RunOptions
+from shaderlab.workers import lab_worker
+from shaderlab.workers.jobs import Job
+from shaderlab.workers.worker_main import freed_memory
 
 JOB = Job(file="nowhere.py", id="nowhere", variant="default")
 

@@ -61,7 +61,7 @@ from shaderlab import (
     up,
     value,
 )
-from shaderlab.catalogue import load_case
+from shaderlab.engine.catalogue import load_case
 from shaderlab.errors import CaseError, ShaderlabError
 from shaderlab.model.members import by_member
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from shaderlab.records import Run
+    from shaderlab.model.records import Run
     from shaderlab.report.findings import Finding
 
 

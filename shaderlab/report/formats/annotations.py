@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from shaderlab.records import Run, Severity
+from shaderlab.model.records import Run, Severity
 from shaderlab.report.findings import Finding, findings_of, path_in, repository
 from shaderlab.report.text import clean
 

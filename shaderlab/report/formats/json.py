@@ -10,7 +10,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from shaderlab.records import Run
+from shaderlab.model.records import Run
 from shaderlab.report.store import plain
 
 _RECORD = (

@@ -6,7 +6,7 @@ import itertools
 import math
 from xml.etree import ElementTree as ET
 
-from shaderlab.records import Record, Run
+from shaderlab.model.records import Record, Run
 from shaderlab.report.grouping import group_cases
 from shaderlab.report.plain_text import listed, outcome_details
 from shaderlab.report.text import clean, plural

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable
 from itertools import groupby
 
-from shaderlab.records import Outcome, Record, Run
+from shaderlab.model.records import Outcome, Record, Run
 from shaderlab.report.drivers import AGREEMENTS, driver_table
 from shaderlab.report.grouping import (
     PASSABLE,

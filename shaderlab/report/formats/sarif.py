@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from shaderlab.records import Run, Severity
+from shaderlab.model.records import Run, Severity
 from shaderlab.report.findings import Finding, Lines, findings_of, path_in, repository
 from shaderlab.report.text import clean
 

@@ -1,0 +1,1 @@
+"""What a shader computes, without a device: an interpreter, and what is built on it."""

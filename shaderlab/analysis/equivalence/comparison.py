@@ -1,0 +1,347 @@
+"""Two programs compared on rounds of inputs: the same mathematics, or from where on not."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import NotInterpretedError, UsageError, nearest
+from shaderlab.files import display_path
+
+from ..interpreter import Program
+from .answer import Answer, Numerics, OutputAnswer
+from .comparing import Compared, Ran, compare, confirmed, run
+from .drawing import drawn
+from .given import Given, asks_for_neighbours, joined, merged
+from .interface import Input, declared_ranges, inputs_of
+from .jumps import jumps
+from .locating import discards, first
+from .noise import Noisy
+from .numerics import MOST, accuracy, bands_of
+from .roles import Role, roles_of, unknown_names
+from .varying import learned, varied
+
+_SMALL = 1024  # invocations; sets of no more than so many are run together
+_BITS = range(194, 206)  # SPIR-V's instructions from OpShiftRightLogical to OpBitCount
+_ENDS = 1e-6  # what stored values may differ by where a step is called the same
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """How two programs are compared.
+
+    Attributes:
+        ranges: "a..b", "a:b" or "unit" for inputs, by name.
+        rounds: how many sets of inputs are made up, or captured ones varied.
+        count: invocations in each that is made up.
+        accuracy: whether bands are asked how accurate both are.
+    """
+
+    ranges: Mapping[str, str] = field(default_factory=dict)
+    rounds: int = 5
+    count: int = 4096
+    accuracy: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class _Set:
+    """What both programs gave on a set of inputs, and how their outputs compare, by name."""
+
+    given: Given
+    old: Ran
+    new: Ran
+    compared: dict[tuple[str, str], Compared] = field(default_factory=dict)
+
+
+def compare_programs(
+    old: Program, new: Program, plan: Plan | None = None, captured: Sequence[Given] = ()
+) -> Answer:
+    """Whether two programs of one stage compute the same.
+
+    Args:
+        old, new: the programs.
+        plan: how they are compared.
+        captured: inputs that a scene gave the old one. They are taken as they are, and varied;
+            without any, inputs are made up.
+
+    Raises:
+        NotInterpretedError: one does what the interpreter does not know, or does not end.
+        FormulaError: one reads what is not given.
+        UsageError: a range is wrong, or the stages differ.
+    """
+    plan = plan or Plan()
+    if old.stage != new.stage:
+        raise UsageError(f"a {old.stage} shader can't be compared with a {new.stage} shader")
+    mine, theirs = inputs_of(old), inputs_of(new)
+    inputs = {**mine, **theirs}
+    for name in unknown_names(list(plan.ranges), inputs):
+        raise UsageError(f"no shader reads {name!r}", remedy=nearest(name, inputs))
+    for name in mine.keys() & theirs.keys():
+        if mine[name].type != theirs[name].type:
+            raise UsageError(
+                f"{name} is {mine[name].type} in one, {theirs[name].type} in the other"
+            )
+    if captured:
+        captured = merged(captured, old, plan.count)
+        roles = learned(captured)
+
+        def make(roles: Mapping[str, Role], seed: int) -> Given:
+            return varied(captured[seed % len(captured)], roles, seed)
+    else:
+        declared = {**declared_ranges(old), **declared_ranges(new)}
+        roles = roles_of(inputs.values(), declared, plan.ranges)
+
+        def make(roles: Mapping[str, Role], seed: int) -> Given:
+            return drawn(inputs, roles, plan.count, seed)
+
+    comparison = _Comparison((old, new), inputs, roles, make, plan)
+    return Answer(
+        old=_file(old),
+        new=_file(new),
+        outputs=tuple(comparison.outputs(captured)),
+        notes=tuple(_notes(mine, theirs)),
+        inputs={name: f"{role} ({role.source})" for name, role in roles.items() if name in inputs},
+    )
+
+
+def _notes(mine: Mapping[str, Input], theirs: Mapping[str, Input]) -> Iterator[str]:
+    for which, some, others in (("OLD", mine, theirs), ("NEW", theirs, mine)):
+        only = [name for name in some if name not in others]
+        if only:
+            yield f"only {which} reads {', '.join(only)}"
+
+
+def _file(program: Program) -> str:
+    return "" if program.source is None else program.source.path
+
+
+@dataclass(eq=False)
+class _Comparison:
+    """Two programs, and where their inputs come from."""
+
+    programs: tuple[Program, Program]
+    inputs: Mapping[str, Input]
+    roles: Mapping[str, Role]
+    make: Callable[[Mapping[str, Role], int], Given]
+    plan: Plan
+    _in_bands: tuple[Mapping[str, Any] | None, ...] = ()
+    _freed: dict[tuple[str, ...], list[_Set]] = field(default_factory=dict)
+
+    def outputs(self, captured: Sequence[Given]) -> Iterator[OutputAnswer]:
+        """An answer for each output, on captured inputs and on rounds of others."""
+        sets: list[_Set] = []
+        pairs: list[tuple[str, str]] = []
+        for given in self._inputs(captured):
+            sets.append(self._run(given))
+            pairs = self._names(sets)
+            if all(self._is_settled(sets, *pair) for pair in pairs):
+                break
+        for name, other in pairs:
+            if not name or not other:
+                yield OutputAnswer(name=name or other, why="missing")
+                continue
+            answer = self._answer(sets, name, other)
+            if answer.same and self.plan.accuracy:
+                answer = replace(answer, numerics=self._numerics(sets[0], name, other))
+            if answer.same and self.plan.rounds:
+                answer = replace(answer, conditions=tuple(self._conditions(name, other)))
+            yield answer
+
+    def _inputs(self, captured: Sequence[Given]) -> Iterator[Given]:
+        """Captured inputs, rounds of others, and both sides of jumps between those."""
+        given = None
+        for given in itertools.chain(captured, self._made()):
+            yield given
+        if given is not None and self.plan.rounds:
+            around = jumps(self.programs, given, self.roles)
+            if around is not None:
+                yield around
+
+    def _made(self) -> Iterator[Given]:
+        """The rounds of inputs: one after the other, or small ones together where they can be."""
+        rounds = (self.make(self.roles, seed) for seed in range(self.plan.rounds))
+        small: list[Given] = []
+        for given in rounds:
+            alone = bool(given.bindings.textures) or given.count > _SMALL
+            if alone or any(asks_for_neighbours(p, given.bindings) for p in self.programs):
+                yield given
+            else:
+                small.append(given)
+        if small:
+            yield joined(small)
+
+    def _run(self, given: Given) -> _Set:
+        return _Set(given, run(self.programs[0], given), run(self.programs[1], given))
+
+    def _is_settled(self, sets: Sequence[_Set], name: str, other: str) -> bool:
+        """Whether an output is known to be another one: more inputs add nothing."""
+        if not name or not other:
+            return True
+        return any(self._compared(one, name, other).different.any() for one in sets)
+
+    def _compared(self, one: _Set, name: str, other: str) -> Compared:
+        """How an output compares on a set of inputs; asked once."""
+        if (name, other) not in one.compared:
+            first = compare(one.old, one.new, name, other)
+            names = (name, other)
+            one.compared[names] = confirmed(self.programs, one.given, first, names)
+        return one.compared[name, other]
+
+    def _names(self, sets: Sequence[_Set]) -> list[tuple[str, str]]:
+        """The outputs' names in pairs: of the same name, or the only ones that are left over.
+        Built-in outputs to which neither program writes are none."""
+        mine = list(dict.fromkeys(n for one in sets for n in one.old.outputs))
+        theirs = list(dict.fromkeys(n for one in sets for n in one.new.outputs))
+        pairs = [(n, n) for n in mine if n in theirs and not _is_unwritten(sets, n)]
+        only, others = [n for n in mine if n not in theirs], [n for n in theirs if n not in mine]
+        if len(only) == len(others) == 1:
+            return [*pairs, (only[0], others[0])]
+        return [*pairs, *((n, "") for n in only), *(("", n) for n in others)]
+
+    def _answer(self, sets: Sequence[_Set], name: str, other: str) -> OutputAnswer:
+        called = name if name == other else f"{name} → {other}"
+        found = [self._compared(one, name, other) for one in sets]
+        judged = sum(int(compared.judged.sum()) for compared in found)
+        different = sum(int(compared.different.sum()) for compared in found)
+        if not different:
+            return OutputAnswer(name=called, judged=judged)
+        one, compared = next(
+            pair for pair in zip(sets, found, strict=True) if pair[1].different.any()
+        )
+        row = _worst(compared)
+        apart = np.concatenate([compared.apart[compared.different] for compared in found])
+        finite = apart[np.isfinite(apart)]
+        return OutputAnswer(
+            name=called,
+            judged=judged,
+            different=different,
+            apart=float(finite.max()) if finite.size else float("inf"),
+            why="value" if finite.size else compared.why,
+            example=example(one.given, row, self.inputs),
+            gives=(_value(one.old, name, row), _value(one.new, other, row)),
+            place=self._place(one, row),
+        )
+
+    def _place(self, one: _Set, row: int) -> str:
+        """The first line that stores another value at an invocation; where only one program
+        discards, the line where it does."""
+        found, old, new = first(self.programs, one.given, row, Noisy(), _apart)
+        if found is not None:
+            return _written(self.programs[1], found.line)
+        for program, ran, taken in zip(self.programs, (one.old, one.new), (old, new), strict=True):
+            if ran.discarded[0, row]:
+                last = taken[-1].line if taken else 0
+                lines = discards(program)
+                return _written(program, next((n for n in lines if n >= last), lines[-1]))
+        return ""
+
+    def _numerics(self, one: _Set, name: str, other: str) -> Numerics | None:
+        """How the accuracy changes, on some of the first inputs."""
+        some = one.given.part(np.arange(min(one.given.count, MOST)))
+        old, new = self._bands(some)
+        if old is None or new is None or name not in old or other not in new:
+            return None
+        values = one.old.outputs[name][0, : some.count]
+        found = accuracy(self.programs, some, (old[name], new[other]), values)
+        if found is None:
+            return None
+        return Numerics(
+            worse=found.worse,
+            better=found.better,
+            near=example(some, found.row, self.inputs),
+            place="" if found.step is None else _written(self.programs[1], found.step.line),
+        )
+
+    def _bands(self, given: Given) -> tuple[Mapping[str, Any] | None, ...]:
+        if not self._in_bands:
+            self._in_bands = tuple(bands_of(program, given) for program in self.programs)
+        return self._in_bands
+
+    def _conditions(self, name: str, other: str) -> Iterator[str]:
+        """What an output is the same under: assumptions about inputs without which it is not."""
+        freed = tuple(n for n, role in self.roles.items() if role.freed is not None)
+        if not freed or not self._differs_without(freed, name, other):
+            return
+        for input_ in freed:
+            if self._differs_without((input_,), name, other):
+                yield self.roles[input_].condition(input_)
+
+    def _differs_without(self, freed: tuple[str, ...], name: str, other: str) -> bool:
+        """Whether an output differs without what is assumed of some inputs."""
+        if freed not in self._freed:
+            self._freed[freed] = list(self._sets_without(freed))
+        sets = self._freed[freed]
+        return any(self._compared(one, name, other).different.any() for one in sets)
+
+    def _sets_without(self, freed: tuple[str, ...]) -> Iterator[_Set]:
+        roles = {n: (n in freed and role.freed) or role for n, role in self.roles.items()}
+        yield self._run(self.make(roles, self.plan.rounds))
+        whole = {
+            n: Role("number", -(2.0**31), 2.0**31 - 1.0)
+            for n in freed
+            if n in self.inputs and self.inputs[n].whole and roles[n].source == "assumed"
+        }
+        if whole and any(map(_works_on_bits, self.programs)):
+            # Where a loop goes on for as long as such a number says, nothing is said.
+            with contextlib.suppress(NotInterpretedError):
+                yield self._run(self.make({**roles, **whole}, self.plan.rounds))
+
+
+def _works_on_bits(program: Program) -> bool:
+    """Whether it shifts integers, or does anything else with their bits, as hashes do."""
+    return any(map(program.line_of, _BITS))
+
+
+def _is_unwritten(sets: Sequence[_Set], name: str) -> bool:
+    return name.startswith("gl_") and all(
+        np.isnan(ran.outputs[name]).all() for one in sets for ran in (one.old, one.new)
+        if name in ran.outputs
+    )  # fmt: skip
+
+
+def _written(program: Program, line: int) -> str:
+    file, number = program.place(line)
+    return f"{display_path(file)}:{number}" if file else f"line {number}"
+
+
+def _worst(compared: Compared) -> int:
+    """The invocation to show: of those that differ, the one where both are farthest apart."""
+    apart = np.where(compared.different, compared.apart, -1.0)
+    finite = np.where(np.isfinite(apart), apart, -1.0)
+    return int(finite.argmax() if finite.max() >= 0.0 else apart.argmax())
+
+
+def example(given: Given, row: int, inputs: Mapping[str, Input]) -> dict[str, tuple[float, ...]]:
+    """The inputs of one invocation, by name."""
+    found = {}
+    for name in inputs:
+        values = given.each.get(name)
+        if values is not None:
+            one = values[row if len(values) > 1 else 0]
+        elif name in given.bindings.uniforms:
+            one = np.asarray(given.bindings.uniforms[name])
+        else:
+            continue
+        found[name] = tuple(float(v) for v in np.ravel(one))
+    return found
+
+
+def _value(ran: Ran, name: str, row: int) -> tuple[float, ...]:
+    if ran.discarded[0, row]:
+        return ()
+    return tuple(float(v) for v in ran.outputs[name][0, row])
+
+
+def _apart(a: object, b: object) -> bool:
+    """Whether two stored values are other ones, as far as a reader would say so."""
+    x, y = (np.asarray(getattr(v, "lo", getattr(v, "all_true", v)), np.float64) for v in (a, b))
+    if x.shape[1:] != y.shape[1:]:
+        return True
+    with np.errstate(all="ignore"):
+        near = np.abs(x - y) <= _ENDS * np.maximum(np.abs(x), np.abs(y)) + 1e-12
+    return not bool((near | (np.isnan(x) & np.isnan(y)) | (x == y)).all())

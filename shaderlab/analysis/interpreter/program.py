@@ -1,0 +1,184 @@
+"""A SPIR-V module as the interpreter runs it: types, functions of blocks, source lines."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass, field
+
+from shaderlab.compiler.compile_cache import compiled_with_lines
+from shaderlab.compiler.module import Instruction as Raw, Module, Op, Storage, parse
+from shaderlab.compiler.sources import Source
+from shaderlab.errors import NotInterpretedError, ShaderError
+
+from .types import Type, Types
+
+_PARAMETER, _FUNCTION_END, _LABEL, _NO_LINE = 55, 56, 248, 317
+_LOCAL_SIZE = 17
+BARRIER = 224
+INPUTS = (
+    Storage.INPUT,
+    Storage.UNIFORM_CONSTANT,
+    Storage.UNIFORM,
+    Storage.PUSH_CONSTANT,
+    Storage.STORAGE_BUFFER,
+)
+
+
+@dataclass(frozen=True)
+class Instruction:
+    """One instruction: its opcode, the ids of its result's type and of its result (0 for none),
+    its other words, and the line of the source's text that it comes from."""
+
+    op: int
+    type: int
+    id: int
+    operands: tuple[int, ...]
+    line: int
+
+
+@dataclass(eq=False)
+class Function:
+    """A function's result's type, those of its parameters by id, its blocks by label in the
+    module's order, and its variables."""
+
+    id: int
+    result: int = 0
+    parameters: dict[int, int] = field(default_factory=dict)
+    blocks: dict[int, list[Instruction]] = field(default_factory=dict)
+    variables: list[int] = field(default_factory=list)
+
+    @functools.cached_property
+    def order(self) -> dict[int, int]:
+        """Each block's place: what a branch goes round lies before the place where it meets."""
+        return {label: place for place, label in enumerate(self.blocks)}
+
+
+@dataclass(eq=False)
+class Program:
+    """One stage, ready to be interpreted.
+
+    Attributes:
+        module: the declarations.
+        source: the text that the lines are of; None for a module from elsewhere.
+        types: the module's types by id.
+        functions: by id.
+        variables: the type and storage class of every variable, those of functions too, by id.
+    """
+
+    module: Module
+    source: Source | None
+    types: Types
+    functions: dict[int, Function] = field(default_factory=dict)
+    variables: dict[int, tuple[Type, int]] = field(default_factory=dict)
+
+    @property
+    def stage(self) -> str:
+        """Of the source; "" for a module from elsewhere."""
+        return "" if self.source is None else self.source.stage
+
+    @property
+    def main(self) -> Function:
+        """The entry point."""
+        return self.functions[self.module.entry]
+
+    @functools.cached_property
+    def definitions(self) -> dict[int, Instruction]:
+        """The instruction that each result's id stands for."""
+        return {
+            instruction.id: instruction
+            for function in self.functions.values()
+            for block in function.blocks.values()
+            for instruction in block
+            if instruction.id
+        }
+
+    @functools.cached_property
+    def workgroup(self) -> tuple[int, int, int]:
+        """A compute stage's workgroup in x, y and z; one invocation of other stages."""
+        x, y, z = (*self.module.modes.get(_LOCAL_SIZE, ()), 1, 1, 1)[:3]
+        return x, y, z
+
+    @functools.cached_property
+    def lanes(self) -> int:
+        """How many invocations are to be run together: a workgroup where it shares variables or
+        waits, else one."""
+        shares = any(storage == Storage.WORKGROUP for _, storage in self.variables.values())
+        return math.prod(self.workgroup) if shares or self.line_of(BARRIER) else 1
+
+    def line_of(self, op: int) -> int:
+        """The first line that has an instruction of this opcode, 0 if none does."""
+        blocks = (block for f in self.functions.values() for block in f.blocks.values())
+        return next((one.line for block in blocks for one in block if one.op == op), 0)
+
+    def name(self, id_: int) -> str:
+        """GLSL's name of a variable or function, "" for what the compiler made."""
+        return self.module.names.get(id_, "")
+
+    def place(self, line: int) -> tuple[str, int]:
+        """The author's file and line of an instruction's line."""
+        return ("", line) if self.source is None else self.source.place(line)
+
+    def not_interpreted(self, name: str, line: int) -> NotInterpretedError:
+        """The error about what stands at a line."""
+        file, own = self.place(line)
+        where = f" at line {own}" if own else ""
+        return NotInterpretedError(f"not interpreted: {name}{where}", file=file or None)
+
+
+def load(source: Source) -> Program:
+    """A shader stage compiled to SPIR-V with the lines of its text, for OpenGL, or for Vulkan if
+    only that takes it.
+
+    Raises:
+        ShaderError: it does not compile.
+        NotInterpretedError: the module has a type that the interpreter does not know, or is of a
+            tessellation stage.
+    """
+    if source.stage.startswith("tess_"):
+        raise NotInterpretedError(f"not interpreted: {source.stage} stage", file=source.path)
+    compiled = compiled_with_lines(source)
+    for modules in compiled.spirv.values():
+        return read(modules[source.stage], source)
+    compiled.require()
+    raise ShaderError("does not become SPIR-V", file=source.path)
+
+
+def read(data: bytes, source: Source | None = None) -> Program:
+    """A module's bytes as a program; `source` is the text that its lines count.
+
+    Raises:
+        ShaderError: the bytes are no SPIR-V module.
+        NotInterpretedError: it has a type that the interpreter does not know.
+    """
+    module = parse(data)
+    program = Program(module, source, Types(module))
+    for id_, (pointee, storage) in module.variables.items():
+        program.variables[id_] = (program.types[pointee], storage)
+    line, function, block = 0, Function(0), []
+    for raw in module.body:
+        op, words = raw.op, raw.words
+        if op == Op.LINE:
+            line = words[1]
+        elif op == Op.FUNCTION:
+            function = program.functions[words[1]] = Function(words[1], words[0])
+        elif op == _PARAMETER:
+            function.parameters[words[1]] = words[0]
+        elif op == _LABEL:
+            block = function.blocks[words[0]] = []
+        elif op not in (_FUNCTION_END, _NO_LINE):
+            instruction = _decoded(module, raw, line)
+            block.append(instruction)
+            if op == Op.VARIABLE:
+                pointee, storage = module.pointers[words[0]]
+                program.variables[words[1]] = (program.types[pointee], storage)
+                function.variables.append(words[1])
+    return program
+
+
+def _decoded(module: Module, raw: Raw, line: int) -> Instruction:
+    # A type's id is never an operand in the first place, so it tells what has a result.
+    words = raw.words
+    if words and (words[0] in module.types or words[0] in module.pointers):
+        return Instruction(raw.op, words[0], words[1], words[2:], line)
+    return Instruction(raw.op, 0, 0, words, line)

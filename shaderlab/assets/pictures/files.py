@@ -1,0 +1,188 @@
+"""Image files: pictures written for the report, textures read for cases.
+
+Files have the top row first, OpenGL the lowest; the flip happens here and nowhere else.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from shaderlab.errors import AssetError, extra
+from shaderlab.files import write_bytes
+
+from .display import as_pixels, enlarge, to_display
+from .png import encode
+from .previews import copy_path
+
+Floats = NDArray[np.float32]
+
+LARGEST_SIDE = 16384
+
+
+def save_png(
+    path: str | Path,
+    array: NDArray[Any],
+    *,
+    min_side: int = 1,
+    palette: NDArray[np.uint8] | None = None,
+) -> None:
+    """Write an array as a PNG file, whole or not at all.
+
+    Args:
+        path: the file; its folder must exist.
+        array: uint8 (height, width, 1, 3 or 4), row 0 at the bottom; anything else goes
+            through `to_display` first.
+        min_side: a picture whose shorter side is smaller is enlarged by a whole factor, each
+            pixel becoming a square.
+        palette: uint8 (colours, 3), for an array of one channel of indices.
+
+    Raises:
+        AssetError: the file can't be written.
+    """
+    pixels = as_pixels(array)
+    if pixels.dtype != np.uint8 or pixels.shape[2] == 2:
+        pixels = to_display(pixels).image
+    pixels = enlarge(pixels, max(1, -(-min_side // min(pixels.shape[:2]))))
+    write_picture(path, pixels, palette)
+
+
+def write_picture(
+    path: str | Path, pixels: NDArray[np.uint8], palette: NDArray[np.uint8] | None = None
+) -> None:
+    """Write uint8 pixels (height, width, 1, 3 or 4) as an image file, whole or not at all.
+
+    Here, and nowhere else, it is decided how pictures are encoded. Raises AssetError.
+    """
+    try:
+        write_bytes(path, encode(pixels, palette))
+    except OSError as error:
+        raise AssetError(
+            f"can't write the picture ({error.strerror or error})",
+            file=path,
+            remedy="check that the folder exists, may be written to, and has room",
+        ) from error
+
+
+def save_preview(path: str | Path, pixels: NDArray[np.uint8], side: int) -> None:
+    """Write a copy of at most `side` pixels in each direction beside the PNG file `path`.
+
+    Args:
+        path: the PNG file.
+        pixels: what is in it, uint8 (height, width, 3), row 0 at the bottom.
+        side: how large the copy is at most.
+
+    Raises:
+        AssetError: the copy can't be written.
+    """
+    write_picture(copy_path(Path(path), side), reduced(pixels, side))
+
+
+def load(path: str | Path) -> Floats:
+    """An image file as float32 (height, width, 1…4), row 0 the lowest.
+
+    Integer formats become 0…1; no colour space is converted and alpha is not multiplied in.
+
+    Raises:
+        AssetError: the file is missing, damaged, empty, or too large for a texture, or the extra
+            "images" is not installed.
+    """
+    source = Path(path)
+    if not source.is_file():
+        what = "is a folder, not an image" if source.is_dir() else "there is no such image file"
+        raise AssetError(what, file=source, remedy="check the path and its spelling")
+    with extra("images", "reading an image file", source):
+        import OpenImageIO as oiio
+
+    config = oiio.ImageSpec()
+    config.attribute("oiio:UnassociatedAlpha", 1)
+    opened = oiio.ImageInput.open(str(source), config)
+    if opened is None:
+        raise _damaged(source, oiio.geterror())
+    try:
+        spec = opened.spec()
+        if max(spec.width, spec.height) > LARGEST_SIDE or spec.depth > 1:
+            raise AssetError(
+                f"the image is {spec.width} × {spec.height} × {spec.depth}, "
+                f"larger than {LARGEST_SIDE} × {LARGEST_SIDE}",
+                file=source,
+                remedy="scale it down",
+            )
+        if not 1 <= spec.nchannels <= 4:
+            raise AssetError(
+                f"the image has {spec.nchannels} channels; a texture has one to four",
+                file=source,
+                remedy="save it as grey, RGB or RGBA",
+            )
+        pixels = opened.read_image("float")
+        problem = opened.geterror()
+    finally:
+        opened.close()
+    if pixels is None or problem:
+        raise _damaged(source, problem)
+    shaped = np.asarray(pixels, dtype=np.float32).reshape(spec.height, spec.width, spec.nchannels)
+    return np.ascontiguousarray(shaped[::-1])
+
+
+def reduced(pixels: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
+    """uint8 (height, width, channels), at most `side` pixels in each direction.
+
+    Each new pixel is the mean of a square: quick, and no colour rings around an edge.
+    """
+    factor = -(-max(pixels.shape[:2]) // side)
+    if factor < 2:
+        return pixels
+    sums, count = _sums(pixels, factor, np.uint16)
+    sums += count // 2
+    sums //= count
+    return sums.astype(np.uint8)
+
+
+def coarse(values: NDArray[Any], side: int) -> NDArray[Any]:
+    """Values of a picture (height, width, channels) at so many pixels in its longer direction, or
+    up to twice as many.
+
+    Colours are means of squares, without a fourth channel. Numbers that are no colours, which are
+    integers or stand alone, may have no mean: of these each square gives one.
+    """
+    factor = max(values.shape[:2]) // side
+    if factor < 2:
+        return values
+    if values.dtype.kind != "f" or values.shape[2] == 1:
+        down, across = (min(factor, count) for count in values.shape[:2])
+        height, width = values.shape[0] // down * down, values.shape[1] // across * across
+        return values[:height:down, :width:across]
+    wanted = np.promote_types(values.dtype, np.float32)  # processors add no halves
+    with np.errstate(all="ignore"):
+        sums, count = _sums(values, factor, wanted)
+        sums /= count
+    return sums
+
+
+def _sums(values: NDArray[Any], factor: int, kind: DTypeLike) -> tuple[NDArray[Any], int]:
+    """Sums of squares of `factor` × `factor` pixels, without a fourth channel, and of how many
+    pixels: of all up to 4 × 4, else of so many all over the square."""
+    down, across = (min(factor, count) for count in values.shape[:2])
+    height, width = values.shape[0] // down, values.shape[1] // across
+    ys, xs = (range(0, side, -(-side // 4)) for side in (down, across))
+    found = np.zeros((height, width, min(values.shape[2], 3)), kind)
+    # Of one channel after the other: loops over a pixel's own are short, and take twice as long.
+    for channel in range(found.shape[2]):
+        plane = values[: height * down, : width * across, channel]
+        rows = plane[::down].astype(kind)
+        for y in ys[1:]:
+            rows += plane[y::down]
+        for x in xs:
+            found[:, :, channel] += rows[:, x::across]
+    return found, len(ys) * len(xs)
+
+
+def _damaged(path: Path, problem: str) -> AssetError:
+    return AssetError(
+        f"can't read the image ({problem.strip() or 'no reason given'})",
+        file=path,
+        remedy="open it in an image viewer; if that fails too, make it anew",
+    )

@@ -1,0 +1,200 @@
+"""The numbers behind a check's pictures, compressed so that a page can embed all of them.
+
+A file is one zlib stream: a line of JSON (`Values` but for its arrays), then, each for all
+components one after the other, rows from the bottom:
+
+    flags      1 byte a value: 1 was judged, 2 lies outside its band
+    measured   float32 as ordered integers, less the value to the left (the first: below)
+    reference  ordered integer of the nearest float32, less the measured one
+    rest       16 bits: what is left of the float64 reference, in 1/65535 of its float32 ULP;
+               where nothing is outside in multiples of 2048 of that, which pack well
+    low        ordered integers, less the reference's
+    high       minus ordered integers plus the reference's, less `low`: bands are nearly symmetric
+
+Ordered integers follow the order of floats one ULP a step (the sign bit's complement for negative
+ones); 32-bit ones wrap around, are folded so that small ones of either sign have zero bytes, and
+stand byte by byte, all lowest bytes first. Measured values are usually a few ULP from their
+reference, so most of those bytes are zero.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .deflate import deflated
+
+Numbers = NDArray[Any]
+_REST = 65535.0
+_COARSE = 2048
+# Pictures with more pixels than a square of this side, at four components, are cut to such a
+# square around their worst value.
+WINDOW = 64
+
+
+@dataclass(frozen=True, kw_only=True)
+class Values:
+    """The judged part of a picture, all arrays (rows, columns, components), row 0 the lowest.
+
+    Attributes:
+        size: (width, height) of the whole picture.
+        origin: (x, y) of the arrays' first value in it.
+        unit: size of one code of a fixed-point format; 0 for floats, whose unit is the ULP.
+        whole: whether all judged values are here.
+        measured, low, high: as float32 holds them.
+        reference: to 40 bits or better where a value is outside, to 29 otherwise.
+        judged, outside: booleans; the other arrays mean something only where `judged` is true.
+    """
+
+    size: tuple[int, int]
+    origin: tuple[int, int]
+    unit: float
+    whole: bool
+    measured: Numbers
+    reference: Numbers
+    low: Numbers
+    high: Numbers
+    judged: NDArray[np.bool_]
+    outside: NDArray[np.bool_]
+
+    @property
+    def fine(self) -> bool:
+        """Whether references are kept to more than the eight digits that a passing check shows."""
+        return bool(self.outside.any())
+
+    def corner(self) -> Values:
+        """The lowest values at the left, a quarter of a whole window at most."""
+        side = WINDOW // 2
+        if self.measured.size <= 4 * side**2:
+            return self
+        named = ("measured", "reference", "low", "high", "judged", "outside")
+        part = {name: getattr(self, name)[:side, :side] for name in named}
+        return replace(self, whole=False, **part)
+
+
+def pack(values: Values) -> bytes:
+    """The values as a file's bytes; `report/script/values.js` reads them."""
+    columns = _columns(values)
+    rows, width, components = values.measured.shape
+    head = {
+        "size": values.size,
+        "origin": values.origin,
+        "columns": width,
+        "rows": rows,
+        "components": components,
+        "unit": values.unit,
+        "whole": values.whole,
+        "fine": values.fine,
+    }
+    text = json.dumps(head, separators=(",", ":")) + "\n"
+    return deflated(b"".join((text.encode("ascii"), *columns)))
+
+
+def judged_part(arrays: Mapping[str, Any], worst: tuple[int, int] | None = None) -> Values:
+    """The smallest part of a check's pictures that holds all judged values.
+
+    Args:
+        arrays: of shape (height, width, components): "measured", "exact", "low", "high" and
+            "outside"; "covered" (height, width), and "unit". Of an exact comparison "measured" and
+            "reference" alone: each band is its reference. Only the part is looked at.
+        worst: (x, y) of the value to keep where the picture is too large to be kept whole.
+    """
+    height, width, components = arrays["measured"].shape
+    covered = arrays.get("covered", np.True_)
+    covered = np.broadcast_to(covered, (height, width))
+    ys, xs = (np.flatnonzero(covered.any(axis=axis)) for axis in (1, 0))
+    box = [(int(a[0]), int(a[-1]) + 1) if a.size else (0, 1) for a in (xs, ys)]
+    whole = (box[0][1] - box[0][0]) * (box[1][1] - box[1][0]) * components <= 4 * WINDOW**2
+    if not whole:
+        centre = worst or (box[0][0], box[1][0])
+        box = [_window(*ends, at) for ends, at in zip(box, centre, strict=True)]
+    part = slice(*box[1]), slice(*box[0])
+    measured = arrays["measured"][part]
+    if "exact" in arrays:
+        reference, low, high, outside = (
+            arrays[name][part] for name in ("exact", "low", "high", "outside")
+        )
+        unit = float(arrays["unit"])
+    else:
+        low = high = reference = arrays["reference"][part]
+        outside = (measured != reference) & ~(np.isnan(measured) & np.isnan(reference))
+        unit = float(arrays["measured"].dtype.kind in "iu")
+    return Values(
+        size=(width, height),
+        origin=(box[0][0], box[1][0]),
+        unit=unit,
+        whole=whole,
+        measured=measured,
+        reference=reference,
+        low=low,
+        high=high,
+        judged=np.broadcast_to(covered[part][..., None], measured.shape),
+        outside=outside,
+    )
+
+
+def _window(start: int, stop: int, centre: int) -> tuple[int, int]:
+    low = max(start, min(centre - WINDOW // 2, stop - WINDOW))
+    return low, min(stop, low + WINDOW)
+
+
+def _columns(values: Values) -> list[bytes]:
+    judged = np.moveaxis(values.judged, -1, 0)
+    planes = np.empty((4, *judged.shape), np.float32)
+    exact = np.empty(judged.shape)
+    arrays = values.measured, values.reference, values.low, values.high, values.reference
+    with np.errstate(invalid="ignore", over="ignore"):
+        for plane, array in zip((*planes, exact), arrays, strict=True):
+            plane[...] = np.moveaxis(array, -1, 0)
+    if not values.judged.all():
+        planes[:, ~judged] = exact[~judged] = 0.0
+    rest = _rest(exact, planes[1], 1 if values.fine else _COARSE)
+    measured, nearest, low, high = _ordered(planes)
+    steps, away, below, above = columns = np.empty_like(planes, np.int32)
+    steps[...] = measured
+    steps[:, :, 1:] -= measured[:, :, :-1]
+    steps[:, 1:, 0] -= measured[:, :-1, 0]
+    np.subtract(nearest, measured, out=away)
+    np.subtract(low, nearest, out=below)
+    np.subtract(nearest, high, out=above)
+    above -= below
+    signs = columns >> 31
+    columns <<= 1
+    columns ^= signs
+    flags = judged.astype(np.uint8)
+    flags += np.moveaxis(values.outside, -1, 0).astype(np.uint8) << 1
+    return [flags.tobytes(), *map(_split, (steps, away, rest, below, above))]
+
+
+def _rest(exact: NDArray[Any], near: NDArray[np.float32], unit: int) -> NDArray[np.int16]:
+    """What is left of float64 numbers beside the nearest float32 ones, in `unit` of 1/65535 ULP."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        ulp = near.astype(np.float64)
+        left = exact - ulp
+        powers = ulp.view(np.int64)
+        powers &= 0x7FF << 52  # without their signs and fractions
+        np.maximum(ulp, 2.0**-126, out=ulp)  # below that float32 numbers lie equally far apart
+        ulp *= 2.0**-23
+        left /= ulp
+        left[np.isnan(left)] = 0.0  # of numbers that are not finite
+        np.clip(left, -0.5, 0.5, out=left)
+        left *= _REST / unit
+        np.rint(left, out=left)
+        left *= unit
+    return np.clip(left, -32768, 32767, out=left).astype(np.int16)
+
+
+def _ordered(values: NDArray[np.float32]) -> NDArray[np.int32]:
+    bits = values.view(np.int32)
+    return bits ^ ((bits >> 31) & np.int32(0x7FFFFFFF))
+
+
+def _split(numbers: NDArray[Any]) -> bytes:
+    """Integers byte by byte, all lowest bytes first."""
+    shifts = range(0, 8 * numbers.itemsize, 8)
+    return b"".join((numbers >> shift).astype(np.uint8).tobytes() for shift in shifts)

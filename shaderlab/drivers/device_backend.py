@@ -1,0 +1,60 @@
+"""A backend's sessions and what they share, the same for every graphics API."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from typing import Any, Protocol
+
+from shaderlab.model.case import Scene
+
+from . import Backend, Size
+from .passes import PassSession
+from .program_cache import ProgramCache
+from .programs import captures
+from .programs.prepare import Programs
+
+
+class Device(Protocol):
+    """What a backend opens; `info` as in `Backend`."""
+
+    @property
+    def info(self) -> Mapping[str, str]: ...
+
+
+class DeviceBackend(Backend):
+    """Draws scenes on one device; keeps programs and captured fragments from one to the next.
+
+    A backend names the classes of its linker and of its sessions.
+    """
+
+    linker_class: type[ProgramCache[Any]]
+    session_class: type[PassSession[Any, Any]]
+
+    def __init__(self, device: Device) -> None:
+        self.device: Any = device
+        self.info = device.info
+        self.captures = captures.CaptureCache()
+        self._linker = self.linker_class(device)
+
+    @contextmanager
+    def session(
+        self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
+    ) -> Iterator[PassSession[Any, Any]]:
+        with self.in_use(), ExitStack() as stack:
+            linker = self._linker
+            if temporary_programs:
+                linker = self.linker_class(linker.device, linker)
+                stack.callback(linker.release)
+            session = self.session_class(linker, scene, programs, size, stack)
+            session.cache = self.captures
+            yield session
+
+    def release_caches(self) -> None:
+        with self.in_use():
+            self.captures.clear()
+            self._linker.release()
+
+    def in_use(self) -> AbstractContextManager[object]:
+        """What a scene is drawn inside of, so that this thread may use the device."""
+        return nullcontext()

@@ -1,0 +1,124 @@
+"""OpenGL behind the protocol of `shaderlab.drivers`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+
+import numpy as np
+
+from shaderlab.compiler.sources import Source
+from shaderlab.errors import UnsupportedError
+from shaderlab.model.call_edits import CallEdit
+from shaderlab.model.calls import Call, Program
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import Array, Fragments, PassDraw, Reply
+from shaderlab.model.records import Verdict
+
+from .. import Evaluation, Size
+from ..device_backend import DeviceBackend
+from ..programs import captures
+from ..programs.prepare import Programs
+from ..programs.storage import captured
+from . import calls, dispatch, feedback, queries, tracing, verdict
+from .device import Device
+from .drawing import Drawing
+from .evaluating import Evaluator
+from .linking import Linker
+from .pyopengl import GL
+
+
+class OpenGLSession(Drawing):
+    """One scene on an OpenGL device."""
+
+    vertex_outputs = feedback.vertex_outputs
+    count = queries.counted
+    time = queries.timed
+    attributes = queries.attributes
+    blocks = queries.block_readings
+    locations = queries.locations
+    trace = tracing.trace
+
+    def fragments(self, key: PassDraw) -> Fragments:
+        draw = self.programs[key[0]][key[1]]
+        if draw.draw.compute:
+            return captured(draw.draw, draw.interface, self.bindings[key])
+        return super().fragments(key)
+
+    def call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
+        def texts(program: Program) -> dict[str, str]:
+            name, index = self.scene.draw_key(program.pass_name, program.draw)
+            return self.programs[name][index].texts
+
+        return calls.answer(self.device, made, returns, texts)
+
+    def gl_errors(self, key: PassDraw) -> Sequence[int]:
+        return self._gl_errors.get(key, ())
+
+
+class OpenGLBackend(DeviceBackend):
+    """Draws scenes on one device; caches linked programs and captured fragments across scenes."""
+
+    linker_class = Linker
+    session_class = OpenGLSession
+    device: Device
+    _linker: Linker
+
+    def __init__(self, device: Device) -> None:
+        super().__init__(device)
+        self._evaluator = Evaluator(device, self._linker)
+
+    def in_use(self) -> AbstractContextManager[object]:
+        return self.device.in_use()
+
+    @contextmanager
+    def edited_session(
+        self, scene: Scene, programs: Programs, size: Size, edit: CallEdit | None
+    ) -> Iterator[OpenGLSession]:
+        with (
+            self.device.in_use(),
+            tracing.recording_device(self.device, edit) as device,
+            ExitStack() as stack,
+        ):
+            session = OpenGLSession(Linker(device), scene, programs, size, stack)
+            session.cache = captures.CaptureCache()
+            yield session
+
+    def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
+        with self.device.in_use():
+            return verdict.driver_verdict(self.device, sources)
+
+    def verdict_before_draw(self, sources: Sequence[Source]) -> Verdict:
+        with self.device.in_use():
+            found = verdict.verdict_of_linked(self._linker, sources)
+        return found or self.driver_verdict(sources)
+
+    def require_compute(self) -> None:
+        if not dispatch.has_compute(self.device):
+            raise UnsupportedError("compute passes: this driver has no compute shaders")
+
+    @contextmanager
+    def storage(self, count: int) -> Iterator[Callable[[], Array]]:
+        for name in ("GL_ARB_shader_storage_buffer_object", "GL_ARB_shader_image_load_store"):
+            if name not in self.device.context.extensions:
+                raise UnsupportedError(f"storage buffers: this driver lacks {name}")
+        buffer = self.device.context.buffer(np.zeros(count, np.uint32))
+
+        def read() -> Array:
+            GL.glMemoryBarrier(GL.GL_BUFFER_UPDATE_BARRIER_BIT)
+            return np.frombuffer(buffer.read(), np.uint32)
+
+        try:
+            buffer.bind_to_storage_buffer(0)
+            yield read
+        finally:
+            buffer.release()
+
+    def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
+        with self.device.in_use():
+            self._evaluator.evaluate(evaluation, inputs, outputs)
+
+    def close(self) -> None:
+        # What outlives the context would be deleted by its number, in the context of another lab.
+        self.device.context.gc_mode = None
+        self.device.context.release()

@@ -1,0 +1,152 @@
+"""The textures of one scene on the device: uploaded once, attachments of earlier passes among
+them; what they hold as exact values, and their binding to a program's samplers."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from shaderlab.compiler.interface import Variable
+from shaderlab.model.frame import Array
+from shaderlab.model.textures import (
+    CompressedTexture,
+    CubeTexture,
+    Output,
+    Sampling,
+    Texture,
+    TextureSource,
+    level_sizes,
+)
+
+from ..programs.compressed import blocks_of
+from ..programs.formats import DEPTH
+from ..programs.textures import contents, find_image, kind_of, layers_of
+from ..scene_textures import DeviceTexels, SceneTextures
+from .device import Device
+from .linking import uniform_location
+from .pyopengl import GL, named
+from .target import RenderTarget
+from .textures import DeviceTexture, generate_levels, read_level, upload, upload_compressed
+
+
+@dataclass(eq=False)
+class BoundTextures(SceneTextures[RenderTarget]):
+    """What a scene's samplers read. Arguments as of `SceneTextures`, and besides:
+
+    Args:
+        device: where they are.
+        stack: releases device memory at the end.
+    """
+
+    _device: Device
+    _stack: ExitStack
+    _levels: dict[tuple[str, str], tuple[Array, ...]] = field(default_factory=dict, init=False)
+    _samples: dict[tuple[str, str], Array] = field(default_factory=dict, init=False)
+    _again: dict[tuple[str, str], DeviceTexture] = field(default_factory=dict, init=False)
+    # A sampler keeps filters and wraps apart from the images: one attachment can have several.
+    _samplers: dict[tuple[Any, ...], int] = field(default_factory=dict, init=False)
+
+    def bind(self, program: Any, unit: int, variable: Variable, source: TextureSource) -> bool:
+        """Bind a texture to a unit, and the sampler to that; False if the program lacks it."""
+        location = uniform_location(program, variable.name)
+        if location < 0:
+            return False
+        GL.glActiveTexture(GL.GL_TEXTURE0 + unit)  # one that is made now takes no other's unit
+        texture = self.find(source, self.kind(source, variable)).handle
+        GL.glBindTexture(texture.target, texture.glo)
+        GL.glBindSampler(unit, self._sampler(source))
+        GL.glActiveTexture(GL.GL_TEXTURE0)
+        GL.glUseProgram(program.glo)
+        GL.glUniform1i(location, unit)
+        if isinstance(source, CubeTexture):
+            (GL.glEnable if source.seamless else GL.glDisable)(GL.GL_TEXTURE_CUBE_MAP_SEAMLESS)
+        return True
+
+    def attachment(self, source: Output, kind: str) -> DeviceTexels:
+        image = find_image(source, self.images)
+        target, key = self.targets[source.pass_name], (source.pass_name, source.name)
+        if target.released:
+            if key not in self._again:
+                self._again[key] = upload(self._device, "2D", image.format, layers_of(image))
+                self._stack.callback(self._again[key].release)
+            return DeviceTexels(source, self._again[key], image.format, image.values)
+        texture = target.texture(source.name, sampled=kind == "2DMS")
+        if kind == "2DMS":
+            if key not in self._samples:
+                self._samples[key] = target.read_samples(source.name)
+            return DeviceTexels(source, texture, image.format, self._samples[key])
+        if source.mipmaps and key not in self._levels:
+            generate_levels(texture)
+            self._levels[key] = _read_smaller(texture, image.format, image.values)
+        levels = self._levels[key] if source.mipmaps else ()
+        return DeviceTexels(source, texture, image.format, image.values, levels)
+
+    def upload(self, source: TextureSource) -> DeviceTexels:
+        if isinstance(source, CompressedTexture):
+            texture, levels = upload_compressed(self._device, blocks_of(source, self.folder))
+            self._stack.callback(texture.release)
+            return DeviceTexels(source, texture, "rgba8", levels[0], tuple(levels[1:]))
+        if isinstance(source, Output):
+            image = find_image(source, self.images)
+            kind, format = kind_of(source, "", 0, image.layers), image.format
+            images = layers_of(image)
+        else:
+            kind, format = kind_of(source, "", 0), source.format
+            images = contents(source, self.folder, self.images)
+        mapped = isinstance(source, Texture) and source.upload == "map"
+        texture = upload(self._device, kind, format, images, mapped=mapped)
+        self._stack.callback(texture.release)
+        values, smaller = images.layers[0], tuple(images.smaller)
+        if kind != "2D" or format in DEPTH:
+            # A depth is rounded to its format's codes on the way.
+            size = (values.shape[1], values.shape[0], len(images.layers))
+            values = read_level(texture, format, 0, size)
+        if source.mipmaps is True:
+            generate_levels(texture)
+        if source.mipmaps is True or (smaller and format in DEPTH):
+            smaller = _read_smaller(texture, format, values)
+        return DeviceTexels(source, texture, format, values, smaller)
+
+    def _sampler(self, sampling: Sampling) -> int:
+        """The sampler object of these filters and wraps, made once."""
+        key = (sampling.filter, sampling.wrap, sampling.border, sampling.compare, sampling.lod)
+        if key not in self._samplers:
+            self._samplers[key] = made = _new_sampler(sampling)
+            self._stack.callback(GL.glDeleteSamplers, 1, [made])
+        return self._samplers[key]
+
+
+def _read_smaller(texture: DeviceTexture, format: str, values: Array) -> tuple[Array, ...]:
+    """The levels below the first, as the device has them."""
+    count = values.shape[0] if values.ndim == 4 else 1
+    height, width = values.shape[-3:-1]
+    sizes = level_sizes(width, height)[1:]
+    return tuple(
+        read_level(texture, format, level, (*size, count))
+        for level, size in enumerate(sizes, start=1)
+    )
+
+
+def _new_sampler(sampling: Sampling) -> int:
+    """A sampler object. Source: OpenGL 4.5 core profile, table 8.15."""
+    name = int(GL.glGenSamplers(1))
+    compare = GL.GL_NONE if sampling.compare is None else GL.GL_COMPARE_REF_TO_TEXTURE
+    along_r = [(GL.GL_TEXTURE_WRAP_R, named(word)) for word in sampling.wrap[2:]]
+    for what, number in (
+        (GL.GL_TEXTURE_MIN_FILTER, named(sampling.filter[0])),
+        (GL.GL_TEXTURE_MAG_FILTER, named(sampling.filter[1])),
+        (GL.GL_TEXTURE_WRAP_S, named(sampling.wrap[0])),
+        (GL.GL_TEXTURE_WRAP_T, named(sampling.wrap[1])),
+        *along_r,
+        (GL.GL_TEXTURE_COMPARE_MODE, compare),
+        (GL.GL_TEXTURE_COMPARE_FUNC, named(sampling.compare or "lequal")),
+    ):
+        GL.glSamplerParameteri(name, what, number)
+    GL.glSamplerParameterf(name, GL.GL_TEXTURE_MIN_LOD, sampling.lod[0])
+    GL.glSamplerParameterf(name, GL.GL_TEXTURE_MAX_LOD, sampling.lod[1])
+    border = np.array(sampling.border, np.float32)
+    GL.glSamplerParameterfv(name, GL.GL_TEXTURE_BORDER_COLOR, border)
+    return name

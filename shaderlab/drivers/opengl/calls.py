@@ -1,0 +1,186 @@
+"""Calls of the OpenGL API as a case writes them, in a fresh context.
+
+The C functions are called as they are (PyOpenGL's raw prototypes): its convenient wrappers look at
+some arguments themselves, and would answer in the driver's place.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from typing import Any, TypeGuard
+
+import numpy as np
+
+from shaderlab.errors import CaseError, ShaderError, UnsupportedError
+from shaderlab.model.calls import Call, Location, Object, Program
+from shaderlab.model.frame import Reply
+
+from .api import constant, fresh_context, name_of, prototype
+from .device import Device
+from .drawing import drain_errors
+from .pyopengl import GL, GLError, NullFunctionError, named
+
+Texts = Callable[[Program], Mapping[str, str]]
+"""The stages' text of one of a case's programs, by stage."""
+
+_ARRAYS: Mapping[str, type[np.generic]] = {
+    "GLint": np.int32, "GLsizei": np.int32, "GLuint": np.uint32, "GLenum": np.uint32,
+    "GLfloat": np.float32, "GLdouble": np.float64, "GLboolean": np.uint8, "GLubyte": np.uint8,
+    "GLint64": np.int64, "GLuint64": np.uint64, "GLintptr": np.int64, "GLsizeiptr": np.int64,
+}  # fmt: skip
+_READS_BYTES = ("glGetBufferSubData", "glGetTexImage", "glReadPixels")
+_ROOM = 4096  # numbers that a call may write
+
+
+def answer(
+    device: Device, calls: Sequence[Call], returns: Sequence[int | float | str], texts: Texts
+) -> Reply:
+    """Make some calls in a context of their own, up to the first that raises an error.
+
+    Returns:
+        what the API answered to that one, or to the last; `returns` are the values expected of it.
+
+    Raises:
+        CaseError: a function, a constant or an argument is none of OpenGL's.
+        UnsupportedError: the driver has no such function.
+    """
+    wanted = tuple(constant(w) if _is_constant(w) else w for w in returns)
+    *before, last = calls
+    with fresh_context(device):
+        maker = _Maker(texts)
+        for step in before:
+            maker.make(step, 0)
+            errors = drain_errors()
+            if errors:
+                return Reply(errors=errors, at=str(step), wanted=wanted)
+        returned = maker.make(last, len(wanted))
+        errors = drain_errors()
+    words = [w if isinstance(w, str) else "" for w in returns]
+    names = {
+        int(n): name_of(int(n), word)
+        for word, want, got in zip(words, wanted, returned, strict=False)
+        if _is_constant(word)
+        for n in (want, got)
+    }
+    return Reply(errors=errors, at=str(last), wanted=wanted, returned=returned, names=names)
+
+
+class _Maker:
+    """Calls made one after the other, with the objects and programs that they name."""
+
+    def __init__(self, texts: Texts) -> None:
+        self._texts = texts
+        self._objects: dict[Object, int] = {}
+        self._programs: dict[Program, int] = {}
+
+    def make(self, call: Call, returns: int) -> tuple[Any, ...]:
+        """Make one call: the first `returns` values that it returned or wrote."""
+        function = prototype(call.function)
+        types = tuple(function.argtypes or ())
+        kind = np.uint8 if call.function in _READS_BYTES else types and _element(types[-1])
+        writes = len(call.arguments) == len(types) - 1 and bool(kind)
+        if len(call.arguments) != len(types) and not writes:
+            raise CaseError(
+                f"{call}: {call.function} takes {len(types)} arguments",
+                remedy=f"{call.function}({', '.join(function.argNames)})",
+            )
+        values = [self._value(call, a, t) for a, t in zip(call.arguments, types, strict=False)]
+        room = np.zeros(_ROOM, kind) if writes else None
+        if room is not None:
+            values.append(room.ctypes.data_as(ctypes.c_void_p) if _is_address(types[-1]) else room)
+        got = self._called(call, function, values)
+        if room is not None:
+            return tuple(room[:returns].tolist())
+        got = got.decode(errors="replace") if isinstance(got, bytes) else got
+        return (0 if got is None else got,) if function.restype is not None else ()
+
+    def _called(self, call: Call, function: Any, values: Sequence[Any]) -> Any:
+        try:
+            return function(*values)
+        except GLError as error:  # PyOpenGL's own check, of compiling and linking
+            return error.result
+        except NullFunctionError as error:
+            raise UnsupportedError(f"{call.function}: this driver has no such function") from error
+        except (ctypes.ArgumentError, TypeError, ValueError) as error:
+            raise CaseError(
+                f"{call}: {error}", remedy=f"{call.function}({', '.join(function.argNames)})"
+            ) from error
+
+    def _value(self, call: Call, argument: Any, kind: Any) -> Any:
+        """An argument as the C function takes it."""
+        if isinstance(argument, Object):
+            return self._object(argument)
+        if isinstance(argument, Program):
+            return self._program(argument)
+        if isinstance(argument, Location):
+            program = self._program(argument.program)
+            GL.glUseProgram(program)
+            return GL.glGetUniformLocation(program, argument.uniform.encode())
+        if _is_constant(argument):
+            return constant(argument)
+        if isinstance(argument, tuple) and any(isinstance(each, Object) for each in argument):
+            return np.array([self._value(call, each, kind) for each in argument], np.uint32)
+        return _passed(call, argument, kind)
+
+    def _object(self, wanted: Object) -> int:
+        if wanted not in self._objects:
+            name = np.zeros(1, np.uint32)
+            prototype(f"glGen{_plural(wanted.kind)}")(1, name)
+            self._objects[wanted] = int(name[0])
+        return self._objects[wanted]
+
+    def _program(self, wanted: Program) -> int:
+        if wanted not in self._programs:
+            program = GL.glCreateProgram()
+            self._programs[wanted] = program
+            for stage, text in self._texts(wanted).items():
+                shader = GL.glCreateShader(named(f"{stage}_shader"))
+                GL.glShaderSource(shader, text)
+                with suppress(GLError):
+                    GL.glCompileShader(shader)
+                GL.glAttachShader(program, shader)
+                GL.glDeleteShader(shader)
+            with suppress(GLError):  # the status says it
+                GL.glLinkProgram(program)
+            if not GL.glGetProgramiv(program, GL.GL_LINK_STATUS):
+                log = GL.glGetProgramInfoLog(program)
+                raise ShaderError(f"the driver refuses the {wanted}: {log!r}")
+        return self._programs[wanted]
+
+
+def _passed(call: Call, argument: Any, kind: Any) -> Any:
+    """A number, text, array or null pointer for a parameter of this C type."""
+    if isinstance(argument, int) and _is_address(kind):
+        return ctypes.c_void_p(argument)  # an offset into the buffer that is bound
+    if argument is None or isinstance(argument, bytes | int | float):
+        return argument
+    several = [argument] if isinstance(argument, str) else list(argument)
+    if all(isinstance(word, str) for word in several):
+        texts = [word.encode() for word in several]
+        if "LP_LP" not in kind.__name__:
+            return texts[0]
+        return ctypes.cast((ctypes.c_char_p * len(texts))(*texts), kind)
+    if _element(kind) is None:
+        raise CaseError(f"{call}: {several} where no array is taken", remedy="bytes, or a number")
+    return np.array(several, _element(kind))
+
+
+def _is_address(kind: Any) -> bool:
+    return bool(kind.__name__ == "c_void_p")
+
+
+def _element(kind: Any) -> type[np.generic] | None:
+    """The type of an array parameter's elements; None for what is no array of numbers."""
+    return _ARRAYS.get(kind.__name__.removesuffix("Array")) if "Array" in kind.__name__ else None
+
+
+def _is_constant(word: Any) -> TypeGuard[str]:
+    return isinstance(word, str) and word.startswith("GL_")
+
+
+def _plural(kind: str) -> str:
+    """Several of a kind of object as functions spell it: VertexArrays, Queries."""
+    words = "".join(word.capitalize() for word in kind.split("_"))
+    return "Queries" if words == "Query" else f"{words}s"

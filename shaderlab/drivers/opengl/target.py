@@ -1,0 +1,223 @@
+"""Render targets: a framebuffer with its attachments, cleared, drawn into, and read back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from shaderlab.errors import UnsupportedError
+from shaderlab.model.frame import Array, Image
+from shaderlab.model.scene import Target
+from shaderlab.model.state import State
+
+from ..attachments import COVERING, UNREADABLE, Attachments
+from ..programs.formats import COLOR
+from . import state
+from .depth import NO_TEXTURE, Attached, attach_depth, read_depth
+from .device import Device
+from .pyopengl import GL, named
+from .textures import DeviceTexture
+
+
+class RenderTarget(Attachments):
+    """As `Attachments`, on a device."""
+
+    def __init__(
+        self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
+    ) -> None:
+        limit = device.context.info["GL_MAX_TEXTURE_SIZE"]
+        if max(size) > limit:
+            raise UnsupportedError(
+                f"a target of {size[0]} × {size[1]}: this driver ends at {limit}"
+            )
+        if target.samples > device.context.max_samples:
+            raise UnsupportedError(
+                f"{target.samples} samples: this driver offers {device.context.max_samples}"
+            )
+        super().__init__(target, colors, size)
+        self._device = device
+        self.released = False
+        self.textures = {name: self._texture(word) for name, word in colors.items()}
+        self._sampled = [
+            self._texture(w, target.samples) for w in colors.values() if target.samples
+        ]
+        self._resolved = self._framebuffer(list(self.textures.values()))
+        self._drawn = self._framebuffer(self._sampled) if target.samples else self._resolved
+        self._depth: Attached | None = None
+        if target.depth is not None:
+            self._depth = attach_depth(self._drawn, target, size)
+
+    def release(self) -> None:
+        for framebuffer in {self._drawn, self._resolved}:
+            framebuffer.release()
+        for texture in (*self.textures.values(), *self._sampled):
+            texture.release()
+        if self._depth is not None:
+            self._depth.release()
+        self.released = True
+
+    @property
+    def samples(self) -> int:
+        """How many samples a pixel has; 0 for one."""
+        return self._target.samples
+
+    def texture(self, name: str, *, sampled: bool = False) -> DeviceTexture:
+        """A colour attachment, or "depth", as a texture; `sampled`: that of all samples.
+
+        Raises:
+            UnsupportedError: it is kept in a way that no sampler can read.
+        """
+        if name in self.colors:
+            if sampled:
+                index = list(self.colors).index(name)
+                return DeviceTexture(self._sampled[index].glo, "2DMS")
+            return DeviceTexture(self.textures[name].glo, "2D")
+        if name == "depth" and self._depth is not None and self._depth.texture is not None:
+            return self._depth.texture
+        remedy = UNREADABLE if self.samples else NO_TEXTURE
+        raise UnsupportedError(f"sampling the {name} of this target", remedy=remedy)
+
+    def clear(self) -> None:
+        self.bind({name: index for index, name in enumerate(self.colors)})
+        state.apply(State(), self.size, self._device.version)
+        for index, word in enumerate(self.colors.values()):
+            if COLOR[word].integer:
+                values = np.array(self._target.clear, np.int32)
+                GL.glClearBufferiv(GL.GL_COLOR, index, values)
+            else:
+                GL.glClearBufferfv(GL.GL_COLOR, index, np.array(self._target.clear, np.float32))
+        if "depth" in self.attached:
+            GL.glClearBufferfv(GL.GL_DEPTH, 0, np.array([self._target.clear_depth], np.float32))
+        if "stencil" in self.attached:
+            GL.glClearBufferiv(GL.GL_STENCIL, 0, np.array([self._target.clear_stencil], np.int32))
+        # Bound again after the clear, or softpipe (Mesa 22.3.6) counts gl_FragCoord.y of a program
+        # that drew before from the height that it drew into then.
+        GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, 0)
+        self._drawn.use()
+
+    def bind(self, locations: Mapping[str, int]) -> None:
+        """Draw into this target from now on, with a program that writes its outputs at these
+        locations; outputs without an attachment here go nowhere."""
+        self._drawn.use()
+        attachments = {
+            locations[name]: GL.GL_COLOR_ATTACHMENT0 + index
+            for index, name in enumerate(self.colors)
+            if locations.get(name, -1) >= 0
+        }
+        count = max(attachments, default=-1) + 1
+        buffers = [attachments.get(location, GL.GL_NONE) for location in range(count)]
+        GL.glDrawBuffers(count, np.array(buffers, np.uint32))
+
+    def resolve(self) -> None:
+        if self._drawn is self._resolved:
+            return
+        width, height = self.size
+        GL.glDisable(GL.GL_SCISSOR_TEST)
+        for index in range(len(self.colors)):
+            GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._drawn.glo)
+            GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._resolved.glo)
+            GL.glReadBuffer(GL.GL_COLOR_ATTACHMENT0 + index)
+            GL.glDrawBuffer(GL.GL_COLOR_ATTACHMENT0 + index)
+            box = (0, 0, width, height)
+            GL.glBlitFramebuffer(*box, *box, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
+
+    def sample_positions(self) -> Array:
+        self._drawn.use()
+        found = np.empty((int(GL.glGetIntegerv(GL.GL_SAMPLES)), 2), np.float32)
+        for index, position in enumerate(found):
+            GL.glGetMultisamplefv(GL.GL_SAMPLE_POSITION, index, position)
+        return found
+
+    def read(self, name: str) -> Image:
+        if name not in self.colors:
+            assert self._target.depth is not None
+            return read_depth(self._drawn, self._target, name, self.size)
+        word = self.colors[name]
+        kind = COLOR[word]
+        values = np.empty((self.size[1], self.size[0], kind.components), kind.numpy)
+        self.textures[name].read_into(values, alignment=1)
+        return Image(values, word)
+
+    def read_samples(self, name: str) -> Array:
+        """All samples of a colour attachment: (samples, height, width, components)."""
+        kind = COLOR[self.colors[name]]
+        found = read_samples(
+            self._device, self.texture(name, sampled=True), self.size, self.samples
+        )
+        return found[..., : kind.components]
+
+    def _texture(self, word: str, samples: int = 0) -> Any:
+        # moderngl's own word for the type of a component; sRGB is another format of the same.
+        dtype = np.dtype(COLOR[word].numpy).str[1:].replace("u1", "f1")
+        internal = {"internal_format": named(word)} if word == "srgb8_alpha8" else {}
+        texture = self._device.context.texture(
+            self.size, COLOR[word].components, dtype=dtype, samples=samples, **internal
+        )
+        if not samples:
+            texture.filter = (self._device.context.NEAREST,) * 2
+            texture.repeat_x = texture.repeat_y = False  # later passes read its edge beyond it
+        return texture
+
+    def _framebuffer(self, textures: list[Any]) -> Any:
+        if not textures:
+            # moderngl makes none without a colour; nothing is drawn into this one.
+            least = self._device.context.renderbuffer(self.size, components=1)
+            return self._device.context.framebuffer(least)
+        try:
+            return self._device.context.framebuffer(textures)
+        except moderngl.Error as error:
+            raise self._unmade(str(error)) from error
+
+    def _unmade(self, said: str) -> Exception:
+        """Why the framebuffer is not complete: memory, most of the time."""
+        size = self.size[0] * self.size[1] * max(self._target.samples, 1)
+        kinds = [COLOR[word] for word in self.colors.values()]
+        wanted = size * sum(kind.components * np.dtype(kind.numpy).itemsize for kind in kinds)
+        what = f"a target of {self.size[0]} × {self.size[1]} with {len(kinds)} attachments"
+        if GL.GL_OUT_OF_MEMORY in iter(GL.glGetError, GL.GL_NO_ERROR) or wanted >= 1 << 30:
+            return MemoryError(f"{what} takes {wanted / (1 << 30):.3g} GB")
+        return UnsupportedError(f"{what}: {said}")
+
+
+_FETCH = """#version 330 core
+uniform sampler2DMS image;
+uniform int number;
+out vec4 color;
+void main() { color = texelFetch(image, ivec2(gl_FragCoord.xy), number); }
+"""
+
+
+def read_samples(
+    device: Device, texture: DeviceTexture, size: tuple[int, int], samples: int
+) -> Array:
+    """All samples of a float or normalised texture, as float32 (samples, height, width, 4).
+
+    Raises:
+        UnsupportedError: the driver can't fetch single samples.
+    """
+    context = device.context
+    try:
+        program = context.program(vertex_shader=COVERING, fragment_shader=_FETCH)
+    except moderngl.Error as error:
+        raise UnsupportedError(f"fetching single samples: {str(error).strip()}") from error
+    target = context.texture(size, 4, dtype="f4")
+    framebuffer = context.framebuffer([target])
+    corners = context.vertex_array(program, [])
+    values = np.empty((samples, size[1], size[0], 4), np.float32)
+    framebuffer.use()
+    state.apply(State(), size, device.version)
+    GL.glActiveTexture(GL.GL_TEXTURE0)
+    GL.glBindTexture(texture.target, texture.glo)
+    GL.glUseProgram(program.glo)
+    GL.glUniform1i(GL.glGetUniformLocation(program.glo, b"image"), 0)
+    for number in range(samples):
+        GL.glUniform1i(GL.glGetUniformLocation(program.glo, b"number"), number)
+        corners.render(4, vertices=3)
+        target.read_into(values[number], alignment=1)
+    GL.glBindTexture(texture.target, 0)
+    for made in (corners, framebuffer, target, program):
+        made.release()
+    return values

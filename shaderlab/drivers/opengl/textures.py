@@ -1,0 +1,242 @@
+"""Textures on the device: made of images or of compressed blocks, and read back.
+
+Pixels are moved as they lie in memory, through PyOpenGL's raw functions: its wrappers convert and
+copy what they are given, and know neither half floats nor packed depth and stencil.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+
+import numpy as np
+
+from shaderlab.errors import UnsupportedError
+from shaderlab.model.frame import Array
+from shaderlab.model.textures import level_sizes
+
+from ..programs.compressed import Blocks
+from ..programs.formats import DEPTH, format_of
+from ..programs.textures import Contents
+from .device import Device
+from .mapping import write_mapped
+from .pyopengl import GL, GL_1_0, GL_1_2, GL_1_3, named
+
+# The binding points, as OpenGL has their names, by what GLSL's samplers end in.
+_TARGETS = {
+    "2D": "texture_2d",
+    "2DArray": "texture_2d_array",
+    "3D": "texture_3d",
+    "Cube": "texture_cube_map",
+    "2DMS": "texture_2d_multisample",
+}
+# OpenGL's number, the extension that brings it, and the version that has it without.
+_COMPRESSED = {
+    "etc2_rgb8": (0x9274, "GL_ARB_ES3_compatibility", 430),
+    "etc2_eac_rgba8": (0x9278, "GL_ARB_ES3_compatibility", 430),
+    "bc1": (0x83F0, "GL_EXT_texture_compression_s3tc", 10**6),
+    "bc3": (0x83F3, "GL_EXT_texture_compression_s3tc", 10**6),
+    "bc7": (0x8E8C, "GL_ARB_texture_compression_bptc", 420),
+}
+
+# Source: OpenGL 4.5 core profile specification, tables 8.10 to 8.13 (sized internal formats).
+_COMPONENTS = ("red", "rg", "rgb", "rgba")
+_TYPES = {
+    np.uint8: "unsigned_byte", np.float16: "half_float", np.float32: "float", np.int32: "int",
+    np.uint32: "unsigned_int",
+}  # fmt: skip
+_PACKED = {
+    "depth24_stencil8": "unsigned_int_24_8", "depth32f_stencil8": "float_32_unsigned_int_24_8_rev",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """A format's internal number, and the components and type of the pixels that it comes in."""
+
+    internal: int
+    components: int
+    type: int
+
+
+def transfer(word: str) -> Transfer:
+    """How a colour or depth format is uploaded and read; depths as floats.
+
+    >>> hex(transfer("rgba8").internal), hex(transfer("depth24").components)
+    ('0x8058', '0x1902')
+    """
+    kind = format_of(word)
+    components = _COMPONENTS[kind.components - 1] + "_integer" * kind.integer
+    internal = word
+    if word in DEPTH:
+        components = "depth_component"
+        internal = word if kind.stencil else word.replace("depth", "depth_component")
+    return Transfer(named(internal), named(components), named(_TYPES[kind.numpy]))
+
+
+def depth_storage(word: str) -> Transfer:
+    """How an empty depth texture is made: with its stencil packed beside each depth."""
+    if word in _PACKED:
+        return Transfer(named(word), named("depth_stencil"), named(_PACKED[word]))
+    return transfer(word)
+
+
+@dataclass(frozen=True)
+class DeviceTexture:
+    """A texture's name on the device, and the kind of its samplers, as in `Texels.kind`."""
+
+    glo: int
+    kind: str
+
+    @classmethod
+    def new(cls, kind: str) -> DeviceTexture:
+        """A texture without any image, bound."""
+        made = cls(int(GL.glGenTextures(1)), kind)
+        GL.glBindTexture(made.target, made.glo)
+        return made
+
+    @property
+    def target(self) -> int:
+        """The binding point."""
+        return named(_TARGETS[self.kind])
+
+    def release(self) -> None:
+        """Release its memory."""
+        GL.glDeleteTextures(1, [self.glo])
+
+
+def upload(
+    device: Device, kind: str, format: str, images: Contents, *, mapped: bool = False
+) -> DeviceTexture:
+    """A texture with these images; `mapped` writes those of a plane through a pixel buffer.
+
+    Raises:
+        UnsupportedError: it is too large for the driver.
+    """
+    height, width = images.layers[0].shape[:2]
+    limit = int(device.context.info["GL_MAX_TEXTURE_SIZE"])
+    if max(width, height) > limit:
+        raise UnsupportedError(f"a texture of {width} × {height}: this driver ends at {limit}")
+    word = {"2DArray": "GL_MAX_ARRAY_TEXTURE_LAYERS", "3D": "GL_MAX_3D_TEXTURE_SIZE"}.get(kind)
+    if word and len(images.layers) > (most := int(device.context.info[word])):
+        layers = len(images.layers)
+        raise UnsupportedError(f"a texture of {layers} layers: this driver ends at {most}")
+    made = DeviceTexture.new(kind)
+    form = transfer(format)
+    if kind in ("2DArray", "3D"):
+        stacked = np.stack(images.layers)
+        with tightly_packed():
+            GL_1_2.glTexImage3D(
+                made.target, 0, form.internal, width, height, len(stacked), 0,
+                form.components, form.type, address(stacked),
+            )  # fmt: skip
+    elif kind == "Cube":
+        for face, image in enumerate(images.layers):
+            _set_image(GL.GL_TEXTURE_CUBE_MAP_POSITIVE_X + face, 0, format, image)
+    else:
+        for level, image in enumerate((*images.layers, *images.smaller)):
+            _set_image(made.target, level, format, image, mapped=mapped)
+    GL.glBindTexture(made.target, 0)
+    return made
+
+
+def _set_image(target: int, level: int, format: str, image: Array, *, mapped: bool = False) -> None:
+    """Fill one level of the texture that is bound."""
+    form = transfer(format)
+    height, width = image.shape[:2]
+    texels = np.ascontiguousarray(image)
+    source = _pixel_buffer(texels) if mapped else nullcontext(address(texels))
+    with tightly_packed(), source as pixels:
+        GL_1_0.glTexImage2D(
+            target, level, form.internal, width, height, 0, form.components, form.type, pixels
+        )
+
+
+@contextmanager
+def _pixel_buffer(texels: Array) -> Iterator[ctypes.c_void_p]:
+    """A buffer that texels are written into through a mapping, and that is bound for textures to
+    be filled from; gives where they begin in it."""
+    target = GL.GL_PIXEL_UNPACK_BUFFER
+    name = int(GL.glGenBuffers(1))
+    GL.glBindBuffer(target, name)
+    GL.glBufferData(target, texels.nbytes, None, GL.GL_STREAM_DRAW)
+    write_mapped(target, texels.tobytes())
+    try:
+        yield ctypes.c_void_p(0)
+    finally:
+        GL.glBindBuffer(target, 0)
+        GL.glDeleteBuffers(1, np.array([name], np.uint32))
+
+
+def upload_compressed(device: Device, blocks: Blocks) -> tuple[DeviceTexture, list[Array]]:
+    """A texture of these blocks, and each level as the driver decodes it: codes (height, width,
+    4).
+
+    Raises:
+        UnsupportedError: the driver lacks the format; names the extension.
+    """
+    internal, extension, version = _COMPRESSED[blocks.format]
+    if device.version < version and extension not in device.context.extensions:
+        raise UnsupportedError(f"{blocks.format} textures", remedy=f"this driver lacks {extension}")
+    sizes = level_sizes(*blocks.size)[: len(blocks.levels)]
+    made = DeviceTexture.new("2D")
+    for level, (size, data) in enumerate(zip(sizes, blocks.levels, strict=True)):
+        GL_1_3.glCompressedTexImage2D(made.target, level, internal, *size, 0, len(data), data)
+    GL.glTexParameteri(made.target, GL.GL_TEXTURE_MAX_LEVEL, len(sizes) - 1)
+    GL.glBindTexture(made.target, 0)
+    return made, [read_level(made, "rgba8", level, (*s, 1)) for level, s in enumerate(sizes)]
+
+
+def generate_levels(texture: DeviceTexture) -> None:
+    """Have the driver make all smaller levels."""
+    GL.glBindTexture(texture.target, texture.glo)
+    GL.glGenerateMipmap(texture.target)
+    # llvmpipe (Mesa 22.3) draws the levels later, and hands out empty ones until it has.
+    GL.glFinish()
+    GL.glBindTexture(texture.target, 0)
+
+
+def read_level(
+    texture: DeviceTexture, format: str, level: int, size: tuple[int, int, int]
+) -> Array:
+    """One level as it is on the device: (height, width, channels), or of an array or a cube
+    (layers, height, width, channels).
+
+    Args:
+        texture: what to read.
+        format: its format.
+        level: 0 is the largest.
+        size: the level's (width, height, layers).
+    """
+    width, height, count = size
+    form, kind = transfer(format), format_of(format)
+    values = np.empty((count, height, width, kind.components), kind.numpy)
+    cube = texture.kind == "Cube"
+    GL.glBindTexture(texture.target, texture.glo)
+    with tightly_packed():
+        for number, part in enumerate(values if cube else [values]):
+            target = GL.GL_TEXTURE_CUBE_MAP_POSITIVE_X + number if cube else texture.target
+            GL_1_0.glGetTexImage(target, level, form.components, form.type, address(part))
+    GL.glBindTexture(texture.target, 0)
+    return values[0] if texture.kind == "2D" else values
+
+
+@contextmanager
+def tightly_packed() -> Iterator[None]:
+    """Transfers of rows without padding between them."""
+    words = (GL.GL_PACK_ALIGNMENT, GL.GL_UNPACK_ALIGNMENT)
+    for word in words:
+        GL.glPixelStorei(word, 1)
+    try:
+        yield
+    finally:
+        for word in words:
+            GL.glPixelStorei(word, 4)
+
+
+def address(values: Array) -> ctypes.c_void_p:
+    """Where an array lies in memory, without gaps."""
+    assert values.flags.c_contiguous
+    return ctypes.c_void_p(values.ctypes.data)

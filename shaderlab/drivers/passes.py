@@ -1,0 +1,312 @@
+"""Drawing pass by pass, the same for every graphics API: targets, draws, and reading back."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Container, Mapping, Sequence, Set
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+from shaderlab.errors import UnsupportedError
+from shaderlab.model.activity import doing
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import Array, Bindings, Fragments, Image, PassDraw, Samples, leading
+from shaderlab.model.scene import Pass, Target
+from shaderlab.model.state import State
+from shaderlab.model.textures import Output
+
+from . import Drawn, Session, Size
+from .attachments import Attachments
+from .program_cache import ProgramCache
+from .programs import bind, captures, vertex_capture
+from .programs.formats import COLOR, components_of
+from .programs.fragment_capture import PassCapture
+from .programs.passes import check_continues, check_reads
+from .programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
+from .programs.varyings import Piece
+from .scene_textures import SceneTextures
+
+Kind = TypeVar("Kind", bound=Attachments)
+Made = TypeVar("Made", bound=ProgramCache[Any])
+
+
+def plain_state(draw: PreparedDraw) -> State:
+    """A draw's state without what changes the values that it writes: blending and masks."""
+    return replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4)
+
+
+class PassSession(Session, Generic[Kind, Made]):
+    """A session that draws its scene pass by pass; a backend says how each is done.
+
+    Args:
+        linker: makes the programs.
+        scene: what to draw.
+        programs: each pass's draws, compiled.
+        size: (width, height) for targets that do not say.
+        stack: releases device memory in the end.
+
+    Attributes:
+        cache: what other scenes captured, and this one does.
+    """
+
+    cache: captures.CaptureCache
+    _textures: SceneTextures[Any]  # what the scene's samplers read; a backend makes it
+
+    def __init__(
+        self, linker: Made, scene: Scene, programs: Programs, size: Size, stack: ExitStack
+    ) -> None:
+        super().__init__(scene, programs)
+        self.linker = linker
+        self.device = linker.device
+        self.size = size
+        self.stack = stack
+        self.folder = Path(scene.case.file).parent
+        self.bindings: dict[PassDraw, Bindings] = {}
+        self.images: dict[tuple[str, str], Image] = {}
+        self.targets: dict[str, Kind] = {}
+        self._unreleased: dict[str, Kind] = {}
+        self._named = scene.outputs_named()
+        self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
+        self._inactive: set[str] = set()
+        self._sample_positions: dict[str, Array] = {}
+        self._continued = {p.onto for p in scene.passes}
+        self._sampled: dict[str, list[tuple[str, Output]]] = {}  # with the passes that sample them
+        for description in scene.passes:
+            for source in (one for draw in description.draws for one in draw.textures.values()):
+                if isinstance(source, Output):
+                    samplings = self._sampled.setdefault(source.pass_name, [])
+                    samplings.append((description.name, source))
+        self._captures: dict[str, PassCapture] = {}
+        # They draw by this session: it and all its images would stay until cycles are collected.
+        stack.callback(self._captures.clear)
+
+    def draw(self, only: Container[str] | None = None) -> Drawn:
+        for description in self.scene.passes:
+            if only is None or description.name in only:
+                self._run_pass(description)
+        return Drawn(
+            images=self.images,
+            bindings=self.bindings,
+            gl_errors=self._gl_errors,
+            inactive=frozenset(self._inactive),
+            sample_positions=self._sample_positions,
+        )
+
+    def attachment(self, pass_name: str, name: str) -> Image:
+        if (pass_name, name) in self.images:
+            return self.images[pass_name, name]
+        description = self.scene.find_pass(pass_name)
+        if not any(self.targets[pass_name] is one for one in self._unreleased.values()):
+            return self._drawn_again(description, name, self.extent(description))
+        self.reading()
+        return self.targets[pass_name].read(name)
+
+    def extent(self, description: Pass) -> Size:
+        """The size in pixels of a pass's target."""
+        return description.target.size or self.size
+
+    def fragments(self, key: PassDraw) -> Fragments:
+        """As `Session.fragments`. Arrays from the cache can't be written to (see
+        `shaderlab.drivers.programs.captures`)."""
+        same = captures.identity(self.scene, self.programs, key, self.size)
+        return self.cache.get(same, lambda: self._capture(key[0]).fragments(key[1]))
+
+    def release_captures(self, kept: Set[str]) -> None:
+        for name in self._captures.keys() - kept:
+            del self._captures[name]
+
+    def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
+        return self._capture(key[0]).written(key[1], text, outputs)
+
+    def _capture(self, name: str) -> PassCapture:
+        """The captures of a pass's draws."""
+        if name not in self._captures:
+            draws, description = self.programs[name], self.scene.find_pass(name)
+
+            def redrawn(texts: Sequence[str], colors: Mapping[str, str]) -> Mapping[str, Array]:
+                plain = replace(description.target, colors=colors, clear=(0.0,) * 4, samples=0)
+                return self.redrawn(description, plain, texts)
+
+            self._captures[name] = PassCapture(draws, redrawn)
+        return self._captures[name]
+
+    @abstractmethod
+    def redrawn(
+        self, description: Pass, target: Target, texts: Sequence[str]
+    ) -> Mapping[str, Array]:
+        """The attachments of a pass that is drawn once more, each draw with another fragment text
+        and in its `plain_state`."""
+
+    def vertices(self, key: PassDraw) -> Samples:
+        draw = self.programs[key[0]][key[1]]
+        return vertex_capture.vertices(draw, self.bindings[key], self.vertex_outputs)
+
+    def probe_vertices(
+        self, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
+    ) -> Samples:
+        draw = self.programs[key[0]][key[1]]
+        return vertex_capture.probe(draw, bindings, inputs, self.vertex_outputs)
+
+    @abstractmethod
+    def vertex_outputs(
+        self,
+        draw: PreparedDraw,
+        texts: Mapping[str, str],
+        parts: Sequence[Piece],
+        bindings: Bindings,
+        count: int | None,
+    ) -> Mapping[Piece, Array]:
+        """As `shaderlab.drivers.programs.vertex_capture.Capture`."""
+
+    def drawn_anew(self, changed: Pass, output: str, largest: int) -> Array:
+        width, height = self.extent(changed)
+        share = min(1.0, largest / max(width, height))
+        if not any(draw.state.in_pixels for draw in changed.draws):
+            width, height = round(width * share) or 1, round(height * share) or 1
+        return self._drawn_again(changed, output, (width, height)).values
+
+    def _drawn_again(self, description: Pass, output: str, size: Size) -> Image:
+        """One attachment of a pass that is drawn once more, as described and in this size."""
+        name = description.name
+        colors, errors = dict(self.targets[name].colors), self._gl_errors
+        target = self.make_target(description, colors, size)
+        self._gl_errors = {}  # they were raised before, in the pass itself
+        try:
+            self.reading()
+            target.clear()
+            for index, draw in enumerate(self.programs[name]):
+                state = description.draws[index].state
+                other = replace(draw, draw=replace(draw.draw, state=state))
+                self.issue((name, index), other, target)
+            return target.read(output)
+        finally:
+            self._gl_errors = errors
+            target.release()
+
+    def bind(self, draw: PreparedDraw) -> Bindings:
+        """The draw's uniforms and textures as the shader will get them."""
+        return bind.bind(draw.draw, draw.interface, self._textures.texels)
+
+    @abstractmethod
+    def make_target(self, description: Pass, colors: dict[str, str], extent: Size) -> Kind:
+        """What a pass draws into; `colors` are formats by output name."""
+
+    @abstractmethod
+    def issue(self, key: PassDraw, draw: PreparedDraw, target: Kind) -> None:
+        """Draw; its bindings are made."""
+
+    def compute(self, key: PassDraw, draw: PreparedDraw) -> None:
+        """Run a compute shader, and take what it leaves in its buffers for images of its pass."""
+        raise UnsupportedError("compute passes: this backend has none")
+
+    def at(self, pass_name: str, draw: int | None = None) -> None:
+        """Note the pass and the draw that calls are made for from now on."""
+
+    def reading(self) -> None:
+        """Note that calls are the lab's own from now on: it reads what was drawn."""
+
+    def finish(self) -> None:
+        """Wait until all is drawn."""
+
+    def _run_pass(self, description: Pass) -> None:
+        """Draw one pass, then read its colour attachments, and depth or stencil if asked for."""
+        draws = self.programs[description.name]
+        if description.computes:
+            self.at(description.name, 0)
+            check_reads(self.scene, description, draws[0].draw, self.targets)
+            self.compute((description.name, 0), draws[0])
+            return
+        with doing("draw", f"making the target of pass {description.name!r}"):
+            target = self._target(description)
+        for index, draw in enumerate(draws):
+            key = (description.name, index)
+            self.at(*key)
+            check_reads(self.scene, description, draw.draw, self.targets)
+            with doing("draw", step(key, draw)):
+                self.bindings[key] = self.bind(draw)
+                self.issue(key, draw, target)
+        with doing("draw"):
+            self.at(description.name)
+            target.resolve()
+            # Drivers draw when they are made to: a program that hangs, hangs here.
+            self.finish()
+        if self.uploads_images and not self.keeps_targets:
+            self._release_sampled(description.name)
+        with doing("read", f"reading pass {description.name!r}"):
+            self.reading()
+            self._read(description, target)
+        if self._can_go(description):
+            self._release(description.name)  # targets take as much memory as what is read from them
+
+    def _can_go(self, description: Pass) -> bool:
+        """Whether a pass's target is its own, and neither sampled nor drawn on in by another."""
+        return not (self.keeps_targets or description.onto) and (
+            description.name not in self._continued | self._sampled.keys()
+        )
+
+    def _release_sampled(self, last: str) -> None:
+        """Release the targets that a pass is the last to sample, where their images hold all that a
+        redraw of it samples."""
+        for name, samplings in self._sampled.items():
+            if samplings[-1][0] != last or name in self._continued:
+                continue
+            single = not self.scene.find_pass(name).target.samples
+            if single and all(self._in_images(output) for _, output in samplings):
+                self._release(name)
+
+    def _in_images(self, output: Output) -> bool:
+        """Whether an image holds all that is sampled of an output."""
+        image = self.images.get((output.pass_name, output.name))
+        if image is None or output.mipmaps or image.format not in COLOR:  # depths are rounded
+            return False
+        return bool(image.values.shape[-1] == COLOR[image.format].components)
+
+    def _release(self, name: str) -> None:
+        """Release a pass's own target, once."""
+        target = self._unreleased.pop(name, None)
+        if target is not None:
+            target.release()
+
+    @property
+    def uploads_images(self) -> bool:
+        """Whether a texture can be made of what was read of a target."""
+        return False
+
+    @property
+    def keeps_targets(self) -> bool:
+        """Whether all targets are released at the scene's end only."""
+        return False
+
+    def _target(self, description: Pass) -> Kind:
+        """A target of the pass's own, cleared, or the one that it goes on in."""
+        colors = dict(pass_colors(description, self.programs[description.name]))
+        self.at(description.name)
+        if description.onto:
+            earlier = {name: target.colors for name, target in self.targets.items()}
+            check_continues(self.scene, description, colors, earlier)
+            target = self.targets[description.onto]
+        else:
+            target = self.make_target(description, colors, self.extent(description))
+            self._unreleased[description.name] = target
+            self.stack.callback(self._release, description.name)
+            target.clear()
+        self.targets[description.name] = target
+        if description.target.samples:
+            self.reading()
+            self._sample_positions[description.name] = target.sample_positions()
+        return target
+
+    def _read(self, description: Pass, target: Kind) -> None:
+        kinds = output_types(self.programs[description.name])
+        for name in target.colors:
+            image = target.read(name)
+            if description.target.colors is None:
+                # There is no three-component attachment: drop what the shader never wrote.
+                count = components_of(kinds[name])
+                image = Image(leading(image.values, count), image.format)
+            self.images[description.name, name] = image
+        for name in self._named.get(description.name, ()):
+            if name in target.attached and name not in target.colors:
+                self.images[description.name, name] = target.read(name)

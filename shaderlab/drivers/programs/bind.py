@@ -1,0 +1,254 @@
+"""Fitting a draw's data to its program's interface: what is missing, surplus or the wrong shape.
+
+Nothing here touches the device. Every value comes out twice: as the float32 (or integer) array
+that the shader will get, and as the float64 numbers that the case wrote.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from shaderlab.compiler.interface import Interface, Variable
+from shaderlab.errors import CaseError, UnsupportedError, nearest
+from shaderlab.model.frame import Array, Bindings, Texels
+from shaderlab.model.scene import UNIT_SQUARE, Draw, Ramp
+from shaderlab.model.textures import TextureSource
+
+from . import blocks
+from .formats import numpy_type, shape_of
+from .stages import PREFIX
+from .varyings import Piece, elements
+
+Contents = Callable[[str, Variable, TextureSource], Texels]
+"""Gives a texture's contents to a sampler of a program, once it has checked that they fit."""
+
+
+def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
+    """All uniforms, block members and textures of `draw`, checked against what its program
+    declares.
+
+    Args:
+        draw: what the case gives.
+        interface: what the program declares.
+        texels: gives a texture's contents, exactly.
+
+    Raises:
+        CaseError: a uniform, a block's member or a texture is missing, unknown, or of the wrong
+            type or shape.
+        UnsupportedError: a program that draws has images.
+    """
+    for name in draw.uniforms:
+        if name not in interface.uniforms:
+            blocks.refuse_member(draw, interface, name)
+    samplers = {n: v for n, v in interface.uniforms.items() if "sampler" in v.type}
+    uniforms = interface.uniforms.items()
+    images = {n: v for n, v in uniforms if "image" in v.type}
+    if images and not draw.compute:
+        name, image = next(iter(images.items()))
+        raise UnsupportedError(
+            f"{' + '.join(draw.shaders)}: {name} is an {image.type}; compute passes alone have "
+            "images",
+            remedy="write an output, and read textures",
+        )
+    opaque = samplers.keys() | images.keys()
+    plain = {n: v for n, v in uniforms if n not in opaque and not n.startswith(PREFIX)}
+    compare("uniform", draw, draw.uniforms, plain, other={"texture": samplers, "image": images})
+    compare("texture", draw, draw.textures, samplers, other={"uniform": plain, "image": images})
+    known = declared(interface)
+    values = {**draw.uniforms, **blocks.given(draw, interface)}
+    exact, decimal = {}, {}
+    for name, value in values.items():
+        exact[name], decimal[name] = value_arrays(known[name], value)
+    return Bindings(
+        uniforms=exact,
+        decimal=decimal,
+        textures={
+            name: texels(" + ".join(draw.shaders), samplers[name], source)
+            for name, source in draw.textures.items()
+        },
+        arrays=frozenset(n for n in values if known[n].array is not None),
+    )
+
+
+def declared(interface: Interface) -> dict[str, Variable]:
+    """Uniforms and members of uniform blocks by name."""
+    return {**interface.uniforms, **blocks.variables(interface)}
+
+
+def value_arrays(variable: Variable, value: Any, what: str = "uniform") -> tuple[Array, Array]:
+    """A value as the shader gets it, and as written, both of one shape; errors call the variable
+    `what`.
+
+    Shapes: a number (1,), a vector (n,), a matrix (rows, columns); arrays have one more axis in
+    front.
+
+    Raises:
+        CaseError: `value` is not numbers, has another shape, or is out of the type's range.
+    """
+    shape = shape_of(variable.type)
+    if variable.array is not None:
+        shape = (variable.array, *shape)
+    try:
+        decimal = np.asarray(value, np.float64)
+    except (TypeError, ValueError):
+        raise CaseError(
+            f"{what} {variable.name!r} ({variable.type}) is not numbers: {value!r}"
+        ) from None
+    if shape[-1:] == (1,) and decimal.shape == shape[:-1]:
+        decimal = decimal[..., None]
+    if decimal.shape != shape:
+        raise CaseError(
+            f"{what} {variable.name!r} is {_spelt(variable)}: it takes shape {shape}, "
+            f"not {decimal.shape}"
+        )
+    kind = numpy_type(variable.type)
+    with np.errstate(over="ignore", invalid="ignore"):
+        exact = decimal.astype(kind)
+    finite = np.isfinite(exact if exact.dtype.kind == "f" else decimal)
+    if not finite.all() and (np.isnan(decimal).any() or (~finite & np.isfinite(decimal)).any()):
+        raise CaseError(f"{what} {variable.name!r} holds {value!r}, which no {variable.type} does")
+    if exact.dtype.kind in "iu" and (exact != decimal).any():
+        integers = "no integer" if (decimal % 1).any() else f"beyond what {variable.type} holds"
+        raise CaseError(f"{what} {variable.name!r} is {variable.type}, but {value!r} is {integers}")
+    return exact, decimal
+
+
+def check_attributes(draw: Draw, interface: Interface) -> None:
+    """Compare a mesh's attributes with the vertex shader's inputs, by name and size.
+
+    Raises:
+        CaseError: one is missing, not read by the shader, or has another number of components.
+    """
+    assert draw.mesh is not None
+    compare(
+        "attribute",
+        draw,
+        draw.mesh.inputs,
+        interface.attributes,
+        surplus="the vertex shader does not read it; pass mesh.only(…) with those it does read",
+    )
+    for name, variable in interface.attributes.items():
+        have = draw.mesh.inputs[name].shape[1:]
+        if have != shape_of(variable.type):
+            given = f"{have[0]} components" if len(have) == 1 else f"{have[0]} × {have[1]} numbers"
+            raise CaseError(f"attribute {name!r} is {variable.type}, but the mesh gives {given}")
+
+
+def check_domain(draw: Draw, inputs: Mapping[str, Variable]) -> None:
+    """Compare a domain's ramps with the fragment shader's inputs.
+
+    Raises:
+        CaseError: an input has no ramp, or a ramp has no input.
+    """
+    compare("input", draw, _ramps(draw, inputs), inputs)
+
+
+def ramp_uniforms(draw: Draw, inputs: Mapping[str, Variable]) -> dict[str, Array]:
+    """The uniforms of the generated domain stage, by name."""
+    values: dict[str, Array] = {}
+    for name, ramp in _ramps(draw, inputs).items():
+        variable = inputs[name]
+        size = shape_of(variable.type)
+        integer = variable.type[0] in "iu"
+        for part in ("origin",) if integer else ("origin", "dx", "dy"):
+            given = np.asarray(getattr(ramp, part), np.float64)
+            if part != "origin" and given.ndim == 0:
+                given = np.broadcast_to(given, size)
+            probe = Variable(name=f"{PREFIX}{name}_{part}", type=variable.type, location=None)
+            values[probe.name] = value_arrays(probe, given)[0]
+    return values
+
+
+def exact_inputs(variables: Mapping[str, Variable], values: Mapping[str, Any]) -> dict[str, Array]:
+    """Given input values as arrays (1, components), matrices (1, rows, columns), of the type that
+    the shader gets."""
+    known = {v.name: v for v in elements(variables.values())}
+    return {
+        name: value_arrays(known[name], value)[0][None]
+        for name, value in values.items()
+        if name in known
+    }
+
+
+def complete_inputs(
+    draw: Draw, varyings: Mapping[str, Variable], inputs: Mapping[str, Array]
+) -> dict[str, Array]:
+    """All fragment inputs of a draw, (count, components): those given, and for the others the
+    value that the draw's domain has at the centre of the screen.
+
+    Raises:
+        CaseError: an input has no value, or is none of the shader's.
+    """
+    variables = {v.name: v for v in elements(varyings.values())}
+    count = max((len(v) for v in inputs.values()), default=1)
+    for name in inputs:
+        if name not in variables:
+            raise CaseError(f"{draw.fragment} reads no {name!r}", remedy=nearest(name, variables))
+    complete = {}
+    for name, variable in variables.items():
+        if name in inputs:
+            value = inputs[name]
+        elif draw.domain is None:
+            raise CaseError(
+                f"{draw.fragment} also reads {name!r} ({variable.type})",
+                remedy=f"give it a value: at={{…, {name!r}: …}}",
+            )
+        else:
+            ramp = draw.domain[name]
+            origin, dx, dy = (np.asarray(v, np.float64) for v in (ramp.origin, ramp.dx, ramp.dy))
+            value = np.atleast_1d(origin + 0.5 * dx + 0.5 * dy)[None]
+        shaped = np.broadcast_to(value, (count, *shape_of(variable.type)))
+        complete[name] = np.ascontiguousarray(shaped.astype(numpy_type(variable.type)))
+    return complete
+
+
+def piece_of(values: Mapping[str, Array], piece: Piece) -> Array:
+    """The part of the inputs that goes into one attribute: a vector, or a matrix's column."""
+    whole = values[piece.name]
+    return np.ascontiguousarray(whole[..., int(piece.path[1:-1])]) if piece.path else whole
+
+
+def _ramps(draw: Draw, inputs: Mapping[str, Variable]) -> Mapping[str, Ramp]:
+    """The draw's domain; the default one may go unread."""
+    domain = draw.domain or {}
+    return {} if domain == UNIT_SQUARE and not inputs.keys() & domain.keys() else domain
+
+
+def compare(
+    what: str,
+    draw: Draw,
+    given: Mapping[str, Any],
+    declared: Mapping[str, Variable],
+    *,
+    other: Mapping[str, Mapping[str, Variable]] | None = None,
+    surplus: str | None = None,
+) -> None:
+    """Compare what a draw gives with what its program declares; `what` is what these are called.
+
+    Raises:
+        CaseError: something is missing or surplus.
+    """
+    program = " + ".join(draw.shaders)
+    for name in given:
+        if name in declared:
+            continue
+        for kind, names in (other or {}).items():
+            if name in names:
+                raise CaseError(f"{program}: {name!r} is a {kind}, given as a {what}")
+        raise CaseError(
+            f"{program}: there is no {what} {name!r}", remedy=surplus or nearest(name, declared)
+        )
+    missing = [name for name in declared if name not in given]
+    if missing:
+        listed = ", ".join(f"{name} ({_spelt(declared[name])})" for name in missing)
+        raise CaseError(
+            f"{program}: nothing is given for {what} {listed}",
+            remedy=f"add it to the draw's {'domain' if what == 'input' else what + 's'}",
+        )
+
+
+def _spelt(variable: Variable) -> str:
+    return variable.type if variable.array is None else f"{variable.type}[{variable.array}]"

@@ -1,0 +1,223 @@
+"""What fragment shaders got, by drawing their pass once more: shaders that write their inputs, and
+what they wrote put together. No device: the caller draws."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from shaderlab.errors import ShaderError, UnsupportedError
+from shaderlab.model.frame import Array, Fragments, differ, leading
+
+from . import formats, stages
+from .prepare import PreparedDraw
+from .varyings import Piece, assembled
+
+Redraw = Callable[[Sequence[str], Mapping[str, str]], Mapping[str, Array]]
+"""Draws a pass once more, each of its draws with another fragment text, into attachments of these
+formats by name; gives what they hold. The uniform `stages.NUMBER`, where a text declares it, is the
+draw's number, counted from 1; `numbered` makes it a constant."""
+
+
+class PassCapture:
+    """What the fragment shaders of a pass's draws got, at each pixel that a draw was the last to
+    write; the draws of a pass are captured together where their inputs go into the same
+    attachments.
+
+    Args:
+        draws: the pass's.
+        redraw: draws it once more.
+    """
+
+    def __init__(self, draws: Sequence[PreparedDraw], redraw: Redraw) -> None:
+        self._draws = draws
+        self._redraw = redraw
+        self._together: dict[int, _Captured] = {}
+
+    def fragments(self, index: int) -> Fragments:
+        """What one draw's fragment shader got.
+
+        The pass's other draws run as well and wipe out what they cover, so `covered` is what is
+        seen of the draw in the end. A shader that may keep fragments out is captured a second time
+        keeping them all.
+
+        Raises:
+            UnsupportedError: the fragment shader has so many outputs that none can be added, and
+                they are declared in a way that leaves none out.
+        """
+        found = (self._together.get(index) or self._capture(index)).fragments(index)
+        text = self._draws[index].text("fragment") or ""
+        if not (stages.may_discard(text) or stages.writes_depth(text)):
+            return found
+        everything = self._alone(index, keep_all=True).fragments(index)
+        return replace(found, undiscarded=_shared(everything, found))
+
+    def written(self, index: int, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
+        ending, _ = stages.capture_fragment(text, (), calls=True)
+        images = self._redraw(
+            self._among_blank({index: ending}), {**outputs, stages.COORD: "rgba32f"}
+        )
+        unseen = images[stages.COORD][..., 3:] <= 0.0
+        for name in outputs:
+            np.copyto(images[name], 0, where=unseen)
+        return {name: images[name] for name in outputs}
+
+    def _capture(self, index: int) -> _Captured:
+        """Capture a draw, and the others with it that can be, whose captures share their memory."""
+        together = _together(self._draws, index)
+        if len(together) > 1:
+            try:
+                self._together |= self._at_once(together)
+                return self._together[index]
+            except (ShaderError, UnsupportedError):
+                pass  # one of the others may be what the driver refuses
+        return self._alone(index)
+
+    def _at_once(self, draws: Mapping[int, Sequence[Piece]]) -> dict[int, _Captured]:
+        """Several draws with the pieces of their inputs, captured by one redraw."""
+        made = {
+            index: stages.capture_fragment(
+                self._draws[index].text("fragment") or "", parts, numbered=True
+            )
+            for index, parts in draws.items()
+        }
+        colors = {stages.COORD: "rgba32f", stages.NUMBERED: "r32f"}
+        for _, captured in made.values():
+            colors |= _formats(captured)
+        images = self._redraw(
+            self._among_blank({index: text for index, (text, _) in made.items()}), colors
+        )
+        number = images[stages.NUMBERED][..., 0]
+        of = _pieces(images)  # most draws take the same of an attachment
+        return {
+            index: _Captured(images[stages.COORD], _values(of, captured), number)
+            for index, (_, captured) in made.items()
+        }
+
+    def _alone(self, index: int, *, keep_all: bool = False) -> _Captured:
+        """One draw, captured among others that only say that they are seen."""
+        draw = self._draws[index]
+        text, outputs = draw.text("fragment") or "", draw.interface.outputs
+        parts = stages.input_pieces(text, draw.interface.varyings.values())
+        crowded = stages.crowded(outputs)
+        room = stages.MOST_OUTPUTS - 1 - (0 if crowded else len(outputs))
+        values: dict[Piece, Array] = {}
+        for start in range(0, max(len(parts), 1), room):
+            made, captured = stages.capture_fragment(
+                text, parts[start : start + room], outputs if crowded else None, keep_all=keep_all
+            )
+            colors = {stages.COORD: "rgba32f", **_formats(captured)}
+            images = self._redraw(self._among_blank({index: made}), colors)
+            values.update(_values(_pieces(images), captured))
+        return _Captured(images[stages.COORD], values)
+
+    def _among_blank(self, texts: Mapping[int, str]) -> list[str]:
+        """These texts, and for the other draws such that only say that a draw is seen."""
+        return [
+            texts[index] if index in texts else _blank(draw)
+            for index, draw in enumerate(self._draws)
+        ]
+
+
+@dataclass(frozen=True)
+class _Captured:
+    """What a redraw left: `gl_FragCoord`, 1/w as −1 where a draw was only seen, pieces of inputs,
+    and of several draws the numbers of those that are seen."""
+
+    coord: Array
+    values: Mapping[Piece, Array]
+    number: Array | None = None
+
+    def fragments(self, index: int) -> Fragments:
+        """Those of one draw."""
+        coord, covered = self.coord, self.coord[..., 3] > 0.0
+        if self.number is not None:
+            covered &= self.number == index + 1
+            others = np.where(coord[..., 3] != 0.0, _SEEN, 0.0)
+            whole = np.ascontiguousarray(coord).view(_SEEN.dtype)[..., 0]
+            coord = np.where(covered, whole, others).view(coord.dtype).reshape(coord.shape)
+        return Fragments(covered=covered, frag_coord=coord, inputs=assembled(self.values))
+
+
+# `gl_FragCoord` where another draw is seen: four floats, which are moved as one number of as many
+# bytes in a quarter of the time.
+_SEEN = np.array([0.0, 0.0, 0.0, -1.0], np.float32).view(np.complex128)[0]
+
+
+def _shared(fragments: Fragments, other: Fragments) -> Fragments:
+    """The fragments in the other's arrays where they are the same, so that both take no more memory
+    than one: few shaders throw anything away."""
+
+    def one(array: Array, same: Array) -> Array:
+        return array if differ(array, same) else same
+
+    return Fragments(
+        covered=one(fragments.covered, other.covered),
+        frag_coord=one(fragments.frag_coord, other.frag_coord),
+        inputs={name: one(array, other.inputs[name]) for name, array in fragments.inputs.items()},
+    )
+
+
+def numbered(text: str, index: int) -> str:
+    """The text of a pass's draw with its number in it, for an API whose uniforms have no names."""
+    return text.replace(f"uniform {_NUMBER}", f"const {_NUMBER[:-1]} = {index + 1}.0;")
+
+
+_NUMBER = f"float {stages.NUMBER};"
+
+
+def _together(draws: Sequence[PreparedDraw], index: int) -> dict[int, Sequence[Piece]]:
+    """The draws that can be captured at once with a draw, itself among them, each with the pieces
+    of its inputs; none where it can only be captured alone."""
+    found: dict[int, Sequence[Piece]] = {}
+    types: list[str] = []  # of the attachments
+    for other in (index, *(k for k in range(len(draws)) if k != index)):
+        draw = draws[other]
+        parts = _that_fit(draw)
+        if parts is None:
+            if other == index:
+                return {}
+            continue
+        own = [stages.padded_type(piece) for piece in parts]
+        if own[: len(types)] == types[: len(own)]:
+            types = max(types, own, key=len)
+            found[other] = parts
+    return found
+
+
+def _that_fit(draw: PreparedDraw) -> Sequence[Piece] | None:
+    """The pieces of all inputs of a draw, where they fit beside outputs, place and number."""
+    outputs = draw.interface.outputs
+    try:
+        parts = stages.input_pieces(draw.text("fragment") or "", draw.interface.varyings.values())
+    except UnsupportedError:
+        return None
+    fit = len(outputs) + len(parts) + 2 <= stages.MOST_OUTPUTS
+    return parts if fit else None
+
+
+def _blank(draw: PreparedDraw) -> str:
+    """The draw's fragment shader, 1/w written as −1: another draw is seen."""
+    crowded = len(draw.interface.outputs) + 1 > stages.MOST_OUTPUTS
+    unwanted = draw.interface.outputs if crowded else None
+    text, _ = stages.capture_fragment(draw.text("fragment") or "", (), unwanted)
+    return text.replace(
+        f"{stages.COORD} = gl_FragCoord;", f"{stages.COORD} = vec4(0.0, 0.0, 0.0, -1.0);"
+    )
+
+
+def _formats(captured: Mapping[Piece, str]) -> dict[str, str]:
+    """The attachments of captured pieces: format by name."""
+    return {name: formats.for_output(stages.padded_type(p)) for p, name in captured.items()}
+
+
+def _pieces(images: Mapping[str, Array]) -> Callable[[str, int], Array]:
+    """Gives the first components of an attachment by its name, the same array each time."""
+    return functools.cache(lambda name, count: leading(images[name], count))
+
+
+def _values(of: Callable[[str, int], Array], captured: Mapping[Piece, str]) -> dict[Piece, Array]:
+    return {piece: of(name, formats.components_of(piece.type)) for piece, name in captured.items()}

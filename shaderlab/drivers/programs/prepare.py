@@ -1,0 +1,235 @@
+"""From a draw to a compiled program: sources read, stages generated, interface known. No device."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from shaderlab.compiler.compile import Compile, Compiled, compile_program
+from shaderlab.compiler.interface import Interface, Variable
+from shaderlab.compiler.sources import Shaders, Source
+from shaderlab.compiler.targets import TARGETS
+from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
+from shaderlab.model.frame import Array, PassDraw
+from shaderlab.model.scene import Draw, Pass
+
+from . import bind, formats, storage, vertex_stages
+from .varyings import Declared
+
+# Files and programs of one folder that are not read and compiled once more.
+_KEPT = 512
+
+
+@dataclass(frozen=True, kw_only=True)
+class PreparedDraw:
+    """A draw with its program compiled.
+
+    `sources` are all stages, generated ones too; `authored` those of them that are files.
+    `compiling` is what compiled them.
+    """
+
+    draw: Draw
+    sources: tuple[Source, ...]
+    authored: tuple[Source, ...]
+    compiled: Compiled
+    compiling: Compile = field(default=compile_program, repr=False, compare=False)
+
+    @property
+    def interface(self) -> Interface:
+        """What the program declares. Raises ShaderError if it does not compile for OpenGL."""
+        if self.compiled.interface is None:
+            self.compiled.require()
+            raise ShaderError(
+                "the program can be compiled, but not drawn: it is no GLSL for OpenGL",
+                file=self.authored[0].path,
+                remedy="shaderlab compile asks the compilers alone",
+            )
+        return self.compiled.interface
+
+    @functools.cached_property
+    def outputs(self) -> Mapping[str, Variable]:
+        """What its fragment stage writes, or what a dispatch may leave in storage blocks. Raises
+        ShaderError as `interface` does."""
+        return storage.outputs(self.interface) if self.draw.compute else self.interface.outputs
+
+    @functools.cached_property
+    def vertex_interface(self) -> Interface:
+        """What the vertex stage alone declares: before further ones, other outputs than the
+        program's. Raises ShaderError as `interface` does."""
+        if self.draw.geometry is None and self.draw.tess_evaluation is None:
+            return self.interface
+        alone = self.compiling(self.sources[:1], ("glsl", "opengl"))
+        alone.require()
+        assert alone.interface is not None
+        return alone.interface
+
+    @functools.cached_property
+    def ramps(self) -> Mapping[str, Array]:
+        """The uniforms of the vertex stage that the lab writes over a domain, none with a mesh; to
+        be read only."""
+        return bind.ramp_uniforms(self.draw, self.interface.varyings)
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """The text of each stage after includes, by stage."""
+        return {source.stage: source.text for source in self.sources}
+
+    @property
+    def last_stage(self) -> str:
+        """The last stage before rasterisation."""
+        stages = ("geometry", "tess_evaluation", "vertex")
+        return next((stage for stage in stages if stage in self.texts), "vertex")
+
+    @property
+    def last_text(self) -> str:
+        """The text of the last stage before rasterisation, empty of a dispatch."""
+        return self.texts.get(self.last_stage, "")
+
+    def text(self, stage: str) -> str | None:
+        """One stage's text after includes, or None where the program has no such stage."""
+        return self.texts.get(stage)
+
+
+Programs = Mapping[str, tuple[PreparedDraw, ...]]
+"""Each pass's draws, compiled, by the pass's name."""
+
+
+class Preparer:
+    """Prepares draws, reading each file and compiling each program once.
+
+    Args:
+        shaders: where shader files are found, in its `folders`.
+        compiling: what compiles a program for some targets.
+    """
+
+    def __init__(self, shaders: Shaders, compiling: Compile = compile_program) -> None:
+        self._shaders = shaders
+        self._compiling = compiling
+        self._load = functools.lru_cache(_KEPT)(shaders.load)
+        self._compile = functools.lru_cache(_KEPT)(compiling)
+        self.folders = shaders.folders
+
+    def prepare(self, draw: Draw, targets: tuple[str, ...] = TARGETS) -> PreparedDraw:
+        """Read, complete and compile a draw's program for these targets.
+
+        Raises:
+            ShaderError: a file can't be read or included. A shader that does not compile raises
+                nothing here: its verdicts say so.
+            UnsupportedError: the lab can't write a vertex stage for a domain.
+            CaseError: a domain does not fit the fragment shader's inputs, or a mesh its vertex
+                stage.
+        """
+        if draw.mesh is not None and draw.mesh is not draw.mesh.made():
+            draw = replace(draw, mesh=draw.mesh.made())
+        _check_patches(draw)
+        authored = tuple(self._load(name) for name in draw.shaders)
+        sources = authored if draw.domain is None else self._with_domain(draw, authored, targets)
+        compiled = self._compile(sources, targets)
+        if compiled.interface is None and sources is not authored:
+            raise UnsupportedError(
+                f"a domain for {authored[0].path}: no vertex stage can be written that declares "
+                "its inputs as it does",
+                remedy="draw a mesh with a vertex shader of your own",
+            )
+        if draw.mesh is not None and compiled.interface is not None:
+            bind.check_attributes(draw, compiled.interface)
+        return PreparedDraw(
+            draw=draw,
+            sources=sources,
+            authored=authored,
+            compiled=compiled,
+            compiling=self._compiling,
+        )
+
+    def _with_domain(
+        self, draw: Draw, authored: tuple[Source, ...], targets: tuple[str, ...]
+    ) -> tuple[Source, ...]:
+        """The stages with one that lays the domain over the screen, or the authored ones alone if
+        what they declare is not known."""
+        fragment = authored[0].text
+
+        def with_vertex(inputs: Iterable[Variable]) -> tuple[Source, ...]:
+            text = vertex_stages.domain_vertex(fragment, inputs)
+            return self._shaders.from_text(text, "vertex", "<domain>"), *authored
+
+        # As a rule the text says what the compiler would, which need not be asked beforehand.
+        read = Declared(fragment).plain_inputs()
+        if read is not None:
+            sources = with_vertex(read)
+            interface = self._compile(sources, targets).interface
+            if interface is not None and _declared(interface.varyings.values()) == _declared(read):
+                bind.check_domain(draw, interface.varyings)
+                return sources
+        # One target is enough to read what the files of a program declare.
+        interface = self._compile(authored, ("glsl", "opengl")).interface
+        if interface is None:
+            return authored
+        bind.check_domain(draw, interface.varyings)
+        return with_vertex(interface.varyings.values())
+
+    def source(self, name: str) -> Source:
+        """One shader file with its includes. Raises ShaderError if it can't be read."""
+        return self._load(name)
+
+    def refusal(self, names: Sequence[str]) -> tuple[tuple[Source, ...], Compiled]:
+        """Some shader files as one program, and what the plain GLSL compiler says of it."""
+        sources = tuple(self._load(name) for name in names)
+        return sources, self._compiling(sources, ("glsl",))
+
+
+def _declared(inputs: Iterable[Variable]) -> set[tuple[object, ...]]:
+    """What a vertex stage has to know of a fragment stage's inputs."""
+    return {(v.name, v.type, v.array, v.interpolation) for v in inputs}
+
+
+def _check_patches(draw: Draw) -> None:
+    """Raise CaseError unless patches are drawn by tessellation stages, and nothing else is."""
+    patches = draw.mesh is not None and draw.mesh.primitive == "patches"
+    if patches and draw.tess_evaluation is None:
+        raise CaseError(
+            f"Draw of {draw.fragment}: a mesh of patches needs tessellation stages",
+            remedy="give tess_control= and tess_evaluation=, or draw another primitive",
+        )
+    if draw.tess_evaluation is not None and not patches:
+        raise CaseError(
+            f"Draw of {draw.fragment}: tessellation stages take patches",
+            remedy='Mesh(primitive="patches", patch_vertices=…)',
+        )
+
+
+def output_types(draws: Iterable[PreparedDraw]) -> dict[str, str]:
+    """The GLSL type of each fragment output of a pass, in the order of their locations."""
+    return {
+        variable.name: variable.type
+        for draw in draws
+        for variable in sorted(
+            draw.interface.outputs.values(), key=lambda v: (v.location is None, v.location or 0)
+        )
+    }
+
+
+def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[str, str]:
+    """The pass's colour attachments: format by output name.
+
+    Raises:
+        CaseError: the target names an output that none of its programs writes.
+    """
+    outputs = output_types(draws)
+    asked = description.target.colors
+    if asked is None:
+        return {name: formats.for_output(kind) for name, kind in outputs.items()}
+    for name in asked:
+        if name not in outputs:
+            raise CaseError(
+                f"pass {description.name!r}: its target has a colour {name!r}, "
+                f"but its shaders write {', '.join(outputs) or 'nothing'}",
+                remedy=nearest(name, outputs),
+            )
+    return asked
+
+
+def step(key: PassDraw, draw: PreparedDraw) -> str:
+    """A draw in words: what is to blame if the driver goes down with it."""
+    what = "dispatch" if draw.draw.compute else f"draw {key[1]}"
+    return f"{what} of pass {key[0]!r}, program {' + '.join(draw.draw.shaders)}"

@@ -1,0 +1,230 @@
+"""An open Vulkan device: what it offers, its queue and its memory types."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from shaderlab.errors import DriverError
+
+from . import environment
+from .api import NULL, Structs, check, constant, ffi, lib
+
+REQUIRED_VERSION = (1, 3)
+# What the lab can't do without, so that a shader means what it means in OpenGL: the clip volume,
+# and the vertex that a flat value comes from. By extension: its structure of features, those used.
+_NEEDED = {
+    "VK_EXT_depth_clip_control": ("DepthClipControlFeaturesEXT", ("depthClipControl",)),
+    "VK_EXT_provoking_vertex": ("ProvokingVertexFeaturesEXT", ("provokingVertexLast",)),
+}
+_USED = {
+    "VK_EXT_line_rasterization": ("LineRasterizationFeaturesEXT", ("bresenhamLines",)),
+    "VK_EXT_custom_border_color": (
+        "CustomBorderColorFeaturesEXT", ("customBorderColors", "customBorderColorWithoutFormat"),
+    ),
+    "VK_EXT_non_seamless_cube_map": ("NonSeamlessCubeMapFeaturesEXT", ("nonSeamlessCubeMap",)),
+    # The next one is no extension without it.
+    "VK_EXT_transform_feedback": ("TransformFeedbackFeaturesEXT", ("transformFeedback",)),
+    "VK_EXT_primitives_generated_query": (
+        "PrimitivesGeneratedQueryFeaturesEXT", ("primitivesGeneratedQuery",),
+    ),
+}  # fmt: skip
+_CORE = {"DynamicRenderingFeatures": ("dynamicRendering",)}
+# Slower, and of no use to shaders that stay inside of their arrays.
+_UNWANTED = ("robustBufferAccess",)
+# The machine's own device is the most capable one: VkPhysicalDeviceType, best first.
+_PREFERRED = (2, 1, 3, 4, 0)
+
+
+@dataclass(frozen=True)
+class Device:
+    """An open device.
+
+    Attributes:
+        driver: a name of `shaderlab.drivers.DRIVERS`.
+        info: what the driver says of itself.
+        features: the names of the features that it has, all of them enabled.
+        limits: a VkPhysicalDeviceLimits.
+        memory_types: each memory type's VkMemoryPropertyFlags.
+        instance, physical, handle, queue, pool: Vulkan's own handles.
+    """
+
+    driver: str
+    info: Mapping[str, str]
+    features: frozenset[str]
+    limits: Any
+    memory_types: tuple[int, ...]
+    instance: Any
+    physical: Any
+    handle: Any
+    queue: Any
+    pool: Any
+    _structs: Structs = field(repr=False, compare=False)
+
+    def create(self, kind: str, info: Any) -> Any:
+        """A new object of a kind such as "Buffer", from its Vk…CreateInfo."""
+        return _created(f"vkCreate{kind}", f"Vk{kind}", self.handle, info)
+
+    def destroy(self, kind: str, handle: Any) -> None:
+        """Destroy an object that `create` made."""
+        getattr(lib, f"vkDestroy{kind}")(self.handle, handle, NULL)
+
+    def close(self) -> None:
+        """Release the device; nothing that was made on it may be used any more."""
+        lib.vkDeviceWaitIdle(self.handle)
+        self.destroy("CommandPool", self.pool)
+        lib.vkDestroyDevice(self.handle, NULL)
+        lib.vkDestroyInstance(self.instance, NULL)
+
+
+def open_device(driver: str) -> Device:
+    """Open a device of a driver.
+
+    Args:
+        driver: "lavapipe", "swiftshader", or "vulkan" for the machine's own.
+
+    Raises:
+        DriverError: the driver is not there, or lacks what the lab can't do without.
+    """
+    structs = Structs()
+    with environment(driver):
+        instance = _instance(structs)
+    try:
+        return _opened(driver, instance, structs)
+    except BaseException:
+        lib.vkDestroyInstance(instance, NULL)
+        raise
+
+
+def _instance(structs: Structs) -> Any:
+    version = REQUIRED_VERSION[0] << 22 | REQUIRED_VERSION[1] << 12
+    about = structs("ApplicationInfo", pApplicationName="shaderlab", apiVersion=version)
+    info = structs("InstanceCreateInfo", pApplicationInfo=about)
+    return _created("vkCreateInstance", "VkInstance", None, info)
+
+
+def _opened(driver: str, instance: Any, structs: Structs) -> Device:
+    physical = _chosen(driver, instance)
+    properties, about = _properties(physical, structs)
+    name = ffi.string(properties.deviceName).decode()
+    version = (properties.apiVersion >> 22 & 127, properties.apiVersion >> 12 & 1023)
+    if version < REQUIRED_VERSION:
+        raise DriverError(f"{name} has Vulkan {version[0]}.{version[1]}; the lab needs 1.3")
+    extensions = _extensions(physical)
+    for wanted in _NEEDED:
+        if wanted not in extensions:
+            raise DriverError(f"{name} lacks {wanted}, by which Vulkan draws as OpenGL does")
+    used = [wanted for wanted in (*_NEEDED, *_USED) if wanted in extensions]
+    chain, chained = _chain(used, structs)
+    core = structs("PhysicalDeviceFeatures2", pNext=chain)
+    lib.vkGetPhysicalDeviceFeatures2(physical, core)
+    for unwanted in _UNWANTED:
+        setattr(core.features, unwanted, 0)
+    groups = [core.features, *(one[0] for one in chained)]
+    features = frozenset(word for group in groups for word in _switched_on(group))
+    for group in (*(words for _, words in _NEEDED.values()), *_CORE.values()):
+        for word in group:
+            if word not in features:
+                raise DriverError(f"{name} lacks the feature {word}")
+    family = _graphics_family(physical, name)
+    queue_info = structs(
+        "DeviceQueueCreateInfo", queueFamilyIndex=family, queueCount=1, pQueuePriorities=[1.0]
+    )
+    device = _created("vkCreateDevice", "VkDevice", physical, structs(
+        "DeviceCreateInfo", pNext=core, queueCreateInfoCount=1, pQueueCreateInfos=[queue_info],
+        enabledExtensionCount=len(used), ppEnabledExtensionNames=used,
+    ))  # fmt: skip
+    queue = ffi.new("VkQueue *")
+    lib.vkGetDeviceQueue(device, family, 0, queue)
+    pool_info = structs("CommandPoolCreateInfo", queueFamilyIndex=family)
+    pool = _created("vkCreateCommandPool", "VkCommandPool", device, pool_info)
+    memory = ffi.new("VkPhysicalDeviceMemoryProperties *")
+    lib.vkGetPhysicalDeviceMemoryProperties(physical, memory)
+    kinds = [memory.memoryTypes[k].propertyFlags for k in range(memory.memoryTypeCount)]
+    said = ffi.string(about.driverInfo).decode()
+    spelt = ".".join(map(str, (*version, properties.apiVersion & 4095)))
+    info = {
+        "renderer": name if driver in name.lower() else f"{driver}: {name}",
+        "vendor": ffi.string(about.driverName).decode(),
+        "version": f"Vulkan {spelt}" + (f", {said}" if said else ""),
+        "glsl": "4.60",
+        "max_texture_size": str(properties.limits.maxImageDimension2D),
+        "max_samples": str(max(samples_offered(properties.limits))),
+    }
+    return Device(
+        driver, info, features, properties.limits, tuple(kinds),
+        instance, physical, device, queue[0], pool, structs,
+    )  # fmt: skip
+
+
+def samples_offered(limits: Any) -> list[int]:
+    """How many samples a pixel may have, in colours and depth alike."""
+    both = limits.framebufferColorSampleCounts & limits.framebufferDepthSampleCounts
+    return [count for count in (1, 2, 4, 8, 16, 32, 64) if both & count]
+
+
+def _chosen(driver: str, instance: Any) -> Any:
+    count = ffi.new("uint32_t *")
+    check(lib.vkEnumeratePhysicalDevices(instance, count, NULL), "listing devices")
+    found = ffi.new("VkPhysicalDevice[]", count[0])
+    check(lib.vkEnumeratePhysicalDevices(instance, count, found), "listing devices")
+    if not count[0]:
+        raise DriverError(f"the Vulkan driver {driver} has no device")
+
+    def order(physical: Any) -> int:
+        properties = ffi.new("VkPhysicalDeviceProperties *")
+        lib.vkGetPhysicalDeviceProperties(physical, properties)
+        return _PREFERRED.index(properties.deviceType)
+
+    return min(list(found)[: count[0]], key=order)
+
+
+def _properties(physical: Any, structs: Structs) -> tuple[Any, Any]:
+    """The device's properties and its driver's."""
+    about = structs("PhysicalDeviceDriverProperties")
+    found = structs("PhysicalDeviceProperties2", pNext=about)
+    lib.vkGetPhysicalDeviceProperties2(physical, found)
+    return found.properties, about
+
+
+def _extensions(physical: Any) -> set[str]:
+    count = ffi.new("uint32_t *")
+    lib.vkEnumerateDeviceExtensionProperties(physical, NULL, count, NULL)
+    found = ffi.new("VkExtensionProperties[]", count[0])
+    lib.vkEnumerateDeviceExtensionProperties(physical, NULL, count, found)
+    return {ffi.string(one.extensionName).decode() for one in found}
+
+
+def _chain(used: list[str], structs: Structs) -> tuple[Any, list[Any]]:
+    """The structures of features beside the core's, linked: the first one, and all of them."""
+    last, made = NULL, []
+    names = [({**_NEEDED, **_USED}[name][0]) for name in used]
+    for name in (*_CORE, *names):
+        last = structs(f"PhysicalDevice{name}", pNext=last)
+        made.append(last)
+    return last, made
+
+
+def _switched_on(group: Any) -> list[str]:
+    """The features of a structure that are there."""
+    known = [word for word, kind in ffi.typeof(group).fields if kind.type.cname == "uint32_t"]
+    return [word for word in known if getattr(group, word)]
+
+
+def _graphics_family(physical: Any, name: str) -> int:
+    count = ffi.new("uint32_t *")
+    lib.vkGetPhysicalDeviceQueueFamilyProperties(physical, count, NULL)
+    families = ffi.new("VkQueueFamilyProperties[]", count[0])
+    lib.vkGetPhysicalDeviceQueueFamilyProperties(physical, count, families)
+    for number, family in enumerate(families):
+        if family.queueFlags & constant("QUEUE_GRAPHICS_BIT"):
+            return number
+    raise DriverError(f"{name} does not draw: it has no queue for graphics")
+
+
+def _created(function: str, kind: str, owner: Any, info: Any) -> Any:
+    made = ffi.new(f"{kind} *")
+    before = () if owner is None else (owner,)
+    check(getattr(lib, function)(*before, info, NULL, made), function)
+    return made[0]

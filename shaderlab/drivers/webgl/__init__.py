@@ -1,0 +1,36 @@
+"""WebGL2 in a headless browser: programs run from ESSL 3.00, which SPIRV-Cross makes of modules.
+
+One browser is started for each device. Calls of WebGL2 are collected in Python and played by a page
+of it (`player.js`). Nothing here imports the browser's library before a device is asked for.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .backend import WebGLBackend
+
+
+def open_backend(driver: str) -> WebGLBackend:
+    """Start a browser and open a device in it; `driver` has one name.
+
+    Raises:
+        DriverError: there is no browser, no package that drives it or no SPIRV-Cross, or the
+            browser has no WebGL2 that draws to floats.
+    """
+    from .backend import WebGLBackend
+    from .device import open_device
+
+    return WebGLBackend(open_device())
+
+
+def prepare_process(driver: str) -> None:
+    """Nothing is needed: a browser has processes of its own."""
+
+
+def preload() -> None:
+    """Import what drives a browser, for processes that are forked from this one."""
+    from . import backend
+
+    assert backend

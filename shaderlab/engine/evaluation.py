@@ -1,0 +1,183 @@
+"""One scene evaluated: drawn once, then asked for what expectations need, each thing once."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterable, Iterator, Set
+from dataclasses import replace
+from typing import Any
+
+from shaderlab.drivers import Backend, Session
+from shaderlab.drivers.programs.prepare import Preparer
+from shaderlab.errors import DriverError
+from shaderlab.model.activity import doing
+from shaderlab.model.calls import error_name
+from shaderlab.model.expectation import Expectation, Judgement, Need
+from shaderlab.model.frame import Frame
+
+from .expectations.base import Context
+from .expectations.discards import KeptOut
+from .expectations.needs import CapturedFragments
+
+
+class Evaluation:
+    """A scene on a device: its frame, and the judgement of its expectations, all or some.
+
+    Nothing is captured or probed before an expectation asks for it. What was drawn and answered
+    stays readable when the session is closed.
+
+    Args:
+        session: the scene on the device; it is drawn now.
+        backend: the device.
+        preparer: what compiled the scene's programs.
+        like: an evaluation of the same scene with the shaders' own texts: its answers are taken
+            where they must be the same.
+
+    Raises:
+        ShaderError, UnsupportedError, CaseError: the scene can't be drawn.
+    """
+
+    def __init__(
+        self, session: Session, backend: Backend, preparer: Preparer, like: Evaluation | None = None
+    ) -> None:
+        self.session = session
+        self.scene = session.scene
+        self.programs = session.programs
+        self.answers: dict[Need, Any] = {}
+        self._like = like
+        self._needs: dict[int, tuple[Expectation, tuple[Need, ...]]] = {}
+        with doing("draw"):
+            self.drawn = session.draw()
+        self._context = Context(session, self.drawn.bindings, preparer, backend.driver_verdict)
+
+    @functools.cached_property
+    def frame(self) -> Frame:
+        """What was drawn, and what was answered so far."""
+        return Frame(
+            images=self.drawn.images,
+            order=tuple(p.name for p in self.scene.passes),
+            bindings=self.drawn.bindings,
+            sample_positions=self.drawn.sample_positions,
+            subpixel_step=self.session.subpixel_step,
+            answers=self.answers,
+        )
+
+    @functools.cached_property
+    def _kept_out(self) -> KeptOut:
+        # A part of a scene may lack the expectation that has the rule.
+        whole = self.scene if self._like is None else self._like.scene
+        return KeptOut(self.scene, self.programs, whole)
+
+    def gather(self, expectation: Expectation) -> None:
+        """Ask for all that an expectation needs.
+
+        Raises:
+            ShaderlabError: it names what is not there, or there is no answer.
+        """
+        with doing("draw"):
+            for need in self.needs(expectation):
+                self.answer(need)
+
+    def needs(self, expectation: Expectation) -> Iterator[Need]:
+        """All that an expectation asks for, some of it twice perhaps."""
+        yield from self._own_needs(expectation)
+        yield from self._kept_out.needed(expectation)
+
+    def _own_needs(self, expectation: Expectation) -> tuple[Need, ...]:
+        """As `needs`, but for what may keep fragments out; found once."""
+        if id(expectation) not in self._needs:  # kept with it, or its id might be another's
+            found = tuple(expectation.needs(self.scene, self.programs))
+            self._needs[id(expectation)] = expectation, found
+        return self._needs[id(expectation)][1]
+
+    def by_turns(
+        self, before_release: Callable[[Set[Need]], None] | None = None
+    ) -> Iterator[tuple[int, Expectation]]:
+        """The scene's expectations with their numbers, in order, each to be gathered and judged
+        before the next one is asked for. What none after it needs is let go then: captures are as
+        large as pictures.
+
+        Args:
+            before_release: is called before anything is let go, with what is still needed.
+        """
+        own, kept = self._last
+        for index, expectation in enumerate(self.scene.expect):
+            yield index, expectation
+            needed = {need for need, last in own.items() if last > index}
+            needed |= {
+                n for n, last in kept.items() if last > index and not self._kept_out.knows(n)
+            }
+            if before_release is not None:
+                before_release(needed)
+            self.forget([need for need in self.answers if need not in needed])
+            self.session.release_captures(passes_captured(needed))
+
+    @functools.cached_property
+    def _last(self) -> tuple[dict[Need, int], dict[CapturedFragments, int]]:
+        """The number of the last expectation that has each need; and of the last that asks whether
+        a draw keeps anything out."""
+        expect = list(enumerate(self.scene.expect))
+        own = {need: i for i, e in expect for need in self._own_needs(e)}
+        return own, {need: i for i, e in expect for need in self._kept_out.needed(e)}
+
+    @property
+    def asked(self) -> Set[Need]:
+        """All that the scene's expectations need."""
+        own, kept = self._last
+        return own.keys() | kept.keys()
+
+    def answer(self, need: Need) -> Any:
+        """What a need asks for, asked for once. Raises ShaderlabError if there is no answer."""
+        if need not in self.answers:
+            self.answers[need] = self._answer(need)
+        return self.answers[need]
+
+    def judge(self, expectation: Expectation) -> Judgement:
+        """Judge one of the scene's expectations; see `Expectation.judge` for what it raises."""
+        self.gather(expectation)
+        with doing("judge", f"judging {expectation.name!r}"):
+            judgement = expectation.judge(self.scene, self.frame)
+            if judgement.outcome.status == "pass":
+                fault = self._kept_out.fault(expectation, self.frame) or self._misplaced(
+                    expectation
+                )
+                if fault:
+                    failed = replace(judgement.outcome, status="fail", message=fault)
+                    judgement = replace(judgement, outcome=failed)
+            return judgement
+
+    def _misplaced(self, expectation: Expectation) -> str:
+        """Where an expectation's fragments are not where the driver says, or ""."""
+        captured = (
+            need for need in self._own_needs(expectation) if isinstance(need, CapturedFragments)
+        )
+        found = (need.misplaced(self.answers[need], self.programs) for need in captured)
+        return next(filter(None, found), "")
+
+    def forget(self, needs: Iterable[Need]) -> None:
+        """Give back what was captured and probed for these needs."""
+        for need in needs:
+            self.answers.pop(need, None)
+
+    def require_no_other_errors(self) -> None:
+        """Raise DriverError for a GL error that no expectation is about."""
+        expected = {key for e in self.scene.expect for key in e.raises_gl_errors(self.scene)}
+        for key, errors in self.drawn.gl_errors.items():
+            if key not in expected:
+                names = ", ".join(error_name(code) for code in errors)
+                raise DriverError(f"draw {key[1]} of pass {key[0]!r} raises {names}")
+
+    def _answer(self, need: Need) -> Any:
+        like = self._like
+        if (
+            like is not None
+            and need in like.answers
+            and need.has_same_answer(self.programs, like.programs)
+        ):
+            return like.answers[need]
+        return need.answer(self._context)
+
+
+def passes_captured(needs: Iterable[Need]) -> set[str]:
+    """The passes of which some needs are captured fragments."""
+    return {need.key[0] for need in needs if isinstance(need, CapturedFragments)}

@@ -1,0 +1,172 @@
+"""What several kinds of expectation share: what is about one draw, what is about one output."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from shaderlab.compiler.sources import Source
+from shaderlab.drivers import Session
+from shaderlab.drivers.programs.prepare import Preparer, step
+from shaderlab.drivers.programs.vertices import vertex_outputs
+from shaderlab.errors import CaseError, nearest
+from shaderlab.model.case import Scene
+from shaderlab.model.expectation import Expectation, Judgement, Need, Programs, Read
+from shaderlab.model.frame import Bindings, PassDraw
+from shaderlab.model.records import Outcome, Row, Verdict
+
+
+@dataclass(frozen=True)
+class Context:
+    """What requests are answered from: the scene on the device, the compilers, the driver.
+
+    `bindings` are the uniforms and textures that each draw got; `driver_verdict` gives the driver's
+    own verdict on a program, and raises DriverError for a stage that the driver lacks.
+    """
+
+    session: Session
+    bindings: Mapping[PassDraw, Bindings]
+    preparer: Preparer
+    driver_verdict: Callable[[tuple[Source, ...]], Verdict]
+
+    def draw_in_words(self, key: PassDraw) -> str:
+        """A draw in words: what is to blame if the driver goes down with it."""
+        return step(key, self.session.programs[key[0]][key[1]])
+
+    def shortened(self, text: str) -> str:
+        """The text with the folders of the case and of the shaders left out of its paths.
+
+        A folder alone keeps its own name: of "/a/b/x.frag:3 is not in /a/b" there remains
+        "x.frag:3 is not in b".
+        """
+        for folder in self._folders:
+            text = text.replace(f"{folder}/", "").replace(folder, Path(folder).name)
+        return text
+
+    @functools.cached_property
+    def _folders(self) -> list[str]:
+        # A case that was named by a relative path has errors with absolute ones.
+        named = (Path(self.session.scene.case.file).parent, *self.preparer.folders)
+        found = {str(f) for folder in named for f in (folder, folder.resolve()) if f.parts}
+        return sorted(found, key=len, reverse=True)
+
+
+@dataclass(frozen=True)
+class Asked(Need):
+    """What the session answers to a question: the name of a method of `shaderlab.drivers.Session`,
+    and its arguments."""
+
+    question: str
+    about: tuple[Hashable, ...]
+
+    def answer(self, context: Context) -> Any:
+        return getattr(context.session, self.question)(*self.about)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfDraw(Expectation):
+    """An expectation of one draw: of the pass `pass_name` (the last one by default), the draw
+    `draw` (negative numbers count from the last)."""
+
+    pass_name: str | None = None
+    draw: int = -1
+
+    def key(self, scene: Scene) -> PassDraw:
+        """The pass and draw. Raises CaseError if there is no such one."""
+        return scene.draw_key(self.pass_name, self.draw)
+
+    def passes(self, scene: Scene) -> frozenset[str]:
+        return frozenset({self.key(scene)[0]})
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfOutput(Expectation):
+    """An expectation of one output of one draw.
+
+    `output` is named as the fragment shader spells it ("FragColor"), with its pass before it where
+    there are several ("shadow.FragColor"; without, the last pass is meant), or as the vertex
+    shader spells it ("gl_Position" or any of its `out` variables): then every vertex is judged.
+    Where a geometry stage follows, "gl_Position" is that stage's, and "gl_in.gl_Position" the
+    vertex stage's.
+
+    `discards` says which fragments the draw's program throws away: a reference that is true for
+    those, a comparison of its inputs. It holds for all draws of that fragment shader. Without one,
+    a draw shows all that its geometry covers.
+    """
+
+    output: str
+    draw: int = -1
+    discards: Callable[..., Any] | None = None
+
+    def key(self, scene: Scene) -> PassDraw:
+        """The pass and draw that the output comes from. Raises CaseError if there is none."""
+        return scene.draw_key(scene.split_output(self.output)[0], self.draw)
+
+    def own_name(self, scene: Scene) -> str:
+        """The output's name inside its pass."""
+        return scene.split_output(self.output)[1]
+
+    def reads(self, scene: Scene) -> Iterable[Read]:
+        pass_name, draw = self.key(scene)
+        yield Read(pass_name, self.own_name(scene), draw=draw)
+
+    def passes(self, scene: Scene) -> frozenset[str]:
+        return frozenset(read.pass_name for read in self.reads(scene))
+
+    def judges_vertices(self, scene: Scene, programs: Programs) -> bool:
+        key, name = self.key(scene), self.own_name(scene)
+        if any(name in draw.outputs for draw in programs[key[0]]):
+            return False
+        return not self.is_of_depth(scene, programs) and self.is_of_vertex(scene, programs)
+
+    def is_of_depth(self, scene: Scene, programs: Programs) -> bool:
+        """Whether the output's name means its pass's depth or stencil, and no shader's output."""
+        key, name = self.key(scene), self.own_name(scene)
+        if scene.find_pass(key[0]).target.depth is None or name not in ("depth", "stencil"):
+            return False
+        return name not in programs[key[0]][key[1]].interface.outputs
+
+    def is_of_vertex(self, scene: Scene, programs: Programs) -> bool:
+        """Whether a vertex stage writes the output, and not a fragment stage.
+
+        Raises:
+            CaseError: no stage writes it; names those that are written.
+        """
+        key = self.key(scene)
+        draw, name = programs[key[0]][key[1]], self.own_name(scene)
+        if name in draw.outputs:
+            return False
+        generated = draw.draw.mesh is None  # the lab's own stage, which only gives gl_Position
+        known = [] if generated and name != "gl_Position" else vertex_outputs(draw)
+        if name not in known:
+            outputs = [*draw.outputs, *known]
+            raise CaseError(f"there is no output {name!r}", remedy=nearest(name, outputs))
+        if generated:
+            raise CaseError(f"{name!r} is the lab's own vertex stage's: draw a mesh to judge it")
+        return True
+
+
+def judge_rows(
+    name: str,
+    kind: str,
+    rows: Sequence[Row],
+    message: str,
+    judged: int,
+    rows_per_variant: bool = True,
+) -> Judgement:
+    """A judgement of rows: it fails where there is a message."""
+    return Judgement(
+        outcome=Outcome(
+            name=name,
+            kind=kind,
+            status="fail" if message else "pass",
+            message=message,
+            judged=judged,
+            outside=sum(not row.ok for row in rows),
+            rows=tuple(rows),
+            rows_per_variant=rows_per_variant,
+        )
+    )

@@ -1,0 +1,204 @@
+"""Fragments that a shader keeps out: all that a draw's geometry covers is expected to be seen, but
+for what a rule says is discarded.
+
+An expectation that reads an attachment judges what is there. Whatever its kind, it fails where
+fragments of the draws that make this attachment are missing, or are seen and should be discarded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands import Band, Rules, Truth
+from shaderlab.bands.truth import as_truth
+from shaderlab.drivers.programs.stages import may_discard, writes_depth
+from shaderlab.errors import FormulaError
+from shaderlab.model.case import Scene
+from shaderlab.model.expectation import Expectation, Programs
+from shaderlab.model.frame import Array, Fragments, Frame, PassDraw, every_component
+
+from ..judging.inputs import evaluate, wanted
+from ..judging.reference_bands import CHUNK
+from ..judging.written import name_of, source_of
+from .base import OfOutput
+from .needs import CapturedFragments, Probe
+from .subject import inputs_of
+
+
+class KeptOut:
+    """The draws of a scene that may leave something out of their attachments, or should by a rule,
+    and what is wrong with what they left out; each is looked at once.
+
+    Args:
+        scene, programs: what is judged, all of a case's scene or a part of it.
+        whole: the whole scene: its expectations have the rules.
+    """
+
+    def __init__(self, scene: Scene, programs: Programs, whole: Scene) -> None:
+        self._scene = scene
+        self._programs = programs
+        self._rules = _rules_of(whole)
+        self._faults: dict[PassDraw, str] = {}
+        self._draws = {
+            name: tuple(
+                CapturedFragments((name, index))
+                for index, draw in enumerate(draws)
+                if self._rule_of((name, index)) is not None
+                or may_discard(text := draw.text("fragment") or "")
+                or writes_depth(text)
+            )
+            for name, draws in programs.items()
+        }
+
+    def needed(self, expectation: Expectation) -> Iterator[CapturedFragments]:
+        """Those that make what an expectation reads and were not looked at yet."""
+        return (need for need in self._draws_of(expectation) if not self.knows(need))
+
+    def knows(self, need: CapturedFragments) -> bool:
+        """Whether a draw was looked at: what was captured of it isn't asked for again."""
+        return need.key in self._faults
+
+    def _draws_of(self, expectation: Expectation) -> Iterator[CapturedFragments]:
+        if not any(self._draws.values()):
+            return
+        reads = tuple(expectation.reads(self._scene))
+        for name in dict.fromkeys(read.pass_name for read in reads):
+            draws = self._programs.get(name, ())
+            kept = {"depth", "stencil"}.union(*(draw.interface.outputs for draw in draws))
+            if any(read.output in kept for read in reads if read.pass_name == name):
+                yield from self._draws.get(name, ())
+
+    def fault(self, expectation: Expectation, frame: Frame) -> str:
+        """What is wrong with the fragments that were kept out of what an expectation read, or "".
+
+        Args:
+            expectation: what was judged.
+            frame: what was drawn, with answers to `needed`; always the same one.
+
+        Raises:
+            FormulaError: a rule fails, or is no comparison.
+        """
+        if isinstance(expectation, OfOutput):
+            samples = frame.answers.get(Probe(expectation))
+            if samples is not None and samples.discarded:
+                return (
+                    f"the shader discards {samples.discarded} of the samples, "
+                    "and gives no value there"
+                )
+        for need in self._draws_of(expectation):
+            if need.key not in self._faults:
+                self._faults[need.key] = self._fault_of(need.key, frame)
+            if self._faults[need.key]:
+                return self._faults[need.key]
+        return ""
+
+    def _fault_of(self, key: PassDraw, frame: Frame) -> str:
+        name, index = key
+        draw = self._programs[name][index]
+        by_depth = writes_depth(draw.text("fragment") or "")
+        missing, surplus = _faults(key, frame, by_depth, self._rule_of(key))
+        of = f"of draw {index} of pass {name!r} ({draw.draw.fragment})"
+        if missing.any():
+            return (
+                f"missing: {_places(missing)} {of}, covered by the geometry and discarded by "
+                "no rule\n→ if the shader is to discard it, say so: discards=rule, a comparison "
+                "of its inputs"
+            )
+        if surplus.any():
+            return f"surplus: {_places(surplus)} {of}, which its rule says is discarded"
+        return ""
+
+    def _rule_of(self, key: PassDraw) -> OfOutput | None:
+        """The rule of a draw, or else of another one of the same fragment shader."""
+        shader = self._programs[key[0]][key[1]].draw.shaders[-1]
+        return self._rules.get(key) or self._rules.get(shader)
+
+
+def _rules_of(scene: Scene) -> Mapping[PassDraw | str, OfOutput]:
+    """The expectations of a whole scene that say what is discarded, by draw and by shader."""
+    rules: dict[PassDraw | str, OfOutput] = {}
+    for expectation in scene.expect:
+        if isinstance(expectation, OfOutput) and expectation.discards is not None:
+            key = expectation.key(scene)
+            rules.setdefault(key, expectation)
+            rules.setdefault(scene.find_pass(key[0]).draws[key[1]].shaders[-1], expectation)
+    return rules
+
+
+def _faults(
+    key: PassDraw, frame: Frame, by_depth: bool, rule: OfOutput | None
+) -> tuple[Array, Array]:
+    """Where fragments are missing, and where some are seen that should be discarded."""
+    found: Fragments = frame.answers[CapturedFragments(key)]
+    everything = found.undiscarded
+    missing, surplus = (np.zeros_like(found.covered) for _ in range(2))
+    if everything is not None and by_depth:
+        # Another order of the surfaces may be meant, but not that none is seen.
+        missing = everything.covered & (found.frag_coord[..., 3] == 0.0)
+    elif everything is not None:
+        at = np.flatnonzero(everything.covered)
+        missing.flat[at] = ~_seen_alike(found, everything, at)
+    if rule is not None:
+        if everything is not None:
+            missing[missing] = _truth(rule, frame, key, everything, missing).all_false
+        surplus = found.covered.copy()
+        surplus[surplus] = _truth(rule, frame, key, found, surplus).all_true
+    return missing, surplus
+
+
+def _seen_alike(found: Fragments, everything: Fragments, at: Array) -> Array:
+    """At which of some pixels the very fragment is seen that would be if none were discarded."""
+    pairs = [(found.frag_coord, everything.frag_coord)]
+    pairs += [(values, everything.inputs[name]) for name, values in found.inputs.items()]
+    seen: Array = found.covered.reshape(-1)[at]
+    for pair in pairs:
+        if pair[0] is pair[1]:
+            continue  # what is the same was captured into the same array
+        one, other = (values.reshape(found.covered.size, -1)[at] for values in pair)
+        seen &= every_component((one == other) | ((one != one) & (other != other)))
+    return seen
+
+
+def _truth(
+    rule: OfOutput, frame: Frame, key: PassDraw, fragments: Fragments, where: Array
+) -> Truth:
+    """Whether each of some fragments is discarded, (count,)."""
+    reference: Any = rule.discards
+    values = {**fragments.inputs, "frag_coord": fragments.frag_coord}
+    each = {name: array.reshape(-1, *array.shape[2:]) for name, array in values.items()}
+    inputs = inputs_of(frame, key, each=each, given=getattr(rule, "given", {}))
+    asked = wanted(reference, inputs)
+    names = {name for names in asked.values() for name in names}
+    inputs = replace(inputs, each={n: v for n, v in inputs.each.items() if n in names})
+    bands = getattr(rule, "rules", None) or Rules()
+    numbers = np.flatnonzero(where)
+    yes, no = np.zeros((2, len(numbers), 1), np.bool_)
+    for start in range(0, max(len(numbers), 1), CHUNK):
+        rows = slice(start, start + CHUNK)
+        part = inputs.part(numbers[rows])
+        found = evaluate(reference, part, rules=bands, decimal=False, asked=asked)
+        try:
+            if isinstance(found, Band):
+                raise TypeError
+            truth = as_truth(found)
+            yes[rows], no[rows] = truth.all_true, truth.all_false
+        except (TypeError, ValueError):
+            place = source_of(reference)
+            raise FormulaError(
+                f"discards of {rule.name!r}: {name_of(reference)}() is no comparison",
+                file=place.file,
+                line=place.line,
+                remedy="return one truth for each fragment, such as alpha < 0.1",
+            ) from None
+    return Truth(yes[:, 0], no[:, 0])
+
+
+def _places(where: Array) -> str:
+    """How many pixels, and the first of them."""
+    y, x = (int(k) for k in np.argwhere(where)[0])
+    count = int(np.count_nonzero(where))
+    return f"{count} fragment{'s' if count > 1 else ''} (the first at pixel {x}, {y})"

@@ -1,0 +1,132 @@
+"""energy_conserving: the light that leaves a surface is no more than what falls on it."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import CaseError
+from shaderlab.model.frame import Array
+from shaderlab.model.records import Row
+
+from ..judging.figures import shown
+from .law import Finding, Law
+
+MAX_QUADRATURE_ERROR = 0.01
+
+
+@dataclass(frozen=True)
+class EnergyConserving(Law):
+    """∫ output · cos θ dω ≤ limit over the hemisphere of directions around `normal`.
+
+    The quadrature is Gauss–Legendre in cos θ (`polar` points) by the trapezoidal rule in the
+    azimuth (`around` points); one of half as many points each way estimates its error, which is
+    allowed for and must stay below one hundredth of the limit.
+
+    Args:
+        output: a BRDF's value for light from direction `over`, each component by itself.
+        over: the input that takes unit vectors, (3,).
+        normal: the surface normal, of any length but 0.
+        limit: 1 for energy.
+        cosine: whether cos θ is still to be multiplied in.
+        polar, around: numbers of points, even.
+        at: other inputs, such as the direction of view and the roughness.
+        draw: which draw's program.
+        name: how outcomes call it.
+    """
+
+    kind = "energy"
+
+    output: str
+    _: KW_ONLY
+    normal: Sequence[float] = (0.0, 0.0, 1.0)
+    limit: float = 1.0
+    cosine: bool = True
+    polar: int = 32
+    around: int = 64
+
+    def __post_init__(self) -> None:
+        if min(self.polar, self.around) < 4 or self.polar % 2 or self.around % 2:
+            raise CaseError("energy_conserving: polar and around must be even, 4 or more")
+        if np.shape(self.normal) != (3,) or not np.any(self.normal):
+            raise CaseError(f"energy_conserving: {self.normal} is no normal")
+        if not 0.0 < self.limit < np.inf:
+            raise CaseError(f"energy_conserving: a limit of {self.limit} holds nothing")
+        self.name_by_default(f"{self.output} conserves energy")
+
+    @property
+    def steps(self) -> Sequence[Mapping[str, Any]]:
+        """The directions of the quadrature, then those of the coarser one."""
+        return [{str(self.over): direction} for direction in self._quadratures[0].tolist()]
+
+    @functools.cached_property
+    def _quadratures(self) -> tuple[Array, Array]:
+        """Directions (count, 3) and weights (count,) of both quadratures, the finer one first."""
+        fine = _hemisphere(self.normal, self.polar, self.around, self.cosine)
+        coarse = _hemisphere(self.normal, self.polar // 2, self.around // 2, self.cosine)
+        directions, weights = (np.concatenate(both) for both in zip(fine, coarse, strict=True))
+        return directions, weights
+
+    def find(self, measured: Array) -> Finding:
+        weighted = self._quadratures[1][:, None] * measured
+        fine = self.polar * self.around
+        total = weighted[:fine].sum(axis=0)
+        error = np.abs(total - weighted[fine:].sum(axis=0))
+        above = total > self.limit + error
+        rough = error > MAX_QUADRATURE_ERROR * self.limit
+        c = int(np.argmax(total))
+        known_to = f"{float(error.max()):.2g}"
+        row = Row(
+            label="∫ over the hemisphere",
+            expected=f"at most {shown(self.limit)}",
+            measured=shown(total, 6),
+            ok=not (above.any() or rough.any()),
+            note=f"{fine} directions; quadrature known to {known_to}",
+        )
+        message = ""
+        if above.any():
+            message = f"it reflects {total[c]:.6f} of the light, more than {shown(self.limit)}"
+        elif rough.any():
+            message = (
+                f"the quadrature is known to {known_to} only, which is too rough to "
+                f"judge: give it more points (polar, around)"
+            )
+        elif not total.any():
+            message = "it reflects nothing at all: any limit would hold"
+        return Finding(
+            (int(np.argmax(weighted[:fine, c])), c),
+            total,
+            0.0,
+            self.limit,
+            int((above | rough).sum()),
+            message,
+            (row,),
+            measured=total,
+            widths=np.inf if above.any() else 0.0,
+        )
+
+
+def _hemisphere(
+    normal: Sequence[float], polar: int, around: int, cosine: bool
+) -> tuple[Array, Array]:
+    """Unit vectors (count, 3) and their solid angles (count,), times cos θ if asked for."""
+    z = np.asarray(normal, float)
+    z = z / np.linalg.norm(z)
+    x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
+    x /= np.linalg.norm(x)
+    y = np.cross(z, x)
+    nodes, weights = np.polynomial.legendre.leggauss(polar)
+    cos_theta = np.repeat(0.5 * (nodes + 1.0), around)
+    sin_theta = np.sqrt(1.0 - cos_theta**2)
+    phi = np.tile((np.arange(around) + 0.5) * (2.0 * np.pi / around), polar)
+    parts = (sin_theta * np.cos(phi), sin_theta * np.sin(phi), cos_theta)
+    directions = sum(part[:, None] * axis for part, axis in zip(parts, (x, y, z), strict=True))
+    solid = np.repeat(0.5 * weights, around) * (2.0 * np.pi / around)
+    return np.asarray(directions), solid * cos_theta if cosine else solid
+
+
+energy_conserving = EnergyConserving

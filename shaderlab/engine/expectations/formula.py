@@ -1,0 +1,155 @@
+"""formula: every covered pixel, or every vertex, lies in the band derived from a reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands import Rules
+from shaderlab.errors import CaseError
+from shaderlab.model.case import Scene
+from shaderlab.model.expectation import Judgement, LazyArrays, Need, Programs
+from shaderlab.model.frame import Array, Frame, Image
+from shaderlab.model.records import Outcome, Row
+from shaderlab.model.scene import UniformValue
+
+from ..judging.banded import Banded, independent_references, judge_band
+from .base import OfOutput
+from .laid_out import LaidOut
+from .needs import CapturedFragments, CapturedVertices
+from .subject import subject_of
+
+Reference = Callable[..., Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfReference(OfOutput):
+    """An expectation that holds an output against a reference's band.
+
+    Attributes:
+        reference: a formula over float64 arrays and bands alike.
+        given: further inputs of it by name, as exact float32 values.
+        rules: precision rules; None for the default ones.
+    """
+
+    reference: Any
+    given: Mapping[str, UniformValue] = field(default_factory=dict)
+    rules: Rules | None = None
+
+    def judgement(
+        self,
+        scene: Scene,
+        banded: Banded,
+        verdict: tuple[str, str],
+        rows: Sequence[Row] = (),
+        *,
+        covered: Array | None = None,
+        rows_show_worst: bool = False,
+        **shown: Any,
+    ) -> Judgement:
+        """The judgement of banded values; `shown` is what else `Judgement` has to show."""
+        status, message = verdict
+        outcome = Outcome(
+            name=self.name,
+            kind=self.kind,
+            status=status,  # type: ignore[arg-type]
+            message=message,
+            judged=int(banded.measured.size),
+            outside=banded.outside,
+            worst=banded.worst(covered),
+            vacuous=banded.vacuous_share,
+            undecided=banded.undecided_share,
+            informative=banded.informative_share,
+            rows=tuple(rows),
+            rows_show_worst=rows_show_worst,
+            sources=(banded.source,),
+        )
+        return Judgement(outcome=outcome, output=(self.key(scene), self.own_name(scene)), **shown)
+
+
+@dataclass(frozen=True)
+class Formula(OfReference):
+    """Every covered pixel (or vertex) of `output` lies in the band derived from `reference`.
+
+    The reference's parameters are found by name: captured varyings (or attributes), uniforms
+    (`light.constant` as `light_constant`), textures, `frag_coord`, and what `given` adds.
+
+    Args:
+        output: see `OfOutput`.
+        reference: a formula over float64 arrays and bands alike, built with `shaderlab.glslmath`.
+        draw: which draw of the pass the inputs come from; the last by default.
+        given: further inputs by name, as exact float32 values.
+        also: independent implementations by name; in float64 each must lie in the band too.
+        rules: other precision rules than the default ones.
+        name: how outcomes call it; the output's name by default.
+    """
+
+    kind = "formula"
+    judges = "pixels"
+
+    output: str
+    reference: Reference
+    _: KW_ONLY
+    also: Mapping[str, Reference] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for implementation in self.also.values():
+            if implementation is self.reference:
+                raise CaseError(f"formula {self.output!r}: also= has the reference itself")
+        self.name_by_default(self.output)
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        key = self.key(scene)
+        of_pixels = self.is_of_depth(scene, programs) or not self.is_of_vertex(scene, programs)
+        yield CapturedFragments(key) if of_pixels else CapturedVertices(key)
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        subject = subject_of(self, self.given, scene, frame)
+        banded = judge_band(
+            subject.measured,
+            self.reference,
+            subject.inputs,
+            rules=self.rules,
+            format=subject.format,
+        )
+        rows = independent_references(banded, self.also)
+        status, message = banded.verdict()
+        if status == "pass" and not all(row.ok for row in rows):
+            status, message = "fail", "an independent implementation leaves the band"
+        covered, image = subject.covered, subject.image
+        pictures: Mapping[str, Any] = {}
+        if image is not None and covered is not None:
+            pictures = LazyArrays(lambda: _pictures(image, covered, banded))
+        return self.judgement(
+            scene, banded, (status, message), rows, covered=covered, pictures=pictures
+        )
+
+
+def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
+    def laid_out(values: Array, nothing: float) -> Array | LaidOut:
+        if len(values) == covered.size:
+            return values.reshape(*covered.shape, -1)
+        return LaidOut(covered, values.__getitem__, nothing)
+
+    def reference(rows: Array | slice) -> Array:
+        exact = banded.band.at(rows)
+        kind = image.values.dtype
+        return np.nan_to_num(np.rint(exact)).astype(kind) if kind.kind in "iu" else exact
+
+    return {
+        "measured": np.asarray(laid_out(banded.measured, 0)),
+        "reference": LaidOut(covered, reference, 0),
+        "distance": LaidOut(covered, lambda rows: banded.signed()[rows], np.nan),
+        "covered": covered,
+        "exact": LaidOut(covered, banded.band.at, np.nan),
+        "low": laid_out(banded.low, np.nan),
+        "high": laid_out(banded.high, np.nan),
+        "outside": laid_out(~banded.inside, False),
+        "unit": np.asarray(banded.unit or 0.0),
+    }
+
+
+formula = Formula

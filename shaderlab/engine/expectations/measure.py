@@ -1,0 +1,299 @@
+"""measure: statistics of what was drawn, held against bounds; one figure, a table, or a curve.
+
+A measure is for what no single pixel shows: the share of pixels in the wrong shadow, a picture's
+distance from another one, the energy that a model of reflection loses.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Unpack
+
+import numpy as np
+
+from shaderlab.errors import CaseError, FormulaError, ShaderlabError, nearest
+from shaderlab.model.activity import doing
+from shaderlab.model.case import Scene
+from shaderlab.model.checked import checked_arguments
+from shaderlab.model.expectation import Judgement, Read
+from shaderlab.model.frame import Array, Bindings, Frame
+from shaderlab.model.records import Outcome, Plot, PlotPoint, Row
+from shaderlab.model.scene import UniformValue
+
+from ..judging.inputs import parameter_name
+from ..judging.written import located, source_of
+from .base import OfDraw
+from .bound import Bound, Bounds
+from .readings import Reading, check_readings, reading
+from .subject import find_image
+
+_INDEXED = re.compile(r"\[\d+\]")
+
+Statistic = Callable[..., Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measure(OfDraw):
+    """A statistic computed from the frame, each of its readings within its bound."""
+
+    kind = "measure"
+
+    statistic: Statistic
+    readings: tuple[Reading, ...]
+    x_label: str = ""
+    y_label: str = ""
+    log_x: bool = False
+    log_y: bool = False
+    own_types: bool = False
+
+    def reads(self, scene: Scene) -> Iterable[Read]:
+        """The outputs that its parameters may mean.
+
+        Where a parameter could also mean a uniform, or an output of either of two passes, all of
+        them are there: nothing that it reads is missing.
+        """
+        for row in self.readings:
+            for parameter in inspect.signature(self.statistic).parameters:
+                if parameter in row.given:
+                    continue
+                if parameter in row.reads:
+                    pass_name, name = scene.split_output(row.reads[parameter])
+                    yield Read(scene.find_pass(pass_name).name, name)
+                    continue
+                yield Read(scene.find_pass(None).name, parameter)
+                for description in scene.passes:
+                    head = parameter_name(description.name) + "_"
+                    if parameter.startswith(head):
+                        yield Read(description.name, parameter.removeprefix(head))
+
+    def passes(self, scene: Scene) -> frozenset[str]:
+        return super().passes(scene) | {read.pass_name for read in self.reads(scene)}
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        known = self._known(scene, frame)
+        figures = [self._figure(row, known, scene, frame) for row in self.readings]
+        rows = tuple(r.row(v) for r, v in zip(self.readings, figures, strict=True))
+        wrong = [row for row in rows if not row.ok]
+        message = ""
+        if wrong:
+            first = wrong[0]
+            what = "" if len(rows) == 1 else f"{first.label}: "
+            others = f" (and {len(wrong) - 1} more of {len(rows)})" if len(wrong) > 1 else ""
+            message = f"{what}measured {first.measured}, expected {first.expected}{others}"
+        outcome = Outcome(
+            name=self.name,
+            kind=self.kind,
+            status="fail" if wrong else "pass",
+            message=message,
+            judged=sum(row.bound is not None for row in self.readings),
+            outside=len(wrong),
+            rows=rows,
+            rows_heading=self.name if len(rows) > 1 else "",
+            sources=(source_of(self.statistic),),
+        )
+        return Judgement(outcome=outcome, plot=self._plot(figures, rows))
+
+    def _known(self, scene: Scene, frame: Frame) -> dict[str, Array]:
+        """Everything that parameters may mean, by their names; of two, the output is meant."""
+        known = _of_draw(frame.bindings[self.key(scene)])
+        known["subpixel_step"] = np.array(frame.subpixel_step)
+        last = frame.order[-1]
+        for (pass_name, name), image in frame.images.items():
+            known[parameter_name(f"{pass_name}.{name}")] = image.values
+        for (pass_name, name), image in frame.images.items():
+            if pass_name == last:
+                known[parameter_name(name)] = image.values
+        return known
+
+    def _figure(
+        self, row: Reading, known: Mapping[str, Array], scene: Scene, frame: Frame
+    ) -> float:
+        arguments = self._arguments(row, known, scene, frame)
+        try:
+            with doing("reference"), np.errstate(all="ignore"), warnings.catch_warnings():
+                # The mean of nothing is NaN, which fails; NumPy need not say so as well.
+                warnings.simplefilter("ignore", RuntimeWarning)
+                got = self.statistic(**arguments)
+        except ShaderlabError:
+            raise
+        except Exception as error:
+            raise located(
+                self.statistic,
+                error,
+                "a statistic gets arrays (height, width, components) and returns one number",
+            ) from error
+        try:
+            array = np.asarray(got, np.float64)
+        except (TypeError, ValueError):
+            array = np.empty(0)
+        if array.size != 1:
+            place = source_of(self.statistic)
+            raise FormulaError(
+                f"{self.name}: the statistic gives {type(got).__name__} of shape "
+                f"{np.shape(array)}, not one number",
+                file=place.file,
+                line=place.line,
+            )
+        return float(array.reshape(()))
+
+    def _arguments(
+        self, row: Reading, known: Mapping[str, Array], scene: Scene, frame: Frame
+    ) -> dict[str, Any]:
+        arguments: dict[str, Any] = {}
+        parameters = inspect.signature(self.statistic).parameters
+        images = {id(image.values) for image in frame.images.values()}
+        drawn = False
+        for name in (*row.reads, *row.given):
+            if name not in parameters:
+                raise CaseError(
+                    f"measure {self.name!r}: its function has no parameter {name!r}",
+                    remedy=nearest(name, parameters),
+                )
+        for parameter in parameters.values():
+            name = parameter.name
+            if name in row.given:
+                value = row.given[name]
+                arguments[name] = value if np.isscalar(value) else np.asarray(value, np.float64)
+            elif name in row.reads:
+                arguments[name] = self._drawn(find_image(row.reads[name], scene, frame).values)
+                drawn = True
+            elif name in known and id(known[name]) in images:
+                arguments[name] = self._drawn(known[name])
+                drawn = True
+            elif name in known:
+                arguments[name] = np.asarray(known[name], np.float64)
+            elif parameter.default is parameter.empty:
+                choices = [*known, *row.given]
+                raise CaseError(
+                    f"measure {self.name!r}: its function asks for {name!r}, which is no "
+                    "output, no uniform and not given",
+                    remedy=nearest(name, choices),
+                )
+        if not drawn:
+            raise CaseError(
+                f"measure {self.name!r} reads no output, so no shader could fail it",
+                remedy="computed(…) is for figures of formulas alone",
+            )
+        return arguments
+
+    def _drawn(self, values: Array) -> Array:
+        """An output as the statistic gets it: a copy, or what all expectations see."""
+        if not self.own_types:
+            return values.astype(np.float64)
+        seen = values.view()
+        seen.flags.writeable = False
+        return seen
+
+    def _plot(self, figures: list[float], rows: tuple[Row, ...]) -> Plot | None:
+        """The curve of the readings that have an x; None unless there are two."""
+        points = tuple(
+            PlotPoint(
+                series=reading.series,
+                x=reading.x,
+                y=figure,
+                low=-math.inf if reading.bound is None else reading.bound.low,
+                high=math.inf if reading.bound is None else reading.bound.high,
+                ok=row.ok,
+            )
+            for reading, figure, row in zip(self.readings, figures, rows, strict=True)
+            if reading.x is not None
+        )
+        if len(points) < 2:
+            return None
+        return Plot(
+            title=self.name,
+            x_label=self.x_label,
+            y_label=self.y_label,
+            points=points,
+            log_x=self.log_x,
+            log_y=self.log_y,
+        )
+
+
+@checked_arguments
+def measure(
+    label: str,
+    statistic: Statistic,
+    *,
+    readings: Sequence[Reading] = (),
+    reads: Mapping[str, str] | None = None,
+    given: Mapping[str, UniformValue] | None = None,
+    pass_name: str | None = None,
+    draw: int = -1,
+    x_label: str = "",
+    y_label: str = "",
+    log_x: bool = False,
+    log_y: bool = False,
+    own_types: bool = False,
+    note: str = "",
+    **bound: Unpack[Bounds],
+) -> Measure:
+    """A figure that `statistic` computes from the frame lies within its bound.
+
+    The parameters of `statistic` are found by name: outputs of any pass as float64 arrays
+    (height, width, components), `FragColor` of the last pass or `shadow_depth` for
+    "shadow.depth"; uniforms and textures of a draw; what `reads` and `given` say; and
+    `subpixel_step`, the grid that corners are moved to before they are rasterised, in pixels, for
+    figures that grow with it: 1/256 on llvmpipe, 1/16 where a driver has the least allowed.
+
+    Args:
+        label: how tables and outcomes call it.
+        statistic: a Python function that returns one number; NumPy may be used.
+        readings: rows, from `reading`; without them there is one, with `label` for its name.
+        reads: outputs by parameter, in every row that does not say otherwise.
+        given: constants by parameter, likewise.
+        pass_name, draw: whose uniforms and textures are meant; the last draw of the last pass.
+        x_label, y_label: what the axes of the curve say, where labels of rows are numbers.
+        log_x, log_y: logarithmic axes.
+        own_types: outputs come in the types that they were read back in, read-only, where a copy of
+            a large picture in float64 would take too much memory.
+        note: a remark in the table, where there is one row.
+        bound: that of the rows that have none, as in `reading`.
+
+    Raises:
+        CaseError: there is no bound at all, or two rows are alike.
+    """
+    common = Bound.of(label, bound)
+    rows = tuple(
+        replace(
+            row,
+            bound=row.bound or common,
+            reads={**(reads or {}), **row.reads},
+            given={**(given or {}), **row.given},
+        )
+        for row in readings or (reading(label, note=note),)
+    )
+    check_readings(label, rows)
+    return Measure(
+        name=label,
+        statistic=statistic,
+        readings=rows,
+        pass_name=pass_name,
+        draw=draw,
+        x_label=x_label,
+        y_label=y_label or label,
+        log_x=log_x,
+        log_y=log_y,
+        own_types=own_types,
+    )
+
+
+def _of_draw(bindings: Bindings) -> dict[str, Array]:
+    """Uniforms and textures, members of arrays of structs together as one array; where they are
+    single numbers, without an axis for components."""
+    known: dict[str, Array] = {}
+    lists: dict[str, list[Array]] = {}
+    for name, values in bindings.uniforms.items():
+        known[parameter_name(name)] = values[..., 0] if values.shape[-1] == 1 else values
+        if _INDEXED.search(name):
+            lists.setdefault(parameter_name(_INDEXED.sub("", name)), []).append(
+                known[parameter_name(name)]
+            )
+    known |= {name: np.stack(values) for name, values in lists.items()}
+    known |= {parameter_name(n): texels.values for n, texels in bindings.textures.items()}
+    return known

@@ -1,0 +1,132 @@
+"""value: a printed figure holds, for the reference in float64 and for the shader in its band."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import CaseError
+from shaderlab.model.case import Scene
+from shaderlab.model.expectation import Judgement, Need, Programs, Read
+from shaderlab.model.frame import Array, Frame, Image
+from shaderlab.model.records import Row
+from shaderlab.model.scene import Pixel, UniformValue
+
+from ..judging.banded import judge_band
+from ..judging.figures import figure_row, rounds_to, shown
+from ..judging.inputs import evaluate
+from .base import judge_rows
+from .formula import Formula, OfReference, Reference
+from .needs import CapturedFragments, Probe
+from .subject import decimal_inputs, find_image, inputs_of, pixel_inputs
+from .sweep import Sweep
+
+Figure = float | Sequence[float]
+
+
+@dataclass(frozen=True)
+class Value(OfReference):
+    """A figure as printed (rounded to `digits` decimals) holds for the formula and the shader.
+
+    `at` gives some inputs by name (the others stay as the case has them) and the program is run
+    once more on exactly these; or it is a Pixel of the frame. The reference is that of the
+    case's `formula` of the same output unless given. In float64, on the decimal inputs, it must
+    round to the figure; the shader, on the float32 ones, must lie in its band.
+    """
+
+    kind = "value"
+
+    output: str
+    _: KW_ONLY
+    reference: Reference | None = None
+    equals: Figure
+    digits: int
+    at: Mapping[str, UniformValue] | Pixel
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        if self.digits < 0:
+            raise CaseError(f"value of {self.output!r}: digits must not be negative")
+        self.name_by_default(self.output)
+
+    def reads(self, scene: Scene) -> Iterable[Read]:
+        pixel = self.at if isinstance(self.at, Pixel) else None
+        for read in super().reads(scene):
+            yield replace(read, pixel=pixel)
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        if not isinstance(self.at, Pixel):
+            self.is_of_vertex(scene, programs)  # raises where there is no such output
+            yield Probe(self, [dict(self.at)])
+            return
+        if not self.is_of_depth(scene, programs):
+            self.is_of_vertex(scene, programs)
+        yield CapturedFragments(self.key(scene))
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        reference = self._reference(scene)
+        if reference is None:
+            return self._judge_alone(scene, frame)
+        key, format, decimal = self.key(scene), "rgba32f", None
+        if isinstance(self.at, Pixel):
+            image = find_image(self.output, scene, frame)
+            x, y = self.at.x, self.at.y
+            measured, format = _at_pixel(image, self.at)[None], image.format
+            each = {n: v[y, x][None] for n, v in pixel_inputs(frame, key, image).items()}
+            row = y * image.values.shape[1] + x
+            decimal = {n: v[row][None] for n, v in decimal_inputs(frame, key, each).items()}
+        else:
+            samples = frame.answers[Probe(self)]
+            measured = samples.outputs[self.own_name(scene)]
+            each, decimal = dict(samples.inputs), samples.decimal
+        inputs = inputs_of(frame, key, each=each, given=self.given, decimal=decimal)
+        banded = judge_band(measured, reference, inputs, rules=self.rules, format=format)
+        computed = evaluate(reference, inputs, rules=None, decimal=True)
+        status, message = banded.verdict()
+        if not rounds_to(computed, self.equals, self.digits):
+            status, message = "fail", f"the reference gives {shown(computed, self.digits + 3)}"
+        row = self._row(computed, banded.measured[0], status == "pass")
+        return self.judgement(scene, banded, (status, message), [row], rows_show_worst=True)
+
+    def _judge_alone(self, scene: Scene, frame: Frame) -> Judgement:
+        """Without a reference, the measured value itself must round to the figure."""
+        if isinstance(self.at, Pixel):
+            measured = _at_pixel(find_image(self.output, scene, frame), self.at)
+        else:
+            measured = frame.answers[Probe(self)].outputs[self.own_name(scene)][0]
+        ok = rounds_to(measured, self.equals, self.digits)
+        message = "" if ok else f"measured {shown(measured)}"
+        row = self._row(measured, measured, ok)
+        return judge_rows(self.name, self.kind, [row], message, judged=int(np.size(measured)))
+
+    def _reference(self, scene: Scene) -> Any:
+        """The value's own reference, or that of the formula of the same output."""
+        if self.reference is not None:
+            return self.reference
+        for other in scene.expect:
+            if isinstance(other, Formula | Sweep) and other.output == self.output:
+                return other.reference
+        return None
+
+    def _row(self, computed: Any, measured: Any, ok: bool) -> Row:
+        if isinstance(self.at, Pixel):
+            where = f"pixel ({self.at.x}, {self.at.y})"
+        else:
+            where = ", ".join(f"{k} = {shown(v)}" for k, v in self.at.items())
+        named = self.name != self.output
+        label = f"{self.name} ({where})" if named else f"{self.name} at {where}"
+        return figure_row(label, self.equals, self.digits, computed, measured, ok, self.note)
+
+
+def _at_pixel(image: Image, at: Pixel) -> Array:
+    height, width = image.values.shape[:2]
+    if not (0 <= at.x < width and 0 <= at.y < height):
+        raise CaseError(f"{at} lies outside the {width} × {height} target")
+    found: Array = image.values[at.y, at.x]
+    return found
+
+
+value = Value

@@ -1,0 +1,238 @@
+"""What each line of a fragment shader computes at one pixel: by driver, float64 and bands."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from shaderlab.analysis.equivalence.comparison import example
+from shaderlab.analysis.equivalence.drawing import drawn
+from shaderlab.analysis.equivalence.given import Given
+from shaderlab.analysis.equivalence.interface import declared_ranges, inputs_of
+from shaderlab.analysis.equivalence.roles import roles_of, unknown_names
+from shaderlab.analysis.interpreter import (
+    FLOAT32,
+    FLOAT64,
+    Arithmetic,
+    Bands,
+    Program,
+    Stored,
+    interpret,
+)
+from shaderlab.analysis.interpreter.losing import is_vector, lost, row_of, width
+from shaderlab.bands import Band, Integer, Truth
+from shaderlab.bands.rounding import ulp
+from shaderlab.errors import ShaderlabError, UsageError, nearest
+from shaderlab.model.frame import Array, PassDraw
+from shaderlab.model.records import Explanation, Step
+
+from .driver_values import driver_values
+from .evaluation import Evaluation
+from .interpreting import Invocations, fragments
+from .modules import outside, shows_what_is_written
+
+_MOST_BLOCKS = 10_000  # a few seconds, for so few invocations
+_Key = tuple[int, tuple[int, ...], str, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """What the invocations of a draw stored in one arithmetic, with the arguments and conditions in
+    between, in the order of execution; what they wrote; which took both sides of a branch; and
+    the `suspects` of `driver_values`."""
+
+    stored: list[Stored]
+    outputs: Mapping[str, Any]
+    undecided: Any
+    suspects: set[tuple[Stored, str]] = field(default_factory=set)
+
+    def at(self, row: int) -> dict[_Key, Stored]:
+        """What one of them stored, passed and went by, by line, calls, name, and how often it was
+        there before."""
+        found: dict[_Key, Stored] = {}
+        for event in self.stored:
+            if event.mask[row]:
+                again = 0
+                while (key := (event.line, event.calls, event.name, again)) in found:
+                    again += 1
+                found[key] = event
+        return found
+
+
+def traced(given: Invocations, arithmetic: Arithmetic) -> Trace:
+    """Interpret invocations and keep what they store. Raises as `interpret` does."""
+    events: list[Stored] = []
+    result = interpret(
+        given.program,
+        given.each,
+        given.bindings,
+        arithmetic,
+        count=given.count,
+        blocks=_MOST_BLOCKS,
+        trace=events.append,
+        flow=events.append,
+    )
+    undecided = np.zeros(given.count, np.bool_)
+    for flags in result.undecided.values():
+        undecided = undecided | flags
+    return Trace(events, result.outputs, undecided)
+
+
+def explain(
+    evaluation: Evaluation, key: PassDraw, pixel: tuple[int, int], *, if_outside: bool = False
+) -> Explanation:
+    """What a draw's fragment shader stores at a pixel that it is seen at.
+
+    With `if_outside` the driver draws the shader's statements only where an output of its leaves
+    the band there: else it does what the shader says, and float32 arithmetic shows that as well.
+
+    Raises:
+        UsageError: the draw is not seen there.
+        NotInterpretedError: the shader can't be interpreted.
+        DriverError, CaseError: its inputs can't be captured.
+    """
+    given = fragments(evaluation, key, among=np.array([pixel]))
+    assert given.pixels is not None
+    here = np.flatnonzero((given.pixels == pixel).all(axis=-1))
+    if not here.size:
+        raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at pixel {pixel}")
+    bands = traced(given, Bands())
+    row = int(here[0])
+    driver: dict[Stored, Array] = {}
+    refused = ""
+    if not if_outside or _leaves(evaluation, key, given, bands, row):
+        try:
+            for found in driver_values(evaluation, key, given, bands.stored, bands.undecided):
+                event = found.watched.event
+                if found.watched.name == event.name and found.reached[row]:
+                    driver[event] = found.values[row]
+        except ShaderlabError as error:
+            refused = str(error).splitlines()[0]
+    return Explanation(pixel=pixel, steps=steps_at(given, bands, driver, row), refused=refused)
+
+
+def _leaves(
+    evaluation: Evaluation, key: PassDraw, given: Invocations, bands: Trace, row: int
+) -> bool:
+    """Whether what the driver wrote lies outside of the program's band; False where attachments
+    hold something else than what was written."""
+    if not shows_what_is_written(evaluation, key):
+        return False
+    found = (outside(given, name, band) for name, band in bands.outputs.items())
+    return any(flags is not None and flags[row] for flags in found)
+
+
+def steps_at(
+    given: Invocations, bands: Trace, driver: Mapping[Stored, Array], row: int
+) -> tuple[Step, ...]:
+    """What one invocation stores, step by step, with the driver's values where they are known. An
+    integer, an argument or a condition has a step where the driver has another one."""
+    single, exact = (traced(given, arithmetic).at(row) for arithmetic in (FLOAT32, FLOAT64))
+    steps = []
+    for key, event in bands.at(row).items():
+        if not _is_plain(event.value) or key not in single or key not in exact:
+            continue
+        value, known = _bounds(single[key].value, row)[0], event in driver
+        if known:
+            value = driver[event].astype(np.float64)
+        step = _step(given, event, value, known, _bounds(exact[key].value, row)[0], row)
+        if (is_vector(event.value) and not event.is_flow) or (known and not step.inside):
+            steps.append(step)
+    return tuple(steps)
+
+
+def _is_plain(value: Any) -> bool:
+    return is_vector(value) or (isinstance(value, Integer | Truth) and value.ndim == 2)
+
+
+def _bounds(value: Any, row: int) -> tuple[Any, Any]:
+    """The least and the greatest value of one invocation, (components,) each."""
+    if isinstance(value, Truth):
+        return row_of(value.all_true, row), row_of(~value.all_false, row)
+    if isinstance(value, Integer | Band):
+        return row_of(value.lo, row), row_of(value.hi, row)
+    return row_of(value, row), row_of(value, row)
+
+
+def _step(
+    given: Invocations, event: Stored, value: Any, measured: bool, exact: Any, row: int
+) -> Step:
+    file, line = given.program.place(event.line)
+    low, high = _bounds(event.value, row)
+    with np.errstate(all="ignore"):
+        off = np.nanmax(np.abs(value - exact) / ulp(exact), initial=0.0)
+    return Step(
+        file=file,
+        line=line,
+        name=event.name,
+        calls=tuple(given.program.place(call)[1] for call in event.calls),
+        value=tuple(map(float, value)),
+        by_driver=measured,
+        exact=tuple(map(float, exact)),
+        low=tuple(map(float, low)),
+        high=tuple(map(float, high)),
+        off=float(off),
+        width=width(event.value, row) if is_vector(event.value) else 0.0,
+        lost=lost(event, row) if is_vector(event.value) else 0.0,
+    )
+
+
+def widest_pixel(evaluation: Evaluation, key: PassDraw, most: int = 1024) -> tuple[int, int]:
+    """The pixel of a draw where the band of what it writes is widest in ULP, of some from all over
+    the picture; the first one where all are exact.
+
+    Raises:
+        UsageError: the draw is not seen.
+        NotInterpretedError, DriverError, CaseError: as `explain`.
+    """
+    given = fragments(evaluation, key, most)
+    assert given.pixels is not None
+    if not given.count:
+        raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at any pixel")
+    x, y = given.pixels[_widest(given)]
+    return int(x), int(y)
+
+
+def explain_file(
+    program: Program, ranges: Mapping[str, str], most: int = 1024
+) -> tuple[Explanation, dict[str, tuple[float, ...]]]:
+    """What a program without a case stores at one invocation, and what that gets: of inputs that
+    are made up, where the band of what it writes is widest.
+
+    Raises:
+        NotInterpretedError: it can't be interpreted.
+        UsageError: a range is wrong.
+    """
+    inputs = inputs_of(program)
+    for name in unknown_names(list(ranges), inputs):
+        raise UsageError(f"the shader does not read {name!r}", remedy=nearest(name, inputs))
+    made_up = drawn(inputs, roles_of(inputs.values(), declared_ranges(program), ranges), most, 0)
+    row = _widest(_as_invocations(program, made_up))
+    rows = made_up.rows_with(np.array([row]), program)
+    some = _as_invocations(program, made_up.part(rows))
+    steps = steps_at(some, traced(some, Bands()), {}, int(np.flatnonzero(rows == row)[0]))
+    return Explanation(pixel=(0, 0), steps=steps), example(made_up, row, inputs)
+
+
+def _as_invocations(program: Program, given: Given) -> Invocations:
+    return Invocations(
+        program=program, each=given.each, bindings=given.bindings, measured={}, formats={}
+    )
+
+
+def _widest(given: Invocations) -> int:
+    """The invocation whose outputs' bands are widest in ULP, of those that are bounded."""
+    result = interpret(
+        given.program, given.each, given.bindings, Bands(), count=given.count, blocks=_MOST_BLOCKS
+    )
+    widths = np.zeros(given.count)
+    for band in result.outputs.values():
+        if is_vector(band):
+            with np.errstate(all="ignore"):
+                unit = ulp(np.maximum(np.abs(band.lo), np.abs(band.hi)))
+                found = np.nan_to_num((band.hi - band.lo) / unit, nan=0.0, posinf=0.0)
+            widths = np.maximum(widths, found.max(axis=-1))
+    return int(np.argmax(widths))

@@ -1,0 +1,241 @@
+"""Giving a reference formula its inputs, found by its parameters' names.
+
+`light.constant` is the parameter light_constant, `lights[0].position` is lights_0_position, and
+all of `lights[i].position` together are the list lights_position. An array uniform is a list.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from types import FunctionType
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from shaderlab.bands import Band, Integer, Rules
+from shaderlab.bands.integer_operators import WHOLE
+from shaderlab.bands.swizzles import Vector
+from shaderlab.bands.truth import Truth
+from shaderlab.errors import FormulaError, ShaderlabError, nearest
+from shaderlab.glslmath.arrays import Elements
+from shaderlab.glslmath.sampling import Sampler
+from shaderlab.model.activity import doing
+from shaderlab.model.frame import Array, Bindings, Texels
+
+from .as_written import as_written
+from .written import located, name_of, source_of
+
+Reference = Callable[..., Any]
+_TAKEN: WeakKeyDictionary[FunctionType, dict[str, bool]] = WeakKeyDictionary()
+# NumPy's words of a product by component that was meant as a matrix's: shapes such as (2,2) (50,2).
+_MATRIX = re.compile(r"broadcast together.*\(([234]),\1\)")
+_INDEXED = re.compile(r"\[(\d+)\]")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inputs:
+    """Everything that a reference may take as a parameter, by GLSL name.
+
+    Attributes:
+        shared: what is the same for all judged values, as the shader got it: uniforms and
+            constants, shaped (components,) or (rows, columns).
+        each: what differs from one judged value to the next, shaped (count, components).
+        decimal: some of both in float64, as the case wrote them.
+        textures: by sampler name.
+        arrays: names in `shared` whose first axis is a GLSL array's.
+    """
+
+    shared: Mapping[str, Array]
+    each: Mapping[str, Array] = field(default_factory=dict)
+    decimal: Mapping[str, Array] = field(default_factory=dict)
+    textures: Mapping[str, Texels] = field(default_factory=dict)
+    arrays: frozenset[str] = frozenset()
+
+    @classmethod
+    def of(
+        cls,
+        bindings: Bindings,
+        *,
+        each: Mapping[str, Array],
+        given: Mapping[str, Any],
+        decimal: Mapping[str, Array] | None = None,
+    ) -> Inputs:
+        """A draw's bindings, with what differs from value to value, and a check's own constants
+        (which override uniforms of the same parameter name)."""
+
+        def kept(names: Mapping[str, Array]) -> dict[str, Array]:
+            return {n: v for n, v in names.items() if parameter_name(n) not in given}
+
+        constants = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in given.items()}
+        rounded = {name: value.astype(np.float32) for name, value in constants.items()}
+        whole = {n: v for n, v in bindings.buffers.items() if n not in each}
+        by_element = bindings.buffers.keys() & each.keys()
+        written = {n: v for n, v in bindings.decimal.items() if n not in by_element}
+        return cls(
+            shared={**kept(bindings.uniforms), **kept(whole), **rounded},
+            each=kept(each),
+            decimal={**kept(written), **constants, **(decimal or {})},
+            textures={**bindings.textures, **bindings.images},
+            arrays=bindings.arrays - constants.keys() - by_element,
+        )
+
+    def part(self, rows: slice | Array) -> Inputs:
+        """The inputs of some judged values, a slice or their numbers; `decimal` is left out."""
+        each = {name: values[rows] for name, values in self.each.items()}
+        return Inputs(shared=self.shared, each=each, textures=self.textures, arrays=self.arrays)
+
+    @property
+    def exact(self) -> dict[str, Array]:
+        """Both kinds of input together."""
+        return {**self.shared, **self.each}
+
+    def parameters(self) -> dict[str, list[str]]:
+        """The GLSL names behind each parameter name; several for a list of struct members."""
+        return _parameters((*{**self.shared, **self.each, **self.textures},))
+
+    def at(self, index: int, names: Sequence[str]) -> dict[str, tuple[float, ...]]:
+        """The values of some inputs for judged value `index`, for showing."""
+        shown = {name: self.each[name][index] for name in names if name in self.each}
+        shown |= {n: self.shared[n] for n in names if n in self.shared and n not in shown}
+        return {n: tuple(float(x) for x in v) for n, v in shown.items() if v.ndim == 1}
+
+
+@lru_cache(maxsize=256)
+def _parameters(names: tuple[str, ...]) -> dict[str, list[str]]:
+    """`Inputs.parameters` of inputs of these names."""
+    found: dict[str, list[str]] = {}
+    for name in names:
+        found.setdefault(parameter_name(name), []).append(name)
+        if _INDEXED.search(name):
+            found.setdefault(parameter_name(_INDEXED.sub("", name)), []).append(name)
+    return found
+
+
+@lru_cache(maxsize=4096)
+def parameter_name(glsl_name: str) -> str:
+    """The Python parameter that stands for a GLSL name.
+
+    >>> parameter_name("pointLights[2].position")
+    'pointLights_2_position'
+    """
+    return re.sub(r"\W+", "_", glsl_name).strip("_")
+
+
+def wanted(reference: Reference, inputs: Inputs) -> dict[str, list[str]]:
+    """The GLSL names that each of the reference's parameters stands for.
+
+    Raises:
+        FormulaError: a parameter without a default matches nothing; lists what there is.
+    """
+    known = inputs.parameters()
+    asked = {}
+    for name, required in _taken(reference).items():
+        if name in known:
+            asked[name] = known[name]
+        elif required:
+            raise FormulaError(
+                f"{name_of(reference)}() asks for {name!r}, which the shader lacks",
+                file=source_of(reference).file,
+                line=source_of(reference).line,
+                remedy=nearest(name, known),
+            )
+    return asked
+
+
+def _taken(reference: Reference) -> dict[str, bool]:
+    """A formula's parameters, and whether each must be given; a function's are found once."""
+    if not isinstance(reference, FunctionType):
+        return _parameters_of(reference)
+    found = _TAKEN.get(reference)
+    if found is None:
+        found = _TAKEN[reference] = _parameters_of(reference)
+    return found
+
+
+def _parameters_of(reference: Reference) -> dict[str, bool]:
+    parameters = inspect.signature(reference).parameters.values()
+    return {p.name: p.default is p.empty for p in parameters}
+
+
+def evaluate(
+    reference: Reference,
+    inputs: Inputs,
+    *,
+    rules: Rules | None,
+    decimal: bool,
+    asked: Mapping[str, list[str]] | None = None,
+) -> Any:
+    """The reference's value: a Band under `rules`, or a float64 array without them.
+
+    With `decimal`, inputs are taken as the case wrote them, before they became float32. `asked` is
+    the result of `wanted`, for callers that evaluate one part after the other.
+
+    Raises:
+        FormulaError: a parameter matches nothing, or the reference fails; names its file and line.
+    """
+
+    exact = inputs.exact
+
+    def convert(name: str) -> Any:
+        if name in inputs.textures:
+            return Sampler(inputs.textures[name], rules)
+        values = (inputs.decimal if decimal and name in inputs.decimal else exact)[name]
+        whole = exact[name].dtype.kind in "iu"
+        if whole:
+            values = exact[name]
+        if name not in inputs.arrays:
+            return _number(values, rules, whole=whole)
+        # What differs from value to value has the array's own axis behind theirs.
+        pieces = np.moveaxis(values, 1, 0) if name in inputs.each else values
+        return Elements(_number(piece, rules, whole=whole) for piece in pieces)
+
+    arguments = {}
+    for parameter, names in (asked or wanted(reference, inputs)).items():
+        several = len(names) > 1 or parameter != parameter_name(names[0])
+        arguments[parameter] = Elements(map(convert, names)) if several else convert(names[0])
+    try:
+        with doing("reference"), np.errstate(all="ignore"):
+            formula = reference if rules is None else as_written(reference, rules)
+            return _numeric(formula(**arguments))
+    except ShaderlabError as error:
+        place = source_of(reference)
+        raise FormulaError(
+            f"{name_of(reference)}(): {error.message}",
+            file=error.file or place.file,
+            line=error.line or place.line,
+            remedy=error.remedy,
+        ) from error
+    except Exception as error:
+        remedy = "references use + − * / and the functions of shaderlab.glslmath only"
+        if "matmul" in str(error) or _MATRIX.search(str(error)):
+            remedy = "a matrix times a vector is glslmath.mul(m, v), times a matrix matmul(a, b)"
+        if "bitwise_" in str(error) or "_shift" in str(error):
+            remedy = WHOLE
+        raise located(reference, error, remedy) from error
+
+
+def _numeric(result: Any) -> Any:
+    """What a formula gave, if bands and arrays can be made of it. Raises FormulaError."""
+    if isinstance(result, Band):
+        return result
+    numbers = isinstance(result, np.ndarray | np.generic) and result.dtype.kind in "fiub"
+    if numbers or isinstance(result, Integer | Truth | int | float):
+        return result
+    if isinstance(result, list | tuple):
+        several = ", ".join("…" for _ in result)
+        remedy = f"build a vector of its parts: vec{len(result)}({several})"
+    else:
+        remedy = "return a number, or a vector such as vec4(r, g, b, 1.0)"
+    raise FormulaError(f"gives {type(result).__name__} {result!r:.60}, no number", remedy=remedy)
+
+
+def _number(values: Array, rules: Rules | None, *, whole: bool) -> Any:
+    """A value as formulas take it; `whole` for what is an integer in the shader."""
+    if whole:
+        return Integer(values, unsigned=values.dtype.kind == "u", rules=rules)
+    return values.astype(np.float64).view(Vector) if rules is None else Band.exact(values, rules)

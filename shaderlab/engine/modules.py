@@ -1,0 +1,250 @@
+"""Draws held against their own shaders' bands: whether the driver draws what a shader says.
+
+A formula looks at one draw's output. This looks at every program of a scene, by interpreting its
+modules: a driver that miscompiles a shader is caught even where no formula is. A shader that is
+wrong in itself is not.
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterator, Sequence, Set
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+
+from shaderlab.analysis.interpreter import Bands, Interpreted, Program, interpret, read
+from shaderlab.analysis.interpreter.memory import Flags
+from shaderlab.bands import Band
+from shaderlab.compiler.sources import Source
+from shaderlab.drivers.programs.formats import for_output
+from shaderlab.errors import DeviceLostError, NotInterpretedError, ShaderlabError
+from shaderlab.model.activity import doing
+from shaderlab.model.expectation import Judgement, Need
+from shaderlab.model.frame import PassDraw
+from shaderlab.model.records import ModulesRecord, Row
+
+from .evaluation import Evaluation, passes_captured
+from .expectations import judge_rows
+from .expectations.needs import CapturedFragments
+from .interpreting import Invocations, fragments, program_of, stage_of
+from .judging.formats import stored
+
+PIXELS = 1024
+"""Of each draw in a sample."""
+_SAMPLE_BLOCKS, _MOST_BLOCKS = 1000, 10_000
+_NAME = "each draw is what its shader says"
+
+
+@dataclass
+class _Found:
+    rows: list[Row] = field(default_factory=list)
+    left_out: dict[str, None] = field(default_factory=dict)
+    outputs: dict[str, None] = field(default_factory=dict)
+    judged: int = 0
+    message: str = ""
+
+
+class JudgedDraws:
+    """The draws of a scene, held against their own shaders; asked while it is on the device.
+
+    Args:
+        evaluation: the scene.
+        every: look at all pixels of all draws. Otherwise at some of each program's first draw,
+            and of those whose inputs expectations capture, of one in each pass.
+    """
+
+    def __init__(self, evaluation: Evaluation, *, every: bool = False) -> None:
+        self._evaluation = evaluation
+        self._every = every
+        self._found: dict[PassDraw, _Found] = {}
+        self._captured: set[Need] = set()
+
+    def judge_captured(self, needed: Set[Need]) -> None:
+        """Judge the draws whose captured inputs are not `needed` any more, and all others of a pass
+        of which nothing is: they are captured with those."""
+        answers = self._evaluation.answers
+        self._captured |= answers.keys()
+        later = passes_captured(needed)
+        ended = passes_captured(self._evaluation.asked) - later
+        for key in self._planned:
+            need = CapturedFragments(key)
+            if key[0] in ended or (need in answers and need not in needed):
+                self._judge(key)
+
+    def judgement(self) -> tuple[ModulesRecord, Judgement]:
+        """Whether the driver drew what each draw's fragment shader allows."""
+        whole = _Found()
+        self._captured |= self._evaluation.answers.keys()
+        for key in _keys(self._evaluation, self._captured, every=self._every):
+            found = self._judge(key)
+            whole.rows += found.rows
+            whole.left_out |= found.left_out
+            whole.outputs |= found.outputs
+            whole.judged += found.judged
+            whole.message = whole.message or found.message
+        record = ModulesRecord(
+            judged=whole.judged, outputs=tuple(whole.outputs), left_out=tuple(whole.left_out)
+        )
+        judgement = judge_rows(_NAME, "module", whole.rows, whole.message, judged=whole.judged)
+        return record, judgement
+
+    @cached_property
+    def _planned(self) -> Sequence[PassDraw]:
+        return list(_keys(self._evaluation, self._evaluation.asked, every=self._every))
+
+    def _judge(self, key: PassDraw) -> _Found:
+        """What was found of a draw, which is judged once."""
+        if key in self._found:
+            return self._found[key]
+        evaluation, found = self._evaluation, self._found.setdefault(key, _Found())
+        need = CapturedFragments(key)
+        known = need in evaluation.answers
+        try:
+            with doing("judge", "judging each draw by its shader"):
+                _judge(evaluation, key, found, every=self._every)
+        except DeviceLostError:
+            raise
+        except ShaderlabError as error:
+            _leave_out(found, key, error.message.partition("\n")[0])
+        except MemoryError:
+            raise
+        except Exception as error:  # a defect of the interpreter changes no verdict
+            if os.environ.get("SHADERLAB_DEBUG"):
+                raise
+            _leave_out(found, key, f"not interpreted: unforeseen {error!r}")
+        finally:
+            if not known:  # of many draws, all are more than fits into memory
+                evaluation.answers.pop(need, None)
+        return found
+
+
+def _judge(evaluation: Evaluation, key: PassDraw, found: _Found, *, every: bool) -> None:
+    given, result = _interpreted(evaluation, key, every=every)
+    if result is None:
+        return
+    if not shows_what_is_written(evaluation, key):
+        given = _with_written(evaluation, key, given)
+    gone = result.discarded.all_true.reshape(-1)
+    for name, band in result.outputs.items():
+        flags = outside(given, name, band)
+        if flags is None:
+            continue
+        flags |= gone
+        found.judged += given.count
+        found.outputs[f"{key[0]}.{name}"] = None
+        measured = f"{flags.sum()} of {given.count} pixels outside"
+        found.rows.append(_row(key, name, measured, ok=not flags.any()))
+        if flags.any() and not found.message:
+            row = int(flags.argmax())
+            found.message = _message(given, key, name, row, band, gone=bool(gone[row]))
+
+
+def _interpreted(
+    evaluation: Evaluation, key: PassDraw, *, every: bool
+) -> tuple[Invocations, Interpreted | None]:
+    """A draw's invocations and their bands; None where none is seen."""
+    source = stage_of(evaluation, key, "fragment")
+    module = evaluation.programs[key[0]][key[1]].compiled.spirv.get("opengl", {}).get("fragment")
+    blocks = _MOST_BLOCKS if every else _SAMPLE_BLOCKS
+    try:
+        # The module that is there already has no lines, which only messages need.
+        program = program_of(source) if module is None else _read(module, source)
+        return _run(evaluation, key, program, blocks, every=every)
+    except NotInterpretedError:
+        return _run(evaluation, key, program_of(source), blocks, every=every)
+
+
+def _run(
+    evaluation: Evaluation, key: PassDraw, program: Program, blocks: int, *, every: bool
+) -> tuple[Invocations, Interpreted | None]:
+    given = fragments(evaluation, key, None if every else PIXELS, program=program)
+    if not given.count:
+        return given, None
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        return given, interpret(
+            program, given.each, given.bindings, Bands(), count=given.count, blocks=blocks
+        )
+
+
+@lru_cache(maxsize=64)
+def _read(module: bytes, source: Source) -> Program:
+    return read(module, source)
+
+
+def shows_what_is_written(evaluation: Evaluation, key: PassDraw) -> bool:
+    """Whether attachments hold what a draw's shader wrote, and nothing else."""
+    state = evaluation.programs[key[0]][key[1]].draw.state
+    target = evaluation.scene.find_pass(key[0]).target
+    return not (state.blend or state.srgb or target.samples) and all(state.color_mask)
+
+
+def _with_written(evaluation: Evaluation, key: PassDraw, given: Invocations) -> Invocations:
+    """Invocations with what they write where the draw is made once more, into floats and without
+    blending, masks and samples."""
+    assert given.pixels is not None
+    draw = evaluation.programs[key[0]][key[1]]
+    formats = {name: for_output(one.type) for name, one in draw.interface.outputs.items()}
+    images = evaluation.session.written(key, draw.text("fragment") or "", formats)
+    at = given.pixels[:, 1], given.pixels[:, 0]
+    return replace(given, measured={n: v[at] for n, v in images.items()}, formats=formats)
+
+
+def outside(given: Invocations, name: str, band: Any) -> Flags | None:
+    """Where an output that was read back lies outside of its band; None where it can't be told."""
+    if name not in given.measured or not isinstance(band, Band) or band.ndim != 2:
+        return None
+    measured = given.measured[name]
+    components = min(measured.shape[-1], band.shape[-1])
+    allowed = stored(band[:, :components], given.formats[name], components)
+    found: Flags = np.asarray(~allowed.contains(measured[:, :components]).all(axis=-1))
+    return found
+
+
+def _keys(evaluation: Evaluation, known: Set[Need], *, every: bool) -> Iterator[PassDraw]:
+    """The draws that are judged, where these needs are answered anyway."""
+    groups: dict[tuple[Source, ...], dict[str, list[PassDraw]]] = {}
+    for name, draws in evaluation.programs.items():
+        for i, draw in enumerate(draws):
+            if draw.sources[-1].stage in ("fragment", "compute"):
+                groups.setdefault(draw.sources, {}).setdefault(name, []).append((name, i))
+
+    def cost(key: PassDraw) -> tuple[bool, bool]:
+        return CapturedFragments(key) not in known, not shows_what_is_written(evaluation, key)
+
+    for passes in groups.values():
+        if every:
+            yield from (key for keys in passes.values() for key in keys)
+            continue
+        first = sorted((min(keys, key=cost) for keys in passes.values()), key=cost)
+        yield first[0]
+        yield from (key for key in first[1:] if cost(key) == (False, False))
+
+
+def _leave_out(found: _Found, key: PassDraw, why: str) -> None:
+    found.left_out[f"draw {key[1]} of pass {key[0]!r}: {why}"] = None
+    found.rows.append(_row(key, "", why, ok=True))
+
+
+def _row(key: PassDraw, name: str, measured: str, *, ok: bool) -> Row:
+    label = f"draw {key[1]} of pass {key[0]!r}" + (f", {name}" if name else "")
+    return Row(label=label, expected="inside the band of its module", measured=measured, ok=ok)
+
+
+def _message(
+    given: Invocations, key: PassDraw, name: str, row: int, band: Band, *, gone: bool
+) -> str:
+    assert given.pixels is not None
+    x, y = (int(v) for v in given.pixels[row])
+    values = ", ".join(f"{v:.9g}" for v in given.measured[name][row])
+    allowed = ", ".join(
+        f"{low:.9g} … {high:.9g}" for low, high in zip(band.lo[row], band.hi[row], strict=True)
+    )
+    return (
+        f"draw {key[1]} of pass {key[0]!r} leaves what its shader allows: {name} is {values} at "
+        f"pixel ({x}, {y}), " + ("which the shader discards" if gone else f"allowed {allowed}")
+    )

@@ -1,0 +1,292 @@
+"""Writes the picture files of a run: cases, their passes, and the values that were compared."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from shaderlab.assets import pictures
+from shaderlab.compiler.compile_cache import assembly
+from shaderlab.files import write_bytes
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import Array, Image
+from shaderlab.model.records import Attachment, PassRecord
+from shaderlab.model.scene import Pass
+
+# Of compared pictures: one pixel a value (2 × 2 where some are outside); the page enlarges them.
+COMPARISON_SIDE = 1
+# An attachment is shown so small that twice as many pixels are too many.
+ATTACHMENT_SIDE = 136
+# An exact comparison without a difference keeps at most so many bytes of numbers, or a corner.
+LARGE = 4096
+# The most elements of a buffer that its picture shows.
+WIDEST = 1024
+# The size in which a report's overview shows a picture.
+PREVIEW_SIDE = 320
+
+
+@dataclass(frozen=True)
+class PictureFiles:
+    """Picture files by what they show, relative to the run's folder, and how to read them.
+
+    `values` is the file of the numbers behind them, or "".
+    """
+
+    files: Mapping[str, str] = field(default_factory=dict)
+    captions: Mapping[str, str] = field(default_factory=dict)
+    values: str = ""
+
+
+class PictureWriter:
+    """Writes pictures below `folder`/images; without a folder it writes nothing.
+
+    Names are made of the case's id, the variant and a label, and always end up inside the folder.
+
+    Args:
+        folder: of the run.
+        case_id, variant: what is in the files' names.
+        run: runs what packs and writes a file, now or later.
+    """
+
+    def __init__(
+        self,
+        folder: Path | None,
+        case_id: str,
+        variant: str,
+        run: Callable[[Callable[[], None]], None] = lambda task: task(),
+    ) -> None:
+        self._folder = folder
+        self._run = run
+        self._stem = f"{_safe(case_id)}--{_safe(variant)}"
+        self._saved: dict[_Pixels, str] = {}
+        self._picture: tuple[Image, PictureFiles] | None = None
+        self._made = False
+
+    def write_picture(self, image: Image) -> PictureFiles:
+        """Write the case's picture, with a small copy for the overview."""
+        if self._folder is None:
+            return PictureFiles()
+        display = _display(image)
+        file = self._save("picture", display.image, 256)
+        if min(display.image.shape[:2]) >= 256 and max(display.image.shape[:2]) > PREVIEW_SIDE:
+            path = self._folder / file
+            self._run(lambda: pictures.save_preview(path, display.image, PREVIEW_SIDE))
+        files = PictureFiles({"picture": file}, {"picture": display.caption})
+        self._picture = image, files
+        return files
+
+    def write_passes(
+        self, scene: Scene, images: Mapping[tuple[str, str], Image]
+    ) -> tuple[PassRecord, ...]:
+        """Describe a scene's passes, with a small picture of each attachment if it has several.
+
+        The one that is the case's picture has that file.
+        """
+        if self._folder is None or (len(scene.passes) == 1 and len(images) == 1):
+            return ()
+        return tuple(self._pass(description, images) for description in scene.passes)
+
+    def _pass(self, description: Pass, images: Mapping[tuple[str, str], Image]) -> PassRecord:
+        own = {name: image for (where, name), image in images.items() if where == description.name}
+        sizes = [image.values.shape[1::-1] for image in own.values()]
+        return PassRecord(
+            name=description.name,
+            draws=tuple(draw.shaders for draw in description.draws),
+            reads=tuple(_read(description)),
+            attachments=tuple(
+                self._attachment(f"{description.name}.{name}", name, image)
+                for name, image in own.items()
+            ),
+            size=sizes[0] if sizes else None,
+        )
+
+    def _attachment(self, label: str, name: str, image: Image) -> Attachment:
+        if self._picture is not None and self._picture[0] is image:
+            file = self._picture[1].files["picture"]
+        else:
+            small = replace(image, values=pictures.coarse(image.values, ATTACHMENT_SIDE))
+            file = self._save(f"pass-{label}", _display(small).image, 1)
+        return Attachment(name=name, format=image.format, image=file)
+
+    def write_comparison(
+        self,
+        label: str,
+        arrays: Mapping[str, Any],
+        worst: tuple[int, int] | None = None,
+        *,
+        passed: bool = False,
+    ) -> PictureFiles:
+        """Write measured and reference values in common colours, their distance, and the numbers.
+
+        Args:
+            label: distinguishes this comparison from others of the scene.
+            arrays: as in `Judgement.pictures`; nothing is written if there are none.
+            worst: the pixel to keep where only a part of the numbers is kept.
+            passed: writes the measured values' picture alone: the page draws the others, which
+                look the same and pale, from the numbers.
+        """
+        if self._folder is None or not arrays:
+            return PictureFiles()
+        names = ("measured",) if passed else ("measured", "reference")
+        shown = {what: np.asarray(arrays[what]) for what in names}
+        covered = arrays.get("covered")
+        if covered is not None and covered.all():
+            covered = None
+        span = _common_range(tuple(shown.values()), covered)
+        files: dict[str, str] = {}
+        captions: dict[str, str] = {}
+        for what, values in shown.items():
+            if span is None and covered is None and self._is_picture(values):
+                assert self._picture is not None
+                picture = self._picture[1]
+                files[what], captions[what] = picture.files["picture"], picture.captions["picture"]
+                continue
+            display = pictures.to_display(values, value_range=span)
+            seen = display.image
+            if covered is not None:
+                seen = np.where(covered[..., None], seen, np.array(pictures.UNCOVERED, np.uint8))
+            captions[what] = display.caption
+            files[what] = self._save(f"{label}-{what}", seen, COMPARISON_SIDE)
+        if not passed:
+            distance = np.asarray(arrays["distance"])
+            seen, palette = pictures.distance_picture(
+                distance, np.abs(distance) > 1.0, min_side=COMPARISON_SIDE
+            )
+            files["distance"] = self._save(f"{label}-distance", seen, COMPARISON_SIDE, palette)
+        relative, path = self._file(label, "values")
+        numbers = pictures.judged_part(arrays, worst)
+        equal = "covered" not in arrays and not numbers.fine
+        self._run(lambda: _write_numbers(path, numbers, equal))
+        return PictureFiles(files, captions, relative)
+
+    def _is_picture(self, values: Array) -> bool:
+        """Whether these colours lie where those of the case's picture do, and are as large."""
+        if self._picture is None or values.dtype.kind != "f" or min(values.shape[:2]) < 256:
+            return False
+        return _place(values) == _place(self._picture[0].values)
+
+    def write_assembly(self, spirv: Mapping[str, Mapping[str, bytes]]) -> str:
+        """Write a program's modules, by target and stage, as SPIR-V assembly; equal ones share a
+        file.
+
+        Returns:
+            the file, relative to the run's folder; "" where there is none.
+        """
+        modules = {
+            f"{to} {stage}": data for to, own in spirv.items() for stage, data in own.items()
+        }
+        if self._folder is None or not modules:
+            return ""
+        whole = b"".join(part for title, data in modules.items() for part in (title.encode(), data))
+        name = hashlib.blake2s(whole, digest_size=8).hexdigest()
+        relative = f"spirv/{name}.spvasm"
+        path = self._folder / relative
+        if not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # Other workers may write the same file at the same time.
+            self._run(lambda: write_bytes(path, assembly(modules).encode("utf-8")))
+        return relative
+
+    def _save(self, label: str, image: Array, side: int, palette: Array | None = None) -> str:
+        """Write a picture; equal ones of a scene are one file, named by the first label."""
+        pixels = np.ascontiguousarray(image)
+        factor = max(1, -(-side // min(pixels.shape[:2])))
+        key = _Pixels(pixels, factor)
+        if key not in self._saved:
+            relative, path = self._file(label, "png")
+            self._run(lambda: pictures.save_png(path, pixels, min_side=side, palette=palette))
+            self._saved[key] = relative
+        return self._saved[key]
+
+    def _file(self, label: str, suffix: str) -> tuple[str, Path]:
+        assert self._folder is not None
+        relative = f"images/{self._stem}--{_safe(label)}.{suffix}"
+        path = self._folder / relative
+        if not self._made:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._made = True
+        return relative, path
+
+
+class _Pixels:
+    """What a picture file shows, for a dictionary: equal to what has the same size and a digest
+    that is the same, computed where another one has the size."""
+
+    def __init__(self, pixels: Array, factor: int) -> None:
+        self._size = pixels.shape, factor
+        self._pixels: Array | None = pixels
+        self._known = b""
+
+    def __hash__(self) -> int:
+        return hash(self._size)
+
+    def __eq__(self, other: object) -> bool:
+        assert isinstance(other, _Pixels)
+        return self._size == other._size and self._digest() == other._digest()
+
+    def _digest(self) -> bytes:
+        if self._pixels is not None:
+            self._known = hashlib.blake2b(self._pixels.data, digest_size=16).digest()
+            self._pixels = None
+        return self._known
+
+
+def _place(values: Array) -> tuple[object, ...]:
+    """What memory an array is, and how it is read."""
+    return values.ctypes.data, values.dtype, values.shape, values.strides
+
+
+def _write_numbers(path: Path, numbers: pictures.Values, equal: bool) -> None:
+    """Write numbers, or those of a corner where every bit is equal and the data do not compress."""
+    packed = pictures.pack(numbers)
+    if equal and len(packed) > LARGE:
+        packed = pictures.pack(numbers.corner())
+    write_bytes(path, packed)
+
+
+def _read(description: Pass) -> Iterable[str]:
+    """The earlier outputs that a pass reads, each once."""
+    return dict.fromkeys(
+        output.path for draw in description.draws for output in draw.outputs_read()
+    )
+
+
+def _display(image: Image) -> pictures.Display:
+    """The image as people see it. A single row, as of a buffer, is shown as a strip: of as many
+    pixels as a picture is wide at most, and an eighth as high."""
+    display = pictures.to_display(_colours(image))
+    height, width = display.image.shape[:2]
+    if height > 1 or width == 1:
+        return display
+    chosen = display.image[:, np.linspace(0, width - 1, min(width, WIDEST)).round().astype(int)]
+    strip = np.repeat(chosen, max(1, chosen.shape[1] // 8), axis=0)
+    return display._replace(image=strip)
+
+
+def _colours(image: Image) -> Array:
+    """The image without alpha: what a window would show."""
+    return image.values[..., :3] if image.values.shape[-1] == 4 else image.values
+
+
+def _common_range(shown: Sequence[Array], covered: Array | None) -> tuple[float, float] | None:
+    """One range of values for all pictures, so that equal colours mean equal values."""
+    if shown[0].shape[-1] != 1:
+        return None
+    both = np.concatenate([np.ravel(v if covered is None else v[covered]) for v in shown])
+    finite = both[np.isfinite(both)]
+    return (float(finite.min()), float(finite.max())) if finite.size else None
+
+
+def _safe(word: str) -> str:
+    """`word` as part of a file name; different words stay different."""
+    plain = re.sub(r"[^A-Za-z0-9.]+", "-", word).strip("-.")[:80]
+    if plain == word:
+        return plain
+    return f"{plain}-{hashlib.blake2s(os.fsencode(word), digest_size=3).hexdigest()}"

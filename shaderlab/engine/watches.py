@@ -1,0 +1,203 @@
+"""What of an interpretation can be asked of a driver: where each value stands in a text."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.analysis.interpreter import Program, Stored
+from shaderlab.analysis.interpreter.memory import Flags
+from shaderlab.analysis.interpreter.program import Instruction
+from shaderlab.analysis.interpreter.types import Type
+from shaderlab.analysis.interpreter.values import component
+from shaderlab.bands import Band, Integer, Truth
+from shaderlab.drivers.programs.instrument import VALUE, Watch
+from shaderlab.drivers.programs.watch_points import WatchPoint, watch_points
+from shaderlab.model.frame import Array
+
+_CALL, _RETURN = 57, 254
+_PHI, _MERGE, _BRANCH, _SWITCH, _SELECT = 245, 247, 250, 251, 169
+_MOST_PARTS = 16  # of a struct or a matrix
+_XYZW = {letter: i for letters in ("xyzw", "rgba", "stpq") for i, letter in enumerate(letters)}
+_At = tuple[tuple[WatchPoint, str], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Watched:
+    """A vector of what was stored, and what to ask a driver for it.
+
+    Attributes:
+        event: what was stored.
+        name: the event's name, and the way to this part of it.
+        value: a band, an `Integer` or a `Truth`, (count or 1, components).
+        watch: what to write, but for the turn.
+    """
+
+    event: Stored
+    name: str
+    value: Any
+    watch: Watch
+
+    @property
+    def is_loop(self) -> bool:
+        """Whether it is what a loop goes on by."""
+        return self.watch.at[0][0].name == "loop" and self.event.is_flow
+
+    def allows(self, values: Array) -> Flags:
+        """Which of some float32 values (count, components) it may be, by invocation."""
+        value = self.value
+        if isinstance(value, Band):
+            inside: Any = value.contains(values)
+        elif isinstance(value, Integer):
+            low, high = (bound.astype(np.float32) for bound in (value.lo, value.hi))
+            give = 2.0**-23 * np.maximum(np.abs(low), np.abs(high))  # they are drawn as floats
+            give = np.where(give < 2.0, 0.0, give)
+            inside = ((values >= low - give) & (values <= high + give)) | value.anything
+        else:
+            inside = np.where(values != 0.0, ~value.all_false, ~value.all_true)
+        found: Flags = np.all(inside, axis=-1)
+        return found
+
+
+class Watches:
+    """The points of a text at which what a program stores can be watched. The text may be another
+    than the program's, with the same lines."""
+
+    def __init__(self, text: str, program: Program) -> None:
+        self._program = program
+        self._points: dict[str, list[WatchPoint]] = defaultdict(list)
+        for point in watch_points(text):
+            self._points[point.kind].append(point)
+        self._branches = dict(_branches(program, self._points["condition"]))
+        self._found: dict[object, _At] = {}
+
+    def of(self, event: Stored) -> list[Watched]:
+        """An event's vectors; none where the text has no place for it."""
+        slot = self.slot(event)
+        if slot not in self._found:
+            self._found[slot] = tuple(self._at(event))
+        at = self._found[slot]
+        if not at:
+            return []
+        parts = list(_parts(event.value, event.type))
+        if len(parts) > _MOST_PARTS:
+            return []
+        return [
+            Watched(
+                event,
+                event.name + way,
+                value,
+                Watch(
+                    tuple((point, place + way) for point, place in at),
+                    value.shape[-1],
+                    0,
+                    _scalar(value),
+                ),
+            )
+            for way, value in parts
+        ]
+
+    def slot(self, event: Stored) -> object:
+        """What all events have in common that a driver passes the same points for."""
+        if event.at.op == _CALL:
+            return event.at.operands[0], event.name
+        return (event.at if event.is_flow else event.line), event.name
+
+    def _at(self, event: Stored) -> Iterator[tuple[WatchPoint, str]]:
+        """The points of an event's slot, and what stands for the value there."""
+        name = event.name
+        if event.is_flow and event.at.op != _CALL:
+            point = self._branches.get(event.at)
+            if point is not None:
+                yield point, VALUE
+        elif event.at.op == _RETURN:
+            for point in self._points["return"]:
+                if point.name == name and point.first <= event.line <= point.last:
+                    yield point, VALUE
+        elif event.at.op == _CALL:
+            function, _, parameter = name[:-1].partition("(")
+            found = [p for p in self._points["entry"] if p.name == function]
+            if len(found) > 1:  # overloads
+                called = self._program.functions[event.at.operands[0]]
+                names = [self._program.name(id_) for id_ in called.parameters]
+                found = [p for p in found if _declares(p.place, names)]
+            if len(found) == 1:
+                yield found[0], parameter
+        else:
+            root = name.partition(".")[0].partition("[")[0]
+            for point in self._points["store"]:
+                if point.name == root and point.first <= event.line <= point.last:
+                    if "?" not in name and _covers(point.place, name):
+                        yield point, name
+                    elif "?" in name and not {"(", "+", "-"} & set(point.place):
+                        yield point, point.place
+
+
+def _declares(parameters: str, names: Sequence[str]) -> bool:
+    """Whether a list of parameters, as it is written, is of these names."""
+    declared = [one.partition("[")[0].split() for one in parameters.strip("()").split(",")]
+    return [words[-1] for words in declared if words] == list(names)
+
+
+def _covers(place: str, name: str) -> bool:
+    """Whether storing to a place, as it is written, stores to what the interpreter calls `name`.
+
+    >>> _covers("color.rgb", "color.y"), _covers("color.rg", "color.z"), _covers("a[0]", "a[0]")
+    (True, False, True)
+    """
+    place = "".join(place.split())
+    if place == name:
+        return True
+    root, dot, parts = place.rpartition(".")
+    of, _, part = name.rpartition(".")
+    if dot and parts and all(letter in _XYZW for letter in parts):
+        return of == root and part in {"xyzw"[_XYZW[letter]] for letter in parts}
+    return "[" in place and place.partition("[")[0] == name.partition("[")[0]
+
+
+def _parts(value: Any, type_: Type, way: str = "") -> Iterator[tuple[str, Any]]:
+    """The vectors and scalars of a value, each with the way to it."""
+    if type_.kind in ("vector", "float", "int", "bool"):
+        if isinstance(value, Band | Integer | Truth) and value.ndim == 2:
+            yield way, value
+    elif type_.kind in ("matrix", "array", "struct"):
+        count = len(type_.members) if type_.kind == "struct" else type_.count
+        for i in range(min(count, _MOST_PARTS + 1)):
+            yield from _parts(component(value, i), type_.part(i), way + type_.step(i))
+
+
+def _scalar(value: Any) -> Any:
+    if isinstance(value, Integer):
+        return "uint" if value.unsigned else "int"
+    return "bool"
+
+
+def _branches(
+    program: Program, conditions: Sequence[WatchPoint]
+) -> Iterator[tuple[Instruction, WatchPoint]]:
+    """The condition in a text that each branch goes by, of lines where that is plain: as many
+    branches as conditions."""
+    lines: Mapping[WatchPoint, list[Instruction]] = {point: [] for point in conditions}
+    for function in program.functions.values():
+        for block in function.blocks.values():
+            for before, at in zip([None, *block], block, strict=False):
+                decides = at.op in (_BRANCH, _SWITCH) and not _is_logic(function.blocks, before)
+                if decides or at.op == _SELECT:
+                    for point in conditions:
+                        if point.first <= at.line <= point.last:
+                            lines[point].append(at)
+    for point, found in lines.items():
+        rivals = [p for p, others in lines.items() if set(others) & set(found)]
+        if found and len(found) == len(rivals):
+            at = found[rivals.index(point)]
+            if at.op != _SELECT:
+                yield at, point
+
+
+def _is_logic(blocks: Mapping[int, list[Instruction]], merge: Instruction | None) -> bool:
+    """Whether what branches is `&&` or `||`: where both sides meet, a value is chosen."""
+    return merge is not None and merge.op == _MERGE and blocks[merge.operands[0]][0].op == _PHI

@@ -1,0 +1,201 @@
+"""The state of a process that performs requests.
+
+A worker imports this module before it says that it is ready, so that the time limit of its first
+request is not spent on imports.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from shaderlab import drivers as backends
+from shaderlab.drivers import known_driver, prepare_process
+from shaderlab.engine.catalogue import load_case
+from shaderlab.engine.lab import Lab
+from shaderlab.errors import CaseError
+from shaderlab.model.case import Case, Scene
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Record
+from shaderlab.model.scene import Ramp
+
+from .jobs import CaseFacts, Job, Request, bare_record
+from .worker_main import Channel, freed_memory, release_freed_memory
+
+GROWTH = 88 << 20
+"""A worker that uses so many bytes more than before its first scene, or holds two and a half times
+as many more, gives back what it can spare before its next scene; one that then still holds three
+quarters of that more gives way to a fresh one."""
+
+
+class LabWorker:
+    """The state of a process that performs requests: an open lab, and case files loaded once.
+
+    Args:
+        channel: the way to the parent; None where requests are performed in the process that
+            makes them, which has no time limit then.
+    """
+
+    def __init__(self, channel: Channel | None = None) -> None:
+        self._channel = channel
+        self._lab: Lab | None = None
+        self._driver = ""
+        self._start = 0  # the bytes in use before the first scene
+        self._scenes: dict[str, Mapping[str, Scene]] = {}
+        self._kept: dict[str, tuple[Hashable, Any]] = {}
+
+    @staticmethod
+    def preload() -> None:
+        """Import what the driver needs, without opening it, and what each scene needs."""
+        import numpy.random
+
+        from shaderlab.assets.pictures import pack, save_png
+
+        _ = numpy.random, pack, save_png
+        backends.preload()
+
+    def __call__(self, requests: Sequence[Request]) -> Iterator[Any]:
+        """Perform requests in a worker process, in order."""
+        for request in requests:
+            if self._lab is not None and self._lab.exhausted:
+                # What ran out of memory may have left the driver half way. A new process costs
+                # less than a doubt about every later record; the parent starts it and asks again.
+                os._exit(1)
+            yield request.perform(self)
+
+    def lab(self, options: RunOptions) -> Lab:
+        """The process's lab, with these options for the scenes to come."""
+        if self._lab is not None and options.driver not in (None, self._driver):
+            # Mesa reads once in a process which driver it is to be.
+            if self._channel is not None:
+                os._exit(0)  # the parent starts another process and asks that one
+            self._lab.close()
+            self._lab = None
+        if self._lab is None:
+            self._driver = known_driver(options.driver)
+            if self._channel is not None:
+                prepare_process(options.driver)  # a worker is the lab's alone
+            self._lab = Lab(options, self.note)
+        elif options != self._lab.options:
+            self._lab.configure(options)
+        return self._lab
+
+    def scenes(self, file: str) -> Mapping[str, Scene]:
+        """The scenes of a case file by variant. Raises CaseError."""
+        if file not in self._scenes:
+            self._scenes[file] = {s.variant: s for s in load_case(Path(file)).scenes()}
+        return self._scenes[file]
+
+    def case(self, file: str) -> Case:
+        """The case of a case file. Raises CaseError."""
+        return next(iter(self.scenes(file).values())).case
+
+    def facts(self, file: Path) -> CaseFacts:
+        """What is in a case file. Raises CaseError."""
+        scenes = list(self.scenes(str(file)).values())
+        case = scenes[0].case
+        inputs = {name: value for scene in scenes for name, value in scene.inputs.items()}
+        return CaseFacts(
+            file=case.file,
+            id=case.id,
+            title=case.title,
+            section=case.section,
+            variants=tuple(scene.variant for scene in scenes),
+            formulas=tuple(len(scene.formulas()) for scene in scenes),
+            parameters={name: _components(value) for name, value in inputs.items()},
+            sized=any(p.target.size is None for scene in scenes for p in scene.passes),
+        )
+
+    def run(self, job: Job, options: RunOptions) -> Record:
+        """Run one job. Raises CaseError where the case file is wrong."""
+        if self._channel is not None and self._lab is not None and self._has_grown():
+            self._lab.release_caches()
+            gc.collect()
+            release_freed_memory()
+            if _own_memory() - self._start > GROWTH // 4 * 3:
+                # Drivers keep a little of every scene. The parent starts another process and asks
+                # that one.
+                os._exit(0)
+        size = options.size if job.point is None else job.point.size or options.size
+        if size != options.size:
+            options = replace(options, size=size)
+        lab = self.lab(_of_driver(job.driver, options))
+        self.note("loading the case file")
+        scene = _scene_of(job, self.scenes(job.file))
+        if job.looks:
+            return replace(bare_record(job, "pass"), observed=lab.observe(scene, job.looks))
+        self._start = self._start or _own_memory() - freed_memory()
+        record = lab.run(scene)
+        return replace(record, driver_name=job.driver) if job.driver else record
+
+    def _has_grown(self) -> bool:
+        more = _own_memory() - self._start if self._start else 0
+        return more > GROWTH and (more > GROWTH // 2 * 5 or more - freed_memory() > GROWTH)
+
+    def keep(self, slot: str, key: Hashable, make: Callable[[], Any]) -> Any:
+        """The value in `slot`, made now unless it was made for the same key."""
+        if slot not in self._kept or self._kept[slot][0] != key:
+            self._kept.pop(slot, None)
+            self._kept[slot] = key, make()
+        return self._kept[slot][1]
+
+    def note(self, step: str) -> None:
+        """Note the next step, for a parent that outlives this process."""
+        if self._channel is not None:
+            self._channel.note(step)
+
+    def restart_limit(self, seconds: float | None = None) -> None:
+        """Give the current request so many seconds from now on, by default the usual limit."""
+        if self._channel is not None:
+            self._channel.restart_limit(seconds)
+
+    def close(self) -> None:
+        """Close the lab."""
+        if self._lab is not None:
+            self._lab.close()
+
+
+def _own_memory() -> int:
+    """How many bytes of memory this process has and shares with no file; 0 where none can tell."""
+    try:
+        with open("/proc/self/statm", "rb", buffering=0) as file:
+            _, resident, shared, *_ = map(int, file.read().split())
+    except OSError:
+        return 0
+    return (resident - shared) * os.sysconf("SC_PAGE_SIZE")
+
+
+def _of_driver(driver: str, options: RunOptions) -> RunOptions:
+    """The options on one of several drivers: only the first one's pictures are for people."""
+    if not driver:
+        return options
+    return replace(
+        options,
+        driver=driver,
+        pictures=options.pictures and driver == known_driver(options.driver),
+        frames=None if options.frames is None else options.frames / driver,
+    )
+
+
+def _scene_of(job: Job, scenes: Mapping[str, Scene]) -> Scene:
+    scene = scenes[job.variant if job.point is None else job.point.variant]
+    if scene.case.id != job.id:  # another file of the run has this one's name
+        scene = replace(scene, case=replace(scene.case, id=job.id))
+    if job.point is None:
+        return scene
+    try:
+        scene = scene.changed(job.variant, job.point.changes)
+    except CaseError as error:
+        raise CaseError(error.message, file=job.file, remedy=error.remedy) from error
+    return replace(scene, expect=scene.formulas())
+
+
+def _components(value: Any) -> int:
+    value = value.origin if isinstance(value, Ramp) else value
+    return int(np.size(value))
