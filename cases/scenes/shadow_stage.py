@@ -92,7 +92,7 @@ def lit(
         uniforms: others than no bias and a single texel.
         target: what `Target` takes.
 
-    >>> from shaderlab.model.passes import Output
+    >>> from shaderlab.model.textures import Output
     >>> map = Output("shadow.depth")
     >>> lit("lit", map, *[np.eye(4)] * 2, (np.eye(4), np.eye(4))).draws[0].uniforms["radius"]
     0

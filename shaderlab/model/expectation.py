@@ -1,8 +1,8 @@
 """What every kind of expectation is: data, what it reads and needs of a run, and its judgement.
 
 The kinds themselves are in `shaderlab.engine.expectations`, one a file. A kind is a frozen
-dataclass that derives from `Expectation`. It names the outputs that it reads and the passes that draw them, asks
-for what it needs beyond the pictures (`needs`), and judges the frame that holds the answers.
+dataclass that derives from `Expectation`. It names the outputs that it reads and the passes that
+draw them, asks for what it needs beyond the pictures (`needs`), and judges the frame of answers.
 """
 
 from __future__ import annotations

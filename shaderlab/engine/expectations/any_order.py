@@ -44,7 +44,7 @@ _OPPOSITE = {"less": "greater", "lequal": "gequal", "greater": "less", "gequal":
 def both_ways(description: Pass) -> tuple[Pass, Pass]:
     """The pass with its draws in reverse order, named `…-backwards`, and the pass itself.
 
-    >>> from shaderlab.model import Mesh, Target
+    >>> from shaderlab import Mesh, Target
     >>> triangle = Mesh(attributes={"aPos": np.zeros((3, 3))})
     >>> draws = [Draw(vertex=f"{k}.vert", fragment="a.frag", mesh=triangle) for k in (1, 2)]
     >>> backwards, same = both_ways(Pass(name="scene", target=Target(), draws=draws))
