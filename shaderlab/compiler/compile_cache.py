@@ -183,8 +183,8 @@ def program_key(ordered: Sequence[Source], targets: Sequence[str], compilers: st
 
 
 # What the code around the compilers imports of the lab.
-_SHARED = ("errors.py", "files.py", "model/__init__.py", "model/observations.py")
-_SHARED += ("model/records/*.py",)
+_MODEL = ("model/__init__.py", "model/observations.py", "model/records/*.py")
+_SHARED = ("errors.py", "files.py", *_MODEL)
 
 
 def compilers_digest(store: Store) -> str | None:
