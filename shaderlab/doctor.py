@@ -192,7 +192,7 @@ def _driver() -> Iterator[Finding]:
 
 def _further_drivers() -> Iterator[Finding]:
     """The drivers of Vulkan and of WebGL2, which only `--driver` asks for."""
-    from . import backends
+    from . import drivers as backends
 
     for name in ("lavapipe", "swiftshader", "vulkan", "webgl2"):
         try:

@@ -75,7 +75,7 @@ def test_a_device_is_opened_without_pyopengls_wrappers() -> None:
     """They take three times as long to import as the functions that they wrap; and the versions of
     OpenGL are imported that draws have names of."""
     names = modules_after(
-        "from shaderlab import backends\nbackends.preload()\n"
+        "from shaderlab import drivers\ndrivers.preload()\n"
         "shorter = {n.removeprefix('OpenGL.'): m for n, m in sys.modules.items()}\n"
         "sys.modules = {n.removeprefix('raw.GL.VERSION.'): m for n, m in shorter.items()}"
     )

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from shaderlab import evaluation
+from shaderlab.engine import lab
 from shaderlab.cli import cli
 from shaderlab.model.records import Record
 

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from shaderlab import evaluation
+from shaderlab.engine import lab
 from shaderlab.cli import cli, running_sweeps
 from shaderlab.cli.running_sweeps import run_points
 from shaderlab.model.options import RunOptions
