@@ -1,4 +1,4 @@
-"""Rooms import only rooms below them, and foreign libraries stay in the rooms that own them."""
+"""Packages import only packages below them, and each foreign library has its owners."""
 
 from __future__ import annotations
 
@@ -14,39 +14,38 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from tests.meta.rooms import (
+from tests.meta.packages import (
     ORDER,
     PACKAGE,
-    documented,
+    UPWARD,
     edges,
-    imported_room,
+    imported_package,
     imports,
     sources,
-    table,
 )
 
 # Who may import a foreign module that has an owner.
 OWNERS: dict[str, set[str]] = {
-    "moderngl": {"backends"},
-    "glcontext": {"backends"},
-    "OpenGL": {"backends"},
-    "vulkan": {"backends"},
-    "playwright": {"backends"},
-    "ctypes": {"backends", "bands", "execution", "compiler"},
-    "OpenImageIO": {"pictures"},
+    "moderngl": {"drivers"},
+    "glcontext": {"drivers"},
+    "OpenGL": {"drivers"},
+    "vulkan": {"drivers"},
+    "playwright": {"drivers"},
+    "ctypes": {"drivers", "bands", "workers", "compiler"},
+    "OpenImageIO": {"assets"},
     "trimesh": {"assets"},
     "pypcd4": {"assets"},
     "jinja2": {"report"},
-    "tree_sitter": {"code_coverage", "compiler", "mutation", "programs"},
+    "tree_sitter": {"compiler", "drivers", "mutation"},
     "tree_sitter_glsl": {"compiler"},
     "click": {"cli"},
     "rich": {"cli"},
-    "hypothesis": {"function_tests", "functions"},
-    "pytest": {"function_tests", "pytest_plugin"},
-    "distributed": {"execution"},
-    "dask": {"execution"},
+    "hypothesis": {"functions", "mutation"},
+    "pytest": {"mutation", "pytest_plugin"},
+    "distributed": {"workers"},
+    "dask": {"workers"},
     "pyarrow": {"report"},
-    "watchfiles": {"watching"},
+    "watchfiles": {"cli"},
 }
 
 # What only comes with an extra, by the name of that extra.
@@ -65,11 +64,10 @@ OPTIONAL = {
 }
 
 CASES_MAY_IMPORT = {
-    f"{PACKAGE}.expectations",
+    f"{PACKAGE}.engine.expectations",
     PACKAGE,
     f"{PACKAGE}.reference",
     f"{PACKAGE}.glslmath",
-    f"{PACKAGE}.sampling",
     f"{PACKAGE}.assets",
     "cases.scenes",
 }
@@ -79,46 +77,41 @@ COURSE = {"colour", "etcpak", "flip_evaluator", "pyglm", "texture2ddecoder"}
 
 
 def upward(found: Iterator[tuple[str, str, str]]) -> list[str]:
-    """Of (room, imported room, place), those that lead up or to a room that is not on the map."""
-    known = {room: place for place, room in enumerate(ORDER)}
+    """Of (package, imported package, place), those that lead up or to an unknown package."""
+    known = {package: place for place, package in enumerate(ORDER)}
     return [
-        f"{place}: {room} imports {other}"
-        for room, other, place in found
-        if known.get(other, len(ORDER)) >= known.get(room, -1)
+        f"{place}: {package} imports {other}"
+        for package, other, place in found
+        if known.get(other, len(ORDER)) >= known.get(package, -1) and (package, other) not in UPWARD
     ]
 
 
-def test_every_room_is_on_the_map(repository: Path) -> None:
-    assert {room for room, _, _ in sources(repository)} == set(ORDER)
+def test_every_package_is_in_the_table(repository: Path) -> None:
+    assert {package for package, _, _ in sources(repository)} == set(ORDER)
 
 
-def test_rooms_import_only_rooms_below(repository: Path) -> None:
+def test_packages_import_only_packages_below(repository: Path) -> None:
     found = edges(repository)
     assert upward((r, o, place) for r in found for o, place in found[r].items()) == []
 
 
-def test_the_document_shows_the_real_imports(repository: Path) -> None:
-    """`python -m tests.meta.rooms` writes the map anew."""
-    assert documented(repository) == table(repository)
-
-
-def test_only_a_backend_s_own_folder_is_imported_by_name(repository: Path) -> None:
-    """What speaks to a backend speaks to the protocol."""
+def test_only_a_driver_s_own_folder_is_imported_by_name(repository: Path) -> None:
+    """What speaks to a driver speaks to the protocol."""
     wrong = [
-        f"{file}:{line}: {room} imports {module}"
-        for room, file, lines in sources(repository)
+        f"{file}:{line}: {package} imports {module}"
+        for package, file, lines in sources(repository)
         for line, module, _ in lines
-        if module.startswith(f"{PACKAGE}.backends.") and room != "backends"
+        if re.match(rf"{PACKAGE}\.drivers\.(opengl|vulkan|webgl)", module) and package != "drivers"
     ]
     assert wrong == []
 
 
 def test_foreign_libraries_stay_with_their_owners(repository: Path) -> None:
     wrong = [
-        f"{file}:{line}: {room} imports {module}"
-        for room, file, lines in sources(repository)
+        f"{file}:{line}: {package} imports {module}"
+        for package, file, lines in sources(repository)
         for line, module, _ in lines
-        if room not in OWNERS.get(module.split(".")[0], {room})
+        if package not in OWNERS.get(module.split(".")[0], {package})
     ]
     assert wrong == []
 
@@ -157,7 +150,7 @@ def test_cases_use_only_what_any_reader_may(repository: Path) -> None:
     for file in sorted((repository / "cases").rglob("*.py")):
         package = file.parent.relative_to(repository).parts
         scene = package == ("cases", "scenes")
-        known_rooms = SCENES_MAY_IMPORT if scene else CASES_MAY_IMPORT
+        allowed_modules = SCENES_MAY_IMPORT if scene else CASES_MAY_IMPORT
         foreign = {"numpy", *COURSE} if scene else {"numpy"}
         tree = ast.parse(file.read_text(encoding="utf-8"))
         for line, module, name in imports(tree, package):
@@ -165,9 +158,9 @@ def test_cases_use_only_what_any_reader_may(repository: Path) -> None:
             if top in sys.stdlib_module_names or top in foreign:
                 continue
             whole = f"{module}.{name}"
-            allowed = whole in known_rooms or any(
+            allowed = whole in allowed_modules or any(
                 module == known or (known != PACKAGE and module.startswith(known + "."))
-                for known in known_rooms
+                for known in allowed_modules
             )
             assert allowed, f"{file}:{line}: a case imports {whole}"
 
@@ -186,24 +179,24 @@ def test_the_engine_names_nothing_of_the_course(repository: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("room", "text", "wrong"),
+    ("package", "text", "wrong"),
     [
-        ("compiler", "from ..backends import opengl", True),
+        ("compiler", "from ..drivers import opengl", True),
         (
             "compiler",
             "def f():\n    from shaderlab.engine.expectations.formula import formula",
             True,
         ),
-        ("model", "from shaderlab import evaluation", True),
+        ("model", "from shaderlab import engine", True),
         ("model", "from shaderlab import Case", True),
         ("report", "import shaderlab.cli", True),
         ("errors", "import shaderlab.attic", True),
-        ("backends", "from ..compiler.compile import TARGETS", False),
-        ("evaluation", "from ..expectations.base import Context", False),
+        ("drivers", "from ..compiler.compile import TARGETS", False),
+        ("engine", "from ..model.scene import Scene", False),
     ],
 )
-def test_a_wrong_edge_would_be_noticed(room: str, text: str, wrong: bool) -> None:
-    lines = imports(ast.parse(text), (PACKAGE, room))
-    rooms = ((imported_room(module, name), line) for line, module, name in lines)
-    found = ((room, other, str(line)) for other, line in rooms if other is not None)
+def test_a_wrong_edge_would_be_noticed(package: str, text: str, wrong: bool) -> None:
+    lines = imports(ast.parse(text), (PACKAGE, package))
+    packages = ((imported_package(module, name), line) for line, module, name in lines)
+    found = ((package, other, str(line)) for other, line in packages if other is not None)
     assert bool(upward(found)) is wrong

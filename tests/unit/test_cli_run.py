@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from shaderlab.engine import lab
 from shaderlab.cli import cli
+from shaderlab.engine.lab import Lab
 from shaderlab.model.records import Record
 
 Install = Callable[[Mapping[str, Record]], list[Any]]
@@ -120,7 +120,7 @@ def test_an_interrupted_run_reports_what_it_did(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     fake_lab({})
-    lab = evaluation.Lab()
+    lab = Lab()
     run = type(lab).run
 
     def interrupt(self: Any, scene: Any) -> Record:

@@ -16,9 +16,9 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from shaderlab.engine import lab
 from shaderlab.cli import cli, running_sweeps
 from shaderlab.cli.running_sweeps import run_points
+from shaderlab.engine.lab import Lab
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 from shaderlab.report import store
@@ -229,7 +229,7 @@ def test_an_interrupted_sweep_keeps_what_was_judged(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     log = fake_lab(widths(passing, {1: 3.0}))
-    lab = evaluation.Lab()
+    lab = Lab()
     run, stops = type(lab).run, ["reach=5"]
 
     def interrupt(self: Any, scene: Any) -> Record:
