@@ -181,7 +181,7 @@ def fake_lab(
             made.options = options
             return made
 
-        monkeypatch.setattr("shaderlab.engine.lab.Lab", lab)
+        monkeypatch.setattr("shaderlab.workers.lab_worker.Lab", lab)
         monkeypatch.setenv("SHADERLAB_JOBS", "0")  # worker processes would have the real one
         return log
 

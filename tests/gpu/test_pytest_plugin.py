@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-import shaderlab.engine.lab
+import shaderlab.workers.lab_worker
 from shaderlab.engine.discovery import examined
 from tests.gpu import faulty
 
 STAND_IN = """
 import dataclasses, os
-import shaderlab.engine.lab
+import shaderlab.workers.lab_worker
 from shaderlab.model.records import Outcome, Record, Worst
 
 WORST = Worst(pixel=(3, 17), component=0, measured=(0.5,), reference=(0.25,), low=(0.2,),
@@ -36,7 +36,7 @@ class Lab:
     def close(self):
         print("lab closed")
 
-shaderlab.engine.lab.Lab = Lab
+shaderlab.workers.lab_worker.Lab = Lab
 """
 
 
@@ -46,7 +46,9 @@ def cases(
 ) -> pytest.Pytester:
     """A pytester whose folder holds the case `lamp` and the stand-in lab."""
     monkeypatch.setenv("SHADERLAB_JOBS", "0")
-    monkeypatch.setattr(shaderlab.engine.lab, "Lab", shaderlab.engine.lab.Lab)  # as it is after
+    monkeypatch.setattr(
+        shaderlab.workers.lab_worker, "Lab", shaderlab.workers.lab_worker.Lab
+    )  # as it is after
     for file in case_folder.iterdir():
         (pytester.path / file.name).write_text(file.read_text())
     pytester.makeconftest(STAND_IN)

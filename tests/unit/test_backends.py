@@ -12,7 +12,7 @@ import pytest
 from shaderlab import (
     Case,
     Ramp,
-    backends,
+    drivers as backends,
     exact,
     formula,
     fullscreen,
