@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.assets import pictures
 from shaderlab.compiler.compile_cache import assembly
 from shaderlab.files import write_bytes
+from shaderlab.model import pictures
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.records import Attachment, PassRecord

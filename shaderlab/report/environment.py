@@ -24,7 +24,7 @@ from jinja2 import (
 from jinja2.bccache import Bucket
 from markupsafe import Markup
 
-from shaderlab.assets import pictures
+from shaderlab.model import pictures
 from shaderlab.report import inline, markup, search, text
 from shaderlab.report.grouping import STATUS_WORDS, STATUSES
 

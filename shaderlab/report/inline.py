@@ -18,8 +18,8 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
-from shaderlab.assets import pictures
 from shaderlab.files import read_regular
+from shaderlab.model import pictures
 
 # Below this a picture is a table of pixels, to be enlarged with hard edges.
 _TABLE = 200
@@ -31,7 +31,7 @@ SMALL = 320
 class Picture:
     """A PNG file with the size to show it at, or the reason why there is none.
 
-    The page may show its small copy instead (`shaderlab.assets.pictures.preview`).
+    The page may show its small copy instead (`shaderlab.model.pictures.preview`).
 
     `side` is the most pixels that the page may have of it in each direction; 0 for all. `folder`
     is the run's, in which it is, with a slash at its end.

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab.assets import pictures
 from shaderlab.errors import AssetError
+from shaderlab.model import pictures
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Disagreement
 

@@ -55,7 +55,7 @@ class LabWorker:
         """Import what the driver needs, without opening it, and what each scene needs."""
         import numpy.random
 
-        from shaderlab.assets.pictures import pack, save_png
+        from shaderlab.model.pictures import pack, save_png
 
         _ = numpy.random, pack, save_png
         backends.preload()

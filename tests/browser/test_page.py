@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shaderlab.assets import pictures
+from shaderlab.model import pictures
 from shaderlab.report.html import write
 from tests.browser.samples import WORST, Sample, lamp
 

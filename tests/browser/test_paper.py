@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from benchmarks.pages import SHEETS, cut_off, sheets
-from shaderlab.assets import pictures
+from shaderlab.model import pictures
 from shaderlab.model.records import Attachment, PassRecord, Row, SourceText
 from shaderlab.report.html import write
 from tests.unit.test_report_samples import curve, outcome, record, run, worst

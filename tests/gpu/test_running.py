@@ -35,11 +35,11 @@ from shaderlab import (
     up,
     value,
 )
-from shaderlab.assets import pictures
 from shaderlab.drivers.opengl.backend import OpenGLBackend
 from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import normalize, vec4
 from shaderlab.glslmath.sampling import texture
+from shaderlab.model import pictures
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 
@@ -444,7 +444,7 @@ def test_a_picture_that_cannot_be_written_changes_no_verdict(
     def full(pixels: Any, palette: Any = None) -> bytes:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("shaderlab.assets.pictures.files.encode", full)
+    monkeypatch.setattr("shaderlab.model.pictures.files.encode", full)
     with Lab(RunOptions(size=16, picture_size=32, folder=tmp_path)) as lab:
         record = run(lab, folder, ramp(), formula("product", product))
     assert record.status == "pass"

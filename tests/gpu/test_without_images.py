@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from shaderlab.assets import pictures
 from shaderlab.cli import cli
+from shaderlab.model import pictures
 from tests.meta.test_readme import example
 
 __all__ = ["example"]

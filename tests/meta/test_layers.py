@@ -32,7 +32,7 @@ OWNERS: dict[str, set[str]] = {
     "vulkan": {"drivers"},
     "playwright": {"drivers"},
     "ctypes": {"drivers", "bands", "workers", "compiler"},
-    "OpenImageIO": {"assets"},
+    "OpenImageIO": {"model"},
     "trimesh": {"assets"},
     "pypcd4": {"assets"},
     "jinja2": {"report"},

@@ -18,11 +18,10 @@ from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli, running_sweeps
 from shaderlab.cli.running_sweeps import run_points
-from shaderlab.engine.lab import Lab
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 from shaderlab.report import store
-from shaderlab.workers import sweep_table
+from shaderlab.workers import lab_worker, sweep_table
 from shaderlab.workers.jobs import About, Job, failed_record
 from shaderlab.workers.journal import FILE_NAME, Journal, RunPlan
 from shaderlab.workers.sweep_grid import Grid, Parameter
@@ -229,7 +228,7 @@ def test_an_interrupted_sweep_keeps_what_was_judged(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     log = fake_lab(widths(passing, {1: 3.0}))
-    lab = Lab()
+    lab = lab_worker.Lab()
     run, stops = type(lab).run, ["reach=5"]
 
     def interrupt(self: Any, scene: Any) -> Record:

@@ -11,11 +11,11 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from shaderlab.assets import pictures
 from shaderlab.compiler import Shaders, compile_program
 from shaderlab.engine.file_thread import FileThread
 from shaderlab.engine.picture_writer import PictureWriter
 from shaderlab.engine.record_builder import RecordBuilder
+from shaderlab.model import pictures
 from shaderlab.model.frame import Image
 
 FRAGMENT = "#version 330 core\nout vec4 color;\nvoid main() { color = vec4(0.25); }\n"

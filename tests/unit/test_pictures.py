@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab.assets import pictures
-from shaderlab.assets.pictures import deflate
 from shaderlab.errors import AssetError
+from shaderlab.model import pictures
+from shaderlab.model.pictures import deflate
 
 
 def test_three_channels_are_clipped_without_gamma() -> None:

@@ -44,7 +44,6 @@ def test_there_are_worked_values() -> None:
     expected = {*FORMULAS, *(name for name in MODULES if name.startswith("shaderlab."))}
     # It reads files, which other tests bring along.
     expected -= {"shaderlab.assets.obj"}
-    expected -= {name for name in expected if "assets.pictures" in name}  # no formulas
     assert {name for name in expected if tried(name).attempted == 0} == set()
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab.assets import pictures
+from shaderlab.model import pictures
 from shaderlab.model.records import ProgramRecord, SourceText
 from tests.unit.test_report_samples import (
     INF,

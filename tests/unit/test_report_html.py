@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab.assets import pictures
+from shaderlab.model import pictures
 from shaderlab.model.records import (
     Diagnostic,
     ErratumNote,

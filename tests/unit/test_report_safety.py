@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab.assets import pictures
 from shaderlab.errors import ShaderlabError
+from shaderlab.model import pictures
 from shaderlab.report.inline import Pictures
 from tests.unit.test_report_samples import (
     Page,

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from shaderlab.assets import pictures
 from shaderlab.cli import cli
+from shaderlab.model import pictures
 from shaderlab.model.records import ProgramRecord, Record, SourceText, Verdict
 from shaderlab.report import html, page as page_module, store
 from tests.unit.test_report_samples import Page, hostile, outcome, record, run, write

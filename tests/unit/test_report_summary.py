@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from shaderlab.assets import pictures
 from shaderlab.cli import cli
+from shaderlab.model import pictures
 from shaderlab.model.records import (
     Attachment,
     Declared,

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab.assets import pictures
-from shaderlab.assets.pictures import Values, judged_part, pack
+from shaderlab.model import pictures
+from shaderlab.model.pictures import Values, judged_part, pack
 from tests.unit.test_report_samples import INF, NAN
 
 ODD = (0.0, -0.0, 1.0, -1.5, NAN, INF, -INF, 1e-45, -1e-45, 3.4e38, -3.4e38, 16777217.0)

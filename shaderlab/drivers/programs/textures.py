@@ -118,7 +118,7 @@ def pixel_values(image: Any, format: str, folder: Path, owner: str) -> Array:
     """
     wanted, channels = format_of(format).numpy, format_of(format).components
     if isinstance(image, str | Path):
-        from shaderlab.assets.pictures import load
+        from shaderlab.model.pictures import load
 
         image = load(folder / image)
     elif callable(image):

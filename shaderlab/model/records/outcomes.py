@@ -138,7 +138,7 @@ class Outcome:
     plausible, None where values are not held against bands. `images` maps "measured", "reference"
     and "distance" to picture files, relative to the run's folder, and `captions` the same names to
     how they are to be read ("one channel in false colour, 0 to 2"). `values` is the file of the
-    numbers behind those pictures (`shaderlab.assets.pictures.Values`), likewise relative, or "".
+    numbers behind those pictures (`shaderlab.model.pictures.Values`), likewise relative, or "".
     `sources` are the formula and the shader. `explanation` is there for a formula that fails over
     pixels, if the shader can be interpreted. `line` is that of the record's file at which the
     expectation stands, 0 where that is not known.

@@ -1,4 +1,4 @@
-// Unpacks a check's numbers; shaderlab/assets/pictures/values.py says how they were packed.
+// Unpacks a check's numbers; shaderlab/model/pictures/values.py says how they were packed.
 
 /** The bytes that base64 text holds deflated; rejects in a browser without DecompressionStream. */
 async function inflated(text) {
