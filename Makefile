@@ -1,6 +1,6 @@
 # `make run` and `make test` are all one needs; both set up whatever is missing first.
 .DEFAULT_GOAL := help
-.PHONY: help run test setup lint format clean
+.PHONY: help run test test-hard setup lint format clean
 
 PY := .venv/bin/python
 
@@ -13,18 +13,21 @@ STALE := $(shell test -x $(PY) && test "$$(cat .venv/.ready 2>/dev/null)" = "$(C
 PARALLEL = -n auto --maxprocesses 8 --dist loadscope --no-loadscope-reorder
 
 help: ## what there is to do
-	@sed -n 's/^\([a-z]*\):.*## /  make \1	/p' Makefile | expand -t 18
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1	/p' Makefile | expand -t 18
 	@echo "  make run CASE=spotlight            one case; several in quotes; more options in ARGS"
 	@echo "  make test ARGS='-k stencil -x'     some of the tests"
 
 run: .venv/.ready ## run every case and write the report
 	@$(PY) -m shaderlab run $(if $(CASE),$(CASE),--all) $(ARGS)
 
-# Shaders that were compiled at another time are not taken for tested. Python's own bytecode is made
-# first, as some set PYTHONDONTWRITEBYTECODE: tests start hundreds of processes.
-test: .venv/.ready ## run every test
-	@$(PY) -m compileall -q shaderlab cases
+# Shaders that were compiled at another time are not taken for tested.
+test: .venv/.ready .venv/.ready-for-tests ## run every test
 	@SHADERLAB_CACHE_DIR= $(PY) -m pytest $(PARALLEL) $(ARGS)
+
+test-hard: .venv/.ready .venv/.ready-for-tests ## run every test 10 times, in random order, on busy cores
+	@trap 'kill $$busy' EXIT; busy=; \
+	for core in $$(seq $$(nproc)); do while :; do :; done & busy="$$busy $$!"; done; \
+	SHADERLAB_CACHE_DIR= $(PY) -m pytest $(PARALLEL) --count 10 --random-order $(ARGS)
 
 lint: .venv/.ready ## style and types
 	@failed=0; for tool in "ruff check ." "ruff format --check ." mypy; do \
@@ -40,6 +43,10 @@ setup: .venv/.ready ## only what run and test set up: .venv, packages, an OpenGL
 .venv/.ready: pyproject.toml constraints.txt .ci/setup .ci/system .ci/opengl.py \
 		hatch_build.py $(wildcard shaderlab/bands/kernels/*)
 	@.ci/setup
+
+.venv/.ready-for-tests: .venv/.ready .ci/system
+	@.ci/system tests
+	@touch $@
 
 clean: ## remove everything that was made here, .venv and reports too
 	rm -rf .venv .cache build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache

@@ -7,6 +7,7 @@ import dataclasses
 import gc
 import os
 import shutil
+import subprocess
 import tempfile
 from collections.abc import Callable, Generator, Mapping
 from pathlib import Path
@@ -55,6 +56,18 @@ def pytest_collection() -> Generator[None, object, object]:
 def pytest_unconfigure() -> None:
     """A library that counts what it made says so if an ending process keeps some."""
     gc.unfreeze()
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """End with how many tests were skipped for want of a system's package, and how to get it."""
+    skipped = len(terminalreporter.stats.get("skipped", ()))
+    system = Path(__file__).resolve().parent.parent / ".ci" / "system"
+    if skipped and "PYTEST_XDIST_WORKER" not in os.environ and system.exists():
+        done = subprocess.run(
+            [system, "explain-tests"], capture_output=True, text=True, stdin=subprocess.DEVNULL
+        )
+        if command := done.stdout.strip():
+            terminalreporter.write_line(f"{skipped} tests were skipped. To run them: {command}")
 
 
 @pytest.fixture(scope="session")
