@@ -16,7 +16,7 @@ from .api import constant, prototypes
 from .pyopengl import GL
 
 Make = Callable[..., Any]
-Call = tuple[Make, tuple[Any, ...]]
+HeldCall = tuple[Make, tuple[Any, ...]]
 
 VECTOR = re.compile(
     r"glUniform(?P<matrix>Matrix)?(?P<rows>\d)(?:x(?P<columns>\d))?(?P<kind>f|i|ui)v"
@@ -44,8 +44,8 @@ class Editor:
         self._edit = edit
         self._counts: Counter[str] = Counter()
         self._made = edit is None
-        self._held: Call | None = None
-        self._again: tuple[str, Call, list[int]] | None = None
+        self._held: HeldCall | None = None
+        self._again: tuple[str, HeldCall, list[int]] | None = None
 
     def make(self, name: str, arguments: tuple[Any, ...], made: Make, pass_name: str) -> Any:
         """Make a call by `made`, or what becomes of it; gives what the caller gets for it.

@@ -27,7 +27,7 @@ from ..programs.formats import DEPTH, format_of
 from ..programs.textures import contents, find_image, kind_of
 from ..scene_textures import DeviceTexels, SceneTextures
 from .api import Structs
-from .descriptors import Image as BoundImage
+from .descriptors import BoundImage
 from .device import Device
 from .fetching import fetched
 from .formats import stored_as

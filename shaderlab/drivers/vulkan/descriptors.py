@@ -43,7 +43,7 @@ class Binding:
 
 
 @dataclass(frozen=True)
-class Image:
+class BoundImage:
     """A texture for a binding: its view and its sampler."""
 
     view: Any
@@ -112,7 +112,7 @@ def new_set(
     layout: Any,
     bindings: Mapping[str, Binding],
     buffers: Mapping[str, Any],
-    images: Mapping[str, Image],
+    images: Mapping[str, BoundImage],
 ) -> Any:
     """A set with these buffers by the names of their blocks, and textures by their samplers' names
     as in OpenGL; NULL if there is nothing to bind."""

@@ -21,7 +21,7 @@ from ..redrawing import RedrawingSession
 from . import state as fixed
 from .bound_textures import BoundTextures
 from .commands import Commands, recording
-from .descriptors import Image as BoundImage, block_buffers, new_set, sampler_place
+from .descriptors import BoundImage, block_buffers, new_set, sampler_place
 from .device import Device
 from .linking import Linker
 from .memory import Buffer, Resources

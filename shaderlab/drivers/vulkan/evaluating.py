@@ -17,7 +17,7 @@ from ..attachments import COVERING
 from .api import Structs
 from .bound_textures import BoundTextures
 from .commands import recording
-from .descriptors import Image, block_buffers, new_set, sampler_place
+from .descriptors import BoundImage, block_buffers, new_set, sampler_place
 from .images import fill, new_image, new_view
 from .linking import Linker
 from .memory import Resources
@@ -43,7 +43,7 @@ def evaluate(linker: Linker, evaluation: Evaluation, inputs: Array, outputs: Arr
 
 
 def _drawn(
-    linker: Linker, evaluation: Evaluation, source: Source, images: dict[str, Image]
+    linker: Linker, evaluation: Evaluation, source: Source, images: dict[str, BoundImage]
 ) -> Array:
     """What one pass writes: (words, height, width, lanes)."""
     texts = {"vertex": COVERING, "fragment": for_vulkan(source.text)}
@@ -73,17 +73,17 @@ def _drawn(
         return np.stack([to.read(locations[at]).values for at in sorted(locations)])
 
 
-def _input(own: Resources, evaluation: Evaluation, inputs: Array) -> Image:
+def _input(own: Resources, evaluation: Evaluation, inputs: Array) -> BoundImage:
     word = "r32ui" if evaluation.lanes == 1 else "rgba32ui"
     image = new_image(
         own, word, evaluation.size, "sampled", "transfer_dst", kind="2DArray", layers=len(inputs)
     )
     fill(own.device, image, [inputs])
     sampler = own.create("Sampler", Structs()("SamplerCreateInfo"))
-    return Image(new_view(own, image, sampled=True), sampler)
+    return BoundImage(new_view(own, image, sampled=True), sampler)
 
 
-def _textures(linker: Linker, own: Resources, evaluation: Evaluation) -> dict[str, Image]:
+def _textures(linker: Linker, own: Resources, evaluation: Evaluation) -> dict[str, BoundImage]:
     textures = BoundTextures(Path(evaluation.folder), {}, {}, own, linker)
     found = {}
     for name, (kind, source) in evaluation.textures.items():

@@ -12,7 +12,7 @@ from shaderlab.model.state import State
 from ..attachments import COVERING
 from .api import Structs
 from .commands import recording
-from .descriptors import DEFAULT_BLOCK, Image, new_set
+from .descriptors import DEFAULT_BLOCK, BoundImage, new_set
 from .linking import Linker
 from .memory import Resources
 from .program import Layout
@@ -52,7 +52,7 @@ def fetched(
         buffer = own.buffer("uniform_buffer", number.to_bytes(16, "little"))
         bound = new_set(
             own, program.set_layout, program.bindings, {DEFAULT_BLOCK: buffer.handle},
-            {"texels": Image(view, sampler)},
+            {"texels": BoundImage(view, sampler)},
         )  # fmt: skip
         layout = Layout(VertexLayout(), ((0, word),), "", 1, State())
         ready = Ready(program, layout, {0: "color"}, State(), VertexBuffers((), None, 3), 1, bound)
