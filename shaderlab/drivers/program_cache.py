@@ -14,10 +14,10 @@ class Releasable(Protocol):
     def release(self) -> None: ...
 
 
-Made = TypeVar("Made", bound=Releasable)
+Program = TypeVar("Program", bound=Releasable)
 
 
-class ProgramCache(Generic[Made]):
+class ProgramCache(Generic[Program]):
     """Programs by what they are made of, so that equal ones are made once.
 
     The `CAPACITY` most recently used ones are kept: a software driver's machine code takes a
@@ -29,9 +29,9 @@ class ProgramCache(Generic[Made]):
         as it is."""
         self.device = device
         self._first = first
-        self._made: dict[Hashable, Made] = {}
+        self._made: dict[Hashable, Program] = {}
 
-    def get(self, key: Hashable, make: Callable[[], Made]) -> Made:
+    def get(self, key: Hashable, make: Callable[[], Program]) -> Program:
         """The program of this key; it is made now if there is none."""
         program = self._made.pop(key, None)
         if program is None and self._first is not None and key in self._first._made:
@@ -48,6 +48,6 @@ class ProgramCache(Generic[Made]):
         while self._made:
             self.drop(self._made.popitem()[1])
 
-    def drop(self, program: Made) -> None:
+    def drop(self, program: Program) -> None:
         """Release a program that is kept no longer."""
         program.release()
