@@ -1,15 +1,15 @@
-"""Drawing pass by pass, the same for every graphics API: targets, draws, and reading back."""
+"""What a pass draws into, the same for every graphics API."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Container, Mapping, Sequence, Set
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Container, Hashable, Mapping, Sequence, Set
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Protocol, Self, TypeVar
 
-from shaderlab.errors import UnsupportedError
+from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Bindings, Fragments, Image, PassDraw, Samples, leading
@@ -18,15 +18,146 @@ from shaderlab.model.state import State
 from shaderlab.model.textures import Output
 
 from . import Drawn, Session, Size
-from .attachments import Attachments
-from .program_cache import ProgramCache
 from .programs import bind, captures, vertex_capture
-from .programs.formats import COLOR, components_of
-from .programs.fragment_capture import PassCapture
+from .programs.formats import COLOR, DEPTH, components_of
+from .programs.fragment_capture import PassCapture, numbered
+from .programs.fragment_probe import FragmentProbe, fragment_probe, refused
 from .programs.passes import check_continues, check_reads
 from .programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
 from .programs.varyings import Piece
 from .scene_textures import SceneTextures
+
+
+class Attachments(ABC):
+    """The attachments of one pass at one size, on a device. As a context manager they are cleared
+    first and released in the end.
+
+    Args:
+        target: sizes, clear values, depth format, samples.
+        colors: format by output name, in the order of the outputs' locations.
+        size: (width, height) in pixels.
+
+    Attributes:
+        depth: the format of depth and stencil, "" for none.
+
+    Raises:
+        UnsupportedError: the device can't make such a target; the message says which.
+    """
+
+    def __init__(self, target: Target, colors: Mapping[str, str], size: tuple[int, int]) -> None:
+        self.size = size
+        self.colors = dict(colors)
+        self.depth = target.depth or ""
+        self._target = target
+
+    def __enter__(self) -> Self:
+        self.clear()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
+    @property
+    def attached(self) -> tuple[str, ...]:
+        """The attachments that can be read: colours by name, "depth" and "stencil"."""
+        if not self.depth:
+            return tuple(self.colors)
+        return (*self.colors, "depth", *(("stencil",) if DEPTH[self.depth].stencil else ()))
+
+    @abstractmethod
+    def clear(self) -> None:
+        """Set every attachment to its clear value, unmasked."""
+
+    @abstractmethod
+    def resolve(self) -> None:
+        """Average the samples into what is read, if there are several a pixel."""
+
+    @abstractmethod
+    def sample_positions(self) -> Array:
+        """Where the device takes a pixel's samples: (samples, 2), from its lower left corner.
+
+        Raises:
+            UnsupportedError: it does not say.
+        """
+
+    @abstractmethod
+    def read(self, name: str) -> Image:
+        """One attachment in its own components and type, row 0 at the bottom.
+
+        "depth" is read as floats, whatever its format, "stencil" as unsigned bytes.
+
+        Raises:
+            UnsupportedError: depth or stencil of a multisampled target.
+        """
+
+    @abstractmethod
+    def release(self) -> None:
+        """Release all of its memory on the device; the target is of no use afterwards."""
+
+
+COVERING = """#version 330 core
+void main() {
+    vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+    gl_Position = vec4(corner, 0.0, 1.0);
+}
+"""
+"""A vertex stage of one triangle over the whole target."""
+
+UNREADABLE = "Target(samples=0): the depth of several samples a pixel has no one value"
+
+
+def of_several_samples(name: str) -> UnsupportedError:
+    """Why depth or stencil of a multisampled target is not read."""
+    return UnsupportedError(f"reading the {name} of a multisampled target", remedy=UNREADABLE)
+
+
+CAPACITY = 16
+
+
+class Releasable(Protocol):
+    """What holds memory of a device."""
+
+    def release(self) -> None: ...
+
+
+Program = TypeVar("Program", bound=Releasable)
+
+
+class ProgramCache(Generic[Program]):
+    """Programs by what they are made of, so that equal ones are made once.
+
+    The `CAPACITY` most recently used ones are kept: a software driver's machine code takes a
+    megabyte. A program is used before the next one is asked for.
+    """
+
+    def __init__(self, device: Any, first: Self | None = None) -> None:
+        """`first` is another cache, whose programs are used where it has them, and which is left
+        as it is."""
+        self.device = device
+        self._first = first
+        self._made: dict[Hashable, Program] = {}
+
+    def get(self, key: Hashable, make: Callable[[], Program]) -> Program:
+        """The program of this key; it is made now if there is none."""
+        program = self._made.pop(key, None)
+        if program is None and self._first is not None and key in self._first._made:
+            return self._first._made[key]
+        if program is None:
+            program = make()
+        self._made[key] = program
+        if len(self._made) > CAPACITY:
+            self.drop(self._made.pop(next(iter(self._made))))
+        return program
+
+    def release(self) -> None:
+        """Release all programs."""
+        while self._made:
+            self.drop(self._made.popitem()[1])
+
+    def drop(self, program: Program) -> None:
+        """Release a program that is kept no longer."""
+        program.release()
+
 
 Kind = TypeVar("Kind", bound=Attachments)
 Made = TypeVar("Made", bound=ProgramCache[Any])
@@ -310,3 +441,84 @@ class PassSession(Session, Generic[Kind, Made]):
         for name in self._named.get(description.name, ()):
             if name in target.attached and name not in target.colors:
                 self.images[description.name, name] = target.read(name)
+
+
+class RedrawingSession(PassSession[Kind, Made], Generic[Kind, Made]):
+    """A session that captures what fragment shaders got."""
+
+    @abstractmethod
+    def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> Kind:
+        """Attachments; `colors` are formats by output name, in the order of their locations."""
+
+    @abstractmethod
+    def render(
+        self,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        target: Kind,
+        *,
+        texts: Mapping[str, str] | None = None,
+        fixed_state: State | None = None,
+    ) -> None:
+        """Draw into a target, and wait until it is drawn.
+
+        Args:
+            draw: what to draw.
+            bindings: its uniforms and textures.
+            target: what to draw into.
+            texts: the stages' texts where they are others than its own.
+            fixed_state: another state in place of its own.
+
+        Raises:
+            UnsupportedError: the API, or the device, has no such thing; the message names it.
+        """
+
+    def numbered(self, text: str, bindings: Bindings, index: int) -> tuple[str, Bindings]:
+        """A text that is to have its draw's number in its pass, and the draw's bindings."""
+        return numbered(text, index), bindings
+
+    def fresh_target(self, pass_name: str) -> Kind:
+        """A further target like that of a pass. Raises UnsupportedError for one that draws
+        nothing."""
+        description = self.scene.find_pass(pass_name)
+        if description.computes:
+            raise UnsupportedError(f"drawing pass {pass_name!r} once more: it is a dispatch")
+        colors = pass_colors(description, self.programs[pass_name])
+        return self.new_target(description.target, colors, self.extent(description))
+
+    def make_target(self, description: Pass, colors: dict[str, str], extent: Size) -> Kind:
+        return self.new_target(description.target, colors, extent)
+
+    def issue(self, key: PassDraw, draw: PreparedDraw, target: Kind) -> None:
+        self.render(draw, self.bindings[key], target)
+
+    def probe_fragments(
+        self, key: PassDraw, runs: Sequence[Bindings], inputs: Mapping[str, Array]
+    ) -> list[Samples]:
+        probe = fragment_probe(self.programs[key[0]][key[1]], inputs)
+        found = []
+        # Where no point is discarded, each run writes all that is read.
+        for some in [[run] for run in runs] if probe.discards else [runs]:
+            with self.new_target(probe.target, probe.colors, probe.size) as target:
+                found += [self._probed(probe, run, target) for run in some]
+        return found
+
+    def _probed(self, probe: FragmentProbe, bindings: Bindings, target: Kind) -> Samples:
+        try:
+            self.render(probe.draw, probe.bindings(bindings), target, texts=probe.texts)
+        except ShaderError as error:
+            raise refused(probe.subject, error.message) from error
+        images = {name: target.read(name).values for name in probe.colors}
+        kept = target.read("stencil").values if probe.discards else None
+        return probe.samples(images, kept)
+
+    def redrawn(
+        self, description: Pass, target: Target, texts: Sequence[str]
+    ) -> Mapping[str, Array]:
+        name, colors = description.name, dict(target.colors or {})
+        with self.new_target(target, colors, self.extent(description)) as made:
+            for index, (draw, text) in enumerate(zip(self.programs[name], texts, strict=True)):
+                own, bindings = self.numbered(text, self.bindings[name, index], index)
+                stages = {**draw.texts, "fragment": own}
+                self.render(draw, bindings, made, texts=stages, fixed_state=plain_state(draw))
+            return {name: made.read(name).values for name in colors}

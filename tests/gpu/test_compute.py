@@ -26,7 +26,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.drivers import Backend
-from shaderlab.drivers.opengl import dispatch
+from shaderlab.drivers.opengl import drawing as dispatch
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.interpreting import fragments
 from shaderlab.engine.lab import Lab

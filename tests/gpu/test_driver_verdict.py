@@ -15,8 +15,7 @@ from shaderlab.compiler import WORK, Shaders, compile_glsl, compile_program
 from shaderlab.compiler.driver_verdict import mark_disagreement, parse_driver_log
 from shaderlab.drivers import Backend, open_backend
 from shaderlab.drivers.opengl.backend import OpenGLBackend
-from shaderlab.drivers.opengl.device import Device
-from shaderlab.drivers.opengl.pyopengl import GL
+from shaderlab.drivers.opengl.device import GL, Device
 from shaderlab.errors import DriverError
 from shaderlab.workers import WorkerPool
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from shaderlab.drivers import open_backend
 from shaderlab.drivers.opengl.api import fresh_context
-from shaderlab.drivers.opengl.pyopengl import GL
+from shaderlab.drivers.opengl.device import GL
 
 
 def test_what_outlives_its_device_deletes_nothing_of_the_next_one() -> None:

@@ -11,7 +11,7 @@ from shaderlab.compiler.sources import Shaders
 from shaderlab.compiler.spirv_tools import validate
 from shaderlab.compiler.transform_feedback import with_feedback
 from shaderlab.drivers.opengl import device
-from shaderlab.drivers.opengl.spirv_program import SpirvProgram
+from shaderlab.drivers.opengl.linking import SpirvProgram
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.lab import Lab

@@ -11,7 +11,7 @@ import pytest
 
 from shaderlab import Case, Draw, Mesh, formula, mesh_pass, query, value
 from shaderlab.analysis.interpreter import load
-from shaderlab.drivers.opengl import verdict
+from shaderlab.drivers.opengl import linking
 from shaderlab.drivers.programs.tessellation import primitive
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.lab import Lab
@@ -279,7 +279,7 @@ def test_what_takes_single_invocations_says_so(lab: Lab, tmp_path: Path) -> None
 
 def test_vulkan_names_what_it_leaves_out() -> None:
     pytest.importorskip("vulkan")
-    modules = pytest.importorskip("shaderlab.drivers.vulkan.modules")
+    modules = pytest.importorskip("shaderlab.drivers.vulkan.program")
     with pytest.raises(UnsupportedError, match="tess_control stage: the lab tessellates on OpenGL"):
         modules.check_capabilities(None, {"tess_control": b""})
 
@@ -287,7 +287,7 @@ def test_vulkan_names_what_it_leaves_out() -> None:
 def test_a_driver_without_the_stages_makes_a_case_unsupported(
     guide: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(verdict._NEEDS, "tess_control", 9999)
+    monkeypatch.setitem(linking._NEEDS, "tess_control", 9999)
     with Lab(RunOptions()) as other:
         record = other.run(load_case(guide / "sheet.py").scene("default"))
     assert record.status == "unsupported" and "has no tess_control stage" in record.message

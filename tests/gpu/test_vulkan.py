@@ -75,7 +75,7 @@ def test_nothing_is_left_on_a_device_that_is_closed(
     assert wave(lab, tmp_path, RIGHT).status == "pass"
     lab.close()
     assert "Validation" not in capfd.readouterr().out
-    from shaderlab.drivers.vulkan.memory import Resources
+    from shaderlab.drivers.vulkan.device import Resources
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Resources, "release", lambda _: None)
@@ -86,7 +86,7 @@ def test_nothing_is_left_on_a_device_that_is_closed(
 
 def test_the_layer_is_on(lab: Lab, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """An image in the wrong layout is told."""
-    from shaderlab.drivers.vulkan.commands import Commands
+    from shaderlab.drivers.vulkan.device import Commands
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Commands, "make_usable", lambda *_: None)
@@ -138,11 +138,11 @@ class Losing:
 def test_a_lost_device_is_a_crash_and_the_next_scene_gets_another(
     lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.drivers.vulkan import commands
+    from shaderlab.drivers.vulkan import device
 
     lost = lab.backend
     with monkeypatch.context() as patch:
-        patch.setattr(commands, "lib", Losing(commands.lib))
+        patch.setattr(device, "lib", Losing(device.lib))
         record = wave(lab, tmp_path, RIGHT)
     assert record.status == "crash"
     assert record.message.startswith(f"{lab.options.driver}: the device was lost: running commands")

@@ -1,4 +1,4 @@
-"""Cases in a headless browser, by WebGL2."""
+"""Cases in a headless device, by WebGL2."""
 
 from __future__ import annotations
 
@@ -128,16 +128,16 @@ def test_the_verdict_is_the_browser_s_own(lab: Lab) -> None:
 def test_a_browser_that_is_gone_is_a_crash_and_one_that_hangs_is_given_up(
     lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.drivers.webgl import browser
+    from shaderlab.drivers.webgl import device
 
     gone = lab.backend
     running = gone.device._browser  # type: ignore[attr-defined]
     with monkeypatch.context() as patch:
-        patch.setattr(browser, "PATIENCE", 0.3)
+        patch.setattr(device, "PATIENCE", 0.3)
         with pytest.raises(DeviceLostError, match=r"gave no answer in 0\.3 s"):
             running._wait(running._page.evaluate("() => { for (;;); }"))
     running._guard.stdin.close()
-    running._guard.wait()  # it has killed the browser, whose page is still busy
+    running._guard.wait()  # it has killed the device, whose page is still busy
     record = wave(lab, tmp_path, RIGHT)
     assert (record.status, record.message) == ("crash", "webgl2: the browser is gone")
     assert wave(lab, tmp_path, RIGHT).status == "pass"
@@ -147,21 +147,21 @@ def test_a_browser_that_is_gone_is_a_crash_and_one_that_hangs_is_given_up(
 def test_what_is_not_there_is_an_error_with_its_remedy(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from shaderlab.drivers.webgl import browser, essl
+    from shaderlab.drivers.webgl import device, essl
 
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("SHADERLAB_CHROMIUM", raising=False)
     with pytest.raises(DriverError, match=r"(?s)no spirv-cross.*apt-get install spirv-cross"):
         essl.cross_compiler()
     with pytest.raises(DriverError, match=r"(?s)no Chromium.*apt-get install chromium"):
-        browser.Browser()
+        device.Browser()
     monkeypatch.setenv("SHADERLAB_CHROMIUM", str(tmp_path / "none"))
     with pytest.raises(DriverError, match="none does not start"):
-        browser.Browser()
+        device.Browser()
 
 
 def test_a_lost_context_is_told() -> None:
-    from shaderlab.drivers.webgl.calls import Calls
+    from shaderlab.drivers.webgl.device import Calls
 
     class Answering:
         lost = False
@@ -176,12 +176,12 @@ def test_a_lost_context_is_told() -> None:
             return json.dumps({"reply": reply, "lost": self.lost})
 
     browser = Answering()
-    gl = Calls(browser)  # type: ignore[arg-type]
+    gl = Calls(device)  # type: ignore[arg-type]
     gl.clear(gl.RED)
     earlier: list[int] = []
     gl.ask_later(earlier.append, "errors")
     assert gl.ask("getError") == 3 and earlier == [3]
-    browser.lost = True
+    device.lost = True
     with pytest.raises(DeviceLostError, match="context"):
         gl.ask("getError")
 
@@ -215,7 +215,7 @@ def test_states_that_webgl2_lacks_are_named(state: State, says: str) -> None:
 
 
 def test_depths_are_the_codes_that_were_handed_over() -> None:
-    from shaderlab.drivers.webgl.formats import stored_depths, uploaded
+    from shaderlab.drivers.webgl.textures import stored_depths, uploaded
 
     given = np.array([[[0.0], [0.3], [1.0], [1.7]]], np.float32)
     for word, most in (("depth16", 0xFFFF), ("depth24", 0xFFFFFF)):

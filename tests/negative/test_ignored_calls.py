@@ -9,14 +9,13 @@ from typing import Any
 import pytest
 
 from shaderlab.drivers.opengl import (
-    bound_textures,
+    bindings,
     drawing,
     linking,
     target,
-    uniform_buffers,
     vertices,
 )
-from shaderlab.drivers.opengl.pyopengl import named
+from shaderlab.drivers.opengl.device import named
 from shaderlab.engine.lab import Lab
 from shaderlab.model.textures import Sampling
 from tests.catalogue import judged_only, shipped
@@ -39,8 +38,8 @@ def always_copied(patch: pytest.MonkeyPatch) -> None:
 
 def pixels_always_copied(patch: pytest.MonkeyPatch) -> None:
     """Textures are filled from the program's memory, never from a buffer."""
-    upload = bound_textures.upload
-    patch.setattr(bound_textures, "upload", lambda *given, mapped: upload(*given))
+    upload = bindings.upload
+    patch.setattr(bindings, "upload", lambda *given, mapped: upload(*given))
 
 
 def always_anew(patch: pytest.MonkeyPatch) -> None:
@@ -57,13 +56,13 @@ def always_anew(patch: pytest.MonkeyPatch) -> None:
 
 def always_written(patch: pytest.MonkeyPatch) -> None:
     """Each draw has its blocks written to buffers of their own."""
-    bind = uniform_buffers.UniformBuffers.bind
+    bind = bindings.UniformBuffers.bind
 
     def bound(self: Any, *arguments: Any) -> Any:
         self._made = {}
         return bind(self, *arguments)
 
-    patch.setattr(uniform_buffers.UniformBuffers, "bind", bound)
+    patch.setattr(bindings.UniformBuffers, "bind", bound)
 
 
 def depth_in_textures(patch: pytest.MonkeyPatch) -> None:
@@ -123,27 +122,27 @@ def test_one_filter_in_place_of_two_is_noticed(
     monkeypatch: pytest.MonkeyPatch, case_id: str, kept: int
 ) -> None:
     """Textures are minified and magnified alike."""
-    made = bound_textures._new_sampler
+    made = bindings._new_sampler
 
     def sampler(sampling: Any) -> int:
         word = sampling.filter[kept]
         magnifying = word.partition("_mipmap_")[0]
         return made(replace(sampling, filter=(word, magnifying)))
 
-    monkeypatch.setattr(bound_textures, "_new_sampler", sampler)
+    monkeypatch.setattr(bindings, "_new_sampler", sampler)
     with Lab() as lab:
         record = lab.run(next(judged_only(case_id).scenes()))
     assert record.status == "fail", record.message
 
 
 def test_a_wrap_mode_that_is_not_set_along_r_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    made = bound_textures._new_sampler
+    made = bindings._new_sampler
 
     def sampler(sampling: Any) -> int:
         plane = {f.name: getattr(sampling, f.name) for f in fields(Sampling)}
         return made(Sampling(**plane | {"wrap": sampling.wrap[:2]}))
 
-    monkeypatch.setattr(bound_textures, "_new_sampler", sampler)
+    monkeypatch.setattr(bindings, "_new_sampler", sampler)
     with Lab() as lab:
         record = lab.run(next(judged_only("texture-wrap").scenes()))
     failed = {o.name for o in record.expectations if o.status != "pass"}

@@ -28,8 +28,8 @@ from shaderlab import (
     formula,
 )
 from shaderlab.compiler.module import parse
-from shaderlab.drivers.opengl import drawing, spirv_program, target, textures
-from shaderlab.drivers.opengl.pyopengl import GL
+from shaderlab.drivers.opengl import drawing, linking, target, textures
+from shaderlab.drivers.opengl.device import GL
 from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import vec4
 from shaderlab.model.observations import Look
@@ -175,12 +175,12 @@ def text(pattern: str, new: str) -> Plant:
     """A path makes its program of another text."""
 
     def plant(patch: pytest.MonkeyPatch) -> None:
-        before = spirv_program.link_modules
+        before = linking.link_modules
 
         def changed(device: Any, texts: Mapping[str, str], feedback: Any) -> Any:
             return before(device, {s: re.sub(pattern, new, t) for s, t in texts.items()}, feedback)
 
-        patch.setattr(spirv_program, "link_modules", changed)
+        patch.setattr(linking, "link_modules", changed)
 
     return plant
 
@@ -189,7 +189,7 @@ def instruction(op: int, other: int) -> Plant:
     """A translation writes another instruction."""
 
     def plant(patch: pytest.MonkeyPatch) -> None:
-        before = spirv_program.modules_of
+        before = linking.modules_of
 
         def changed(stages: Any) -> Any:
             modules, interface = before(stages)
@@ -202,7 +202,7 @@ def instruction(op: int, other: int) -> Plant:
             data = struct.pack(f"{len(words)}I", *words)
             return {**modules, "fragment": data}, interface
 
-        patch.setattr(spirv_program, "modules_of", changed)
+        patch.setattr(linking, "modules_of", changed)
 
     return plant
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import pytest
 
-from shaderlab.drivers.opengl.effective_calls import StateTracker
+from shaderlab.drivers.opengl.tracing import StateTracker
 from shaderlab.model.frame import TracedCall
 from shaderlab.mutation.call_arguments import other_arguments
 

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from ..variables import mesa_variables, variables_set
+from ..device import mesa_variables, variables_set
 
 if TYPE_CHECKING:
     from .backend import OpenGLBackend
@@ -42,7 +42,7 @@ def preload() -> None:
     uses and that forks others."""
     _without_checks()
     from . import backend, device
-    from .pyopengl import named
+    from .device import named
 
     _ = backend, device, named("sample_shading")  # the newest name that each draw takes
 

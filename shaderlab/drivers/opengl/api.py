@@ -13,8 +13,7 @@ from typing import Any
 from shaderlab.errors import CaseError, DriverError, nearest
 
 from . import environment
-from .device import REQUIRED_VERSION, Device, libraries
-from .pyopengl import declarations
+from .device import REQUIRED_VERSION, Device, declarations, libraries
 
 
 def prototype(name: str) -> Any:

@@ -16,22 +16,20 @@ from shaderlab.model.frame import Array, Fragments, PassDraw, Reply
 from shaderlab.model.records import Verdict
 
 from .. import Evaluation, Size
-from ..device_backend import DeviceBackend
+from ..device import DeviceBackend
 from ..programs import captures
 from ..programs.prepare import Programs
 from ..programs.storage import captured
-from . import calls, dispatch, feedback, queries, tracing, verdict
-from .device import Device
-from .drawing import Drawing
-from .evaluating import Evaluator
+from . import calls, drawing, linking, queries, tracing
+from .device import GL, Device
+from .drawing import Drawing, Evaluator
 from .linking import Linker
-from .pyopengl import GL
 
 
 class OpenGLSession(Drawing):
     """One scene on an OpenGL device."""
 
-    vertex_outputs = feedback.vertex_outputs
+    vertex_outputs = drawing.vertex_outputs
     count = queries.counted
     time = queries.timed
     attributes = queries.attributes
@@ -86,15 +84,15 @@ class OpenGLBackend(DeviceBackend):
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
         with self.device.in_use():
-            return verdict.driver_verdict(self.device, sources)
+            return linking.driver_verdict(self.device, sources)
 
     def verdict_before_draw(self, sources: Sequence[Source]) -> Verdict:
         with self.device.in_use():
-            found = verdict.verdict_of_linked(self._linker, sources)
+            found = linking.verdict_of_linked(self._linker, sources)
         return found or self.driver_verdict(sources)
 
     def require_compute(self) -> None:
-        if not dispatch.has_compute(self.device):
+        if not drawing.has_compute(self.device):
             raise UnsupportedError("compute passes: this driver has no compute shaders")
 
     @contextmanager

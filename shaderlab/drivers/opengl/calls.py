@@ -18,9 +18,8 @@ from shaderlab.model.calls import Call, Location, Object, Program
 from shaderlab.model.frame import Reply
 
 from .api import constant, fresh_context, name_of, prototype
-from .device import Device
+from .device import GL, Device, GLError, NullFunctionError, named
 from .drawing import drain_errors
-from .pyopengl import GL, GLError, NullFunctionError, named
 
 Texts = Callable[[Program], Mapping[str, str]]
 """The stages' text of one of a case's programs, by stage."""

@@ -1,24 +1,167 @@
-"""An open OpenGL context, and what the driver says of itself."""
+"""OpenGL's functions and constants as PyOpenGL declares them, imported on EGL: it chooses its
+platform once, from the environment, as it is imported.
+
+All modules of this backend take them from here. `GL` has each C function as it is, and those that
+give something back by a pointer as functions that return it. `OpenGL.GL` has such of all functions,
+and takes three times as long to import.
+"""
 
 from __future__ import annotations
 
 import ctypes
+import functools
+import importlib
+import pkgutil
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from ctypes.util import find_library
 from functools import cache, cached_property
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import moderngl
+import numpy as np
 
-from shaderlab.errors import DriverError
+from shaderlab.errors import DriverError, UnsupportedError
 
+from ..passes import COVERING
+from ..programs.prepare import PreparedDraw
 from . import SPIRV, environment
-from .pyopengl import ERROR_CHECKER, GL
 
 if TYPE_CHECKING:
-    from .call_recorder import CallRecorder
+    from .tracing import CallRecorder
+
+with environment():
+    from OpenGL.error import GLError as GLError, NullFunctionError as NullFunctionError
+    from OpenGL.raw.GL import VERSION, _errors
+    from OpenGL.raw.GL.ARB import gl_spirv as gl_spirv
+    from OpenGL.raw.GL.VERSION import GL_1_0 as GL_1_0, GL_1_2 as GL_1_2, GL_1_3 as GL_1_3
+
+ERROR_CHECKER = _errors._error_checker
+"""What PyOpenGL asks for errors after each call, or None in a process without such checks."""
+
+
+class _Declarations(ModuleType):
+    """Each function and constant, from the first version that has it. A version is imported once a
+    name is asked for that no earlier one has."""
+
+    def __init__(self) -> None:
+        super().__init__("GL")
+        self._later = sorted(module.name for module in pkgutil.iter_modules(VERSION.__path__))
+
+    def __getattr__(self, name: str) -> Any:
+        found = vars(self)
+        while name.startswith(("gl", "GL")) and self._later:
+            module = importlib.import_module(f"{VERSION.__name__}.{self._later.pop(0)}")
+            for each, value in vars(module).items():
+                if each.startswith(("gl", "GL")) and each not in found:
+                    found[each] = _RETURNING[each](value) if each in _RETURNING else value
+            if name in found:
+                return found[name]
+        raise AttributeError(name)
+
+
+GL: Any = _Declarations()
+
+
+def declarations() -> Mapping[str, Any]:
+    """All functions and constants by their names."""
+    getattr(GL, "gl", None)  # no version has that
+    return {name: value for name, value in vars(GL).items() if name.startswith(("gl", "GL"))}
+
+
+@functools.cache
+def named(word: str) -> int:
+    """The number of a constant by its name as `shaderlab.model` has it: in lower case, bare.
+
+    >>> hex(named("one_minus_src_alpha"))
+    '0x303'
+    """
+    return int(getattr(GL, f"GL_{word.upper()}"))
+
+
+def _generator(function: Callable[..., None]) -> Callable[[int], Any]:
+    """Of a glGen function: makes one object and returns its number, or several and an array."""
+
+    def generate(count: int) -> Any:
+        numbers = np.empty(count, np.uint32)
+        function(count, numbers)
+        return int(numbers[0]) if count == 1 else numbers
+
+    return generate
+
+
+def _deleter(function: Callable[..., None]) -> Callable[[int, Sequence[int]], None]:
+    return lambda count, numbers: function(count, np.array(numbers, np.uint32))
+
+
+def _getter(function: Callable[..., None]) -> Callable[..., int]:
+    """Of a glGet function: returns the one number that it asks for."""
+    kind = ctypes.c_uint if function.__name__.endswith("uiv") else ctypes.c_int
+
+    def get(*arguments: int) -> int:
+        number = kind()
+        function(*arguments, ctypes.byref(number))
+        return number.value
+
+    return get
+
+
+def _log(length: str) -> Callable[[Callable[..., None]], Callable[[int], bytes]]:
+    """Of a function that writes a log: returns it. `length` is the function that tells its size."""
+
+    def returning(function: Callable[..., None]) -> Callable[[int], bytes]:
+        def log(number: int) -> bytes:
+            size = getattr(GL, length)(number, GL.GL_INFO_LOG_LENGTH)
+            if not size:
+                return b""
+            text = ctypes.create_string_buffer(size + 1)
+            function(number, len(text), None, text)
+            return text.value
+
+        return log
+
+    return returning
+
+
+def _text(function: Any) -> Any:
+    function.restype = ctypes.c_char_p  # as `OpenGL.GL` does; PyOpenGL reads them so itself
+    return function
+
+
+def _shader_source(function: Callable[..., None]) -> Callable[[int, str], None]:
+    def set_source(shader: int, text: str) -> None:
+        given = ctypes.c_char_p(text.encode())
+        pointer = ctypes.cast(ctypes.pointer(given), ctypes.POINTER(ctypes.POINTER(ctypes.c_char)))
+        function(shader, 1, pointer, None)
+
+    return set_source
+
+
+def _attached_shaders(function: Callable[..., None]) -> Callable[[int], list[int]]:
+    def attached(program: int) -> list[int]:
+        numbers = (ctypes.c_uint * GL.glGetProgramiv(program, GL.GL_ATTACHED_SHADERS))()
+        function(program, len(numbers), None, numbers)
+        return list(numbers)
+
+    return attached
+
+
+_OBJECTS = ("buffers", "queries", "renderbuffers", "samplers", "textures")
+_ASKED = ("Integerv", "Programiv", "QueryObjectuiv", "Shaderiv", "VertexAttribiv")
+_RETURNING: Mapping[str, Callable[[Any], Any]] = {
+    **{f"glGen{name.capitalize()}": _generator for name in _OBJECTS},
+    **{f"glDelete{name.capitalize()}": _deleter for name in _OBJECTS},
+    **{f"glGet{name}": _getter for name in _ASKED},
+    "glGetString": _text,
+    "glGetStringi": _text,
+    "glGetShaderInfoLog": _log("glGetShaderiv"),
+    "glGetProgramInfoLog": _log("glGetProgramiv"),
+    "glShaderSource": _shader_source,
+    "glGetAttachedShaders": _attached_shaders,
+}
+
 
 INSTALL = (
     "Debian/Ubuntu: apt-get install libegl1 libgl1-mesa-dri · Fedora: dnf install "
@@ -183,3 +326,48 @@ def open_device(driver: str) -> Device:
         "max_samples": str(known["GL_MAX_SAMPLES"]),
     }
     return Device(context, info, driver)
+
+
+_NUMBERED = """#version 330 core
+out float number;
+void main() { number = float(gl_PrimitiveID) + 1.0; }
+"""
+_READS_NUMBER = re.compile(r"\bgl_PrimitiveID\b")
+
+
+def require_inputs(device: Device, draw: PreparedDraw) -> None:
+    """Raise UnsupportedError for a fragment stage that reads a built-in input which the driver does
+    not give it."""
+    fragment = next((s for s in draw.sources if s.stage == "fragment"), None)
+    if fragment is None or "geometry" in draw.texts or not _READS_NUMBER.search(fragment.code):
+        return
+    if device.recorder is not None:  # the calls that are written down are the scene's
+        return
+    if "gl_PrimitiveID" not in device.probed:
+        device.probed["gl_PrimitiveID"] = _numbers_primitives(device)
+    if not device.probed["gl_PrimitiveID"]:
+        raise UnsupportedError(
+            "gl_PrimitiveID in a fragment stage: this driver draws nothing where it is read",
+            file=fragment.path,
+        )
+
+
+def _numbers_primitives(device: Device) -> bool:
+    """Whether a fragment stage without a geometry stage before it can read gl_PrimitiveID."""
+    context = device.context
+    program = context.program(vertex_shader=COVERING, fragment_shader=_NUMBERED)
+    texture = context.texture((1, 1), 1, dtype="f4")
+    framebuffer = context.framebuffer([texture])
+    nothing = context.vertex_array(program, [])
+    framebuffer.use()
+    for capability in (GL.GL_SCISSOR_TEST, GL.GL_DEPTH_TEST, GL.GL_STENCIL_TEST, GL.GL_CULL_FACE,
+                       GL.GL_BLEND):  # fmt: skip
+        GL.glDisable(capability)
+    GL.glViewport(0, 0, 1, 1)
+    GL.glColorMask(True, True, True, True)
+    GL.glClearBufferfv(GL.GL_COLOR, 0, np.zeros(4, np.float32))
+    nothing.render(vertices=3)
+    found = float(np.frombuffer(texture.read(), np.float32)[0])
+    for made in (nothing, framebuffer, texture, program):
+        made.release()
+    return found == 1.0

@@ -2,36 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+import ctypes
+from collections.abc import Container, Mapping, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
-from typing import Any
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import moderngl
 import numpy as np
 
-from shaderlab.errors import ShaderError, UnsupportedError
+from shaderlab.compiler.driver_verdict import parse_driver_log
+from shaderlab.compiler.interface import Block, Variable
+from shaderlab.compiler.sources import Source
+from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
-from shaderlab.model.frame import Bindings, PassDraw
+from shaderlab.model.frame import Array, Bindings, BlockReading, Image, PassDraw
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.scene import Target
 from shaderlab.model.state import State
 
-from .. import Drawn, Size
-from ..programs import blocks, storage
+from .. import Drawn, Evaluation, Size
+from ..passes import COVERING, RedrawingSession
+from ..programs import blocks, storage, tessellation
+from ..programs.formats import components_of, numpy_type
 from ..programs.prepare import PreparedDraw, Programs, step
 from ..programs.stages import NUMBER
-from ..redrawing import RedrawingSession
+from ..programs.varyings import Piece
 from . import state
-from .bound_textures import BoundTextures
-from .device import Device
-from .dispatch import dispatch
-from .linking import Linker, output_locations, set_uniforms
-from .probes import require_inputs
-from .pyopengl import GL, named
+from .bindings import BoundTextures, UniformBuffers, bound_images, read_images
+from .device import GL, Device, named, require_inputs
+from .linking import Linker, has_names, output_locations, set_uniforms
 from .target import RenderTarget
-from .uniform_buffers import UniformBuffers
 from .vertices import VertexArray, vertex_array
+
+if TYPE_CHECKING:
+    from .device import Device
 
 
 class Drawing(RedrawingSession[RenderTarget, Linker]):
@@ -214,3 +222,318 @@ def drain_errors() -> tuple[int, ...]:
     while (code := GL.glGetError()) != GL.GL_NO_ERROR and len(errors) < 16:
         errors.append(int(code))
     return tuple(errors)
+
+
+_NONE = 0xFFFFFFFF  # GL_INVALID_INDEX
+
+
+def has_compute(device: Device) -> bool:
+    """Whether a device has compute shaders and storage buffers."""
+    return device.version >= 430
+
+
+def dispatch(
+    device: Device, program: Any, draw: PreparedDraw, bindings: Bindings
+) -> Mapping[str, Image]:
+    """Run a program that is linked and whose uniforms and textures are set.
+
+    Args:
+        device: where to run it.
+        program: the linked program.
+        draw: the dispatch.
+        bindings: what its images and the members of its storage blocks hold before.
+
+    Returns:
+        What is left in each image and each member that is not `readonly`; of what has no effect
+        what it held before.
+
+    Raises:
+        DriverError: the driver lays a block out differently.
+    """
+    known, values = storage.slots(draw.interface), bindings.buffers
+    buffers: list[tuple[Any, bytearray, Mapping[str, storage.Slot]]] = []
+    with ExitStack() as stack:
+        for point, (name, block) in enumerate(storage.storage_blocks(draw.interface).items()):
+            members = {slot.name: slot for slot in known.values() if slot.block == name}
+            data = storage.packed(block, members, values)
+            buffer = device.context.buffer(data)
+            stack.callback(buffer.release)
+            buffers.append((buffer, data, members))
+            if _bind(program, block, point):
+                buffer.bind_to_storage_buffer(_point(program, block, point))
+        textures = bound_images(device, program, bindings.images, stack)
+        GL.glUseProgram(program.glo)
+        GL.glDispatchCompute(*draw.draw.groups)
+        GL.glMemoryBarrier(GL.GL_BUFFER_UPDATE_BARRIER_BIT | GL.GL_TEXTURE_UPDATE_BARRIER_BIT)
+        # Drivers compute when they are made to: a program that hangs, hangs here.
+        device.context.finish()
+        device.reading()
+        changed = read_images(textures, bindings.images)
+        left = {n: i for n, i in changed.items() if not draw.interface.uniforms[n].readonly}
+        for buffer, data, inside in buffers:
+            data[:] = buffer.read()
+            left |= {
+                name: storage.image_of(slot, storage.unpacked(slot, data, values[name]))
+                for name, slot in inside.items()
+                if not slot.member.readonly
+            }
+        return left
+
+
+def _point(program: Any, block: Block, point: int) -> int:
+    """The binding of a block: a module says its own."""
+    return point if has_names(program) else block.binding or 0
+
+
+def _bind(program: Any, block: Block, point: int) -> bool:
+    """Give a block its binding; False for one without any effect."""
+    if not has_names(program):
+        return True
+    index = _index(program, GL.GL_SHADER_STORAGE_BLOCK, block.name)
+    if index is None:
+        return False
+    reading = read_storage(program, block)
+    for name, placed in reading.placed.items():
+        theirs = reading.offsets.get(name, placed)
+        if theirs != placed:
+            raise DriverError(
+                f"storage block {block.name}: glslang puts {name} at byte {placed}, the driver "
+                f"has it at byte {theirs}",
+                remedy="declare the block layout (std430), so that its layout is fixed",
+            )
+    GL.glShaderStorageBlockBinding(program.glo, index, point)
+    return True
+
+
+def read_storage(program: Any, block: Block) -> BlockReading:
+    """Where the driver has a storage block's members, and where the lab has them."""
+    placed = {name: member.offset for name, member in block.members.items()}
+    offsets, size = dict(placed), block.size
+    if has_names(program):
+        index = _index(program, GL.GL_SHADER_STORAGE_BLOCK, block.name)
+        size = 0 if index is None else _read(
+            program, GL.GL_SHADER_STORAGE_BLOCK, index, GL.GL_BUFFER_DATA_SIZE
+        )  # fmt: skip
+        offsets = {}
+        for name in block.members:
+            at = _index(program, GL.GL_BUFFER_VARIABLE, blocks.spelt(block, name))
+            if at is not None:
+                offsets[name] = _read(program, GL.GL_BUFFER_VARIABLE, at, GL.GL_OFFSET)
+    return BlockReading(offsets=offsets, size=size, placed=placed, placed_size=block.size)
+
+
+def _index(program: Any, interface: int, name: str) -> int | None:
+    found = int(GL.glGetProgramResourceIndex(program.glo, interface, name.encode()))
+    return None if found == _NONE else found
+
+
+def _read(program: Any, interface: int, index: int, what: int) -> int:
+    wanted, got = (ctypes.c_uint * 1)(what), (ctypes.c_int * 1)()
+    GL.glGetProgramResourceiv(program.glo, interface, index, 1, wanted, 1, None, got)
+    return int(got[0])
+
+
+_CACHED = 4  # grids whose textures are kept; calls come with the same size again and again
+
+
+class Evaluator:
+    """Evaluates on one device; keeps the textures of the last few grids."""
+
+    def __init__(self, device: Device, linker: Linker) -> None:
+        self._device = device
+        self._linker = linker
+        self._input = lru_cache(_CACHED)(self._new_input)
+        self._target = lru_cache(_CACHED)(self._new_target)
+
+    def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
+        context = self._device.context
+        context.enable_only(moderngl.NOTHING)
+        if len(inputs):
+            texture = self._input(evaluation.size, len(inputs), evaluation.lanes)
+            texture.write(inputs)
+            texture.use(0)
+        first = 0
+        with ExitStack() as stack:
+            for source, words in evaluation.passes:
+                program = self._linked(source)
+                target = self._target(evaluation.size, words, evaluation.lanes)
+                self._set(program, evaluation, bool(len(inputs)), stack)
+                target.use()
+                for n in range(words):
+                    GL.glClearBufferuiv(GL.GL_COLOR, n, np.zeros(4, np.uint32))
+                context.vertex_array(program, []).render(vertices=3)
+                for n in range(words):
+                    target.read_into(
+                        outputs[first + n], None, evaluation.lanes, attachment=n, dtype="u4"
+                    )
+                first += words
+        error = context.error
+        if error != "GL_NO_ERROR":
+            raise DriverError(f"the driver raised {error} while it called a function")
+
+    def _linked(self, source: Source) -> Any:
+        try:
+            return self._linker.link({"vertex": COVERING, "fragment": source.text})
+        except ShaderError as error:
+            said = parse_driver_log(error.message.partition("\n")[2], source, ok=False)
+            errors = [d for d in said if d.severity == "error"]
+            if not errors:
+                raise
+            raise ShaderError(
+                errors[0].message, file=errors[0].file, line=errors[0].line
+            ) from error
+
+    def _set(self, program: Any, evaluation: Evaluation, has_input: bool, stack: ExitStack) -> None:
+        values: Mapping[str, Array] = evaluation.uniforms
+        if has_input and "shaderlab_input" in program:
+            program["shaderlab_input"].value = 0
+        if len(evaluation.shared) and "shaderlab_shared" in program:
+            shared = program["shaderlab_shared"]
+            shared.write(evaluation.shared[: shared.array_length].tobytes())
+        set_uniforms(program, values)
+        if evaluation.textures:
+            textures = BoundTextures(Path(evaluation.folder), {}, {}, self._device, stack)
+            for unit, (name, (kind, source)) in enumerate(evaluation.textures.items(), start=1):
+                variable = Variable(name=name, type=kind)
+                textures.texels("the function", variable, source)  # raises where they don't fit
+                textures.bind(program, unit, variable, source)
+
+    def _new_input(self, size: Size, layers: int, lanes: int) -> Any:
+        return self._device.context.texture_array((*size, layers), lanes, dtype="u4")
+
+    def _new_target(self, size: Size, words: int, lanes: int) -> Any:
+        context = self._device.context
+        # A new one is made, then the one bound before is bound again: a scene's is gone by now.
+        context.detect_framebuffer(0).use()
+        return context.framebuffer([context.texture(size, lanes, dtype="u4") for _ in range(words)])
+
+
+# What every OpenGL 3.3 driver can write of one vertex at once.
+MAX_COMPONENTS = 64
+UNDEFINED = np.uint32(0xFFFFFFFF)
+"""The bits of an output that nothing writes: NaN in floats, −1 and the largest number in others."""
+
+
+def vertex_outputs(
+    drawing: Drawing,
+    draw: PreparedDraw,
+    texts: Mapping[str, str],
+    parts: Sequence[Piece],
+    bindings: Bindings,
+    count: int | None,
+) -> dict[Piece, Array]:
+    """As `PassSession.vertex_outputs`, by transform feedback; without a `count` the
+    driver is asked first.
+
+    Raises:
+        DriverError: the driver writes down fewer vertices than it says there are.
+    """
+    found: dict[Piece, Array] = {}
+    written = _written(drawing, texts, parts)
+    for group in _groups([piece for piece in parts if piece.name in written]):
+        sizes = [components_of(piece.type) for piece in group]
+        names = tuple(dict.fromkeys(piece.name for piece in group))
+        program = drawing.linker.link(texts, feedback=names)
+        mode = _mode(program, texts)
+        if count is None:
+            count, _ = _draw(drawing, draw, program, mode, bindings, 1, 4 * sum(sizes))
+        _, data = _draw(drawing, draw, program, mode, bindings, count, 4 * sum(sizes))
+        raw = np.frombuffer(data, np.float32).reshape(count, sum(sizes))
+        columns = np.split(raw, np.cumsum(sizes)[:-1], axis=1)
+        for piece, part in zip(group, columns, strict=True):
+            found[piece] = np.ascontiguousarray(part).view(numpy_type(piece.type))
+    undefined = {p: np.full((count or 0, components_of(p.type)), UNDEFINED) for p in parts}
+    return {p: found.get(p, u.view(numpy_type(p.type))) for p, u in undefined.items()}
+
+
+def _written(drawing: Drawing, texts: Mapping[str, str], parts: Sequence[Piece]) -> set[str]:
+    """The names of those outputs that the program has. A driver may drop one that is declared and
+    never written, and then refuses to capture it.
+
+    Raises:
+        ShaderError: it refuses the program as well if nothing is captured.
+    """
+    names = dict.fromkeys(piece.name for piece in parts)
+    try:
+        for group in _groups(parts):
+            drawing.linker.link(texts, feedback=tuple(dict.fromkeys(p.name for p in group)))
+        return set(names)
+    except ShaderError:
+        drawing.linker.link(texts)
+    return {name for name in names if _is_linked(drawing, texts, name)}
+
+
+def _is_linked(drawing: Drawing, texts: Mapping[str, str], name: str) -> bool:
+    try:
+        drawing.linker.link(texts, feedback=(name,))
+    except ShaderError:
+        return False
+    return True
+
+
+def _groups(parts: Sequence[Piece]) -> list[list[Piece]]:
+    """The pieces in groups that are captured at once; a matrix stays together."""
+    groups: list[list[Piece]] = [[]]
+    room = MAX_COMPONENTS
+    for name in dict.fromkeys(piece.name for piece in parts):
+        own = [piece for piece in parts if piece.name == name]
+        size = sum(components_of(piece.type) for piece in own)
+        if size > room:
+            groups.append([])
+            room = MAX_COMPONENTS
+        groups[-1].extend(own)
+        room -= size
+    return groups
+
+
+def _mode(program: Any, texts: Mapping[str, str]) -> int:
+    """The primitives that come out of the last stage; strips as the single ones of them."""
+    if "tess_evaluation" in texts:
+        return named(tessellation.primitive(texts["tess_evaluation"]))
+    return int(program.geometry_output or GL.GL_POINTS)
+
+
+def _draw(
+    drawing: Drawing, draw: PreparedDraw, program: Any, mode: int, bindings: Bindings,
+    room: int, stride: int,
+) -> tuple[int, bytes]:  # fmt: skip
+    """Draw into a buffer with room for so many vertices of `stride` bytes: how many there would
+    have been, and what was written.
+
+    Raises:
+        DriverError: the buffer is large enough, but less was written.
+    """
+    corner_count = {GL.GL_LINES: 2, GL.GL_TRIANGLES: 3}.get(mode, 1)
+    device = drawing.device
+    # Transform feedback without a complete framebuffer returns zeros without an error.
+    target = RenderTarget(device, Target(), {"unused": "r8"}, (1, 1))
+    buffer = device.context.buffer(reserve=max(room * stride, 4))
+    queries = np.atleast_1d(GL.glGenQueries(2))
+    try:
+        target.clear()
+        drawing.use(program, draw, bindings)
+        vao = vertex_array(device, program, draw.draw.mesh)
+        GL.glUseProgram(program.glo)
+        GL.glBindBufferBase(GL.GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffer.glo)
+        GL.glEnable(GL.GL_RASTERIZER_DISCARD)
+        GL.glBeginQuery(GL.GL_PRIMITIVES_GENERATED, queries[0])
+        GL.glBeginQuery(GL.GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, queries[1])
+        GL.glBeginTransformFeedback(mode)
+        submit(vao, program, replace(draw, draw=replace(draw.draw, vertex_array=True)))
+        GL.glEndTransformFeedback()
+        GL.glEndQuery(GL.GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN)
+        GL.glEndQuery(GL.GL_PRIMITIVES_GENERATED)
+        generated, written = (
+            int(GL.glGetQueryObjectuiv(query, GL.GL_QUERY_RESULT)) for query in queries
+        )
+        drain_errors()
+        data = buffer.read(room * stride) if room else b""
+    finally:
+        GL.glDisable(GL.GL_RASTERIZER_DISCARD)
+        GL.glBindBufferBase(GL.GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0)
+        GL.glDeleteQueries(2, queries)
+        buffer.release()
+        target.release()
+    if written < generated and generated * corner_count <= room:
+        raise DriverError(f"transform feedback wrote {written} of {generated} primitives")
+    return generated * corner_count, data

@@ -15,12 +15,11 @@ from shaderlab.model.frame import AttributeReading, BlockReading, PassDraw, Timi
 from ..programs.prepare import PreparedDraw
 from ..programs.stages import PREFIX
 from . import state
-from .dispatch import read_storage
-from .drawing import Drawing, drain_errors, submit
+from .bindings import read_block
+from .device import GL, named
+from .drawing import Drawing, drain_errors, read_storage, submit
 from .linking import output_locations, uniform_location
-from .pyopengl import GL, named
 from .target import RenderTarget
-from .uniform_buffers import read_block
 from .vertices import read_layout
 
 # Source: OpenGL 4.6 core profile specification, tables 4.1 and 4.2; ARB_pipeline_statistics_query.

@@ -10,7 +10,7 @@ from __future__ import annotations
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.state import Blend, Depth, State, Stencil
 
-from .pyopengl import GL, named
+from .device import GL, named
 
 _NO_DEPTH, _NO_STENCIL, _NO_BLEND = Depth(), Stencil(), Blend()
 

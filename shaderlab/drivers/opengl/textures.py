@@ -20,9 +20,8 @@ from shaderlab.model.textures import level_sizes
 from ..programs.compressed import Blocks
 from ..programs.formats import DEPTH, format_of
 from ..programs.textures import Contents
-from .device import Device
-from .mapping import write_mapped
-from .pyopengl import GL, GL_1_0, GL_1_2, GL_1_3, named
+from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, named
+from .vertices import write_mapped
 
 # The binding points, as OpenGL has their names, by what GLSL's samplers end in.
 _TARGETS = {

@@ -1,24 +1,575 @@
-"""The calls that drawing a scene takes, as a learner of OpenGL would write them."""
+"""A context whose calls of OpenGL are written down: moderngl's, and those made through PyOpenGL.
+
+moderngl asks its context for each function's address, and gets one that writes the call down and
+passes it on. PyOpenGL's functions are replaced while calls are recorded, and put back. What is
+written down is what the driver gets: an edit of one call (`edited_calls`) comes before that.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import ctypes
+import hashlib
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import moderngl
+import numpy as np
 
-from shaderlab.model.call_edits import CallEdit
+from shaderlab.errors import ShaderlabError
+from shaderlab.model.call_edits import CallEdit, Changed, Dropped, PutOff, Repeated
 from shaderlab.model.frame import PassDraw, TracedCall
 
-from .api import fresh_context, prototypes
-from .call_recorder import CallRecorder, Recorded
-from .call_words import constant_for, makes_objects, object_numbers, word
-from .device import REQUIRED_VERSION, Device
+from .api import constant, constants, fresh_context, prototypes
+from .device import GL, GL_1_0, GL_1_2, GL_1_3, REQUIRED_VERSION, Device
 from .drawing import Drawing
-from .effective_calls import StateTracker
 from .linking import Linker
+
+_NUMBERS: Mapping[str, Any] = {"f": ctypes.c_float, "i": ctypes.c_int, "ui": ctypes.c_uint}
+# What only asks, or waits: it changes nothing that is drawn.
+_SILENT = ("glGet", "glIs", "glCheck", "glFinish", "glFlush", "glReadPixels", "glReadBuffer")
+
+
+Place = tuple[str, int | None]
+"""A pass, and a draw of it; None for its target."""
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """One call: its place as `CallRecorder.place` was then, the C name, the arguments as they were
+    passed, and what was returned."""
+
+    place: Place | None
+    function: str
+    arguments: tuple[Any, ...]
+    returned: Any
+
+
+class CallRecorder:
+    """Stands for a context of glcontext when moderngl asks for one.
+
+    Args:
+        context: the real one.
+        edit: a call that is made otherwise while calls are recorded.
+
+    Attributes:
+        calls: what was recorded.
+        place: the pass and the draw that calls are made for; None for the lab's own reading.
+    """
+
+    def __init__(self, context: Any, edit: CallEdit | None = None) -> None:
+        self.calls: list[Recorded] = []
+        self.place: Place | None = ("", None)
+        self._context = context
+        self._edit = edit
+        self._editor = Editor(edit)
+
+    @contextmanager
+    def recording(self) -> Iterator[None]:
+        """Record what is called meanwhile, in place of what was recorded before.
+
+        Raises:
+            ShaderlabError: the call of the edit was not made.
+        """
+        self.calls.clear()
+        self._editor = Editor(self._edit)
+        own = {(module, name): getattr(module, name) for module, name in _imported()}
+        for (module, name), function in own.items():
+            setattr(module, name, _recorded(name, function))
+        _RECORDING.append(self)
+        try:
+            yield
+        finally:
+            _RECORDING.remove(self)
+            for (module, name), function in own.items():
+                setattr(module, name, function)
+        self._editor.require_made()
+
+    def load_opengl_function(self, name: str) -> int:
+        """The address of a function that records its calls; 0 where the driver has none."""
+        address = int(self._context.load_opengl_function(name) or 0)
+        known = prototypes().get(name)
+        if not address or known is None or _is_silent(name):
+            return address
+        return int(ctypes.cast(_callback(name, address), ctypes.c_void_p).value or 0)
+
+    def __enter__(self) -> Any:
+        return self._context.__enter__()
+
+    def __exit__(self, *error: object) -> Any:
+        return self._context.__exit__(*error)
+
+    def release(self) -> None:
+        """Give the context back."""
+        self._context.release()
+
+    def make(self, name: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+        """Make a call, or what the edit makes of it, and record it; returns what it returned."""
+
+        def made(*arguments: Any) -> Any:
+            returned = function(*arguments)
+            kept, came = arguments, returned
+            if name.startswith(("glGen", "glDrawBuffers")) and _has_address(arguments):
+                numbers = list((ctypes.c_uint * arguments[0]).from_address(arguments[1]))
+                kept, came = (arguments[0], numbers), numbers
+            elif name.startswith("glUniform"):
+                kept = _with_values(name, arguments)
+            self.calls.append(Recorded(self.place, name, kept, came))
+            return returned
+
+        if self.place is None:
+            return made(*arguments)
+        return self._editor.make(name, arguments, made, self.place[0])
+
+
+@cache
+def _imported() -> Sequence[tuple[ModuleType, str]]:
+    """The functions to record, in the modules from which the lab imports them."""
+    return [
+        (module, name)
+        for module in (GL, GL_1_0, GL_1_2, GL_1_3)
+        for name in prototypes()
+        if hasattr(module, name) and not _is_silent(name)
+    ]
+
+
+_RECORDING: list[CallRecorder] = []
+"""The recorders that are recording; the last one gets the calls."""
+
+
+@cache
+def _callback(name: str, address: int) -> Any:
+    """A function that passes calls on to the one at `address`, and has them recorded while a
+    recorder is recording. It stays for good: contexts have its address only, and a driver gives
+    each context the same functions."""
+    known = prototypes()[name]
+    kind = ctypes.CFUNCTYPE(_plain(known.restype), *map(_plain, known.argtypes or ()))
+    return kind(_recorded(name, kind(address)))
+
+
+def _recorded(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    def recorded(*arguments: Any) -> Any:
+        if not _RECORDING:
+            return function(*arguments)
+        return _RECORDING[-1].make(name, function, arguments)
+
+    return recorded
+
+
+def _is_silent(name: str) -> bool:
+    return name.startswith(_SILENT)
+
+
+def _has_address(arguments: tuple[Any, ...]) -> bool:
+    """Whether these are a count and an address, as of a caller in C; one in Python has arrays."""
+    return len(arguments) == 2 and isinstance(arguments[1], int)
+
+
+def _with_values(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The arguments of a glUniform…v function with the values themselves for their address."""
+    found = VECTOR.fullmatch(name)
+    if found is None or not isinstance(arguments[-1], int):
+        return arguments
+    count = numbers_of(name, arguments[1])
+    values = (_NUMBERS[found["kind"]] * count).from_address(arguments[-1])
+    return (*arguments[:-1], np.array(values))
+
+
+def _plain(kind: Any) -> Any:
+    """A C type as callbacks take it: pointers of any kind are addresses."""
+    if kind is None:
+        return None
+    simple = isinstance(kind, type) and issubclass(kind, ctypes._SimpleCData)
+    return kind if simple and kind is not ctypes.c_char_p else ctypes.c_void_p
+
+
+# Parameters whose numbers stand for constants, and those that join bits.
+_ENUMS = {
+    "target", "mode", "cap", "func", "usage", "type", "format", "internalformat", "internalFormat",
+    "pname", "attachment", "face", "sfactor", "dfactor", "sfactorRGB", "dfactorRGB", "sfactorAlpha",
+    "dfactorAlpha", "modeRGB", "modeAlpha", "fail", "zfail", "zpass", "sfail", "dpfail", "dppass",
+    "renderbuffertarget", "textarget", "filter", "buffer", "texture", "shaderType", "src",
+    "primitiveMode",
+}  # fmt: skip
+_FLAGS = {"flag", "normalized", "transpose", "red", "green", "blue", "alpha"}
+_MASKS = {"glClear", "glBlitFramebuffer", "glMapBufferRange"}
+# What an object's number is a name of, by the parameter that takes it.
+_OBJECTS = {
+    "program": "program", "shader": "shader", "array": "vertex array", "framebuffer": "framebuffer",
+    "renderbuffer": "renderbuffer", "sampler": "sampler", "buffer": "buffer", "texture": "texture",
+    "id": "query",
+}  # fmt: skip
+_PREFERRED = {
+    "mode": ("GL_POINTS", "GL_LINES"), "func": ("GL_NEVER",), "fail": ("GL_ZERO", "GL_KEEP"),
+    "attachment": ("GL_COLOR_ATTACHMENT0",),
+}  # fmt: skip
+_BITS = ("COLOR", "DEPTH", "STENCIL", "READ", "WRITE", "INVALIDATE", "UNSYNCHRONIZED", "FLUSH")
+_VENDORS = (
+    "_ARB", "_EXT", "_NV", "_AMD", "_ATI", "_SGIS", "_SGIX", "_OES", "_APPLE", "_INTEL", "_IBM",
+    "_HP", "_3DFX", "_MESA", "_KHR", "_SUN", "_OVR", "_PGI", "_QCOM", "_INGR",
+)  # fmt: skip
+_LONGEST = 40
+
+
+def word(function: str, name: str, value: Any) -> str:
+    """The argument of a function for its parameter `name` as text."""
+    constant = getattr(value, "name", None)
+    if isinstance(constant, str):  # PyOpenGL's constants know their own names
+        return constant
+    if isinstance(value, bool | np.bool_):
+        return "GL_TRUE" if value else "GL_FALSE"
+    if isinstance(value, int | np.integer):
+        return _number(function, name, int(value))
+    if isinstance(value, ctypes.c_void_p):
+        value = value.value
+        if value is not None:
+            return f"byte {value}" if value < 1 << 31 else "a pointer"
+    if value is None:
+        return "NULL"
+    if name == "bufs":
+        return f"[{' '.join(constant_for(function, 'attachment', int(x)) for x in value)}]"
+    if isinstance(value, float | np.floating):
+        return f"{value:g}"
+    if isinstance(value, bytes | bytearray | memoryview):
+        return f"{len(value)} bytes"
+    if isinstance(value, np.ndarray):
+        text = " ".join(str(x) if x.dtype.kind in "iu" else f"{x:g}" for x in value.ravel()[:17])
+        return f"[{text}]" if value.size <= 16 else f"{value.size} values"
+    text = " ".join(str(value).split())
+    return text if len(text) <= _LONGEST else f"{len(text)} characters"
+
+
+def _number(function: str, name: str, value: int) -> str:
+    if name in _FLAGS and value in (0, 1):
+        return ("GL_FALSE", "GL_TRUE")[value]
+    if function in _MASKS and name in ("mask", "access"):
+        return _bits(function, value)
+    if name in ("mask", "ref") and value > 0xFFFF:
+        return f"0x{value:X}"
+    known = constant_for(function, name, value) if name in _ENUMS else ""
+    if known:
+        return known
+    if name in _OBJECTS:
+        return f"{_OBJECTS[name]} {value}" if value else "0"
+    return str(value) if abs(value) < 1 << 31 else "a pointer"
+
+
+def constant_for(function: str, name: str, value: int) -> str:
+    """The constant that a parameter's number stands for; "" for none."""
+    if name in ("buffer", "texture") and function not in ("glClearBufferfv", "glActiveTexture"):
+        return ""  # an object's number
+    known = _constants_by_number().get(value, ())
+    for word in (*_PREFERRED.get(name, ()), "GL_ZERO" if "factor" in name else "GL_NONE"):
+        if word in known:
+            return word
+    plain = [w for w in known if not w.endswith(_VENDORS) and not w.endswith("_BIT")]
+    return min(plain or known, key=len, default="")
+
+
+@cache
+def _constants_by_number() -> Mapping[int, Sequence[str]]:
+    """The names of the constants of each number."""
+    found: dict[int, list[str]] = {}
+    for word, number in constants().items():
+        found.setdefault(number, []).append(word)
+    return found
+
+
+def _bits(function: str, value: int) -> str:
+    """The bits of a mask by name."""
+    like = "GL_MAP_" if function.startswith("glMap") else "GL_"
+    found: dict[int, str] = {}
+    for word, number in constants().items():
+        single = number and not number & (number - 1)
+        ours = word.startswith(like) and word.endswith("_BIT") and any(b in word for b in _BITS)
+        if ours and single and value & number:
+            found.setdefault(number, word)
+    return " | ".join(found.values()) or str(value)
+
+
+def makes_objects(function: str) -> bool:
+    """Whether a function makes objects: glGenerateMipmap does not."""
+    return function.startswith(("glGen", "glCreate")) and not function.startswith("glGenerate")
+
+
+def object_numbers(value: Any) -> str:
+    """What a function that makes objects returned: their numbers."""
+    return ", ".join(str(int(number)) for number in np.ravel(value))
+
+
+# What a call sets apart from others of its function: the parameters that choose the place.
+_PLACES: Mapping[str, tuple[str, ...]] = {
+    "glBindTexture": ("target",),
+    "glBindBuffer": ("target",),
+    "glBindFramebuffer": ("target",),
+    "glBindRenderbuffer": ("target",),
+    "glBindSampler": ("unit",),
+    "glPixelStorei": ("pname",),
+    "glStencilFuncSeparate": ("face",),
+    "glStencilOpSeparate": ("face",),
+    "glStencilMaskSeparate": ("face",),
+}
+_ONE_PLACE = (
+    "glActiveTexture", "glBindVertexArray", "glBlendColor", "glBlendEquationSeparate",
+    "glBlendFuncSeparate", "glColorMask", "glCullFace", "glDepthFunc", "glDepthMask",
+    "glDepthRange", "glDrawBuffers", "glFrontFace", "glMinSampleShading", "glPointSize",
+    "glPolygonMode", "glPolygonOffset", "glScissor", "glUseProgram", "glViewport",
+)  # fmt: skip
+# OpenGL 4.6, chapter 23, tables of state: what a new context has.
+_INITIAL: Mapping[tuple[str, ...], tuple[str, ...]] = {
+    ("glActiveTexture",): ("GL_TEXTURE0",),
+    ("glBindVertexArray",): ("0",),
+    ("glBlendColor",): ("0", "0", "0", "0"),
+    ("glBlendEquationSeparate",): ("GL_FUNC_ADD", "GL_FUNC_ADD"),
+    ("glColorMask",): ("GL_TRUE",) * 4,
+    ("glCullFace",): ("GL_BACK",),
+    ("glDepthFunc",): ("GL_LESS",),
+    ("glDepthMask",): ("GL_TRUE",),
+    ("glDepthRange",): ("0", "1"),
+    ("glFrontFace",): ("GL_CCW",),
+    ("glMinSampleShading",): ("0",),
+    ("glPointSize",): ("1",),
+    ("glPolygonMode",): ("GL_FRONT_AND_BACK", "GL_FILL"),
+    ("glPolygonOffset",): ("0", "0"),
+    ("glUseProgram",): ("0",),
+    ("cap", "GL_MULTISAMPLE"): ("glEnable",),
+    ("cap", "GL_DITHER"): ("glEnable",),
+}
+# State that counts only while a test is on.
+_WHILE = {
+    "glBlend": "GL_BLEND", "glStencil": "GL_STENCIL_TEST", "glDepthFunc": "GL_DEPTH_TEST",
+    "glCullFace": "GL_CULL_FACE", "glFrontFace": "GL_CULL_FACE", "glScissor": "GL_SCISSOR_TEST",
+    "glMinSampleShading": "GL_SAMPLE_SHADING", "glPolygonOffset": "GL_POLYGON_OFFSET_FILL",
+    "glPointSize": "GL_PROGRAM_POINT_SIZE",
+}  # fmt: skip
+# Where the place depends on what is bound: what binds it.
+_WITHIN: Mapping[tuple[str, ...], tuple[str, ...]] = {
+    ("glBindTexture",): ("glActiveTexture",),
+    ("glBindBuffer", "GL_ELEMENT_ARRAY_BUFFER"): ("glBindVertexArray",),
+    ("glDrawBuffers",): ("glBindFramebuffer", "GL_DRAW_FRAMEBUFFER"),
+}
+# Calls that draw find all state; others only what says which object they are about.
+_DRAWS = ("glDraw", "glClear", "glBlit")
+_NAMES_OBJECTS = ("glBind", "glActiveTexture", "glUseProgram", "glPixelStore")
+
+
+class StateTracker:
+    """Follows a context's state from call to call."""
+
+    def __init__(self) -> None:
+        self._state = dict(_INITIAL)
+
+    def changes(self, function: str, arguments: Mapping[str, str]) -> bool:
+        """Whether a call changes what the context has, or does something; each call in its turn."""
+        if function in ("glEnable", "glDisable"):
+            return self._set(("cap", arguments["cap"]), (function,), ("glDisable",))
+        if self._is_off(function):
+            return False
+        if not _only_sets(function):
+            self._follow(function, arguments)
+            return True
+        value = tuple(word for name, word in arguments.items() if name != "target")
+        if arguments.get("target") == "GL_FRAMEBUFFER":
+            both = [(function, f"GL_{word}_FRAMEBUFFER") for word in ("READ", "DRAW")]
+            return any([self._set(key, value, ("0",)) for key in both])
+        return self._set(self._place(function, arguments), value, None)
+
+    def state_for(self, function: str) -> str:
+        """All state that a call finds which counts for it, as a digest; "" for a call that only
+        sets state."""
+        if function in ("glEnable", "glDisable") or _only_sets(function):
+            return ""
+        everything = function.startswith(_DRAWS) and function != "glDrawBuffers"
+        found = {
+            key: value
+            for key, value in self._state.items()
+            if not self._is_off(key[0]) and (everything or key[0].startswith(_NAMES_OBJECTS))
+        }
+        return hashlib.blake2b(repr(sorted(found.items())).encode(), digest_size=8).hexdigest()
+
+    def _is_off(self, function: str) -> bool:
+        """Whether a function sets state of a test that is off."""
+        tests = _tests(function)
+        return bool(tests) and any(self._state.get(("cap", t)) != ("glEnable",) for t in tests)
+
+    def _place(self, function: str, arguments: Mapping[str, str]) -> tuple[str, ...]:
+        """What a call of this function sets."""
+        key = (function, *(arguments[name] for name in _PLACES.get(function, ())))
+        within = _WITHIN.get(key) or _WITHIN.get(key[:1])
+        return key if within is None else (*key, *self._state.get(within, ("0",)))
+
+    def _follow(self, function: str, arguments: Mapping[str, str]) -> None:
+        """Follow what a call sets besides what it does."""
+        if function in ("glBindBufferBase", "glBindBufferRange"):
+            self._state["glBindBuffer", arguments["target"]] = (arguments["buffer"],)
+        elif function == "glColorMaski":
+            self._state.pop(("glColorMask",), None)
+        elif function.startswith("glDelete"):  # what is bound no longer is: nothing is known
+            for key in [key for key in self._state if key[0].startswith("glBind")]:
+                del self._state[key]
+
+    def _set(
+        self, key: tuple[str, ...], value: tuple[str, ...], initial: tuple[str, ...] | None
+    ) -> bool:
+        before = self._state.get(key, initial)
+        self._state[key] = value
+        return value != before
+
+
+@cache
+def _tests(function: str) -> tuple[str, ...]:
+    """The tests without which what a function sets does not count."""
+    return tuple(cap for prefix, cap in _WHILE.items() if function.startswith(prefix))
+
+
+def _only_sets(function: str) -> bool:
+    """Whether the call sets state and does nothing else."""
+    return function in _PLACES or function in _ONE_PLACE
+
+
+Make = Callable[..., Any]
+HeldCall = tuple[Make, tuple[Any, ...]]
+
+VECTOR = re.compile(
+    r"glUniform(?P<matrix>Matrix)?(?P<rows>\d)(?:x(?P<columns>\d))?(?P<kind>f|i|ui)v"
+)
+"""Functions that take the address of values, four bytes each."""
+# Of functions that take the address of bytes: the places of the address and of their number.
+_SIZED = {"glBufferData": (2, 1), "glBufferSubData": (3, 2)}
+# What a call is about besides its arguments: how to ask for it, and how to set it.
+_BINDINGS: Sequence[tuple[str, Callable[[int], None]]] = (
+    ("GL_VERTEX_ARRAY_BINDING", lambda n: GL.glBindVertexArray(n)),
+    ("GL_ARRAY_BUFFER_BINDING", lambda n: GL.glBindBuffer(GL.GL_ARRAY_BUFFER, n)),
+    ("GL_UNIFORM_BUFFER_BINDING", lambda n: GL.glBindBuffer(GL.GL_UNIFORM_BUFFER, n)),
+    ("GL_CURRENT_PROGRAM", lambda n: GL.glUseProgram(n)),
+)
+
+
+class Editor:
+    """Counts calls, and makes the one that an edit is about in its own way.
+
+    Args:
+        edit: what becomes of which call; None for nothing.
+    """
+
+    def __init__(self, edit: CallEdit | None) -> None:
+        self._edit = edit
+        self._counts: Counter[str] = Counter()
+        self._made = edit is None
+        self._held: HeldCall | None = None
+        self._again: tuple[str, HeldCall, list[int]] | None = None
+
+    def make(self, name: str, arguments: tuple[Any, ...], made: Make, pass_name: str) -> Any:
+        """Make a call by `made`, or what becomes of it; gives what the caller gets for it.
+
+        Args:
+            name: the C name.
+            arguments: what it is called with.
+            made: makes and records the call.
+            pass_name: the pass that it is made for.
+        """
+        number = self._counts[name]
+        self._counts[name] += 1
+        edit = self._edit
+        if edit is not None and (edit.function, edit.number) == (name, number):
+            self._made = True
+            return self._edited(edit, arguments, made, pass_name)
+        if self._again is not None and name.startswith("glDraw") and name != "glDrawBuffers":
+            self._repeat(pass_name)
+        returned = made(*arguments)
+        if self._held is not None and isinstance(edit, PutOff) and edit.behind == (name, number):
+            (later, given), self._held = self._held, None
+            later(*given)
+        return returned
+
+    def require_made(self) -> None:
+        """Raise ShaderlabError if the call did not come."""
+        if not self._made and self._edit is not None:
+            raise ShaderlabError(
+                f"the drawing has no call {self._edit.number} of {self._edit.function}",
+                remedy="this is a defect of shaderlab: a drawing takes the same calls each time",
+            )
+
+    def _edited(
+        self, edit: CallEdit, arguments: tuple[Any, ...], made: Make, pass_name: str
+    ) -> Any:
+        name = edit.function
+        if isinstance(edit, Changed):
+            place = list(prototypes()[name].argNames).index(edit.parameter)
+            new: Any = constant(edit.value) if isinstance(edit.value, str) else edit.value
+            if isinstance(arguments[place], ctypes.c_void_p):
+                new = ctypes.c_void_p(new)
+            return made(*arguments[:place], new, *arguments[place + 1 :])
+        if isinstance(edit, Repeated):
+            self._again = (pass_name, (made, _kept(name, arguments)), _bound())
+            return made(*arguments)
+        if isinstance(edit, PutOff):
+            self._held = (made, _kept(name, arguments))
+        else:
+            assert isinstance(edit, Dropped)
+        return None if prototypes()[name].restype is None else 0
+
+    def _repeat(self, pass_name: str) -> None:
+        assert self._again is not None
+        first, (made, arguments), bindings = self._again
+        if pass_name == first:
+            with _binding(bindings):
+                made(*arguments)
+
+
+@contextmanager
+def _binding(bindings: list[int]) -> Iterator[None]:
+    """These bindings for a while."""
+    before = _bound()
+    for (_, bind), number in zip(_BINDINGS, bindings, strict=True):
+        bind(number)
+    try:
+        yield
+    finally:
+        for (_, bind), number in zip(_BINDINGS, before, strict=True):
+            bind(number)
+
+
+def _bound() -> list[int]:
+    return [int(GL.glGetIntegerv(getattr(GL, name))) for name, _ in _BINDINGS]
+
+
+class _Address(int):
+    """The address of memory that lives as long as this number."""
+
+    memory: Any = None
+
+
+def _kept(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Arguments that are good after the call too: of contents that an address leads to, a copy."""
+    place, size = len(arguments) - 1, 0
+    if name in _SIZED:
+        place, from_place = _SIZED[name]
+        size = arguments[from_place]
+    elif VECTOR.fullmatch(name):
+        size = 4 * numbers_of(name, arguments[1])
+    address = arguments[place] if arguments else None
+    if not size or not isinstance(address, int) or not address:
+        return arguments
+    memory = ctypes.create_string_buffer(ctypes.string_at(address, size), size)
+    copied = _Address(ctypes.addressof(memory))
+    copied.memory = memory
+    return (*arguments[:place], copied, *arguments[place + 1 :])
+
+
+def numbers_of(name: str, count: int) -> int:
+    """How many numbers a glUniform…v function takes for so many elements."""
+    found = VECTOR.fullmatch(name)
+    assert found is not None
+    rows = int(found["rows"])
+    return count * rows * int(found["columns"] or (rows if found["matrix"] else 1))
+
 
 # Parameters of textures whose values are constants.
 _WORDED = ("_FILTER", "_MODE", "_FUNC", "WRAP_S", "WRAP_T", "WRAP_R")

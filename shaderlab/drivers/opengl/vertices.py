@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.errors import DriverError
 from shaderlab.model.frame import Array, AttributeReading
 from shaderlab.model.mesh import Mesh, Placement
 
-from .device import Device
+from .device import GL, Device, named
 from .linking import has_names
-from .mapping import write_mapped
-from .pyopengl import GL, named
 
 _KINDS = {"f": 0x1406, "i": 0x1404, "u": 0x1405}
 _INDICES = {1: 0x1401, 2: 0x1403, 4: 0x1405}  # GL_UNSIGNED_BYTE, _SHORT and _INT, by bytes
@@ -146,3 +145,17 @@ def _point(vao: int, buffer: int, member: Any, array: Array, place: Placement) -
         GL.glVertexAttribDivisor(at, place.divisor)
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, 0)
     GL.glBindVertexArray(0)
+
+
+def write_mapped(target: int, whole: bytes) -> None:
+    """Fill the buffer that is bound to a target.
+
+    Raises:
+        DriverError: it can't be mapped, or its contents are lost.
+    """
+    address = GL.glMapBufferRange(target, 0, len(whole), GL.GL_MAP_WRITE_BIT)
+    if not address:
+        raise DriverError(f"the driver does not map a buffer of {len(whole)} bytes")
+    ctypes.memmove(address, whole, len(whole))
+    if not GL.glUnmapBuffer(target):
+        raise DriverError("the driver lost a buffer's contents while it was mapped")

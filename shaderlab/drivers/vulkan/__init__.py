@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from shaderlab.errors import DriverError
 
-from ..variables import mesa_variables, variables_set
+from ..device import mesa_variables, variables_set
 
 if TYPE_CHECKING:
     from .backend import VulkanBackend

@@ -11,19 +11,17 @@ from shaderlab.model.frame import Array
 from shaderlab.model.records import Verdict
 
 from .. import Evaluation
-from ..device_backend import DeviceBackend
-from . import queries, vertex_storage
+from ..device import DeviceBackend
+from . import drawing, queries
 from .device import Device
-from .drawing import Drawing
-from .evaluating import evaluate
-from .linking import Linker
-from .modules import check_capabilities, modules_of
+from .drawing import Drawing, evaluate
+from .program import Linker, check_capabilities, modules_of
 
 
 class VulkanSession(Drawing):
     """One scene on a Vulkan device."""
 
-    vertex_outputs = vertex_storage.vertex_outputs
+    vertex_outputs = drawing.vertex_outputs
     count = queries.counted
     time = queries.timed
     attributes = queries.attributes

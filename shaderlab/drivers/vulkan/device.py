@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
+
+import numpy as np
 
 from shaderlab.errors import DriverError
+from shaderlab.model.frame import Array
 
 from . import environment
 from .api import NULL, Structs, check, constant, ffi, lib
@@ -228,3 +232,166 @@ def _created(function: str, kind: str, owner: Any, info: Any) -> Any:
     before = () if owner is None else (owner,)
     check(getattr(lib, function)(*before, info, NULL, made), function)
     return made[0]
+
+
+_HOST = 0x2 | 0x4  # visible to this process, without flushing
+_CACHED = 0x8
+_DEVICE_LOCAL = 0x1
+
+
+@dataclass(frozen=True)
+class Buffer:
+    """A buffer, mapped: `bytes` are its contents, which can be read and written."""
+
+    handle: Any
+    bytes: Array
+
+
+class Resources:
+    """Makes objects on the device, and releases all of them together, the last one first."""
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+        self._made: list[tuple[str, Any]] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
+    def release(self) -> None:
+        """Release everything; the device must be done with it."""
+        while self._made:
+            kind, handle = self._made.pop()
+            if kind == "Memory":
+                lib.vkFreeMemory(self.device.handle, handle, NULL)
+            else:
+                self.device.destroy(kind, handle)
+
+    def create(self, kind: str, info: Any) -> Any:
+        """A new object, such as `create("Sampler", info)`."""
+        handle = self.device.create(kind, info)
+        return self.own(kind, handle)
+
+    def own(self, kind: str, handle: Any) -> Any:
+        """Release this object, too, in the end."""
+        self._made.append((kind, handle))
+        return handle
+
+    def buffer(self, usage: str, data: bytes | Array | None = None, *, size: int = 0) -> Buffer:
+        """A buffer of `size` zeros, or of `data`, for a usage such as "uniform_buffer"."""
+        given = np.frombuffer(b"" if data is None else data, np.uint8)
+        length = max(size, given.nbytes, 16)
+        structs = Structs()
+        bits = constant(f"BUFFER_USAGE_{usage.upper()}_BIT")
+        handle = self.create("Buffer", structs("BufferCreateInfo", size=length, usage=bits))
+        needs = ffi.new("VkMemoryRequirements *")
+        lib.vkGetBufferMemoryRequirements(self.device.handle, handle, needs)
+        memory = self._allocate(needs, _HOST, _CACHED)
+        check(lib.vkBindBufferMemory(self.device.handle, handle, memory, 0), "binding a buffer")
+        at = ffi.new("void **")
+        check(lib.vkMapMemory(self.device.handle, memory, 0, length, 0, at), "mapping a buffer")
+        contents = np.frombuffer(ffi.buffer(at[0], length), np.uint8)
+        contents[: given.nbytes] = given
+        contents[given.nbytes :] = 0
+        return Buffer(handle, contents)
+
+    def bind_image_memory(self, image: Any) -> None:
+        """Give a new image its memory."""
+        needs = ffi.new("VkMemoryRequirements *")
+        lib.vkGetImageMemoryRequirements(self.device.handle, image, needs)
+        memory = self._allocate(needs, 0, _DEVICE_LOCAL)
+        check(lib.vkBindImageMemory(self.device.handle, image, memory, 0), "binding an image")
+
+    def _allocate(self, needs: Any, required: int, preferred: int) -> Any:
+        fitting = [
+            (number, flags) for number, flags in enumerate(self.device.memory_types)
+            if needs.memoryTypeBits >> number & 1 and flags & required == required
+        ]  # fmt: skip
+        number = max(fitting, key=lambda kind: bool(kind[1] & preferred))[0]
+        info = Structs()("MemoryAllocateInfo", allocationSize=needs.size, memoryTypeIndex=number)
+        made = ffi.new("VkDeviceMemory *")
+        what = f"allocating {needs.size} bytes"
+        check(lib.vkAllocateMemory(self.device.handle, info, NULL, made), what)
+        return self.own("Memory", made[0])
+
+
+_ONE_TIME = 1
+_ALL_STAGES = 0x10000
+_ALL_READS_AND_WRITES = 0x18000
+_HOST_STAGE, _HOST_READS = 0x4000, 0x2000
+_WHOLE = 0xFFFFFFFF
+GENERAL = 1
+"""The image layout that every image is in from its first use on."""
+
+
+class Commands:
+    """A command buffer that is being recorded.
+
+    Attributes:
+        handle: Vulkan's own.
+        structs: keeps what commands point to until they have run.
+    """
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+        self.structs = Structs()
+        made = ffi.new("VkCommandBuffer *")
+        info = self.structs(
+            "CommandBufferAllocateInfo", commandPool=device.pool, commandBufferCount=1
+        )
+        check(lib.vkAllocateCommandBuffers(device.handle, info, made), "recording commands")
+        self.handle = made[0]
+        begin = self.structs("CommandBufferBeginInfo", flags=_ONE_TIME)
+        check(lib.vkBeginCommandBuffer(self.handle, begin), "recording commands")
+
+    def barrier(self) -> None:
+        """All that was recorded so far is done, and seen, before what comes next; by the host,
+        too."""
+        memory = self.structs(
+            "MemoryBarrier", srcAccessMask=_ALL_READS_AND_WRITES,
+            dstAccessMask=_ALL_READS_AND_WRITES | _HOST_READS,
+        )  # fmt: skip
+        lib.vkCmdPipelineBarrier(
+            self.handle, _ALL_STAGES, _ALL_STAGES | _HOST_STAGE, 0, 1, memory, 0, NULL, 0, NULL
+        )
+
+    def make_usable(self, image: Any, aspect: int) -> None:
+        """Bring a new image into the layout in which it stays."""
+        change = self.structs(
+            "ImageMemoryBarrier", dstAccessMask=_ALL_READS_AND_WRITES, newLayout=GENERAL,
+            srcQueueFamilyIndex=_WHOLE, dstQueueFamilyIndex=_WHOLE, image=image,
+            subresourceRange=(aspect, 0, _WHOLE, 0, _WHOLE),
+        )  # fmt: skip
+        lib.vkCmdPipelineBarrier(
+            self.handle, _ALL_STAGES, _ALL_STAGES, 0, 0, NULL, 0, NULL, 1, change
+        )
+
+    def run(self) -> None:
+        """Have the device run all of it, and wait until it has.
+
+        Raises:
+            DeviceLostError, MemoryError, DriverError: it could not.
+        """
+        device = self.device
+        check(lib.vkEndCommandBuffer(self.handle), "recording commands")
+        work = self.structs("SubmitInfo", commandBufferCount=1, pCommandBuffers=[self.handle])
+        check(lib.vkQueueSubmit(device.queue, 1, work, NULL), "submitting commands")
+        check(lib.vkQueueWaitIdle(device.queue), "running commands")
+
+    def release(self) -> None:
+        """Free the command buffer."""
+        own = self.structs.array("VkCommandBuffer", [self.handle])
+        lib.vkFreeCommandBuffers(self.device.handle, self.device.pool, 1, own)
+
+
+@contextmanager
+def recording(device: Device) -> Iterator[Commands]:
+    """Commands that are run at the end, unless something was raised meanwhile."""
+    commands = Commands(device)
+    try:
+        yield commands
+        commands.run()
+    finally:
+        commands.release()

@@ -2,34 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
+from shaderlab.compiler.interface import Variable
+from shaderlab.compiler.module import parse
+from shaderlab.compiler.sources import Source
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Bindings
 from shaderlab.model.scene import Target
 from shaderlab.model.state import State
 
-from .. import Size
-from ..programs import blocks
-from ..programs.module_texts import HEIGHT, as_drawn
+from .. import Evaluation, Size
+from ..passes import COVERING, RedrawingSession
+from ..programs import blocks, storing
+from ..programs.module_texts import HEIGHT, as_drawn, sources_of
 from ..programs.prepare import PreparedDraw, Programs
-from ..redrawing import RedrawingSession
+from ..programs.varyings import Piece
+from ..programs.vertices import corners
 from . import state as fixed
-from .bound_textures import BoundTextures
-from .commands import Commands, recording
-from .descriptors import BoundImage, block_buffers, new_set, sampler_place
-from .device import Device
-from .linking import Linker
-from .memory import Buffer, Resources
-from .modules import for_vulkan
-from .program import Layout, Program
-from .ready import Ready
+from .api import Structs
+from .bindings import BoundTextures, Ready
+from .device import Buffer, Commands, Device, Resources, recording
+from .images import fill, new_image, new_view
+from .program import (
+    BoundImage,
+    Layout,
+    Linker,
+    Program,
+    block_buffers,
+    for_vulkan,
+    modules_of,
+    new_set,
+    sampler_place,
+)
 from .target import RenderTarget
-from .vertices import layout_of, upload
+from .vertices import VertexBuffers, VertexLayout, layout_of, upload
 
 
 class Drawing(RedrawingSession[RenderTarget, Linker]):
@@ -139,3 +152,114 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
                 continue
             images[name] = self._textures.bound(draw.interface.uniforms[name], source)
         return new_set(own, program.set_layout, program.bindings, buffers, images)
+
+
+_INPUT, _SHARED = "shaderlab_input", "shaderlab_shared"
+
+
+def evaluate(linker: Linker, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
+    """See `shaderlab.drivers.Backend.evaluate`."""
+    with Resources(linker.device) as own:
+        images = _textures(linker, own, evaluation)
+        if len(inputs):
+            images[_INPUT] = _input(own, evaluation, inputs)
+        first = 0
+        for source, words in evaluation.passes:
+            outputs[first : first + words] = _drawn(linker, evaluation, source, images)
+            first += words
+
+
+def _drawn(
+    linker: Linker, evaluation: Evaluation, source: Source, images: dict[str, BoundImage]
+) -> Array:
+    """What one pass writes: (words, height, width, lanes)."""
+    texts = {"vertex": COVERING, "fragment": for_vulkan(source.text)}
+    program = linker.link(texts, [source])
+    word = "r32ui" if evaluation.lanes == 1 else "rgba32ui"
+    colors = dict.fromkeys(program.outputs, word)
+    with (
+        Resources(linker.device) as own,
+        RenderTarget(linker.device, Target(), colors, evaluation.size) as to,
+    ):
+        used = {n: i for n, i in images.items() if sampler_place(n, program.bindings)}
+        values = dict(evaluation.uniforms)
+        members = [b.block.members for b in program.bindings.values() if b.block is not None]
+        count = next((m[_SHARED].array for m in members if _SHARED in m), None)
+        if count is not None:
+            values[_SHARED] = evaluation.shared[:count]
+        buffers = block_buffers(own, program.bindings, values)
+        bound = new_set(own, program.set_layout, program.bindings, buffers, used)
+        locations = program.locations(colors)
+        formats = tuple((at, word) for at in locations)
+        layout = Layout(VertexLayout(), formats, "", 1, State())
+        ready = Ready(program, layout, locations, State(), VertexBuffers((), None, 3), 1, bound)
+        with recording(linker.device) as commands:
+            to.begin(commands, locations)
+            ready.record(commands, evaluation.size)
+            to.end(commands)
+        return np.stack([to.read(locations[at]).values for at in sorted(locations)])
+
+
+def _input(own: Resources, evaluation: Evaluation, inputs: Array) -> BoundImage:
+    word = "r32ui" if evaluation.lanes == 1 else "rgba32ui"
+    image = new_image(
+        own, word, evaluation.size, "sampled", "transfer_dst", kind="2DArray", layers=len(inputs)
+    )
+    fill(own.device, image, [inputs])
+    sampler = own.create("Sampler", Structs()("SamplerCreateInfo"))
+    return BoundImage(new_view(own, image, sampled=True), sampler)
+
+
+def _textures(linker: Linker, own: Resources, evaluation: Evaluation) -> dict[str, BoundImage]:
+    textures = BoundTextures(Path(evaluation.folder), {}, {}, own, linker)
+    found = {}
+    for name, (kind, source) in evaluation.textures.items():
+        variable = Variable(name=name, type=kind)
+        textures.texels("the function", variable, source)  # raises where they don't fit
+        found[name] = textures.bound(variable, source)
+    return found
+
+
+_OUTPUT_VERTICES = 26  # SPIR-V's execution mode for max_vertices
+_FEATURE = "vertexPipelineStoresAndAtomics"
+
+
+def vertex_outputs(
+    drawing: Drawing,
+    draw: PreparedDraw,
+    texts: Mapping[str, str],
+    parts: Sequence[Piece],
+    bindings: Bindings,
+    count: int | None,
+) -> Mapping[Piece, Array]:
+    """As `PassSession.vertex_outputs`, by a storage buffer.
+
+    Raises:
+        UnsupportedError: the device's vertex stages can't write to buffers.
+    """
+    if _FEATURE not in drawing.device.features:
+        raise UnsupportedError(f"capturing vertices: this device has no {_FEATURE}")
+    mesh = draw.draw.mesh
+    assert mesh is not None
+    most, each = 1, mesh.vertices
+    if "geometry" in texts:
+        module = parse(modules_of(sources_of(draw.texts, draw.sources))["geometry"])
+        most = module.modes[_OUTPUT_VERTICES][0]
+        each = most * len(corners(mesh))
+    program = storing.storing(texts, parts, most)
+    words = storing.words_of(parts) * each * draw.draw.instances
+    own = {storing.PER_INSTANCE: np.array([each], np.int32)}
+    given = replace(bindings, uniforms={**bindings.uniforms, **own})
+    with (
+        Resources(drawing.device) as resources,
+        RenderTarget(drawing.device, Target(), {}, (1, 1)) as target,
+    ):
+        buffer = resources.buffer("storage_buffer", size=4 * words)
+        ready = drawing.ready(
+            resources, draw, given, target, texts=program, stored={storing.BLOCK: buffer}
+        )
+        with recording(drawing.device) as commands:
+            target.begin(commands, {})
+            ready.record(commands, target.size)
+            target.end(commands)
+        return storing.restored(parts, buffer.bytes[: 4 * words].copy().view(np.uint32))

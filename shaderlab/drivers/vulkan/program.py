@@ -1,26 +1,258 @@
-"""Programs on the device: modules, what they are bound to, and the pipelines made of them."""
+"""From a program's text to the SPIR-V modules that Vulkan runs.
+
+The text is the one that OpenGL gets, but for what Vulkan counts otherwise: pictures are kept with
+their lowest row first, so a point's coordinates run the other way than Vulkan has them, and window
+coordinates from the upper corner take the target's height; and a point has the size that its last
+stage writes, in Vulkan always.
+"""
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from shaderlab.compiler.interface import Variable
-from shaderlab.compiler.module import Storage, parse
-from shaderlab.compiler.variables import stage_variables
+import numpy as np
+
+from shaderlab.compiler.interface import Block, Variable
+from shaderlab.compiler.interstage import interface_name
+from shaderlab.compiler.module import Decoration, Module, Storage, parse
+from shaderlab.compiler.reflection import reflect
+from shaderlab.compiler.sources import Source
+from shaderlab.compiler.types import unwrap
+from shaderlab.compiler.variables import own_variables, stage_variables
+from shaderlab.errors import UnsupportedError
 from shaderlab.model.activity import doing
+from shaderlab.model.frame import Array
 from shaderlab.model.state import State
 
+from ..passes import ProgramCache
+from ..programs import blocks
+from ..programs.module_texts import compiled_to_modules, counted_as_declared, numbered, sources_of
 from . import state as fixed
 from .api import NULL, Structs, check, ffi, lib
-from .descriptors import bindings_of, new_set_layout
-from .device import Device
-from .formats import STENCIL_ASPECT, aspects, vulkan_format
-from .memory import Resources
-from .modules import check_capabilities
+from .device import GENERAL, Buffer, Device, Resources
+from .images import STENCIL_ASPECT, aspects, vulkan_format
 from .vertices import VertexLayout
+
+# Source: SPIR-V Specification 1.6 (Capability) and Vulkan 1.3 Specification, appendix Vulkan
+# Environment for SPIR-V: what each capability takes; those without a feature are always there.
+_CAPABILITIES = {
+    0: "", 1: "", 40: "", 43: "", 44: "", 46: "", 47: "", 49: "", 50: "", 51: "",
+    2: "geometryShader", 10: "shaderFloat64", 11: "shaderInt64",
+    22: "shaderInt16", 23: "shaderTessellationAndGeometryPointSize",
+    24: "shaderTessellationAndGeometryPointSize", 25: "shaderImageGatherExtended",
+    27: "shaderStorageImageMultisample", 28: "shaderUniformBufferArrayDynamicIndexing",
+    29: "shaderSampledImageArrayDynamicIndexing", 30: "shaderStorageBufferArrayDynamicIndexing",
+    31: "shaderStorageImageArrayDynamicIndexing", 32: "shaderClipDistance",
+    33: "shaderCullDistance", 34: "imageCubeArray", 35: "sampleRateShading",
+    45: "imageCubeArray", 55: "shaderStorageImageReadWithoutFormat",
+    56: "shaderStorageImageWriteWithoutFormat", 57: "multiViewport",
+}  # fmt: skip
+_POINT = re.compile(r"\bgl_PointCoord\b")
+
+
+def for_vulkan(text: str) -> str:
+    """A fragment shader's text as Vulkan is to get it; it may have a uniform HEIGHT more."""
+    text = _POINT.sub("vec2(gl_PointCoord.x, 1.0 - gl_PointCoord.y)", text)
+    return numbered(counted_as_declared(text))
+
+
+def modules_of(sources: Sequence[Source]) -> Mapping[str, bytes]:
+    """A program's modules by stage.
+
+    Raises:
+        ShaderError: it is no GLSL.
+        UnsupportedError: it is GLSL, but none that can be made into modules for Vulkan.
+    """
+    return compiled_to_modules(sources, "vulkan", "Vulkan").spirv["vulkan"]
+
+
+def check_capabilities(device: Device, modules: Mapping[str, bytes]) -> None:
+    """Raise UnsupportedError where a module takes a feature that the device or the lab lacks."""
+    for stage, data in modules.items():
+        if stage.startswith("tess_"):
+            raise UnsupportedError(f"the {stage} stage: the lab tessellates on OpenGL only")
+        for number in sorted(parse(data).capabilities):
+            feature = _CAPABILITIES.get(number)
+            if feature is None:
+                raise UnsupportedError(f"the {stage} stage takes SPIR-V capability {number}")
+            if feature and feature not in device.features:
+                raise UnsupportedError(f"the {stage} stage takes {feature}: this device has none")
+
+
+SAMPLED, UNIFORM, STORED = 1, 6, 7
+"""Kinds of descriptors: a texture with its sampler, a uniform buffer, a storage buffer."""
+DEFAULT_BLOCK = "gl_DefaultUniformBlock"
+"""The block that uniforms outside of blocks become members of."""
+_ALL_GRAPHICS = 0x1F
+_MEMBER = re.compile(r"(\w+)(\[\d+\])?\.(\w+)(\[\d+\])?")
+
+
+@dataclass(frozen=True)
+class Binding:
+    """A program's binding: its number, the kind and number of its descriptors, and the block that
+    a buffer is laid out by."""
+
+    number: int
+    kind: int
+    count: int = 1
+    block: Block | None = None
+
+
+@dataclass(frozen=True)
+class BoundImage:
+    """A texture for a binding: its view and its sampler."""
+
+    view: Any
+    sampler: Any
+
+
+def bindings_of(modules: Mapping[str, bytes]) -> dict[str, Binding]:
+    """All bindings of a program by the names of blocks and of samplers.
+
+    Raises:
+        UnsupportedError: a binding is in another set than the first, or is of another kind.
+    """
+    blocks = reflect(modules).blocks
+    found: dict[str, Binding] = {}
+    for data in modules.values():
+        module = parse(data)
+        for name, id_, storage in _bound(module):
+            if module.number(id_, Decoration.DESCRIPTOR_SET):
+                raise UnsupportedError(f"{name}: descriptor sets but the first")
+            lengths, _ = unwrap(module, module.variables[id_][0])
+            block = blocks.get(name)
+            kind = SAMPLED if storage == Storage.UNIFORM_CONSTANT else UNIFORM
+            if block is not None and block.kind == "storage":
+                kind = STORED
+            number = module.number(id_, Decoration.BINDING) or 0
+            found[name] = Binding(number, kind, lengths[0] if lengths else 1, block)
+    return found
+
+
+def _bound(module: Module) -> Iterator[tuple[str, int, int]]:
+    for storage in (Storage.UNIFORM_CONSTANT, Storage.UNIFORM, Storage.STORAGE_BUFFER):
+        for id_ in own_variables(module, storage):
+            yield interface_name(module, id_), id_, storage
+    for id_ in own_variables(module, Storage.PUSH_CONSTANT):
+        raise UnsupportedError(f"{interface_name(module, id_)}: push constants have no values here")
+
+
+def sampler_place(name: str, bindings: Mapping[str, Binding]) -> tuple[Binding, int] | None:
+    """The binding and the element of it that a sampler is, by its name in GLSL for OpenGL; None if
+    the modules leave it out. One out of a struct was lifted out of it."""
+    lifted = _MEMBER.fullmatch(name)
+    if lifted is not None:
+        owner, first, member, second = (part or "" for part in lifted.groups())
+        name = f"{owner}_{member}{first}{second}"
+    base, _, index = name.partition("[")
+    found = bindings.get(base)
+    return None if found is None else (found, int(index.rstrip("]") or 0))
+
+
+def new_set_layout(resources: Resources, bindings: Mapping[str, Binding]) -> Any:
+    """The layout of the set that has all of a program's bindings."""
+    structs = Structs()
+    each = [
+        structs(
+            "DescriptorSetLayoutBinding", binding=binding.number, descriptorType=binding.kind,
+            descriptorCount=binding.count, stageFlags=_ALL_GRAPHICS,
+        )
+        for binding in bindings.values()
+    ]  # fmt: skip
+    info = structs("DescriptorSetLayoutCreateInfo", bindingCount=len(each), pBindings=each)
+    return resources.create("DescriptorSetLayout", info)
+
+
+def new_set(
+    resources: Resources,
+    layout: Any,
+    bindings: Mapping[str, Binding],
+    buffers: Mapping[str, Any],
+    images: Mapping[str, BoundImage],
+) -> Any:
+    """A set with these buffers by the names of their blocks, and textures by their samplers' names
+    as in OpenGL; NULL if there is nothing to bind."""
+    if not bindings:
+        return NULL
+    structs = Structs()
+    sizes = [(binding.kind, binding.count) for binding in bindings.values()]
+    pool = resources.create("DescriptorPool", structs(
+        "DescriptorPoolCreateInfo", maxSets=1, poolSizeCount=len(sizes), pPoolSizes=sizes
+    ))  # fmt: skip
+    made = ffi.new("VkDescriptorSet *")
+    info = structs(
+        "DescriptorSetAllocateInfo", descriptorPool=pool, descriptorSetCount=1, pSetLayouts=[layout]
+    )
+    check(lib.vkAllocateDescriptorSets(resources.device.handle, info, made), "binding")
+    writes = []
+    for name, buffer in buffers.items():
+        whole = structs("DescriptorBufferInfo", buffer=buffer, range=0xFFFFFFFFFFFFFFFF)
+        own = bindings[name]
+        writes.append(structs(
+            "WriteDescriptorSet", dstSet=made[0], dstBinding=own.number, descriptorCount=1,
+            descriptorType=own.kind, pBufferInfo=[whole],
+        ))  # fmt: skip
+    for name, image in images.items():
+        place = sampler_place(name, bindings)
+        if place is None:
+            continue
+        shown = structs(
+            "DescriptorImageInfo", sampler=image.sampler, imageView=image.view, imageLayout=GENERAL
+        )
+        writes.append(structs(
+            "WriteDescriptorSet", dstSet=made[0], dstBinding=place[0].number, descriptorCount=1,
+            dstArrayElement=place[1], descriptorType=SAMPLED, pImageInfo=[shown],
+        ))  # fmt: skip
+    changed = structs.array("VkWriteDescriptorSet", writes)
+    lib.vkUpdateDescriptorSets(resources.device.handle, len(writes), changed, 0, NULL)
+    return made[0]
+
+
+_NONE: Mapping[str, Buffer] = {}
+
+
+def block_buffers(
+    own: Resources,
+    bindings: Mapping[str, Binding],
+    values: Mapping[str, Array],
+    stored: Mapping[str, Buffer] = _NONE,
+) -> dict[str, Any]:
+    """A buffer's handle for each block.
+
+    Args:
+        own: what the buffers are released with.
+        bindings: a program's.
+        values: uniforms and members of blocks by the names that OpenGL has for them.
+        stored: storage buffers by the names of their blocks.
+
+    Raises:
+        UnsupportedError: a storage block has no buffer.
+    """
+    found = {}
+    for name, binding in bindings.items():
+        if binding.kind == STORED:
+            if name not in stored:
+                raise UnsupportedError(f"{name}: storage buffers have no values here")
+            found[name] = stored[name].handle
+        elif binding.kind == UNIFORM:
+            assert binding.block is not None
+            data = _packed(binding.block, values)
+            found[name] = own.buffer("uniform_buffer", data).handle
+    return found
+
+
+def _packed(block: Block, values: Mapping[str, Array]) -> bytes:
+    """A block's bytes; what a struct got for the samplers that were lifted out of it is 0."""
+    given = dict(values)
+    for member in block.members.values():
+        if block.name == DEFAULT_BLOCK and member.name not in given:
+            given[member.name] = np.zeros(1, np.float32)
+    return blocks.packed(block, given)
+
 
 _STAGES = {"vertex": 1, "tess_control": 2, "tess_evaluation": 4, "geometry": 8, "fragment": 16}
 _VIEWPORT, _SCISSOR = 0, 1
@@ -132,3 +364,30 @@ class Program:
 
 def _variables(data: bytes, storage: int) -> dict[str, Variable]:
     return {variable.name: variable for variable in stage_variables(parse(data), storage)}
+
+
+class Linker(ProgramCache[Program]):
+    """Programs by their stages' text."""
+
+    device: Device
+
+    def link(self, texts: Mapping[str, str], known: Sequence[Source] = ()) -> Program:
+        """The program of these stages.
+
+        Args:
+            texts: by stage.
+            known: sources, some of whose texts these may be.
+
+        Raises:
+            ShaderError: it is no GLSL.
+            UnsupportedError: it can't be made into modules for Vulkan, or takes a feature that the
+                device lacks.
+        """
+
+        def linked() -> Program:
+            with doing("compile"):
+                modules = modules_of(sources_of(texts, known))
+            with doing("link"):
+                return Program(self.device, modules)
+
+        return self.get(tuple(sorted(texts.items())), linked)

@@ -10,9 +10,8 @@ from shaderlab.model.frame import AttributeReading, BlockReading, PassDraw, Timi
 
 from ..programs.blocks import uniform_blocks
 from .api import Structs, check, constant, ffi, lib
-from .commands import Commands, recording
+from .device import Commands, Resources, recording
 from .drawing import Drawing
-from .memory import Resources
 from .vertices import layout_of, readings
 
 # Source: Vulkan 1.3 Specification, chapter Queries.

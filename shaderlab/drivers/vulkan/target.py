@@ -11,14 +11,11 @@ from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.scene import Target
 
-from ..attachments import Attachments, of_several_samples
+from ..passes import Attachments, of_several_samples
 from ..programs.formats import COLOR
 from .api import lib
-from .commands import GENERAL, Commands, recording
-from .device import Device, samples_offered
-from .formats import STENCIL_ASPECT, aspects, stored_as
-from .images import DeviceImage, new_image, new_view, read
-from .memory import Resources
+from .device import GENERAL, Commands, Device, Resources, recording, samples_offered
+from .images import STENCIL_ASPECT, DeviceImage, aspects, new_image, new_view, read, stored_as
 
 _KEEP, _CLEAR = 0, 1
 _USES = ("sampled", "transfer_src", "transfer_dst")

@@ -14,8 +14,7 @@ from shaderlab.model.mesh import PRIMITIVES, Mesh
 
 from ..programs.formats import numpy_type
 from .api import Structs, constant, lib
-from .commands import Commands
-from .memory import Buffer, Resources
+from .device import Buffer, Commands, Resources
 
 _FORMATS = {"f": "SFLOAT", "i": "SINT", "u": "UINT"}
 _INDEX_32 = 1

@@ -11,11 +11,10 @@ from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.frame import PassDraw
 from shaderlab.model.records import Verdict
 
-from ..device_backend import DeviceBackend
+from ..device import DeviceBackend
 from ..programs.module_texts import as_drawn
-from . import feedback, queries
-from .calls import Objects
-from .device import Device
+from . import drawing, queries
+from .device import Device, Objects
 from .drawing import Drawing
 from .essl import translated
 from .linking import Linker, refusal
@@ -24,7 +23,7 @@ from .linking import Linker, refusal
 class WebGLSession(Drawing):
     """One scene in a browser."""
 
-    vertex_outputs = feedback.vertex_outputs
+    vertex_outputs = drawing.vertex_outputs
     attributes = queries.attributes
     blocks = queries.block_readings
     time = queries.timed

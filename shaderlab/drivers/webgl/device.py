@@ -1,15 +1,304 @@
-"""An open device of WebGL2: a browser, its context and what that offers."""
+"""Calls of WebGL2, collected and played in order.
+
+Source: Khronos, "WebGL 2.0 Specification".
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import asyncio
+import base64
+import functools
+import json
+import os
+import resource
+import shutil
+import subprocess
+import threading
+from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from importlib.resources import files
+from typing import Any, TypeVar
 
-from shaderlab.errors import DriverError, UnsupportedError
+import numpy as np
 
-from .browser import Browser
-from .calls import Calls, Object
+from shaderlab.errors import DeviceLostError, DriverError, UnsupportedError
+from shaderlab.model.frame import Array
+
 from .essl import cross_compiler
+
+_ARRAYS = {
+    np.dtype(np.uint8): "Uint8Array", np.dtype(np.float16): "Uint16Array",
+    np.dtype(np.uint16): "Uint16Array", np.dtype(np.int32): "Int32Array",
+    np.dtype(np.uint32): "Uint32Array", np.dtype(np.float32): "Float32Array",
+}  # fmt: skip
+_ALIGNMENT = 4
+
+
+@dataclass(frozen=True)
+class Object:
+    """One of WebGL's objects, by the number that the player knows it by."""
+
+    number: int
+
+
+class Calls:
+    """WebGL2's methods and constants by their names.
+
+    `gl.clear(gl.COLOR_BUFFER_BIT)` is played with the next question. Arguments are numbers, texts,
+    lists of them, objects, bytes and arrays.
+
+    Args:
+        browser: plays them.
+    """
+
+    def __init__(self, browser: Browser) -> None:
+        self._browser = browser
+        self._calls: list[tuple[str, int, list[Any]]] = []
+        self._data = bytearray()
+        self._last = 0
+        self._waiting: list[Callable[[Any], object]] = []
+        self.about: Mapping[str, Any] = self.ask("about")
+
+    def __getattr__(self, name: str) -> Any:
+        if name.isupper():
+            return self.about["constants"][name]
+        return functools.partial(self._add, name, 0)
+
+    def new(self, name: str, *given: Any) -> Object:
+        """The object that a method returns."""
+        made = self.number()
+        self._add(name, made.number, *given)
+        return made
+
+    def number(self) -> Object:
+        """A number for an object that a call makes."""
+        self._last += 1
+        return Object(self._last)
+
+    def ask(self, name: str, *given: Any) -> Any:
+        """What a method returns, all calls before it having been played."""
+        return self.ask_all([(name, *given)])[0]
+
+    def ask_all(self, questions: Sequence[tuple[Any, ...]]) -> list[Any]:
+        """What each of some methods, with its arguments, returns.
+
+        Raises:
+            DeviceLostError: the context is lost.
+            DriverError: one of the calls can't be made.
+        """
+        replies: list[Any] = []
+        for name, *given in questions:
+            self.ask_later(replies.append, name, *given)
+        text = json.dumps([self._calls, base64.b64encode(self._data).decode()])
+        waiting, self._waiting = self._waiting, []
+        self._calls, self._data = [], bytearray()
+        answer = json.loads(self._browser.play(text))
+        if answer["lost"]:
+            raise DeviceLostError("the context of WebGL2 was lost")
+        for then, reply in zip(waiting, answer["reply"], strict=True):
+            then(reply)
+        return replies
+
+    def ask_later(self, then: Callable[[Any], object], name: str, *given: Any) -> None:
+        """Have `then` called with what a method returns, once something is asked for. Each question
+        takes the way to the browser and back, and a pass may have hundreds of draws."""
+        self._add(name, -1, *given)
+        self._waiting.append(then)
+
+    def start_afresh(self) -> None:
+        """Ignore what is yet to be answered, and errors until here: an exception ended a scene."""
+        self._waiting = [_ignore] * len(self._waiting)
+        self.ask_later(_ignore, "errors")
+
+    def _add(self, name: str, where: int, *given: Any) -> None:
+        self._calls.append((name, where, [self._argument(each) for each in given]))
+
+    def _argument(self, given: Any) -> Any:
+        if isinstance(given, Object):
+            return {"object": given.number}
+        if isinstance(given, bytes):
+            given = np.frombuffer(given, np.uint8)
+        if not isinstance(given, np.ndarray):
+            return given
+        at = len(self._data)
+        self._data += np.ascontiguousarray(given).tobytes()
+        self._data += bytes(-len(self._data) % _ALIGNMENT)
+        return {"array": _ARRAYS[given.dtype], "at": at, "count": given.size}
+
+
+def _ignore(_: object) -> None: ...
+
+
+def decoded(data: str, kind: Any) -> Array:
+    """The numbers of a type that a method of the player returned."""
+    return np.frombuffer(base64.b64decode(data), kind).copy()
+
+
+class Objects:
+    """Makes objects, and releases them together. As a context manager it does so in the end."""
+
+    def __init__(self, gl: Calls) -> None:
+        self.gl = gl
+        self._made: list[tuple[str, Object]] = []
+
+    def new(self, kind: str, *given: Any) -> Object:
+        """A new object of a kind such as "Texture"."""
+        made = self.gl.new(f"create{kind}", *given)
+        self._made.append((kind, made))
+        return made
+
+    def release(self) -> None:
+        """Release them all."""
+        while self._made:
+            kind, made = self._made.pop()
+            self.gl.release(kind, made.number)
+
+    def __enter__(self) -> Objects:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
+
+try:
+    from playwright.async_api import Error, async_playwright
+except ImportError as error:
+    raise DriverError(
+        f"no package that drives a browser ({error})", remedy="pip install 'shaderlab[webgl]'"
+    ) from error
+
+PATIENCE = 60.0
+"""Seconds that the browser has for an answer."""
+_NAMES = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")
+_FLAGS = (
+    "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
+    "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync",
+)  # fmt: skip
+_INSTALL = (
+    "SHADERLAB_CHROMIUM=… · Debian: apt-get install chromium · Fedora: dnf install chromium · "
+    "Arch: pacman -S chromium"
+)
+Result = TypeVar("Result")
+
+
+class Browser:
+    """A running browser.
+
+    Raises:
+        DriverError: there is none, or it has no WebGL2.
+    """
+
+    def __init__(self) -> None:
+        self._path = _chromium()
+        # In a thread of its own: the caller may run an event loop itself, as a notebook does.
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
+        try:
+            with _memory_unlimited():
+                self._wait(self._start())
+        except BaseException:
+            self.close()
+            raise
+
+    _playwright: Any = None
+    _browser: Any = None
+    _guard: subprocess.Popen[bytes] | None = None
+
+    def play(self, text: str) -> str:
+        """What the player answers.
+
+        Raises:
+            DeviceLostError: the browser is gone, or gives no answer in time.
+            DriverError: a call can't be made.
+        """
+        return str(self._wait(self._page.evaluate("text => player.play(text)", text)))
+
+    def close(self) -> None:
+        """End the browser, whatever state it is in."""
+        with suppress(Exception):
+            if self._browser is not None:
+                self._run(self._browser.close(), 5.0)
+        with suppress(Exception):
+            if self._playwright is not None:
+                self._run(self._playwright.stop(), 5.0)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()
+        if self._guard is not None:
+            assert self._guard.stdin is not None
+            self._guard.stdin.close()
+            self._guard.wait()
+
+    async def _start(self) -> None:
+        self._playwright = await async_playwright().start()
+        self._browser = await self._playwright.chromium.launch(
+            executable_path=self._path, args=_FLAGS
+        )
+        session = await self._browser.new_browser_cdp_session()
+        running = (await session.send("SystemInfo.getProcessInfo"))["processInfo"]
+        self._guard = _guard(next(one["id"] for one in running if one["type"] == "browser"))
+        self._page = await self._browser.new_page()
+        player = files(__package__).joinpath("player.js").read_text(encoding="utf-8")
+        await self._page.evaluate(player)
+        if not await self._page.evaluate("player !== null && 'fromBase64' in Uint8Array"):
+            raise DriverError(
+                f"{self._path} has no WebGL2, or is older than version 140", remedy=_INSTALL
+            )
+
+    def _run(self, work: Coroutine[Any, Any, Result], seconds: float) -> Result:
+        return asyncio.run_coroutine_threadsafe(
+            asyncio.wait_for(work, seconds), self._loop
+        ).result()
+
+    def _wait(self, work: Coroutine[Any, Any, Result]) -> Result:
+        try:
+            return self._run(work, PATIENCE)
+        except TimeoutError:
+            raise DeviceLostError(f"the browser gave no answer in {PATIENCE:g} s") from None
+        except Error as error:
+            if self._browser is not None and self._browser.is_connected():
+                if "crashed" not in error.message and "closed" not in error.message:
+                    raise DriverError(
+                        f"the browser: {error.message.partition(chr(10))[0]}"
+                    ) from error
+            elif self._browser is None:
+                raise DriverError(
+                    f"{self._path} does not start: {error.message.partition(chr(10))[0]}"
+                ) from error
+            raise DeviceLostError("the browser is gone") from error
+
+
+def _guard(browser: int) -> subprocess.Popen[bytes]:
+    """A process that kills a browser and its processes, which are a group of their own, when this
+    one lets go of it or is gone. A shader that does not end would outlive both."""
+    command = ("sh", "-c", 'read -r _; kill -9 "-$0" 2>/dev/null', str(browser))
+    return subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
+
+
+def _chromium() -> str:
+    """The browser's command. Raises DriverError if there is none."""
+    found = os.environ.get("SHADERLAB_CHROMIUM") or next(
+        filter(None, map(shutil.which, _NAMES)), None
+    )
+    if found is None:
+        raise DriverError("no Chromium, whose WebGL2 this is", remedy=_INSTALL)
+    return found
+
+
+@contextmanager
+def _memory_unlimited() -> Iterator[None]:
+    """Processes that are started meanwhile may reserve what they like, which is more than all
+    memory; a worker's own limit is a soft one."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
 
 _NEEDED = "EXT_color_buffer_float"
 

@@ -1,30 +1,109 @@
-"""Drawing a scene's passes, and reading back what they drew."""
+"""Meshes on the device: their buffers, and the vertex arrays that read them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 
 import numpy as np
 
-from shaderlab.errors import UnsupportedError
+from shaderlab.compiler.interface import Variable
+from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.case import Scene
-from shaderlab.model.frame import Bindings, PassDraw
+from shaderlab.model.frame import Array, AttributeReading, Bindings, PassDraw
+from shaderlab.model.mesh import Mesh
 from shaderlab.model.scene import Target
 from shaderlab.model.state import State
 
 from .. import Size
-from ..programs import blocks
+from ..passes import RedrawingSession
+from ..programs import blocks, stages
+from ..programs.formats import components_of, numpy_type
 from ..programs.module_texts import HEIGHT, as_drawn
 from ..programs.prepare import PreparedDraw, Programs
-from ..redrawing import RedrawingSession
+from ..programs.varyings import Piece
 from . import state as fixed
-from .bound_textures import BoundTextures
-from .calls import Objects
-from .device import Device
+from .device import Calls, Device, Object, Objects, decoded
 from .linking import Linker, Program
-from .target import RenderTarget
-from .vertices import VertexArray, vertex_array
+from .target import BoundTextures, RenderTarget
+
+_KINDS = {"f": "FLOAT", "i": "INT", "u": "UNSIGNED_INT"}
+
+
+@dataclass(frozen=True)
+class VertexArray:
+    """A vertex array and what a draw takes of it: `count` vertices of a primitive."""
+
+    handle: Object
+    primitive: str
+    count: int
+    indexed: bool
+    locations: Mapping[str, tuple[int, int]]
+
+    def draw(self, gl: Calls, instances: int) -> None:
+        """Issue the draw call."""
+        gl.bindVertexArray(self.handle)
+        mode = getattr(gl, self.primitive.upper())
+        if self.indexed:
+            gl.drawElementsInstanced(mode, self.count, gl.UNSIGNED_INT, 0, instances)
+        else:
+            gl.drawArraysInstanced(mode, 0, self.count, instances)
+
+    def readings(self, gl: Calls) -> dict[str, AttributeReading]:
+        """What WebGL2 itself says of each attribute's place."""
+        gl.bindVertexArray(self.handle)
+        found = {}
+        for name, (at, buffer) in self.locations.items():
+            offset, stride, divisor = gl.ask_all([
+                ("getVertexAttribOffset", at, gl.VERTEX_ATTRIB_ARRAY_POINTER),
+                ("getVertexAttrib", at, gl.VERTEX_ATTRIB_ARRAY_STRIDE),
+                ("getVertexAttrib", at, gl.VERTEX_ATTRIB_ARRAY_DIVISOR),
+            ])  # fmt: skip
+            found[name] = AttributeReading(
+                buffer=buffer, offset=offset, stride=stride, divisor=divisor
+            )
+        return found
+
+
+def vertex_array(own: Objects, mesh: Mesh | None, declared: Mapping[str, Variable]) -> VertexArray:
+    """A vertex array of a mesh for a vertex stage that declares these inputs, or one of three
+    vertices without attributes."""
+    gl, made = own.gl, own.new("VertexArray")
+    gl.bindVertexArray(made)
+    if mesh is None:
+        return VertexArray(made, "triangles", 3, False, {})
+    if mesh.indices is not None:
+        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, own.new("Buffer"))
+        gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.indices.astype("u4"), gl.STATIC_DRAW)
+    buffers = []
+    for parts in mesh.parts():
+        buffers.append(own.new("Buffer"))
+        gl.bindBuffer(gl.ARRAY_BUFFER, buffers[-1])
+        gl.bufferData(gl.ARRAY_BUFFER, b"".join(piece for _, piece in parts), gl.STATIC_DRAW)
+    locations = {}
+    for name, place in mesh.placements().items():
+        variable = declared.get(name)
+        if variable is None or variable.location is None:
+            continue
+        gl.bindBuffer(gl.ARRAY_BUFFER, buffers[place.buffer])
+        array, integer = mesh.inputs[name], numpy_type(variable.type)().dtype.kind in "iu"
+        columns = array.shape[2] if array.ndim == 3 else 1
+        letter = "u" if variable.type[0] == "u" else array.dtype.kind
+        kind = getattr(gl, _KINDS[letter])
+        size = array.shape[1]
+        for column in range(columns):
+            at = variable.location + column
+            offset = place.offset + column * size * array.itemsize
+            gl.enableVertexAttribArray(at)
+            if integer:
+                gl.vertexAttribIPointer(at, size, kind, place.stride, offset)
+            else:
+                gl.vertexAttribPointer(at, size, kind, False, place.stride, offset)
+            gl.vertexAttribDivisor(at, place.divisor)
+        locations[name] = (variable.location, place.buffer)
+    count = mesh.vertices if mesh.indices is None else len(mesh.indices)
+    return VertexArray(made, mesh.primitive, count, mesh.indices is not None, locations)
 
 
 class Drawing(RedrawingSession[RenderTarget, Linker]):
@@ -144,3 +223,64 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
             )
             gl.uniformBlockBinding(program.handle, program.blocks[name], point)
             gl.bindBufferBase(gl.UNIFORM_BUFFER, point, buffer)
+
+
+_AT_ONCE = 8  # vectors; every device captures 16, and some of those are the author's own
+_CHANNELS = 4
+_FRAGMENT = "#version 330 core\nvoid main() {}\n"
+
+
+def vertex_outputs(
+    drawing: Drawing,
+    draw: PreparedDraw,
+    texts: Mapping[str, str],
+    parts: Sequence[Piece],
+    bindings: Bindings,
+    count: int | None,
+) -> Mapping[Piece, Array]:
+    """As `PassSession.vertex_outputs`, by transform feedback."""
+    assert count is not None, "without a geometry stage it is known"
+    found: dict[Piece, Array] = {}
+    for start in range(0, len(parts), _AT_ONCE):
+        group = parts[start : start + _AT_ONCE]
+        text, names = stages.capture_vertex(texts["vertex"], group)
+        program = drawing.linker.link(
+            {**texts, "vertex": text, "fragment": _FRAGMENT}, feedback=tuple(names.values())
+        )
+        raw = _fed(drawing, draw, program, bindings, 4 * _CHANNELS * len(group) * count)
+        rows = raw.reshape(count, len(group), _CHANNELS)
+        for number, piece in enumerate(group):
+            part = np.ascontiguousarray(rows[:, number, : components_of(piece.type)])
+            found[piece] = part.view(numpy_type(piece.type))
+    return found
+
+
+def _fed(
+    drawing: Drawing, draw: PreparedDraw, program: Program, bindings: Bindings, size: int
+) -> Array:
+    """The floats, of so many bytes, that a draw's vertices leave in a buffer.
+
+    Raises:
+        DriverError: a call that this takes raises an error.
+    """
+    gl = drawing.device.gl
+    with Objects(gl) as own:
+        buffer = own.new("Buffer")
+
+        def feed(vertices: VertexArray) -> None:
+            gl.bindFramebuffer(gl.FRAMEBUFFER, None)
+            gl.bindBuffer(gl.TRANSFORM_FEEDBACK_BUFFER, buffer)
+            gl.bufferData(gl.TRANSFORM_FEEDBACK_BUFFER, bytes(size), gl.STREAM_READ)
+            gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, buffer)
+            gl.enable(gl.RASTERIZER_DISCARD)
+            gl.beginTransformFeedback(gl.POINTS)
+            vertices.draw(gl, draw.draw.instances)
+            gl.endTransformFeedback()
+            gl.disable(gl.RASTERIZER_DISCARD)
+
+        drawing.use(program, draw, bindings, {}, feed)
+        data, errors = gl.ask_all([("contents", gl.TRANSFORM_FEEDBACK_BUFFER, size), ("errors",)])
+        gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, None)
+    if errors:
+        raise DriverError(f"capturing vertices: WebGL2 raised {', '.join(map(hex, errors))}")
+    return decoded(data, np.float32)

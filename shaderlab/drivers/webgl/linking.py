@@ -14,10 +14,9 @@ from shaderlab.errors import UnsupportedError
 from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array
 
-from ..program_cache import ProgramCache
+from ..passes import ProgramCache
 from ..programs.blocks import uniform_blocks
-from .calls import Calls, Object, Objects
-from .device import Device
+from .device import Calls, Device, Object, Objects
 from .essl import Translated, translated
 
 NO_BLOCK = 0xFFFFFFFF

@@ -10,9 +10,8 @@ from shaderlab.model.frame import AttributeReading, BlockReading, PassDraw, Timi
 
 from ..programs.blocks import uniform_blocks
 from ..programs.module_texts import as_drawn
-from .calls import Objects
-from .drawing import Drawing
-from .vertices import vertex_array
+from .device import Objects
+from .drawing import Drawing, vertex_array
 
 
 def attributes(drawing: Drawing, key: PassDraw) -> Mapping[str, AttributeReading]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.state import Blend, Depth, State, Stencil
 
-from .calls import Calls
+from .device import Calls
 
 _NO_DEPTH, _NO_STENCIL, _NO_BLEND = Depth(), Stencil(), Blend()
 

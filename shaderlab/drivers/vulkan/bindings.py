@@ -1,8 +1,8 @@
-"""The textures of one scene on the device: uploaded once, attachments of earlier passes among
-them; what they hold as exact values, and their views and samplers."""
+"""A draw that is ready: its program, its pipeline and all that it reads are on the device."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +11,8 @@ import numpy as np
 from shaderlab.compiler.interface import Variable
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, Image
-from shaderlab.model.state import COMPARISONS
+from shaderlab.model.scene import Target
+from shaderlab.model.state import COMPARISONS, State
 from shaderlab.model.textures import (
     WRAPS,
     CompressedTexture,
@@ -21,20 +22,63 @@ from shaderlab.model.textures import (
     level_sizes,
 )
 
-from ..attachments import UNREADABLE
+from .. import Size
+from ..passes import COVERING, UNREADABLE
 from ..programs.compressed import blocks_of
 from ..programs.formats import DEPTH, format_of
 from ..programs.textures import contents, find_image, kind_of
 from ..scene_textures import DeviceTexels, SceneTextures
-from .api import Structs
-from .descriptors import BoundImage
-from .device import Device
-from .fetching import fetched
-from .formats import stored_as
-from .images import DeviceImage, copy_level, fill, generate_levels, new_image, new_view, read, write
-from .linking import Linker
-from .memory import Resources
+from . import state as fixed
+from .api import NULL, Structs, lib
+from .device import Commands, Device, Resources, recording
+from .images import (
+    DeviceImage,
+    copy_level,
+    fill,
+    generate_levels,
+    new_image,
+    new_view,
+    read,
+    stored_as,
+    write,
+)
+from .program import DEFAULT_BLOCK, BoundImage, Layout, Linker, Program, new_set
 from .target import RenderTarget
+from .vertices import VertexBuffers, VertexLayout
+
+_GRAPHICS = 0
+
+
+@dataclass(frozen=True)
+class Ready:
+    """A draw whose program, pipeline and data are on the device."""
+
+    program: Program
+    layout: Layout
+    locations: Mapping[int, str]
+    state: State
+    vertices: VertexBuffers
+    instances: int
+    descriptors: Any
+
+    def record(self, commands: Commands, size: Size) -> None:
+        """Record the draw, between a target's `begin` and its `end`."""
+        structs, handle = commands.structs, commands.handle
+        box, scissor = fixed.viewport(self.state, size)
+        near, far = self.state.depth_range
+        lib.vkCmdBindPipeline(handle, _GRAPHICS, self.program.pipeline(self.layout))
+        lib.vkCmdSetViewport(handle, 0, 1, structs(
+            "Viewport", x=box[0], y=box[1], width=box[2], height=box[3], minDepth=near, maxDepth=far
+        ))  # fmt: skip
+        lib.vkCmdSetScissor(handle, 0, 1, structs(
+            "Rect2D", offset=scissor[:2], extent=scissor[2:]
+        ))  # fmt: skip
+        if self.descriptors != NULL:
+            own = structs.array("VkDescriptorSet", [self.descriptors])
+            lib.vkCmdBindDescriptorSets(handle, _GRAPHICS, self.program.layout, 0, 1, own, 0, NULL)
+        if min(box[2:]) > 0:
+            self.vertices.draw(commands, self.layout.vertices, self.instances)
+
 
 _USES = ("sampled", "transfer_src", "transfer_dst")
 
@@ -222,3 +266,46 @@ def _custom_border(device: Device, structs: Structs, sampling: Sampling) -> Any:
     return structs(
         "SamplerCustomBorderColorCreateInfoEXT", customBorderColor={"float32": sampling.border}
     )
+
+
+_FETCH = """#version 330 core
+uniform sampler{kind} texels;
+uniform int number;
+out vec4 color;
+void main() {{ color = texelFetch(texels, ivec2(gl_FragCoord.xy), number); }}
+"""
+
+
+def fetched(
+    linker: Linker, view: Any, kind: str, number: int, size: tuple[int, int], word: str
+) -> Array:
+    """One sample ("2DMS"), or one level ("2D"), of a float or normalised texture.
+
+    Args:
+        linker: makes the program.
+        view: of the texture.
+        kind: as in `Texels.kind`.
+        number: of the sample or of the level.
+        size: (width, height) in texels.
+        word: the format to read them in.
+
+    Returns:
+        (height, width, channels)
+    """
+    texts = {"vertex": COVERING, "fragment": _FETCH.format(kind=kind)}
+    program = linker.link(texts)
+    colors = {"color": word}
+    with Resources(linker.device) as own, RenderTarget(linker.device, Target(), colors, size) as to:
+        sampler = own.create("Sampler", Structs()("SamplerCreateInfo", maxLod=1000.0))
+        buffer = own.buffer("uniform_buffer", number.to_bytes(16, "little"))
+        bound = new_set(
+            own, program.set_layout, program.bindings, {DEFAULT_BLOCK: buffer.handle},
+            {"texels": BoundImage(view, sampler)},
+        )  # fmt: skip
+        layout = Layout(VertexLayout(), ((0, word),), "", 1, State())
+        ready = Ready(program, layout, {0: "color"}, State(), VertexBuffers((), None, 3), 1, bound)
+        with recording(linker.device) as commands:
+            to.begin(commands, ready.locations)
+            ready.record(commands, size)
+            to.end(commands)
+        return to.read("color").values

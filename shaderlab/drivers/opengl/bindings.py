@@ -1,0 +1,334 @@
+"""The textures of one scene on the device: uploaded once, attachments of earlier passes among
+them; what they hold as exact values, and their binding to a program's samplers."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.compiler.interface import Block, Variable
+from shaderlab.errors import DriverError
+from shaderlab.model.frame import Array, BlockReading, Image, Texels
+from shaderlab.model.scene import UniformBuffer
+from shaderlab.model.textures import (
+    CompressedTexture,
+    CubeTexture,
+    Output,
+    Sampling,
+    Texture,
+    TextureSource,
+    level_sizes,
+)
+
+from ..programs import blocks
+from ..programs.compressed import blocks_of
+from ..programs.formats import DEPTH
+from ..programs.images import output_of
+from ..programs.prepare import PreparedDraw
+from ..programs.textures import Contents, contents, find_image, kind_of, layers_of
+from ..scene_textures import DeviceTexels, SceneTextures
+from .device import GL, Device, named
+from .linking import has_names, uniform_location
+from .target import RenderTarget
+from .textures import (
+    DeviceTexture,
+    generate_levels,
+    read_level,
+    transfer,
+    upload,
+    upload_compressed,
+)
+
+if TYPE_CHECKING:
+    from .device import Device
+
+
+@dataclass(eq=False)
+class BoundTextures(SceneTextures[RenderTarget]):
+    """What a scene's samplers read. Arguments as of `SceneTextures`, and besides:
+
+    Args:
+        device: where they are.
+        stack: releases device memory at the end.
+    """
+
+    _device: Device
+    _stack: ExitStack
+    _levels: dict[tuple[str, str], tuple[Array, ...]] = field(default_factory=dict, init=False)
+    _samples: dict[tuple[str, str], Array] = field(default_factory=dict, init=False)
+    _again: dict[tuple[str, str], DeviceTexture] = field(default_factory=dict, init=False)
+    # A sampler keeps filters and wraps apart from the images: one attachment can have several.
+    _samplers: dict[tuple[Any, ...], int] = field(default_factory=dict, init=False)
+
+    def bind(self, program: Any, unit: int, variable: Variable, source: TextureSource) -> bool:
+        """Bind a texture to a unit, and the sampler to that; False if the program lacks it."""
+        location = uniform_location(program, variable.name)
+        if location < 0:
+            return False
+        GL.glActiveTexture(GL.GL_TEXTURE0 + unit)  # one that is made now takes no other's unit
+        texture = self.find(source, self.kind(source, variable)).handle
+        GL.glBindTexture(texture.target, texture.glo)
+        GL.glBindSampler(unit, self._sampler(source))
+        GL.glActiveTexture(GL.GL_TEXTURE0)
+        GL.glUseProgram(program.glo)
+        GL.glUniform1i(location, unit)
+        if isinstance(source, CubeTexture):
+            (GL.glEnable if source.seamless else GL.glDisable)(GL.GL_TEXTURE_CUBE_MAP_SEAMLESS)
+        return True
+
+    def attachment(self, source: Output, kind: str) -> DeviceTexels:
+        image = find_image(source, self.images)
+        target, key = self.targets[source.pass_name], (source.pass_name, source.name)
+        if target.released:
+            if key not in self._again:
+                self._again[key] = upload(self._device, "2D", image.format, layers_of(image))
+                self._stack.callback(self._again[key].release)
+            return DeviceTexels(source, self._again[key], image.format, image.values)
+        texture = target.texture(source.name, sampled=kind == "2DMS")
+        if kind == "2DMS":
+            if key not in self._samples:
+                self._samples[key] = target.read_samples(source.name)
+            return DeviceTexels(source, texture, image.format, self._samples[key])
+        if source.mipmaps and key not in self._levels:
+            generate_levels(texture)
+            self._levels[key] = _read_smaller(texture, image.format, image.values)
+        levels = self._levels[key] if source.mipmaps else ()
+        return DeviceTexels(source, texture, image.format, image.values, levels)
+
+    def upload(self, source: TextureSource) -> DeviceTexels:
+        if isinstance(source, CompressedTexture):
+            texture, levels = upload_compressed(self._device, blocks_of(source, self.folder))
+            self._stack.callback(texture.release)
+            return DeviceTexels(source, texture, "rgba8", levels[0], tuple(levels[1:]))
+        if isinstance(source, Output):
+            image = find_image(source, self.images)
+            kind, format = kind_of(source, "", 0, image.layers), image.format
+            images = layers_of(image)
+        else:
+            kind, format = kind_of(source, "", 0), source.format
+            images = contents(source, self.folder, self.images)
+        mapped = isinstance(source, Texture) and source.upload == "map"
+        texture = upload(self._device, kind, format, images, mapped=mapped)
+        self._stack.callback(texture.release)
+        values, smaller = images.layers[0], tuple(images.smaller)
+        if kind != "2D" or format in DEPTH:
+            # A depth is rounded to its format's codes on the way.
+            size = (values.shape[1], values.shape[0], len(images.layers))
+            values = read_level(texture, format, 0, size)
+        if source.mipmaps is True:
+            generate_levels(texture)
+        if source.mipmaps is True or (smaller and format in DEPTH):
+            smaller = _read_smaller(texture, format, values)
+        return DeviceTexels(source, texture, format, values, smaller)
+
+    def _sampler(self, sampling: Sampling) -> int:
+        """The sampler object of these filters and wraps, made once."""
+        key = (sampling.filter, sampling.wrap, sampling.border, sampling.compare, sampling.lod)
+        if key not in self._samplers:
+            self._samplers[key] = made = _new_sampler(sampling)
+            self._stack.callback(GL.glDeleteSamplers, 1, [made])
+        return self._samplers[key]
+
+
+def _read_smaller(texture: DeviceTexture, format: str, values: Array) -> tuple[Array, ...]:
+    """The levels below the first, as the device has them."""
+    count = values.shape[0] if values.ndim == 4 else 1
+    height, width = values.shape[-3:-1]
+    sizes = level_sizes(width, height)[1:]
+    return tuple(
+        read_level(texture, format, level, (*size, count))
+        for level, size in enumerate(sizes, start=1)
+    )
+
+
+def _new_sampler(sampling: Sampling) -> int:
+    """A sampler object. Source: OpenGL 4.5 core profile, table 8.15."""
+    name = int(GL.glGenSamplers(1))
+    compare = GL.GL_NONE if sampling.compare is None else GL.GL_COMPARE_REF_TO_TEXTURE
+    along_r = [(GL.GL_TEXTURE_WRAP_R, named(word)) for word in sampling.wrap[2:]]
+    for what, number in (
+        (GL.GL_TEXTURE_MIN_FILTER, named(sampling.filter[0])),
+        (GL.GL_TEXTURE_MAG_FILTER, named(sampling.filter[1])),
+        (GL.GL_TEXTURE_WRAP_S, named(sampling.wrap[0])),
+        (GL.GL_TEXTURE_WRAP_T, named(sampling.wrap[1])),
+        *along_r,
+        (GL.GL_TEXTURE_COMPARE_MODE, compare),
+        (GL.GL_TEXTURE_COMPARE_FUNC, named(sampling.compare or "lequal")),
+    ):
+        GL.glSamplerParameteri(name, what, number)
+    GL.glSamplerParameterf(name, GL.GL_TEXTURE_MIN_LOD, sampling.lod[0])
+    GL.glSamplerParameterf(name, GL.GL_TEXTURE_MAX_LOD, sampling.lod[1])
+    border = np.array(sampling.border, np.float32)
+    GL.glSamplerParameterfv(name, GL.GL_TEXTURE_BORDER_COLOR, border)
+    return name
+
+
+def bound_images(
+    device: Device, program: Any, images: Mapping[str, Texels], stack: ExitStack
+) -> dict[str, DeviceTexture]:
+    """Textures of what the images hold, each bound to a unit of its own; those without any effect
+    are left out.
+
+    Args:
+        device: where they are.
+        program: the linked program.
+        images: what they hold.
+        stack: releases them.
+
+    Raises:
+        UnsupportedError: one is too large for the driver.
+    """
+    found: dict[str, DeviceTexture] = {}
+    for name, image in images.items():
+        location = uniform_location(program, name)
+        if location < 0:
+            continue
+        layers = [image.values] if image.kind == "2D" else list(image.values)
+        texture = upload(device, image.kind, image.format, Contents(layers))
+        stack.callback(texture.release)
+        # A texture whose levels end above what its filter reads counts as incomplete.
+        GL.glBindTexture(texture.target, texture.glo)
+        GL.glTexParameteri(texture.target, GL.GL_TEXTURE_MAX_LEVEL, 0)
+        GL.glBindTexture(texture.target, 0)
+        unit, internal = len(found), transfer(image.format).internal
+        GL.glBindImageTexture(unit, texture.glo, 0, True, 0, GL.GL_READ_WRITE, internal)
+        GL.glUseProgram(program.glo)
+        GL.glUniform1i(location, unit)
+        found[name] = texture
+    return found
+
+
+def read_images(
+    textures: Mapping[str, DeviceTexture], before: Mapping[str, Texels]
+) -> dict[str, Image]:
+    """What the images hold now, as outputs; of one without any effect what it held before."""
+    left = {}
+    for name, image in before.items():
+        if name in textures:
+            height, width = image.values.shape[-3:-1]
+            count = 1 if image.kind == "2D" else len(image.values)
+            values = read_level(textures[name], image.format, 0, (width, height, count))
+            image = replace(image, values=values)
+        left[name] = output_of(image)
+    return left
+
+
+_NONE = 0xFFFFFFFF  # GL_INVALID_INDEX
+
+
+class UniformBuffers:
+    """Makes each buffer when it is first bound.
+
+    Args:
+        device: where to make them.
+        stack: releases them in the end.
+    """
+
+    def __init__(self, device: Device, stack: ExitStack) -> None:
+        self._device = device
+        self._stack = stack
+        self._active: dict[int, tuple[Any, dict[str, bool]]] = {}
+        self._shared = blocks.SharedLayouts()
+        self._made: dict[tuple[int, bytes], Any] = {}
+
+    def bind(
+        self, program: Any, draw: PreparedDraw, uniforms: Mapping[str, Array]
+    ) -> Iterator[str]:
+        """Bind a buffer to each uniform block of a program; yields the blocks without any effect.
+
+        Raises:
+            CaseError: two programs that share a buffer lay it out differently.
+            DriverError: the driver lays a block out differently.
+        """
+        for point, (name, block) in enumerate(blocks.uniform_blocks(draw.interface).items()):
+            # The program is kept, so that no other one gets its identity.
+            known = self._active.setdefault(id(program), (program, {}))[1]
+            if name not in known:
+                known[name] = check_against_driver(program, block)
+            if not known[name]:
+                yield name
+                continue
+            GL.glUniformBlockBinding(program.glo, _index(program, block), point)
+            buffer = self._buffer(draw.draw.blocks[name], block, blocks.packed(block, uniforms))
+            buffer.bind_to_uniform_block(point)
+
+    def _buffer(self, source: UniformBuffer, block: Block, data: bytes) -> Any:
+        """The one buffer of a UniformBuffer; a probe with other values gets one of its own."""
+        self._shared.check(source, block)
+        key = (id(source), data)
+        if key not in self._made:
+            self._made[key] = self._device.context.buffer(data)
+            self._stack.callback(self._made[key].release)
+        return self._made[key]
+
+
+def read_block(program: Any, block: Block) -> BlockReading:
+    """Where the driver has a block's members, and where the lab has them."""
+    size = np.zeros(1, np.int32)
+    offsets: dict[str, int | None] = {}
+    index = _index(program, block)
+    if index != _NONE:
+        GL.glGetActiveUniformBlockiv(program.glo, index, GL.GL_UNIFORM_BLOCK_DATA_SIZE, size)
+        if not has_names(program):  # the module itself says where members lie
+            offsets = {name: member.offset for name, member in block.members.items()}
+        else:
+            offsets = {name: _offset(program, blocks.spelt(block, name)) for name in block.members}
+    return BlockReading(
+        offsets={name: at for name, at in offsets.items() if at is not None},
+        size=int(size[0]),
+        placed={name: member.offset for name, member in block.members.items()},
+        placed_size=block.size,
+    )
+
+
+def _index(program: Any, block: Block) -> int:
+    """The block's index in a program, _NONE where it has no effect."""
+    if not has_names(program):
+        found: int | None = program.block(block.name)
+        return _NONE if found is None else found
+    return int(GL.glGetUniformBlockIndex(program.glo, block.name.encode()))
+
+
+def check_against_driver(program: Any, block: Block) -> bool:
+    """Compare the lab's layout of a block with the driver's; False if the block has no effect.
+
+    Raises:
+        DriverError: they disagree; names the first member that lies elsewhere.
+    """
+    reading = read_block(program, block)
+    if not reading.size:
+        return False
+    remedy = "declare the block layout (std140), so that its layout is fixed"
+    for name, offset in reading.placed.items():
+        theirs = reading.offsets.get(name)
+        if theirs != offset:
+            where = "leaves it out" if theirs is None else f"has it at byte {theirs}"
+            raise DriverError(
+                f"uniform block {block.name}: std140 puts {name} at byte {offset}, "
+                f"the driver {where}",
+                remedy=remedy,
+            )
+    if reading.size < reading.placed_size:
+        raise DriverError(
+            f"uniform block {block.name} takes {reading.placed_size} bytes, "
+            f"the driver says {reading.size}",
+            remedy=remedy,
+        )
+    return True
+
+
+def _offset(program: Any, name: str) -> int | None:
+    names = (ctypes.c_char_p * 1)(name.encode())
+    pointer = ctypes.cast(names, ctypes.POINTER(ctypes.POINTER(ctypes.c_char)))
+    index = (ctypes.c_uint * 1)(_NONE)
+    GL.glGetUniformIndices(program.glo, 1, pointer, index)
+    if index[0] == _NONE:
+        return None
+    found = np.zeros(1, np.int32)
+    GL.glGetActiveUniformsiv(program.glo, 1, index, GL.GL_UNIFORM_OFFSET, found)
+    return int(found[0])
