@@ -20,8 +20,7 @@ from typing import Any
 
 from benchmarks import running_programs
 from shaderlab.compiler import Shaders, compile_program
-from shaderlab.compiler.cache_store import Store
-from shaderlab.compiler.compile_cache import Entry, decode, encode
+from shaderlab.compiler.compile_cache import Entry, Store, decode, encode
 
 IMPORTING = """
 import time, shaderlab.pipeline

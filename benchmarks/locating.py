@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.drivers.programs.watch_points import watch_points
+from shaderlab.drivers.programs.instrument import watch_points
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.evaluation import Evaluation

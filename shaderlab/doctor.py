@@ -148,7 +148,8 @@ def _bands() -> Finding:
 
 def _compile_cache() -> Finding:
     """Where the compile cache is, and how large."""
-    from .compiler.cache_store import Store
+    from shaderlab.compiler.compile_cache import Store
+
     from .compiler.compile_cache import cache_folder
     from .files import CACHE_VARIABLE
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from shaderlab.compiler.compile import compile_program
-from shaderlab.compiler.interface import Interface
+from shaderlab.compiler.reflection import Interface
 from shaderlab.compiler.sources import Shaders
 from shaderlab.compiler.text import read_shader, without_comments
 from shaderlab.errors import ShaderError, UsageError, nearest

@@ -11,15 +11,16 @@ from shaderlab.compiler.harness import (
     FileResult as FileResult,
     compile_glsl as compile_glsl,
 )
-from shaderlab.compiler.interface import (
+from shaderlab.compiler.reflection import reflect as reflect
+from shaderlab.compiler.sources import Shaders as Shaders, Source as Source
+from shaderlab.compiler.spirv_tools import disassemble as disassemble, validate as validate
+from shaderlab.compiler.targets import ALL_TARGETS as ALL_TARGETS, TARGETS as TARGETS
+from shaderlab.compiler.text import STAGES as STAGES
+
+from .reflection import (
     Block as Block,
     Interface as Interface,
     Member as Member,
     SpecConstant as SpecConstant,
     Variable as Variable,
 )
-from shaderlab.compiler.reflection import reflect as reflect
-from shaderlab.compiler.sources import Shaders as Shaders, Source as Source
-from shaderlab.compiler.spirv_tools import disassemble as disassemble, validate as validate
-from shaderlab.compiler.targets import ALL_TARGETS as ALL_TARGETS, TARGETS as TARGETS
-from shaderlab.compiler.text import STAGES as STAGES

@@ -9,9 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-from shaderlab.compiler.dialects import in_dialect, with_interface
 from shaderlab.compiler.engines import Engine, choose
-from shaderlab.compiler.interface import Interface
 from shaderlab.compiler.reflection import reflect
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
@@ -19,6 +17,9 @@ from shaderlab.compiler.text import STAGES
 from shaderlab.compiler.verdicts import Result, check_stages, link_stages, to_spirv
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.model.records import Diagnostic, Verdict
+
+from .reflection import Interface
+from .verdicts import in_dialect, with_interface
 
 
 @dataclass(frozen=True)

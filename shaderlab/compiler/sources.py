@@ -1,22 +1,219 @@
-"""Loads shaders by name and makes the text that a compiler gets.
+"""`#include`: one text from a shader and the files it includes, with a map of its lines.
 
-A name is a path inside one of the shader roots, with forward slashes, such as
-"lamps/attenuation.frag". Nothing outside the roots is ever read.
+Expansion is textual and happens before the compiler's own preprocessor, so an include inside
+an inactive `#if` is expanded as well (its text is then skipped like any other). A file with
+`#pragma once` gets a guard macro, as C programmers expect.
 """
 
 from __future__ import annotations
 
 import functools
+import posixpath
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from shaderlab.compiler.include import LineMap, expand
-from shaderlab.compiler.shader_files import File, Roots
-from shaderlab.compiler.text import STAGES, normalise, stage_of, version_of, without_comments
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.model.records import Diagnostic, Severity
+
+from .shader_files import OUTSIDE_REMEDY, File, OutsideError, Roots, inside
+from .text import STAGES, normalise, stage_of, version_of, without_comments
+
+MAX_DEPTH = 64
+MAX_INCLUDES = 1000
+
+_DIRECTIVE = re.compile(r"[ \t]*#[ \t]*(include|pragma|line|extension)\b[ \t]*(.*)")
+_ANY_DIRECTIVE = re.compile(r"#[ \t]*(?:include|pragma|line|extension)\b")
+_VERSION_LINE = re.compile(r"[ \t]*#[ \t]*version\b")
+_ONCE = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+once[ \t]*$", re.MULTILINE)
+_PATH = re.compile(r'"([^"]*)"[ \t]*|<([^>]*)>[ \t]*')
+_LINE = re.compile(r'(\d+)(?:[ \t]+(?:\d+|"([^"]*)"))?[ \t]*')
+_INCLUDE_EXTENSIONS = ("GL_GOOGLE_include_directive", "GL_ARB_shading_language_include")
+
+_Trail = tuple[tuple[File, int], ...]
+"""The includes that lead to a place, the outermost first: the including file and the line."""
+
+
+@dataclass(frozen=True)
+class LineMap:
+    """For each line of a text, by index, the author's file and line (counted from 1).
+
+    `spans` are runs of lines: the file, the first line, and how many there are.
+
+    >>> lines = LineMap.of([("main.frag", 1, 2), ("lib.glsl", 1, 1), ("main.frag", 4, 1)])
+    >>> len(lines), lines[1], lines[2], lines[3]
+    (4, ('main.frag', 2), ('lib.glsl', 1), ('main.frag', 4))
+    """
+
+    spans: tuple[tuple[str, int, int], ...] = ()
+
+    @classmethod
+    def of(cls, spans: Iterable[tuple[str, int, int]]) -> LineMap:
+        """The map of these runs, joined where one continues another."""
+        joined: list[tuple[str, int, int]] = []
+        for file, line, count in spans:
+            if joined and joined[-1][0] == file and sum(joined[-1][1:]) == line:
+                joined[-1] = (file, joined[-1][1], joined[-1][2] + count)
+            else:
+                joined.append((file, line, count))
+        return cls(tuple(joined))
+
+    def __len__(self) -> int:
+        return sum(count for _, _, count in self.spans)
+
+    def __getitem__(self, index: int) -> tuple[str, int]:
+        left = index
+        for file, line, count in self.spans:
+            if 0 <= left < count:
+                return file, line + left
+            left -= count
+        raise IndexError(f"no line {index} in a text of {len(self)}")
+
+
+def expand(file: File, roots: Roots, defines: Mapping[str, str]) -> Expansion:
+    """The file's text with every `#include` replaced by the included file's text.
+
+    Args:
+        file: the main file.
+        roots: where included files are.
+        defines: macros to put after the first `#version` line, or first if there is none.
+
+    Raises:
+        ShaderError: an include is malformed, missing, circular, outside the roots, too deep,
+            or can't be read; the message has the chain of includes that led there.
+    """
+    code = without_comments(file.text)
+    version = version_of(code)
+    expansion = Expansion(roots, defines, version[0] if version else 110)
+    expansion.append(file, code, ())
+    expansion.define_first()
+    return expansion
+
+
+class Expansion:
+    """The text so far: its rows, the same without comments (`codes`), runs of each file's lines
+    (as in `LineMap`), and the path and own text of each file it is made of."""
+
+    def __init__(self, roots: Roots, defines: Mapping[str, str], version: int) -> None:
+        self._roots, self._version, self._includes = roots, version, 0
+        self._defines = [f"#define {word} {value}".rstrip() for word, value in defines.items()]
+        self.rows: list[str] = []
+        self.codes: list[str] = []
+        self.spans: list[tuple[str, int, int]] = []
+        self.parts: dict[str, str] = {}
+
+    def append(self, file: File, code: str, trail: _Trail) -> None:
+        """Append a file; `code` is its text without comments, `trail` led to it."""
+        self.parts.setdefault(file.path, file.text)
+        rows, codes = file.text.split("\n"), code.split("\n")
+        if trail and rows[-1] == "":
+            rows.pop()  # the file's last line end does not start another line
+        guard = _guard(file, code) if trail else None
+        if guard:
+            self._add((file.path, 1), f"#ifndef {guard}", f"#define {guard}")
+        if _ANY_DIRECTIVE.search(code) or (self._defines and "version" in code):
+            self._append_rows(file, rows, codes, trail)
+        else:
+            self.rows += rows
+            self.codes += codes[: len(rows)]
+            self.spans.append((file.path, 1, len(rows)))
+        if guard:
+            self._add((file.path, len(rows)), "#endif")
+
+    def define_first(self) -> None:
+        """Put macros first if no `#version` line preceded them."""
+        self.rows[:0] = self.codes[:0] = self._defines
+        self.spans[:0] = [(*self.spans[0][:2], 1)] * len(self._defines)
+
+    def _append_rows(
+        self, file: File, rows: Sequence[str], codes: Sequence[str], trail: _Trail
+    ) -> None:
+        origin, shift = file.path, 0  # file and line according to the author's own #line
+        for number, (row, code) in enumerate(zip(rows, codes, strict=False), start=1):
+            place = (origin, number + shift)
+            directive = _DIRECTIVE.fullmatch(code) if "#" in code else None
+            kind, rest = directive.groups() if directive else ("", "")
+            line = _LINE.fullmatch(rest.strip()) if kind == "line" else None
+            if kind == "include":
+                inner = self._included(rest.strip(), (*trail, (file, number)))
+                self.append(inner, without_comments(inner.text), (*trail, (file, number)))
+            elif kind == "extension" and rest.split(":")[0].strip() in _INCLUDE_EXTENSIONS:
+                self._add(place, "")  # drivers without the extension would refuse it
+            elif line:
+                self._add(place, "")
+                # Up to GLSL 1.50 the line after `#line n` is n + 1, from 3.30 on it is n.
+                shift = int(line[1]) - number - (1 if self._version >= 330 else 0)
+                origin = line[2] or origin
+            else:
+                self.rows.append(row)
+                self.codes.append(code)
+                self.spans.append((*place, 1))
+            if self._defines and _VERSION_LINE.match(code):
+                self._add(place, *self._defines)
+                self._defines = []
+
+    def _add(self, place: tuple[str, int], *rows: str) -> None:
+        """Append rows of our own, all from one place of the author's."""
+        self.rows += rows
+        self.codes += rows
+        self.spans += [(*place, 1)] * len(rows)
+
+    def _included(self, rest: str, trail: _Trail) -> File:
+        """The file that the text after `#include` names."""
+        self._includes += 1
+        if self._includes > MAX_INCLUDES:
+            remedy = "include files that are needed in many places once, from the main file"
+            raise _error(f"includes more than {MAX_INCLUDES} times in all", trail, remedy)
+        match = _PATH.fullmatch(rest)
+        if match is None:
+            remedy = 'write #include "file.glsl"'
+            raise _error(f"malformed #include {rest}".rstrip(), trail, remedy)
+        path = match[2] if match[1] is None else match[1]
+        folder = "" if match[1] is None else posixpath.dirname(trail[-1][0].name)
+        outside = None
+        for start in dict.fromkeys([folder, ""]):
+            try:
+                name = inside(path, start)
+                file = self._roots.find(name)
+            except OutsideError as error:
+                outside = outside or error
+                continue
+            except ShaderError as error:
+                chain = f"{error.message} (included by {_chain(trail)})"
+                raise ShaderError(
+                    chain, file=error.file, line=error.line, remedy=error.remedy
+                ) from None
+            found = name if file is None else file.name
+            open_files = [one for one, _ in trail if one.name == found]
+            if open_files and not _ONCE.search(without_comments(open_files[0].text)):
+                raise _error(f"{path!r} includes itself", trail, "break the cycle of includes")
+            if file is not None and len(trail) > MAX_DEPTH:
+                raise _error(f"includes nest deeper than {MAX_DEPTH}", trail, "include less deeply")
+            if file is not None:
+                return File(file.name, file.path, "\n") if open_files else file
+        if outside is not None:
+            raise _error(f"#include {path!r} {outside}", trail, OUTSIDE_REMEDY)
+        raise _error(f"no file to #include: {path!r}", trail, self._roots.nearest(path))
+
+
+def _guard(file: File, code: str) -> str | None:
+    """A macro's name for a file with `#pragma once`; two underscores in a row are reserved."""
+    if not _ONCE.search(code):
+        return None
+    return "SHADERLAB_ONCE_" + "".join(
+        c if c.isascii() and c.isalnum() else f"_{ord(c):x}Z" for c in file.name
+    )
+
+
+def _error(message: str, trail: _Trail, remedy: str) -> ShaderError:
+    *outer, (file, line) = trail
+    chain = f" (included by {_chain(outer)})" if outer else ""
+    return ShaderError(message + chain, file=file.path, line=line, remedy=remedy)
+
+
+def _chain(trail: Iterable[tuple[File, int]]) -> str:
+    return " → ".join(f"{file.path}:{line}" for file, line in trail)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from shaderlab.model.case import Scene
 
 from . import Backend, Size
 from .passes import PassSession, ProgramCache
-from .programs import captures
+from .programs import fragment_capture
 from .programs.prepare import Programs
 
 
@@ -35,7 +35,7 @@ class DeviceBackend(Backend):
     def __init__(self, device: Device) -> None:
         self.device: Any = device
         self.info = device.info
-        self.captures = captures.CaptureCache()
+        self.captures = fragment_capture.CaptureCache()
         self._linker = self.linker_class(device)
 
     @contextmanager

@@ -18,13 +18,19 @@ from shaderlab.model.state import State
 from shaderlab.model.textures import Output
 
 from . import Drawn, Session, Size
-from .programs import bind, captures, vertex_capture
-from .programs.formats import COLOR, DEPTH, components_of
-from .programs.fragment_capture import PassCapture, numbered
-from .programs.fragment_probe import FragmentProbe, fragment_probe, refused
-from .programs.passes import check_continues, check_reads
-from .programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
-from .programs.varyings import Piece
+from .programs import bind, fragment_capture, vertex_capture
+from .programs.fragment_capture import FragmentProbe, PassCapture, fragment_probe, numbered, refused
+from .programs.prepare import (
+    PreparedDraw,
+    Programs,
+    check_continues,
+    check_reads,
+    output_types,
+    pass_colors,
+    step,
+)
+from .programs.stages import Piece
+from .programs.textures import COLOR, DEPTH, components_of
 from .scene_textures import SceneTextures
 
 
@@ -182,7 +188,7 @@ class PassSession(Session, Generic[Kind, Made]):
         cache: what other scenes captured, and this one does.
     """
 
-    cache: captures.CaptureCache
+    cache: fragment_capture.CaptureCache
     _textures: SceneTextures[Any]  # what the scene's samplers read; a backend makes it
 
     def __init__(
@@ -240,8 +246,8 @@ class PassSession(Session, Generic[Kind, Made]):
 
     def fragments(self, key: PassDraw) -> Fragments:
         """As `Session.fragments`. Arrays from the cache can't be written to (see
-        `shaderlab.drivers.programs.captures`)."""
-        same = captures.identity(self.scene, self.programs, key, self.size)
+        `shaderlab.drivers.programs.fragment_capture`)."""
+        same = fragment_capture.identity(self.scene, self.programs, key, self.size)
         return self.cache.get(same, lambda: self._capture(key[0]).fragments(key[1]))
 
     def release_captures(self, kept: Set[str]) -> None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
-from shaderlab.compiler.interface import Variable
+from shaderlab.compiler.reflection import Variable
 from shaderlab.model.frame import Array, Image, Texels
 from shaderlab.model.textures import CompressedTexture, Output, TextureSource
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from shaderlab.analysis.interpreter import Stored
 from shaderlab.analysis.interpreter.memory import Flags
-from shaderlab.drivers.programs.formats import for_output
 from shaderlab.drivers.programs.instrument import Watch, instrumented, room
+from shaderlab.drivers.programs.textures import for_output
 from shaderlab.errors import ShaderlabError, UnsupportedError
 from shaderlab.model.frame import Array, PassDraw, differ
 

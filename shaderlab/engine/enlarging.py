@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
 
 from shaderlab.drivers import Backend
-from shaderlab.drivers.programs.formats import COLOR
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
+from shaderlab.drivers.programs.textures import COLOR
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Image
 from shaderlab.model.textures import Output, Sampling, Texture

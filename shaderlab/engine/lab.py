@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from shaderlab.compiler.es_precision import below_highp
+from shaderlab.compiler.verdicts import below_highp
 from shaderlab.drivers.programs.prepare import Programs
 from shaderlab.drivers.programs.textures import forget_made
 from shaderlab.errors import (

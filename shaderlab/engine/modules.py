@@ -20,7 +20,7 @@ from shaderlab.analysis.interpreter import Bands, Interpreted, Program, interpre
 from shaderlab.analysis.interpreter.memory import Flags
 from shaderlab.bands import Band
 from shaderlab.compiler.sources import Source
-from shaderlab.drivers.programs.formats import for_output
+from shaderlab.drivers.programs.textures import for_output
 from shaderlab.errors import DeviceLostError, NotInterpretedError, ShaderlabError
 from shaderlab.model.activity import doing
 from shaderlab.model.expectation import Judgement, Need

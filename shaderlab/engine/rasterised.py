@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shaderlab.drivers.programs.vertices import corners
+from shaderlab.drivers.programs.vertex_capture import corners
 from shaderlab.model.frame import Array, Samples
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.state import State

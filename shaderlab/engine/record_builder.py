@@ -10,7 +10,7 @@ from itertools import groupby
 import numpy as np
 
 from shaderlab.compiler.driver_verdict import mark_disagreement
-from shaderlab.compiler.interface import Interface
+from shaderlab.compiler.reflection import Interface
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.targets import ALL_TARGETS
 from shaderlab.drivers.programs.prepare import PreparedDraw

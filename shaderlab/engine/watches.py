@@ -15,8 +15,7 @@ from shaderlab.analysis.interpreter.program import Instruction
 from shaderlab.analysis.interpreter.types import Type
 from shaderlab.analysis.interpreter.values import component
 from shaderlab.bands import Band, Integer, Truth
-from shaderlab.drivers.programs.instrument import VALUE, Watch
-from shaderlab.drivers.programs.watch_points import WatchPoint, watch_points
+from shaderlab.drivers.programs.instrument import VALUE, Watch, WatchPoint, watch_points
 from shaderlab.model.frame import Array
 
 _CALL, _RETURN = 57, 254

@@ -6,8 +6,7 @@ import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from shaderlab.compiler.include import LineMap
-from shaderlab.compiler.sources import Source
+from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.functions.declarations import declarations
 from shaderlab.functions.kernels import own
 from shaderlab.functions.signatures import PREFIX, Signature, declaration, signatures

@@ -10,8 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from shaderlab.compiler.include import LineMap
-from shaderlab.compiler.sources import Shaders, Source
+from shaderlab.compiler.sources import LineMap, Shaders, Source
 from shaderlab.compiler.text import EXTENSIONS, version_of
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.functions.calling import caller

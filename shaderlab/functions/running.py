@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.include import LineMap
-from shaderlab.compiler.sources import Source
+from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.compiler.text import version_of, without_comments
 from shaderlab.drivers import Evaluation
 from shaderlab.functions.arguments import Argument, result

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from shaderlab.drivers.programs.bind import declared
-from shaderlab.drivers.programs.formats import format_of, shape_of
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
-from shaderlab.drivers.programs.varyings import elements
+from shaderlab.drivers.programs.stages import elements
+from shaderlab.drivers.programs.textures import format_of, shape_of
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, PassDraw, Texels

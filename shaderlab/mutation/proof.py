@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from shaderlab.compiler.compile import compile_program
-from shaderlab.compiler.dialects import with_interface
 from shaderlab.compiler.library import SPIRV_TOOLS_WHEEL, find
 from shaderlab.compiler.sources import Source
+from shaderlab.compiler.verdicts import with_interface
 from shaderlab.errors import ShaderError
 
 _PASSES = ("--strip-debug", "-O", "--compact-ids")

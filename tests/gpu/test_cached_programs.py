@@ -21,8 +21,7 @@ from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
 from shaderlab.compiler import compile_cache, library
-from shaderlab.compiler.cache_store import Store
-from shaderlab.compiler.compile_cache import decode, encode
+from shaderlab.compiler.compile_cache import Store, decode, encode
 from shaderlab.model.records import Diagnostic
 
 Call = Callable[..., Result]

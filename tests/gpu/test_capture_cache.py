@@ -12,7 +12,7 @@ import pytest
 
 from shaderlab import Case, Draw, Mesh, Pass, Ramp, State, Target, across, formula, mesh_pass
 from shaderlab.drivers.opengl.backend import OpenGLBackend
-from shaderlab.drivers.programs.captures import CaptureCache
+from shaderlab.drivers.programs.fragment_capture import CaptureCache
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import CapturedFragments

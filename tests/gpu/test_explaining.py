@@ -16,7 +16,7 @@ from shaderlab import Case, Ramp, formula, fullscreen
 from shaderlab.analysis.interpreter import load
 from shaderlab.cli.explain import command
 from shaderlab.compiler import Shaders
-from shaderlab.drivers.programs.watch_points import statements
+from shaderlab.drivers.programs.instrument import statements
 from shaderlab.engine import interpreting
 from shaderlab.engine.explaining import explain, widest_pixel
 from shaderlab.engine.judging.inputs import Inputs

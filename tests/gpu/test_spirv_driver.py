@@ -8,8 +8,7 @@ import pytest
 
 from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.sources import Shaders
-from shaderlab.compiler.spirv_tools import validate
-from shaderlab.compiler.transform_feedback import with_feedback
+from shaderlab.compiler.spirv_tools import validate, with_feedback
 from shaderlab.drivers.opengl import device
 from shaderlab.drivers.opengl.linking import SpirvProgram
 from shaderlab.engine.catalogue import load_case

@@ -12,7 +12,7 @@ import pytest
 from shaderlab import Case, Draw, Mesh, formula, mesh_pass, query, value
 from shaderlab.analysis.interpreter import load
 from shaderlab.drivers.opengl import linking
-from shaderlab.drivers.programs.tessellation import primitive
+from shaderlab.drivers.programs.stages import primitive
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError, NotInterpretedError, UnsupportedError

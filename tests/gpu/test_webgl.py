@@ -1,4 +1,4 @@
-"""Cases in a headless device, by WebGL2."""
+"""Cases in a headless browser, by WebGL2."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ def test_a_browser_that_is_gone_is_a_crash_and_one_that_hangs_is_given_up(
         with pytest.raises(DeviceLostError, match=r"gave no answer in 0\.3 s"):
             running._wait(running._page.evaluate("() => { for (;;); }"))
     running._guard.stdin.close()
-    running._guard.wait()  # it has killed the device, whose page is still busy
+    running._guard.wait()  # it has killed the browser, whose page is still busy
     record = wave(lab, tmp_path, RIGHT)
     assert (record.status, record.message) == ("crash", "webgl2: the browser is gone")
     assert wave(lab, tmp_path, RIGHT).status == "pass"
@@ -176,12 +176,12 @@ def test_a_lost_context_is_told() -> None:
             return json.dumps({"reply": reply, "lost": self.lost})
 
     browser = Answering()
-    gl = Calls(device)  # type: ignore[arg-type]
+    gl = Calls(browser)  # type: ignore[arg-type]
     gl.clear(gl.RED)
     earlier: list[int] = []
     gl.ask_later(earlier.append, "errors")
     assert gl.ask("getError") == 3 and earlier == [3]
-    device.lost = True
+    browser.lost = True
     with pytest.raises(DeviceLostError, match="context"):
         gl.ask("getError")
 

@@ -23,8 +23,8 @@ from shaderlab import (
 from shaderlab.compiler import Source
 from shaderlab.drivers import Backend, Drawn, Session, Size
 from shaderlab.drivers.programs import bind
-from shaderlab.drivers.programs.formats import COLOR
 from shaderlab.drivers.programs.prepare import Programs, pass_colors
+from shaderlab.drivers.programs.textures import COLOR
 from shaderlab.engine.lab import Lab
 from shaderlab.errors import UnsupportedError, UsageError
 from shaderlab.model.case import Scene

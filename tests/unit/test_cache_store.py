@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.compiler.cache_store import Store, Usage
+from shaderlab.compiler.compile_cache import Store, Usage
 
 KEY = "0a" * 32
 OTHER = "1b" * 32
@@ -218,7 +218,7 @@ def test_usage_counts_whole_blocks_of_disk(tmp_path: Path) -> None:
 MANY = """
 import sys
 from pathlib import Path
-from shaderlab.compiler.cache_store import Store
+from shaderlab.compiler.compile_cache import Store
 store = Store(Path(sys.argv[1]), limit=16 * 64 * 4096)
 for turn in range(3):
     for number in range(300):

@@ -12,11 +12,10 @@ from pathlib import Path
 import pytest
 
 from shaderlab.compiler import Shaders, Source, compile_cache, compile_program
-from shaderlab.compiler.cache_store import Store
 from shaderlab.compiler.compile import Compiled
-from shaderlab.compiler.compile_cache import CompileCache, Entry, decode, encode, program_key
+from shaderlab.compiler.compile_cache import CompileCache, Entry, Store, decode, encode, program_key
 from shaderlab.compiler.engines import CompilerDiedError
-from shaderlab.compiler.include import LineMap
+from shaderlab.compiler.sources import LineMap
 from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
 from shaderlab.errors import ShaderError
 

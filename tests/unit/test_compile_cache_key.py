@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from shaderlab.compiler import compile_cache, compile_program, library
-from shaderlab.compiler.cache_store import Store
 from shaderlab.compiler.compile_cache import (
+    Store,
     cache_folder,
     cached_compiler,
     compilers_digest,

@@ -11,7 +11,7 @@ import pytest
 from cases.scenes.block_codecs import compressed, decoded_blocks
 from shaderlab import CompressedTexture
 from shaderlab.assets import checker
-from shaderlab.drivers.programs.compressed import read_dds
+from shaderlab.drivers.programs.textures import read_dds
 from shaderlab.errors import AssetError, CaseError
 
 IMAGE = checker(size=16, cells=4)

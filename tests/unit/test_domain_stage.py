@@ -8,7 +8,7 @@ import pytest
 from shaderlab.compiler import Shaders, Source, compile_program
 from shaderlab.compiler.compile import Compiled
 from shaderlab.drivers.programs.prepare import PreparedDraw, Preparer
-from shaderlab.drivers.programs.vertex_stages import domain_vertex
+from shaderlab.drivers.programs.stages import domain_vertex
 from shaderlab.errors import CaseError
 from shaderlab.model.scene import Draw, Ramp
 

@@ -13,8 +13,8 @@ import pytest
 from benchmarks.trees import SUFFIX, mutant, own_shaders
 from shaderlab.compiler import Shaders, Source, compile_program
 from shaderlab.compiler.engines import choose
-from shaderlab.compiler.guards import too_old
 from shaderlab.compiler.library import GLSLANG_WHEEL, find
+from shaderlab.compiler.verdicts import too_old
 
 VERTEX = """#version 330 core
 layout (location = 0) in vec3 aPos;

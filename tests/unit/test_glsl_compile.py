@@ -11,10 +11,9 @@ import pytest
 
 from shaderlab.compiler import Shaders, Source, compile_program, disassemble, validate
 from shaderlab.compiler.engines import choose
-from shaderlab.compiler.guards import MAX_NESTING, MAX_OPERATORS, fatal
-from shaderlab.compiler.interstage import interface_name
 from shaderlab.compiler.library import find
-from shaderlab.compiler.module import Decoration, Module, parse
+from shaderlab.compiler.reflection import Decoration, Module, parse
+from shaderlab.compiler.verdicts import MAX_NESTING, MAX_OPERATORS, fatal, interface_name
 from shaderlab.errors import ShaderError
 
 # Each stage uses its variables in another order than the others, so glslang numbers them apart.

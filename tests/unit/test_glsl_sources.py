@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.compiler import Shaders, compile_program
-from shaderlab.compiler.include import LineMap
+from shaderlab.compiler.sources import LineMap
 from shaderlab.errors import ShaderError
 
 FRAGMENT = "#version 330 core\nout vec4 color;\nvoid main() { color = vec4(1.0); }\n"

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from shaderlab.compiler.include import LineMap
-from shaderlab.compiler.sources import Source
+from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.mutation.coverage import ALL as COVERAGE
 from shaderlab.mutation.mutants import Operator, ShaderMutant, mutants_of
 from shaderlab.mutation.operators import all_operators

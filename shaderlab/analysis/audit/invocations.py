@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Integer
-from shaderlab.compiler.module import Storage
+from shaderlab.compiler.reflection import Storage
 from shaderlab.model.frame import Array
 
 from ..equivalence.comparison import example

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Integer
-from shaderlab.compiler.module import Decoration
+from shaderlab.compiler.reflection import Decoration
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.model.frame import Array
 

@@ -6,9 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from shaderlab.compiler.module import Storage
-from shaderlab.compiler.types import type_name, unwrap
-from shaderlab.compiler.variables import is_used, leaves, used_paths
+from shaderlab.compiler.reflection import Storage, is_used, leaves, type_name, unwrap, used_paths
 
 from ..interpreter import Program
 from ..interpreter.binding import called

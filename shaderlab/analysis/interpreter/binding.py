@@ -13,9 +13,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Integer, Truth
-from shaderlab.compiler.module import Decoration, Storage
-from shaderlab.compiler.types import unwrap
-from shaderlab.compiler.variables import leaves
+from shaderlab.compiler.reflection import Decoration, Storage, leaves, unwrap
 from shaderlab.model.frame import Array, Bindings
 
 from .arithmetic import Arithmetic

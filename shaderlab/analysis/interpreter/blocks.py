@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from shaderlab.compiler.module import Op
+from shaderlab.compiler.reflection import Op
 from shaderlab.errors import NotInterpretedError
 
 from .branches import BRANCHES, Branch

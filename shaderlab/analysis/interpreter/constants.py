@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shaderlab.bands import Integer, Truth
-from shaderlab.compiler.module import Op
+from shaderlab.compiler.reflection import Op
 
 from .instructions import HANDLERS
 from .memory import Pointer, World

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands import Integer, Truth
-from shaderlab.compiler.module import Storage
+from shaderlab.compiler.reflection import Storage
 
 from .memory import World
 from .program import Instruction

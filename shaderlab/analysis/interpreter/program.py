@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass, field
 
 from shaderlab.compiler.compile_cache import compiled_with_lines
-from shaderlab.compiler.module import Instruction as Raw, Module, Op, Storage, parse
+from shaderlab.compiler.reflection import Instruction as Raw, Module, Op, Storage, parse
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import NotInterpretedError, ShaderError
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from shaderlab.compiler.module import Instruction, Module, Op
+from shaderlab.compiler.reflection import Instruction, Module, Op
 from shaderlab.errors import NotInterpretedError
 
 Kind = Literal[

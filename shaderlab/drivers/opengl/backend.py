@@ -17,7 +17,7 @@ from shaderlab.model.records import Verdict
 
 from .. import Evaluation, Size
 from ..device import DeviceBackend
-from ..programs import captures
+from ..programs import fragment_capture
 from ..programs.prepare import Programs
 from ..programs.storage import captured
 from . import calls, drawing, linking, queries, tracing
@@ -79,7 +79,7 @@ class OpenGLBackend(DeviceBackend):
             ExitStack() as stack,
         ):
             session = OpenGLSession(Linker(device), scene, programs, size, stack)
-            session.cache = captures.CaptureCache()
+            session.cache = fragment_capture.CaptureCache()
             yield session
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.compiler.interface import Block, Variable
+from shaderlab.compiler.reflection import Block, Variable
 from shaderlab.errors import DriverError
 from shaderlab.model.frame import Array, BlockReading, Image, Texels
 from shaderlab.model.scene import UniformBuffer
@@ -26,11 +26,9 @@ from shaderlab.model.textures import (
 )
 
 from ..programs import blocks
-from ..programs.compressed import blocks_of
-from ..programs.formats import DEPTH
 from ..programs.images import output_of
 from ..programs.prepare import PreparedDraw
-from ..programs.textures import Contents, contents, find_image, kind_of, layers_of
+from ..programs.textures import DEPTH, Contents, blocks_of, contents, find_image, kind_of, layers_of
 from ..scene_textures import DeviceTexels, SceneTextures
 from .device import GL, Device, named
 from .linking import has_names, uniform_location

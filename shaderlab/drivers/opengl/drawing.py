@@ -14,7 +14,7 @@ import moderngl
 import numpy as np
 
 from shaderlab.compiler.driver_verdict import parse_driver_log
-from shaderlab.compiler.interface import Block, Variable
+from shaderlab.compiler.reflection import Block, Variable
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.activity import doing
@@ -26,11 +26,10 @@ from shaderlab.model.state import State
 
 from .. import Drawn, Evaluation, Size
 from ..passes import COVERING, RedrawingSession
-from ..programs import blocks, storage, tessellation
-from ..programs.formats import components_of, numpy_type
+from ..programs import blocks, stages, storage
 from ..programs.prepare import PreparedDraw, Programs, step
-from ..programs.stages import NUMBER
-from ..programs.varyings import Piece
+from ..programs.stages import NUMBER, Piece
+from ..programs.textures import components_of, numpy_type
 from . import state
 from .bindings import BoundTextures, UniformBuffers, bound_images, read_images
 from .device import GL, Device, named, require_inputs
@@ -489,7 +488,7 @@ def _groups(parts: Sequence[Piece]) -> list[list[Piece]]:
 def _mode(program: Any, texts: Mapping[str, str]) -> int:
     """The primitives that come out of the last stage; strips as the single ones of them."""
     if "tess_evaluation" in texts:
-        return named(tessellation.primitive(texts["tess_evaluation"]))
+        return named(stages.primitive(texts["tess_evaluation"]))
     return int(program.geometry_output or GL.GL_POINTS)
 
 

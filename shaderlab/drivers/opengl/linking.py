@@ -15,17 +15,16 @@ import numpy as np
 
 from shaderlab.compiler.compile_cache import cached_compiler
 from shaderlab.compiler.driver_verdict import DRIVER, parse_driver_log
-from shaderlab.compiler.interface import Interface, Variable
-from shaderlab.compiler.module import parse
+from shaderlab.compiler.reflection import Interface, Variable, parse
 from shaderlab.compiler.sources import Shaders, Source
-from shaderlab.compiler.transform_feedback import with_feedback
+from shaderlab.compiler.spirv_tools import with_feedback
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Diagnostic, Verdict
 
 from ..passes import ProgramCache
-from ..programs.formats import components_of
+from ..programs.textures import components_of
 from .device import GL, Device, GLError, gl_spirv, named
 
 

@@ -15,7 +15,7 @@ from shaderlab.model.scene import Target
 from shaderlab.model.state import State
 
 from ..passes import COVERING, UNREADABLE, Attachments, of_several_samples
-from ..programs.formats import COLOR, DEPTH
+from ..programs.textures import COLOR, DEPTH
 from . import state
 from .device import GL, GL_1_0, Device, named
 from .textures import DeviceTexture, address, depth_storage, tightly_packed

@@ -17,9 +17,7 @@ from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array
 from shaderlab.model.textures import level_sizes
 
-from ..programs.compressed import Blocks
-from ..programs.formats import DEPTH, format_of
-from ..programs.textures import Contents
+from ..programs.textures import DEPTH, Blocks, Contents, format_of
 from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, named
 from .vertices import write_mapped
 

@@ -11,16 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.interface import Interface, Variable
+from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.model.frame import Array, Bindings, Texels
 from shaderlab.model.scene import UNIT_SQUARE, Draw, Ramp
 from shaderlab.model.textures import TextureSource
 
 from . import blocks
-from .formats import numpy_type, shape_of
-from .stages import PREFIX
-from .varyings import Piece, elements
+from .stages import PREFIX, Piece, elements
+from .textures import numpy_type, shape_of
 
 Contents = Callable[[str, Variable, TextureSource], Texels]
 """Gives a texture's contents to a sampler of a program, once it has checked that they fit."""

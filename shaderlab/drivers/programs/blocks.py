@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.interface import Block, Interface, Member, Variable
+from shaderlab.compiler.reflection import Block, Interface, Member, Variable
 from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.model.frame import Array
 from shaderlab.model.scene import Draw, UniformBuffer
 
-from .formats import numpy_type, shape_of
+from .textures import numpy_type, shape_of
 
 _PLACE = attrgetter("offset", "size", "array_stride", "matrix_stride")
 

@@ -1,20 +1,123 @@
-"""What fragment shaders got, by drawing their pass once more: shaders that write their inputs, and
-what they wrote put together. No device: the caller draws."""
+"""Running a fragment stage on given inputs: each sample is a point of one pixel, so that nothing is
+interpolated. No device: the caller draws."""
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from shaderlab.errors import ShaderError, UnsupportedError
-from shaderlab.model.frame import Array, Fragments, differ, leading
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import Array, Bindings, Fragments, PassDraw, Samples, differ, leading
+from shaderlab.model.mesh import Mesh
+from shaderlab.model.scene import Target
+from shaderlab.model.state import State, Stencil
 
-from . import formats, stages
-from .prepare import PreparedDraw
-from .varyings import Piece, assembled
+from . import bind, stages, textures
+from .prepare import PreparedDraw, Programs
+from .stages import Piece, assembled
+
+WIDTH = 256
+"""Most points in a row of the target."""
+_MAX_ATTRIBUTES = 16
+_REMEDY = "judge it over the frame (formula, or value at a Pixel)"
+
+
+@dataclass(frozen=True, kw_only=True)
+class FragmentProbe:
+    """What is to be drawn.
+
+    Attributes:
+        subject: the draw whose fragment stage is run.
+        draw: the points, with that fragment stage.
+        texts: its stages' texts.
+        target: what it is drawn into, of `size` pixels.
+        size: (width, height).
+        colors: the attachments' formats by output.
+        inputs: what each point gets, (count, components).
+        discards: whether points may be discarded; then the stencil buffer counts those that are
+            kept.
+    """
+
+    subject: PreparedDraw
+    draw: PreparedDraw
+    texts: Mapping[str, str]
+    target: Target
+    size: tuple[int, int]
+    colors: Mapping[str, str]
+    inputs: Mapping[str, Array]
+    discards: bool
+
+    def bindings(self, given: Bindings) -> Bindings:
+        """The uniforms and textures of the subject, and what the points' own stage takes."""
+        own = {stages.PREFIX + "size": np.array(self.size, np.int32)}
+        return replace(given, uniforms={**given.uniforms, **own})
+
+    def samples(self, images: Mapping[str, Array], stencil: Array | None) -> Samples:
+        """What was drawn, by point."""
+        count = max((len(values) for values in self.inputs.values()), default=1)
+        kinds = self.subject.interface.outputs
+        outputs = {
+            name: values.reshape(-1, values.shape[-1])[
+                :count, : textures.components_of(kinds[name].type)
+            ]
+            for name, values in images.items()
+        }
+        discarded = 0 if stencil is None else int((stencil.reshape(-1)[:count] == 0).sum())
+        return Samples(inputs=self.inputs, outputs=outputs, discarded=discarded)
+
+
+def fragment_probe(draw: PreparedDraw, inputs: Mapping[str, Array]) -> FragmentProbe:
+    """Points that feed a draw's fragment stage these inputs, each an array (count, components);
+    those that are not given take the value a domain has at the centre of the screen.
+
+    Raises:
+        CaseError: an input has no value, or is none of the shader's.
+        UnsupportedError: the lab can't write a vertex stage that feeds the shader.
+    """
+    complete = bind.complete_inputs(draw.draw, draw.interface.varyings, inputs)
+    count = max((len(values) for values in inputs.values()), default=1)
+    width = min(count, WIDTH)
+    text = draw.text("fragment") or ""
+    vertex, columns = stages.probe_vertex(text, tuple(draw.interface.varyings.values()))
+    if len(columns) > _MAX_ATTRIBUTES:
+        raise UnsupportedError(
+            f"running {draw.draw.fragment} on given inputs: it reads {len(columns)} vectors, "
+            f"{_MAX_ATTRIBUTES} can be given",
+            remedy=_REMEDY,
+        )
+    attributes = {name: bind.piece_of(complete, piece) for piece, name in columns.items()}
+    attributes = attributes or {stages.PREFIX + "nothing": np.zeros((count, 1), np.float32)}
+    # What is kept counts one up in the stencil buffer; a discarded point leaves its clear value.
+    discards = stages.may_discard(text)
+    points = replace(
+        draw.draw, vertex="<probe>", geometry=None, domain=None, instances=1, vertex_array=True,
+        mesh=Mesh(attributes=attributes, primitive="points"),
+        state=State(stencil=Stencil(depth_pass="incr")) if discards else State(),
+    )  # fmt: skip
+    return FragmentProbe(
+        subject=draw,
+        draw=replace(draw, draw=points),
+        texts={"vertex": vertex, "fragment": text},
+        target=Target(depth="depth24_stencil8") if discards else Target(),
+        size=(width, -(-count // width)),
+        colors={n: textures.for_output(v.type) for n, v in draw.interface.outputs.items()},
+        inputs=complete,
+        discards=discards,
+    )
+
+
+def refused(draw: PreparedDraw, message: str) -> UnsupportedError:
+    """The points' program does not compile."""
+    return UnsupportedError(
+        f"running {draw.draw.fragment} on given inputs: no vertex stage can be written that "
+        f"declares them as it does ({message})",
+        remedy=_REMEDY,
+    )
+
 
 Redraw = Callable[[Sequence[str], Mapping[str, str]], Mapping[str, Array]]
 """Draws a pass once more, each of its draws with another fragment text, into attachments of these
@@ -211,7 +314,7 @@ def _blank(draw: PreparedDraw) -> str:
 
 def _formats(captured: Mapping[Piece, str]) -> dict[str, str]:
     """The attachments of captured pieces: format by name."""
-    return {name: formats.for_output(stages.padded_type(p)) for p, name in captured.items()}
+    return {name: textures.for_output(stages.padded_type(p)) for p, name in captured.items()}
 
 
 def _pieces(images: Mapping[str, Array]) -> Callable[[str, int], Array]:
@@ -220,4 +323,84 @@ def _pieces(images: Mapping[str, Array]) -> Callable[[str, int], Array]:
 
 
 def _values(of: Callable[[str, int], Array], captured: Mapping[Piece, str]) -> dict[Piece, Array]:
-    return {piece: of(name, formats.components_of(piece.type)) for piece, name in captured.items()}
+    return {piece: of(name, textures.components_of(piece.type)) for piece, name in captured.items()}
+
+
+ROOM = 8 << 20
+"""Capacity of the cache, in bytes of arrays."""
+
+
+class CaptureCache:
+    """Captured fragments by what they depend on, the most recent in `room` bytes."""
+
+    def __init__(self, room: int = ROOM) -> None:
+        self._room = room
+        self._kept: dict[Hashable, Fragments] = {}
+
+    def get(self, identity: Hashable | None, capture: Callable[[], Fragments]) -> Fragments:
+        """What was captured under the same `identity`, or else what `capture` gives now.
+
+        The arrays of what is kept can't be written to. With None for an identity nothing is kept.
+        """
+        if identity is None:
+            return capture()
+        found = self._kept.pop(identity, None)
+        if found is None:
+            found = capture()
+            for array in _arrays(found):
+                array.flags.writeable = False
+            self._make_room(_size(found))
+        if _size(found) <= self._room:
+            self._kept[identity] = found  # the last one used is the last one to go
+        return found
+
+    def clear(self) -> None:
+        """Let go of all that is kept."""
+        self._kept.clear()
+
+    def _make_room(self, wanted: int) -> None:
+        """Evict the least recently used entries; none for one that never fits."""
+        taken = sum(map(_size, self._kept.values()))
+        while wanted <= self._room < taken + wanted:
+            taken -= _size(self._kept.pop(next(iter(self._kept))))
+
+
+def identity(
+    scene: Scene, programs: Programs, key: PassDraw, size: tuple[int, int]
+) -> Hashable | None:
+    """All that a draw's fragments depend on, or None where that is not known.
+
+    It is known for the only draw of a pass, over a domain and without a test of depth or
+    stencil, whose shader takes every fragment as it comes. A shader whose outputs leave no
+    room for captured inputs is not cached: capturing them may be unsupported.
+    """
+    description = scene.find_pass(key[0])
+    draws = programs[key[0]]
+    draw = draws[key[1]]
+    fragment, state = draw.text("fragment") or "", draw.draw.state
+    if description.onto or len(draws) > 1 or draw.draw.domain is None:
+        return None
+    if state.depth or state.stencil or state.alpha_to_coverage:
+        return None
+    if stages.crowded(draw.interface.outputs):
+        return None
+    if stages.may_keep_out(fragment) or stages.changes_inputs(fragment):
+        return None
+    varyings = draw.interface.varyings
+    return (
+        draw.text("vertex"),
+        tuple(stages.input_pieces(fragment, varyings.values())),
+        tuple((name, values.dtype.str, values.tobytes()) for name, values in draw.ramps.items()),
+        replace(state, blend=None, srgb=False, color_mask=State().color_mask),
+        draw.draw.instances,
+        draw.draw.vertex_array,
+        description.target.size or size,
+    )
+
+
+def _arrays(captured: Fragments) -> tuple[Array, ...]:
+    return (captured.covered, captured.frag_coord, *captured.inputs.values())
+
+
+def _size(captured: Fragments) -> int:
+    return sum(array.nbytes for array in _arrays(captured))

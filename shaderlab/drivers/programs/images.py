@@ -12,15 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.interface import Interface, Variable
+from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.errors import CaseError, UnsupportedError
 from shaderlab.model.frame import Array, Image, Texels
 from shaderlab.model.scene import Draw
 from shaderlab.model.textures import COLOR_FORMATS, ImageValue, Output
 
 from . import bind
-from .formats import format_of
-from .textures import Images, find_image, pixel_values
+from .textures import Images, find_image, format_of, pixel_values
 
 KINDS = ("2D", "2DArray", "3D")
 FORMATS = tuple(word for word in COLOR_FORMATS if not word.startswith("srgb"))

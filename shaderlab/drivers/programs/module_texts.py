@@ -13,7 +13,7 @@ from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.model.scene import Draw
 
-from . import stages, storing
+from . import stages
 
 HEIGHT = stages.PREFIX + "height"
 """The uniform that says how high the target is in pixels (float)."""
@@ -91,7 +91,7 @@ def as_drawn(draw: Draw, texts: Mapping[str, str]) -> dict[str, str]:
     """The texts of a draw's program, whose last stage writes the size of points if it draws any."""
     # The points of a capture are no picture's: none is dropped, and they have a size already.
     plain = draw.mesh is not None and draw.mesh.primitive == "points" and "geometry" not in texts
-    stores = storing.BLOCK in texts.get("geometry", texts["vertex"])
+    stores = stages.BLOCK in texts.get("geometry", texts["vertex"])
     if not stores and (plain or stages.emits_points(texts)):
         return _drawing_points(texts, draw.state.point_size)
     return dict(texts)

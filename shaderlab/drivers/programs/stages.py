@@ -1,17 +1,173 @@
-"""Shaders that also write down what they got: an author's text with another ending.
+"""Fragment inputs as GLSL declares them: blocks, structs, arrays and matrices, piece by piece.
 
-Names that the lab adds start with `shaderlab_`, so that they can't meet an author's.
+An interface names an input as a driver reports it: "VS_OUT.FragPos" by its block's name, whatever
+the instance is called. A shader's text has to be read for what the interface leaves out: the
+instance's name, and the declarations that a vertex stage must repeat to the letter.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence, Sized
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
-from shaderlab.compiler.interface import Variable
+import numpy as np
+
+from shaderlab.compiler.reflection import Interface, Variable
+from shaderlab.compiler.text import without_comments
 from shaderlab.errors import UnsupportedError
+from shaderlab.model.frame import Array
 
-from .varyings import Declared, Piece, elements, pieces
+from .textures import components_of, numpy_type
+
+_BLOCK = re.compile(
+    r"\b(?P<direction>in|out)\s+(\w+)\s*\{([^{}]*)\}\s*(\w*)\s*((?:\[[^\]]*\]\s*)*);"
+)
+_STRUCT = re.compile(r"\bstruct\s+(\w+)\s*\{[^{}]*\}\s*;")
+_INPUT = re.compile(
+    r"^[ \t]*(?:(flat|smooth|noperspective)[ \t]+)?in[ \t]+"
+    r"(float|u?int|[iu]?vec[234]|mat[234](?:x[234])?)[ \t]+(\w+)[ \t]*;",
+    re.MULTILINE,
+)
+_IN = re.compile(r"\bin\b")
+_QUALIFIERS = r"(?:layout\s*\([^)]*\)\s*|flat\s+|smooth\s+|noperspective\s+|centroid\s+|sample\s+)*"
+
+
+@dataclass(frozen=True)
+class Block:
+    """A block of inputs in a shader's text; `instance` is "" where members are named alone."""
+
+    name: str
+    body: str
+    instance: str
+    array: str
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """The members' names."""
+        return tuple(re.findall(r"\b([A-Za-z_]\w*)\s*(?:\[[^\]]*\]\s*)*[;,]", self.body))
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A scalar or a vector out of an input: what one attachment or one attribute holds.
+
+    Attributes:
+        name: the input (or element of one) that it is part of.
+        path: how it goes on from there in GLSL: "" or a matrix' column, "[2]".
+        type: its GLSL type.
+    """
+
+    name: str
+    path: str
+    type: str
+
+
+class Declared:
+    """The input declarations in a fragment shader's text (after includes); with "out" for a
+    direction, a vertex or geometry shader's outputs."""
+
+    def __init__(self, text: str, direction: str = "in") -> None:
+        self._text = without_comments(text)
+        found = _BLOCK.findall(self._text)
+        self.blocks = {b[1]: Block(*b[1:]) for b in found if b[0] == direction}
+
+    def spelt(self, name: str) -> str:
+        """An input as the shader itself writes it: a block's name becomes its instance's.
+
+        >>> Declared("in VS_OUT { vec3 FragPos; } fs_in;").spelt("VS_OUT.FragPos")
+        'fs_in.FragPos'
+        """
+        head, rest = re.fullmatch(r"(\w*)(.*)", name).groups()  # type: ignore[union-attr]
+        block = self.blocks.get(head) if "." in name else None
+        return name if block is None else block.instance + rest
+
+    def block_of(self, name: str) -> Block | None:
+        """The block that an input is a member of."""
+        head = name.partition(".")[0].partition("[")[0]
+        if "." in name and head in self.blocks:
+            return self.blocks[head]
+        return next((b for b in self.blocks.values() if not b.instance and head in b.members), None)
+
+    def struct_of(self, name: str) -> tuple[str, str]:
+        """The struct that an input like "surface.normal" is declared with: its type's name, and
+        the array part of the declaration.
+
+        Raises:
+            UnsupportedError: the declaration can't be found.
+        """
+        head = re.escape(name.partition(".")[0].partition("[")[0])
+        found = re.search(rf"\bin\s+(\w+)\s+{head}\s*((?:\[[^\]]*\]\s*)*);", self._text)
+        if found is None:
+            raise UnsupportedError(
+                f"the declaration of the input {name!r} can't be read",
+                remedy="declare it on its own (in Type name;), or draw a mesh",
+            )
+        return found.group(1), found.group(2)
+
+    def structs(self) -> list[str]:
+        """All struct declarations, as written."""
+        return [found.group(0) for found in _STRUCT.finditer(self._text)]
+
+    def plain_inputs(self) -> tuple[Variable, ...] | None:
+        """The inputs, if each is written in a line of its own and none is an array or a member.
+        What macros and `#if` make of them is not known.
+
+        >>> [(v.name, v.type) for v in Declared("in vec2 uv;\\nflat in int id;").plain_inputs()]
+        [('uv', 'vec2'), ('id', 'int')]
+        """
+        found = _INPUT.findall(self._text)
+        if len(found) != len(_IN.findall(self._text)):
+            return None
+        return tuple(Variable(name=n, type=t, interpolation=i or "smooth") for i, t, n in found)
+
+    def qualifiers(self, name: str) -> str:
+        """What stands before `in` in the declaration of a plain input: `flat`, `centroid`, …"""
+        found = re.search(rf"({_QUALIFIERS})in\s+\w+\s+[^;]*\b{re.escape(name)}\b", self._text)
+        return found.group(1) if found else ""
+
+
+def elements(variables: Iterable[Variable]) -> Iterator[Variable]:
+    """The variables with each array's elements one by one: "v[0]", "v[1]", …"""
+    for variable in variables:
+        if variable.array is None:
+            yield variable
+        for index in range(variable.array or 0):
+            yield replace(variable, name=f"{variable.name}[{index}]", array=None)
+
+
+def pieces(variable: Variable) -> Iterator[Piece]:
+    """A variable that is no array, as vectors: itself, or a matrix' columns.
+
+    >>> from shaderlab.compiler.reflection import Variable
+    >>> [piece.path + piece.type for piece in pieces(Variable(name="m", type="mat2x3"))]
+    ['[0]vec3', '[1]vec3']
+    """
+    if variable.type.startswith("d"):
+        raise UnsupportedError(
+            f"capturing {variable.name!r}: {variable.type} between stages",
+            remedy="pass it on in single precision",
+        )
+    if not variable.type.startswith("mat"):
+        yield Piece(variable.name, "", variable.type)
+        return
+    columns, _, rows = variable.type[3:].partition("x")
+    for column in range(int(columns)):
+        yield Piece(variable.name, f"[{column}]", f"vec{rows or columns}")
+
+
+def assembled(parts: Mapping[Piece, Array]) -> dict[str, Array]:
+    """The inputs by name: vectors (…, components), and matrices (…, rows, columns)."""
+    found: dict[str, list[Array]] = {}
+    for piece, values in parts.items():
+        found.setdefault(piece.name, []).append(values)
+    matrices = {piece.name for piece in parts if piece.path}
+    return {
+        name: np.stack(columns, axis=-1) if name in matrices else columns[0]
+        for name, columns in found.items()
+    }
+
 
 PREFIX = "shaderlab_"
 COORD = PREFIX + "coord"
@@ -241,3 +397,263 @@ def _padded_value(piece: Piece, shader: Declared) -> str:
     if piece.name == "gl_FrontFacing":
         value = "gl_FrontFacing ? 1.0 : 0.0"  # as an integer it is 0 on softpipe, in front too
     return f"{padded_type(piece)}({value}{', 0' * (4 - size)})"
+
+
+BLOCK = PREFIX + "Stored"
+"""The storage block: of each vertex a word, 1 where it came out, and the words of its pieces."""
+PER_INSTANCE = PREFIX + "per_instance"
+"""The uniform that says how many vertices an instance has room for (int)."""
+_EXTENSIONS = ("GL_ARB_shader_storage_buffer_object", "GL_ARB_shader_bit_encoding")
+_EMITTED = "    EmitVertex();\n}\n#define EmitVertex"
+_WORDS = {"f": "floatBitsToUint({})", "v": "floatBitsToUint({})", "i": "uint({})", "u": "{}"}
+_FRAGMENT = "#version 330 core\nvoid main() {}\n"
+_SIZE = PREFIX + "point_size"
+
+
+def words_of(parts: Sequence[Piece]) -> int:
+    """How many words a vertex takes."""
+    return 1 + sum(components_of(piece.type) for piece in parts)
+
+
+def storing(texts: Mapping[str, str], parts: Sequence[Piece], most: int) -> dict[str, str]:
+    """A program whose last stage before rasterisation stores these pieces of each vertex.
+
+    A vertex stage stores vertex v of instance i in place i · PER_INSTANCE + v. A geometry stage, as
+    `stages.counting_geometry` makes it, stores vertex k of primitive p in place
+    i · PER_INSTANCE + p · `most` + k.
+
+    Args:
+        texts: of the vertex stage, and of the geometry stage if there is one.
+        parts: what is stored.
+        most: how many vertices a geometry stage may emit of a primitive.
+    """
+    last = "geometry" if "geometry" in texts else "vertex"
+    text = _extended(texts[last])
+    stored = list(_stores(parts, Declared(texts[last], "out")))
+    size = ["    gl_PointSize = 1.0;"] if last == "vertex" or emits_points(texts) else []
+    if last == "vertex":
+        place = f"gl_InstanceID * {PER_INSTANCE} + gl_VertexID"
+        written = [_at(place, parts), *stored, *size]
+        return {"vertex": with_ending(text, _declared(), written), "fragment": _FRAGMENT}
+    instance, primitive, index = EMITTED.values()
+    place = f"{instance} * {PER_INSTANCE} + {primitive} * {most} + {index}"
+    # What is stored is declared further down than what emits.
+    before, mark, after = text.partition(_EMITTED)
+    head, _, body = before.rpartition(f"void {PREFIX}emit() {{")
+    assert mark, "a geometry stage that counts"
+    body = "\n".join([body.rstrip("\n"), f"    {PREFIX}store();", *size, ""])
+    emitting = f"{head}void {PREFIX}store();\nvoid {PREFIX}emit() {{{body}{mark}"
+    lines = [*_declared(), f"void {PREFIX}store() {{", _at(place, parts), *stored, "}", ""]
+    return {
+        "vertex": texts["vertex"],
+        "geometry": "\n".join([emitting + after, *lines]),
+        "fragment": _FRAGMENT,
+    }
+
+
+def restored(parts: Sequence[Piece], words: Array) -> dict[Piece, Array]:
+    """The pieces of each vertex that came out, (vertices, components), of the words (uint32)."""
+    sizes = [components_of(piece.type) for piece in parts]
+    rows = words.reshape(-1, words_of(parts))
+    rows = rows[rows[:, 0] == 1, 1:]
+    columns = np.split(rows, np.cumsum(sizes)[:-1], axis=1)
+    return {
+        piece: np.ascontiguousarray(part).view(numpy_type(piece.type))
+        for piece, part in zip(parts, columns, strict=True)
+    }
+
+
+def _declared() -> list[str]:
+    block = f"layout(std430) buffer {BLOCK} {{ uint {PREFIX}words[]; }};"
+    return [block, f"uniform int {PER_INSTANCE};"]
+
+
+def _at(place: str, parts: Sequence[Piece]) -> str:
+    return f"    uint at = uint({place}) * {words_of(parts)}u; {PREFIX}words[at] = 1u;"
+
+
+def _extended(text: str) -> str:
+    """The text with the extensions that storing takes, after its #version; a point's size is a
+    variable of its own, which can be read."""
+    version = VERSION.search(text)
+    end = 0 if version is None else version.end()
+    lines = "".join(f"\n#extension {name} : enable" for name in _EXTENSIONS)
+    body = re.sub(r"\bgl_PointSize\b", _SIZE, text[end:])
+    return f"{text[:end]}{lines}\nfloat {_SIZE};{body}"
+
+
+def _stores(parts: Sequence[Piece], shader: Declared) -> Iterator[str]:
+    at = 1
+    for piece in parts:
+        name = _SIZE if piece.name == "gl_PointSize" else shader.spelt(piece.name)
+        count = components_of(piece.type)
+        for component in range(count):
+            one = f"{name}{piece.path}" + (f"[{component}]" if count > 1 else "")
+            yield f"    {PREFIX}words[at + {at}u] = {_WORDS[piece.type[0]].format(one)};"
+            at += 1
+
+
+_LEVELS = (
+    *(f"gl_TessLevelOuter[{n}]" for n in range(4)),
+    *(f"gl_TessLevelInner[{n}]" for n in range(2)),
+)
+# Of the 128 components that an evaluation stage may have for outputs at least (OpenGL 4.5, table
+# 23.57), what is left to the author's own.
+_ROOM = 64
+
+
+def primitive(text: str) -> str:
+    """What an evaluation shader's patches are divided into: "points", "lines" or "triangles".
+
+    >>> primitive("layout (quads, equal_spacing) in;")
+    'triangles'
+    """
+    inputs = " ".join(re.findall(r"\blayout\s*\(([^)]*)\)\s*in\s*;", without_comments(text)))
+    if re.search(r"\bpoint_mode\b", inputs):
+        return "points"
+    return "lines" if re.search(r"\bisolines\b", inputs) else "triangles"
+
+
+def controlled(interface: Interface) -> Iterator[Piece]:
+    """What a control stage makes of a patch, as the evaluation stage calls it: the levels, and what
+    it gives of each vertex and of the whole."""
+    yield from (Piece(name, "", "float") for name in _LEVELS)
+    count = interface.patch_vertices
+    yield from (Piece(f"gl_in[{n}].gl_Position", "", "vec4") for n in range(count))
+    for variable in elements(interface.evaluation_inputs.values()):
+        vertex = re.match(r"\w+\[(\d+)\]", variable.name)
+        if variable.patch or vertex is None or int(vertex.group(1)) < count:
+            yield from pieces(variable)
+
+
+def groups(interface: Interface) -> Iterator[list[Piece]]:
+    """All that an evaluation shader gets, in groups that are passed on at once: where it is in
+    which patch, and what the control stage made of that."""
+    group = [Piece("gl_TessCoord", "", "vec3"), Piece("gl_PrimitiveID", "", "int")]
+    room = _ROOM - 4
+    for piece in controlled(interface):
+        size = components_of(piece.type)
+        if size > room:
+            yield group
+            group, room = [], _ROOM
+        group.append(piece)
+        room -= size
+    yield group
+
+
+def copying(text: str, group: Sequence[Piece]) -> tuple[str, Mapping[Piece, Piece]]:
+    """An evaluation shader that also passes on some of its inputs, and the output that each is."""
+    shader = Declared(text)
+    copies = {
+        piece: Piece(f"{PREFIX}in{number}", "", piece.type) for number, piece in enumerate(group)
+    }
+    flat = {"i": "flat ", "u": "flat "}
+    declared = [f"{flat.get(c.type[0], '')}out {c.type} {c.name};" for c in copies.values()]
+    written = [f"    {c.name} = {shader.spelt(p.name)}{p.path};" for p, c in copies.items()]
+    return with_ending(text, declared, written), copies
+
+
+def domain_vertex(text: str, inputs: Iterable[Variable]) -> str:
+    """A vertex stage for one screen-filling triangle, feeding `inputs` as linear ramps.
+
+    Each input takes three uniforms: shaderlab_NAME_origin, _dx and _dy; those of members of a
+    block or a struct are members of one themselves (shaderlab_VS_OUT.FragPos_origin).
+
+    Args:
+        text: the fragment shader.
+        inputs: what it reads.
+
+    Raises:
+        UnsupportedError: an input is an array.
+    """
+    variables, shader = sorted(inputs, key=lambda variable: variable.name), Declared(text)
+    written = []
+    ramps: dict[str, list[str]] = {}
+    for variable in variables:
+        name, kind = variable.name, variable.type
+        if variable.array is not None or "[" in name or name.count(".") > 1:
+            raise UnsupportedError(
+                f"a domain for {name!r}, an input that is an array or lies deeper than one struct",
+                remedy="draw a mesh with a vertex shader of your own",
+            )
+        owner, dot, own = name.rpartition(".")
+        integer = kind[0] in "iu"
+        parts = ("origin",) if integer else ("origin", "dx", "dy")
+        ramps.setdefault(owner, []).extend(f"{kind} {own}_{part};" for part in parts)
+        origin, *steps = (f"{PREFIX}{owner}{dot}{own}_{part}" for part in parts)
+        value = origin if integer else f"{origin} + st.x * {steps[0]} + st.y * {steps[1]}"
+        written.append(f"    {_given(name, shader)} = {value};")
+    declared = _outputs(shader, variables)
+    for owner, members in ramps.items():
+        if not owner:
+            declared += [f"uniform {m.replace(' ', f' {PREFIX}', 1)}" for m in members]
+            continue
+        declared.append(f"struct {PREFIX}ramps_{owner} {{ {' '.join(members)} }};")
+        declared.append(f"uniform {PREFIX}ramps_{owner} {PREFIX}{owner};")
+    body = [
+        "void main() {",
+        "    vec2 st = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;",
+        *written,
+        "    gl_Position = vec4(st * 2.0 - 1.0, 0.0, 1.0);",
+        "}",
+    ]
+    return "\n".join([version_line(text), *declared, *body, ""])
+
+
+@lru_cache(maxsize=256)
+def probe_vertex(text: str, inputs: tuple[Variable, ...]) -> tuple[str, Mapping[Piece, str]]:
+    """A vertex stage that puts vertex i on pixel i of a row-by-row target, feeding `inputs` from
+    attributes: a point has one vertex, so nothing is interpolated.
+
+    Returns:
+        Its text, and the attribute of each piece.
+    """
+    shader = Declared(text)
+    parts = [piece for variable in elements(inputs) for piece in pieces(variable)]
+    attributes = {piece: f"{PREFIX}in{i}" for i, piece in enumerate(parts)}
+    declared = ["uniform ivec2 shaderlab_size;"]
+    declared += [f"in {piece.type} {name};" for piece, name in attributes.items()]
+    declared += _outputs(shader, inputs)
+    body = [
+        "void main() {",
+        *(f"    {_given(p.name, shader)}{p.path} = {name};" for p, name in attributes.items()),
+        "    vec2 pixel = vec2(gl_VertexID % shaderlab_size.x, gl_VertexID / shaderlab_size.x);",
+        "    gl_Position = vec4((pixel + 0.5) / vec2(shaderlab_size) * 2.0 - 1.0, 0.0, 1.0);",
+        "    gl_PointSize = 1.0;",
+        "}",
+    ]
+    return "\n".join([version_line(text), *declared, *body, ""]), attributes
+
+
+def _outputs(shader: Declared, variables: Sequence[Variable]) -> list[str]:
+    """Declarations of outputs that fit a fragment shader's inputs; blocks and structs to the
+    letter, as the stages must agree on them."""
+    lines: dict[str, None] = {}
+    for variable in variables:
+        name = variable.name
+        block = shader.block_of(name)
+        if block is not None:
+            own = f"{PREFIX}to_{block.name}" if block.instance else ""
+            lines[f"out {block.name} {{{block.body}}} {own}{block.array};"] = None
+        elif "." in name:
+            head = name.partition(".")[0].partition("[")[0]
+            kind, array = shader.struct_of(name)
+            lines[f"{shader.qualifiers(head)}out {kind} {head}{array};"] = None
+        else:
+            array = "" if variable.array is None else f"[{variable.array}]"
+            own = "" if variable.interpolation == "smooth" else f"{variable.interpolation} "
+            lines[f"{shader.qualifiers(name) or own}out {variable.type} {name}{array};"] = None
+    structs = shader.structs() if any("." in v.name for v in variables) else []
+    return [*structs, *lines]
+
+
+def _given(name: str, shader: Declared) -> str:
+    """An input's name in the vertex stage that `_outputs` declares it in."""
+    block = shader.block_of(name)
+    return f"{PREFIX}to_{name}" if block is not None and block.instance else name
+
+
+def version_line(text: str) -> str:
+    """A shader's own #version line, or the oldest that generated stages can be written in."""
+    found = VERSION.search(text)
+    return found.group(0).strip() if found else "#version 330 core"

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab.compiler.interface import Block, Interface, Member, Variable
+from shaderlab.compiler.reflection import Block, Interface, Member, Variable
 from shaderlab.errors import CaseError, UnsupportedError
 from shaderlab.model.frame import Array, Bindings, Fragments, Image
 from shaderlab.model.scene import BufferValue, Draw
 from shaderlab.model.textures import Output
 
-from . import bind, blocks, formats, images as stored_images
+from . import bind, blocks, images, textures
 from .textures import Images, find_image
 
 INVOCATION = "gl_GlobalInvocationID"
@@ -63,7 +63,7 @@ def slots(interface: Interface) -> dict[str, Slot]:
         for name, block in storage_blocks(interface).items()
         for member in block.members.values()
     ]
-    names = [*(own for _, own, _ in found), *stored_images.declared(interface)]
+    names = [*(own for _, own, _ in found), *images.declared(interface)]
     spelt = {
         (block, own): own if names.count(own) == 1 else f"{block}.{own}" for block, own, _ in found
     }
@@ -82,7 +82,7 @@ def outputs(interface: Interface) -> dict[str, Variable]:
     """The images and the members of blocks that a program may write, by name."""
     known = slots(interface).values()
     members = {slot.name: slot.variable for slot in known if not slot.member.readonly}
-    return {**stored_images.outputs(interface), **members}
+    return {**images.outputs(interface), **members}
 
 
 def bound(
@@ -122,7 +122,7 @@ def bound(
     return replace(
         bindings,
         buffers=exact,
-        images=stored_images.bound(draw, interface, folder, images),
+        images=images.bound(draw, interface, folder, images),
         decimal={**bindings.decimal, **decimal},
         arrays=bindings.arrays | arrays,
     )
@@ -141,7 +141,7 @@ def require_supported(draw: Draw, interface: Interface) -> None:
                 f"{draw.compute}: {name} is an atomic_uint",
                 remedy="declare a uint in a buffer block instead, or an r32ui image",
             )
-    stored_images.require_supported(draw, interface)
+    images.require_supported(draw, interface)
     for name, block in storage_blocks(interface).items():
         if block.array is not None:
             raise UnsupportedError(f"{draw.compute}: {name} is an array of storage blocks")
@@ -176,8 +176,8 @@ def _values(slot: Slot, value: BufferValue, images: Images) -> tuple[Array, Arra
 
 def _left(variable: Variable, image: Image, source: Output) -> Array:
     """What an earlier pass left, in the shape that a member takes."""
-    shape = formats.shape_of(variable.type)
-    wanted, found = np.dtype(formats.numpy_type(variable.type)), image.values.dtype
+    shape = textures.shape_of(variable.type)
+    wanted, found = np.dtype(textures.numpy_type(variable.type)), image.values.dtype
     if image.values.shape[-1] != shape[0] or found != wanted:
         raise CaseError(
             f"buffer {variable.name!r} is {variable.type}, but {source.path} has "
@@ -224,7 +224,7 @@ def image_of(slot: Slot, values: Array) -> Image:
     if whole.ndim == 3:
         whole = whole.swapaxes(1, 2).reshape(-1, whole.shape[1])
     kind = f"{letter}vec{whole.shape[1]}" if whole.shape[1] > 1 else slot.member.type
-    return Image(np.ascontiguousarray(whole[None]), formats.for_output(kind))
+    return Image(np.ascontiguousarray(whole[None]), textures.for_output(kind))
 
 
 def captured(draw: Draw, interface: Interface, bindings: Bindings) -> Fragments:

@@ -1,7 +1,12 @@
-"""Textures before any device: the values that are uploaded, and the samplers that may read them."""
+"""Formats of attachments and textures, and GLSL types, as NumPy has them.
+
+Source: OpenGL 4.5 core profile specification, tables 8.10 to 8.13 (sized internal formats).
+"""
 
 from __future__ import annotations
 
+import math
+import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +15,14 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from shaderlab.compiler.interface import Variable
-from shaderlab.errors import CaseError, nearest
+from shaderlab.compiler.reflection import Variable
+from shaderlab.errors import AssetError, CaseError, nearest
+from shaderlab.files import read_regular
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.textures import (
+    BLOCK_BYTES,
+    DEPTH_FORMATS,
+    CompressedTexture,
     CubeTexture,
     Output,
     Texture,
@@ -23,7 +32,174 @@ from shaderlab.model.textures import (
     level_sizes,
 )
 
-from .formats import format_of
+
+@dataclass(frozen=True)
+class Format:
+    """`components` numbers of the type `numpy` a texel; unsigned bytes are codes for 0…1."""
+
+    components: int
+    numpy: Any
+    stencil: bool = False
+
+    @property
+    def integer(self) -> bool:
+        """Whether shaders write plain integers to it."""
+        return self.numpy in (np.int32, np.uint32)
+
+    @property
+    def scalar(self) -> str:
+        """The letter that a sampler of such a texture begins with: "", "i" or "u"."""
+        return np.dtype(self.numpy).kind if self.integer else ""
+
+
+_CHANNELS = {"r": 1, "rg": 2, "rgb": 3, "rgba": 4}
+_NUMBERS = {"8": np.uint8, "16f": np.float16, "32f": np.float32, "32i": np.int32, "32ui": np.uint32}
+COLOR = {
+    f"{channels}{numbers}": Format(count, kind)
+    for channels, count in _CHANNELS.items()
+    for numbers, kind in _NUMBERS.items()
+} | {"srgb8_alpha8": Format(4, np.uint8)}
+
+# Depths are uploaded and read as floats, whatever their format.
+DEPTH = {word: Format(1, np.float32, stencil="stencil" in word) for word in DEPTH_FORMATS}
+
+
+def format_of(word: str) -> Format:
+    """A colour or depth format by its name."""
+    return DEPTH[word] if word in DEPTH else COLOR[word]
+
+
+def for_output(glsl_type: str) -> str:
+    """The 32-bit format that holds a fragment output of this GLSL type without loss.
+
+    There is no renderable three-component format, so a vec3 takes four.
+
+    >>> for_output("float"), for_output("vec3"), for_output("uvec2")
+    ('r32f', 'rgba32f', 'rg32ui')
+    """
+    channels = {1: "r", 2: "rg", 3: "rgba", 4: "rgba"}[components_of(glsl_type)]
+    return f"{channels}32" + {"i": "i", "u": "ui"}.get(glsl_type[0], "f")
+
+
+def components_of(glsl_type: str) -> int:
+    """Number of components of a GLSL scalar, vector or matrix type.
+
+    >>> components_of("vec3"), components_of("float"), components_of("mat3")
+    (3, 1, 9)
+    """
+    return math.prod(shape_of(glsl_type))
+
+
+def shape_of(glsl_type: str) -> tuple[int, ...]:
+    """The array shape of one value of a GLSL type.
+
+    >>> shape_of("float"), shape_of("vec3"), shape_of("mat4"), shape_of("mat2x3")
+    ((1,), (3,), (4, 4), (3, 2))
+    """
+    if "mat" in glsl_type:
+        columns, _, rows = glsl_type.partition("mat")[2].partition("x")
+        return int(rows or columns), int(columns)
+    return (int(glsl_type[-1]) if glsl_type[-1].isdigit() else 1,)
+
+
+def numpy_type(glsl_type: str) -> Any:
+    """The NumPy type a uniform or attribute of this GLSL type is uploaded as."""
+    letters = {"i": np.int32, "b": np.int32, "u": np.uint32, "d": np.float64}
+    return letters.get(glsl_type[0], np.float32)
+
+
+_HEADER, _EXTENDED = 128, 20
+_FOUR_CC = {b"DXT1": "bc1", b"DXT5": "bc3"}
+_DXGI = {71: "bc1", 77: "bc3", 98: "bc7"}
+_KNOWN = "DXT1, DXT5, and of DX10 files BC1, BC3 and BC7 (UNORM)"
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """A compressed image: its format, size (width, height) and the bytes of each level."""
+
+    format: str
+    size: tuple[int, int]
+    levels: tuple[bytes, ...]
+
+
+def level_bytes(format: str, size: tuple[int, int]) -> int:
+    """How many bytes a level takes: its blocks, those at the edges whole.
+
+    >>> level_bytes("bc1", (8, 8)), level_bytes("bc7", (5, 1))
+    (32, 32)
+    """
+    width, height = size
+    return -(-width // 4) * -(-height // 4) * BLOCK_BYTES[format]
+
+
+def read_dds(path: Path) -> Blocks:
+    """The blocks of a two-dimensional DDS file.
+
+    Raises:
+        AssetError: there is no such file, it is no DDS file, it is cut short, or its format is
+            none of those known here.
+    """
+    try:
+        data = read_regular(path)
+    except OSError as error:
+        raise AssetError(f"can't read it ({error.strerror})", file=str(path)) from error
+    if len(data) < _HEADER or data[:4] != b"DDS ":
+        raise AssetError("this is no DDS file", file=str(path), remedy="it must begin with 'DDS '")
+    height, width, count = struct.unpack_from("<2I8xI", data, 12)
+    code = data[84:88]
+    start, format = _HEADER, _FOUR_CC.get(code)
+    if code == b"DX10" and len(data) >= _HEADER + _EXTENDED:
+        (number,) = struct.unpack_from("<I", data, _HEADER)
+        start, format = _HEADER + _EXTENDED, _DXGI.get(number)
+        code = b"DXGI format %d" % number
+    if format is None:
+        said = code.decode("ascii", "replace").strip("\0") or "no compression"
+        raise AssetError(f"a DDS file of {said}", file=str(path), remedy=f"known are {_KNOWN}")
+    if not (1 <= width <= 16384 and 1 <= height <= 16384):
+        raise AssetError(f"a DDS file of {width} × {height} texels", file=str(path))
+    sizes = level_sizes(width, height)[: max(count, 1)]
+    levels = []
+    for number, size in enumerate(sizes):
+        length = level_bytes(format, size)
+        if start + length > len(data):
+            raise AssetError(
+                f"it is cut short: level {number} of {len(sizes)} needs {length} bytes, "
+                f"there are {max(len(data) - start, 0)}",
+                file=str(path),
+            )
+        levels.append(data[start : start + length])
+        start += length
+    return Blocks(format, (width, height), tuple(levels))
+
+
+def blocks_of(source: CompressedTexture, folder: Path) -> Blocks:
+    """The blocks of a texture, from its file or as it gives them.
+
+    Raises:
+        CaseError: a level has another number of bytes than its size asks for.
+        AssetError: the file can't be read; see `read_dds`.
+    """
+    if source.file is not None:
+        blocks = read_dds(folder / source.file)
+    else:
+        given = source.blocks() if callable(source.blocks) else source.blocks
+        blocks = Blocks(source.format, source.size, tuple(given))
+    sizes = level_sizes(*blocks.size)
+    if len(blocks.levels) > len(sizes):
+        raise CaseError(
+            f"CompressedTexture: {len(blocks.levels)} levels, but {blocks.size[0]} × "
+            f"{blocks.size[1]} has {len(sizes)}"
+        )
+    for number, data in enumerate(blocks.levels):
+        wanted = level_bytes(blocks.format, sizes[number])
+        if len(data) != wanted:
+            raise CaseError(
+                f"CompressedTexture: level {number} of {blocks.format}, {sizes[number][0]} × "
+                f"{sizes[number][1]}, takes {wanted} bytes, not {len(data)}"
+            )
+    return blocks
+
 
 MADE = 20 << 20
 """Bytes of what functions made that are kept for the next scenes, the last used of it."""

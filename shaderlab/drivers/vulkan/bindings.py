@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.interface import Variable
+from shaderlab.compiler.reflection import Variable
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.scene import Target
@@ -24,11 +24,9 @@ from shaderlab.model.textures import (
 
 from .. import Size
 from ..passes import COVERING, UNREADABLE
-from ..programs.compressed import blocks_of
-from ..programs.formats import DEPTH, format_of
-from ..programs.textures import contents, find_image, kind_of
+from ..programs.textures import DEPTH, blocks_of, contents, find_image, format_of, kind_of
 from ..scene_textures import DeviceTexels, SceneTextures
-from . import state as fixed
+from . import state
 from .api import NULL, Structs, lib
 from .device import Commands, Device, Resources, recording
 from .images import (
@@ -64,7 +62,7 @@ class Ready:
     def record(self, commands: Commands, size: Size) -> None:
         """Record the draw, between a target's `begin` and its `end`."""
         structs, handle = commands.structs, commands.handle
-        box, scissor = fixed.viewport(self.state, size)
+        box, scissor = state.viewport(self.state, size)
         near, far = self.state.depth_range
         lib.vkCmdBindPipeline(handle, _GRAPHICS, self.program.pipeline(self.layout))
         lib.vkCmdSetViewport(handle, 0, 1, structs(

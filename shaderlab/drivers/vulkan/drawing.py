@@ -9,8 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab.compiler.interface import Variable
-from shaderlab.compiler.module import parse
+from shaderlab.compiler.reflection import Variable, parse
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.case import Scene
@@ -20,12 +19,11 @@ from shaderlab.model.state import State
 
 from .. import Evaluation, Size
 from ..passes import COVERING, RedrawingSession
-from ..programs import blocks, storing
+from ..programs import blocks, stages
 from ..programs.module_texts import HEIGHT, as_drawn, sources_of
 from ..programs.prepare import PreparedDraw, Programs
-from ..programs.varyings import Piece
-from ..programs.vertices import corners
-from . import state as fixed
+from ..programs.stages import Piece
+from ..programs.vertex_capture import corners
 from .api import Structs
 from .bindings import BoundTextures, Ready
 from .device import Buffer, Commands, Device, Resources, recording
@@ -116,7 +114,7 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
         layout = Layout(
             layout_of(description.mesh, program.attributes),
             tuple(target.formats(locations, srgb=state.srgb).items()),
-            target.depth, target.samples, fixed.in_pipeline(state),
+            target.depth, target.samples, state.in_pipeline(state),
         )  # fmt: skip
         values = {**bindings.uniforms, HEIGHT: np.array([target.size[1]], np.float32)}
         return Ready(
@@ -246,9 +244,9 @@ def vertex_outputs(
         module = parse(modules_of(sources_of(draw.texts, draw.sources))["geometry"])
         most = module.modes[_OUTPUT_VERTICES][0]
         each = most * len(corners(mesh))
-    program = storing.storing(texts, parts, most)
-    words = storing.words_of(parts) * each * draw.draw.instances
-    own = {storing.PER_INSTANCE: np.array([each], np.int32)}
+    program = stages.storing(texts, parts, most)
+    words = stages.words_of(parts) * each * draw.draw.instances
+    own = {stages.PER_INSTANCE: np.array([each], np.int32)}
     given = replace(bindings, uniforms={**bindings.uniforms, **own})
     with (
         Resources(drawing.device) as resources,
@@ -256,10 +254,10 @@ def vertex_outputs(
     ):
         buffer = resources.buffer("storage_buffer", size=4 * words)
         ready = drawing.ready(
-            resources, draw, given, target, texts=program, stored={storing.BLOCK: buffer}
+            resources, draw, given, target, texts=program, stored={stages.BLOCK: buffer}
         )
         with recording(drawing.device) as commands:
             target.begin(commands, {})
             ready.record(commands, target.size)
             target.end(commands)
-        return storing.restored(parts, buffer.bytes[: 4 * words].copy().view(np.uint32))
+        return stages.restored(parts, buffer.bytes[: 4 * words].copy().view(np.uint32))

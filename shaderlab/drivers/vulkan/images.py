@@ -13,7 +13,7 @@ from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, leading
 from shaderlab.model.textures import level_sizes
 
-from ..programs.formats import DEPTH, format_of
+from ..programs.textures import DEPTH, format_of
 from .api import Structs, constant, ffi, lib
 from .device import GENERAL, Commands, Device, Resources, recording
 

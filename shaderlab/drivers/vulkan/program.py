@@ -16,13 +16,20 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.interface import Block, Variable
-from shaderlab.compiler.interstage import interface_name
-from shaderlab.compiler.module import Decoration, Module, Storage, parse
-from shaderlab.compiler.reflection import reflect
+from shaderlab.compiler.reflection import (
+    Block,
+    Decoration,
+    Module,
+    Storage,
+    Variable,
+    own_variables,
+    parse,
+    reflect,
+    stage_variables,
+    unwrap,
+)
 from shaderlab.compiler.sources import Source
-from shaderlab.compiler.types import unwrap
-from shaderlab.compiler.variables import own_variables, stage_variables
+from shaderlab.compiler.verdicts import interface_name
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array
@@ -31,7 +38,7 @@ from shaderlab.model.state import State
 from ..passes import ProgramCache
 from ..programs import blocks
 from ..programs.module_texts import compiled_to_modules, counted_as_declared, numbered, sources_of
-from . import state as fixed
+from . import state
 from .api import NULL, Structs, check, ffi, lib
 from .device import GENERAL, Buffer, Device, Resources
 from .images import STENCIL_ASPECT, aspects, vulkan_format
@@ -346,10 +353,10 @@ class Program:
             pViewportState=structs(
                 "PipelineViewportStateCreateInfo", pNext=clip, viewportCount=1, scissorCount=1
             ),
-            pRasterizationState=fixed.rasterisation(structs, device, layout.state),
-            pMultisampleState=fixed.multisampling(structs, device, layout.state, layout.samples),
-            pDepthStencilState=fixed.depth_and_stencil(structs, layout.state),
-            pColorBlendState=fixed.blending(structs, layout.state, colors, count),
+            pRasterizationState=state.rasterisation(structs, device, layout.state),
+            pMultisampleState=state.multisampling(structs, device, layout.state, layout.samples),
+            pDepthStencilState=state.depth_and_stencil(structs, layout.state),
+            pColorBlendState=state.blending(structs, layout.state, colors, count),
             pDynamicState=structs(
                 "PipelineDynamicStateCreateInfo", dynamicStateCount=2,
                 pDynamicStates=[_VIEWPORT, _SCISSOR],

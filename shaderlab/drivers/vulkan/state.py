@@ -22,7 +22,7 @@ from shaderlab.model.state import (
     Stencil,
 )
 
-from ..programs.formats import COLOR
+from ..programs.textures import COLOR
 from .api import Structs
 from .device import Device
 

@@ -12,7 +12,7 @@ from shaderlab.model.frame import Array, Image
 from shaderlab.model.scene import Target
 
 from ..passes import Attachments, of_several_samples
-from ..programs.formats import COLOR
+from ..programs.textures import COLOR
 from .api import lib
 from .device import GENERAL, Commands, Device, Resources, recording, samples_offered
 from .images import STENCIL_ASPECT, DeviceImage, aspects, new_image, new_view, read, stored_as

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.interface import Variable
+from shaderlab.compiler.reflection import Variable
 from shaderlab.model.frame import Array, AttributeReading
 from shaderlab.model.mesh import PRIMITIVES, Mesh
 
-from ..programs.formats import numpy_type
+from ..programs.textures import numpy_type
 from .api import Structs, constant, lib
 from .device import Buffer, Commands, Resources
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shaderlab.compiler.interface import Variable
+from shaderlab.compiler.reflection import Variable
 from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, AttributeReading, Bindings, PassDraw
@@ -19,11 +19,10 @@ from shaderlab.model.state import State
 from .. import Size
 from ..passes import RedrawingSession
 from ..programs import blocks, stages
-from ..programs.formats import components_of, numpy_type
 from ..programs.module_texts import HEIGHT, as_drawn
 from ..programs.prepare import PreparedDraw, Programs
-from ..programs.varyings import Piece
-from . import state as fixed
+from ..programs.stages import Piece
+from ..programs.textures import components_of, numpy_type
 from .device import Calls, Device, Object, Objects, decoded
 from .linking import Linker, Program
 from .target import BoundTextures, RenderTarget
@@ -147,12 +146,12 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
     ) -> None:
         state = fixed_state or draw.draw.state
         encodes = "srgb8_alpha8" in target.colors.values()
-        fixed.check(state, samples=target.samples, encodes=encodes)
+        state.check(state, samples=target.samples, encodes=encodes)
         program = self.linker.link(as_drawn(draw.draw, texts or draw.texts), draw.sources)
 
         def draw_to(vertices: VertexArray) -> None:
             target.bind(program.outputs(target.colors))
-            fixed.apply(self.device.gl, state, target.size)
+            state.apply(self.device.gl, state, target.size)
             vertices.draw(self.device.gl, draw.draw.instances)
 
         values = {HEIGHT: np.array([target.size[1]], np.float32)}

@@ -7,7 +7,7 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from shaderlab.compiler.interface import Interface
+from shaderlab.compiler.reflection import Interface
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.activity import doing

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.interface import Variable
+from shaderlab.compiler.reflection import Variable
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.activity import doing

@@ -8,16 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.interface import Variable
+from shaderlab.compiler.reflection import Variable
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.scene import Target
 from shaderlab.model.textures import CompressedTexture, Output, Sampling, TextureSource, level_sizes
 
 from ..passes import UNREADABLE, Attachments, of_several_samples
-from ..programs.compressed import blocks_of
-from ..programs.formats import COLOR, DEPTH
-from ..programs.textures import contents, find_image, kind_of
+from ..programs.textures import COLOR, DEPTH, blocks_of, contents, find_image, kind_of
 from ..scene_textures import DeviceTexels, SceneTextures
 from .device import Device, Object, Objects
 from .textures import (

@@ -15,7 +15,7 @@ from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.frame import Array
 
 from ..passes import COVERING
-from ..programs.formats import DEPTH, format_of
+from ..programs.textures import DEPTH, format_of
 from .device import Device, Object, Objects, decoded
 
 _CHANNELS = {1: "RED", 2: "RG", 3: "RGB", 4: "RGBA"}

@@ -11,7 +11,7 @@ from typing import Any
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Session
 from shaderlab.drivers.programs.prepare import Preparer, step
-from shaderlab.drivers.programs.vertices import vertex_outputs
+from shaderlab.drivers.programs.vertex_capture import vertex_outputs
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Judgement, Need, Programs, Read

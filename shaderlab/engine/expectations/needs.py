@@ -10,8 +10,7 @@ import numpy as np
 
 from shaderlab.drivers.programs.bind import declared, exact_inputs, value_arrays
 from shaderlab.drivers.programs.prepare import PreparedDraw
-from shaderlab.drivers.programs.stages import changes_inputs, may_keep_out
-from shaderlab.drivers.programs.varyings import elements
+from shaderlab.drivers.programs.stages import changes_inputs, elements, may_keep_out
 from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.model.activity import doing
 from shaderlab.model.expectation import Need, Programs

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.compiler.module import Op, Storage
+from shaderlab.compiler.reflection import Op, Storage
 
 from ..memory import Pointer, World, changed, fetch, known_index, part_type, spelt
 from ..program import Instruction
