@@ -190,7 +190,7 @@ def _lift(source: Source) -> tuple[Source, list[Diagnostic]]:
         opaque = [(m["type"], *own) for m in members for own in _declarators(m["names"])]
         for member in members:
             edits.append((*member.span(), re.sub(r"[^\n]", " ", member["all"])))
-        if not _MEMBER.sub("", struct["body"]).strip():
+        if not _MEMBER.sub("", declared["body"]).strip():
             edits.append((declared.end("body"), declared.end("body"), "float lifted;"))
         for uniform in uniforms:
             declared = ""
@@ -202,7 +202,7 @@ def _lift(source: Source) -> tuple[Source, list[Diagnostic]]:
                         edits.append((*use.span(), f"{variable}_{member_name}{use[1] or ''}"))
             edits.append((uniform.start(), uniform.start(), declared))
         line = code.count("\n", 0, declared.start()) + 1
-        name, lifted = struct["name"], ", ".join(own[1] for own in opaque)
+        name, lifted = declared["name"], ", ".join(own[1] for own in opaque)
         message = f"'{name}' : Vulkan has no samplers in structs; compiled with {lifted} lifted out"
         notes.append(source.diagnostic(message, line, severity="info", token=name))
     text = source.text

@@ -18,7 +18,7 @@ from shaderlab.model.frame import Array, Bindings, Fragments, Image
 from shaderlab.model.scene import BufferValue, Draw
 from shaderlab.model.textures import Output
 
-from . import bind, blocks, images, textures
+from . import bind, blocks, images as stored_images, textures
 from .textures import Images, find_image
 
 INVOCATION = "gl_GlobalInvocationID"
@@ -63,7 +63,7 @@ def slots(interface: Interface) -> dict[str, Slot]:
         for name, block in storage_blocks(interface).items()
         for member in block.members.values()
     ]
-    names = [*(own for _, own, _ in found), *images.declared(interface)]
+    names = [*(own for _, own, _ in found), *stored_images.declared(interface)]
     spelt = {
         (block, own): own if names.count(own) == 1 else f"{block}.{own}" for block, own, _ in found
     }
@@ -82,7 +82,7 @@ def outputs(interface: Interface) -> dict[str, Variable]:
     """The images and the members of blocks that a program may write, by name."""
     known = slots(interface).values()
     members = {slot.name: slot.variable for slot in known if not slot.member.readonly}
-    return {**images.outputs(interface), **members}
+    return {**stored_images.outputs(interface), **members}
 
 
 def bound(
@@ -122,7 +122,7 @@ def bound(
     return replace(
         bindings,
         buffers=exact,
-        images=images.bound(draw, interface, folder, images),
+        images=stored_images.bound(draw, interface, folder, images),
         decimal={**bindings.decimal, **decimal},
         arrays=bindings.arrays | arrays,
     )
@@ -141,7 +141,7 @@ def require_supported(draw: Draw, interface: Interface) -> None:
                 f"{draw.compute}: {name} is an atomic_uint",
                 remedy="declare a uint in a buffer block instead, or an r32ui image",
             )
-    images.require_supported(draw, interface)
+    stored_images.require_supported(draw, interface)
     for name, block in storage_blocks(interface).items():
         if block.array is not None:
             raise UnsupportedError(f"{draw.compute}: {name} is an array of storage blocks")

@@ -26,7 +26,7 @@ from .. import Size
 from ..passes import COVERING, UNREADABLE
 from ..programs.textures import DEPTH, blocks_of, contents, find_image, format_of, kind_of
 from ..scene_textures import DeviceTexels, SceneTextures
-from . import state
+from . import state as fixed
 from .api import NULL, Structs, lib
 from .device import Commands, Device, Resources, recording
 from .images import (
@@ -62,7 +62,7 @@ class Ready:
     def record(self, commands: Commands, size: Size) -> None:
         """Record the draw, between a target's `begin` and its `end`."""
         structs, handle = commands.structs, commands.handle
-        box, scissor = state.viewport(self.state, size)
+        box, scissor = fixed.viewport(self.state, size)
         near, far = self.state.depth_range
         lib.vkCmdBindPipeline(handle, _GRAPHICS, self.program.pipeline(self.layout))
         lib.vkCmdSetViewport(handle, 0, 1, structs(

@@ -114,7 +114,7 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
         layout = Layout(
             layout_of(description.mesh, program.attributes),
             tuple(target.formats(locations, srgb=state.srgb).items()),
-            target.depth, target.samples, state.in_pipeline(state),
+            target.depth, target.samples, fixed.in_pipeline(state),
         )  # fmt: skip
         values = {**bindings.uniforms, HEIGHT: np.array([target.size[1]], np.float32)}
         return Ready(

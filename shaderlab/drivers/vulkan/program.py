@@ -38,7 +38,7 @@ from shaderlab.model.state import State
 from ..passes import ProgramCache
 from ..programs import blocks
 from ..programs.module_texts import compiled_to_modules, counted_as_declared, numbered, sources_of
-from . import state
+from . import state as fixed
 from .api import NULL, Structs, check, ffi, lib
 from .device import GENERAL, Buffer, Device, Resources
 from .images import STENCIL_ASPECT, aspects, vulkan_format
@@ -353,10 +353,10 @@ class Program:
             pViewportState=structs(
                 "PipelineViewportStateCreateInfo", pNext=clip, viewportCount=1, scissorCount=1
             ),
-            pRasterizationState=state.rasterisation(structs, device, layout.state),
-            pMultisampleState=state.multisampling(structs, device, layout.state, layout.samples),
-            pDepthStencilState=state.depth_and_stencil(structs, layout.state),
-            pColorBlendState=state.blending(structs, layout.state, colors, count),
+            pRasterizationState=fixed.rasterisation(structs, device, layout.state),
+            pMultisampleState=fixed.multisampling(structs, device, layout.state, layout.samples),
+            pDepthStencilState=fixed.depth_and_stencil(structs, layout.state),
+            pColorBlendState=fixed.blending(structs, layout.state, colors, count),
             pDynamicState=structs(
                 "PipelineDynamicStateCreateInfo", dynamicStateCount=2,
                 pDynamicStates=[_VIEWPORT, _SCISSOR],

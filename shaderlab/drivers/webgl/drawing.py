@@ -146,12 +146,12 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
     ) -> None:
         state = fixed_state or draw.draw.state
         encodes = "srgb8_alpha8" in target.colors.values()
-        state.check(state, samples=target.samples, encodes=encodes)
+        fixed.check(state, samples=target.samples, encodes=encodes)
         program = self.linker.link(as_drawn(draw.draw, texts or draw.texts), draw.sources)
 
         def draw_to(vertices: VertexArray) -> None:
             target.bind(program.outputs(target.colors))
-            state.apply(self.device.gl, state, target.size)
+            fixed.apply(self.device.gl, state, target.size)
             vertices.draw(self.device.gl, draw.draw.instances)
 
         values = {HEIGHT: np.array([target.size[1]], np.float32)}
