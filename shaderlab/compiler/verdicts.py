@@ -182,27 +182,27 @@ def _lift(source: Source) -> tuple[Source, list[Diagnostic]]:
         return source, []
     edits: list[tuple[int, int, str]] = []  # start and end in the text, and what comes there
     notes = []
-    for declared in _STRUCT.finditer(code):
-        members = list(_MEMBER.finditer(code, *declared.span("body")))
-        uniforms = list(re.finditer(rf"\buniform\s+{declared['name']}\s+([^;=]+);", code))
+    for block in _STRUCT.finditer(code):
+        members = list(_MEMBER.finditer(code, *block.span("body")))
+        uniforms = list(re.finditer(rf"\buniform\s+{block['name']}\s+([^;=]+);", code))
         if not (members and uniforms):
             continue
         opaque = [(m["type"], *own) for m in members for own in _declarators(m["names"])]
         for member in members:
             edits.append((*member.span(), re.sub(r"[^\n]", " ", member["all"])))
-        if not _MEMBER.sub("", declared["body"]).strip():
-            edits.append((declared.end("body"), declared.end("body"), "float lifted;"))
+        if not _MEMBER.sub("", block["body"]).strip():
+            edits.append((block.end("body"), block.end("body"), "float lifted;"))
         for uniform in uniforms:
-            declared = ""
+            texts = ""
             for variable, array in _declarators(uniform[1]):
                 for kind, member_name, suffix in opaque:
-                    declared += f"uniform {kind} {variable}_{member_name}{array}{suffix}; "
+                    texts += f"uniform {kind} {variable}_{member_name}{array}{suffix}; "
                     pattern = rf"\b{variable}\s*(\[[^\[\]]*\])?\s*\.\s*{member_name}\b"
                     for use in re.finditer(pattern, code):
                         edits.append((*use.span(), f"{variable}_{member_name}{use[1] or ''}"))
-            edits.append((uniform.start(), uniform.start(), declared))
-        line = code.count("\n", 0, declared.start()) + 1
-        name, lifted = declared["name"], ", ".join(own[1] for own in opaque)
+            edits.append((uniform.start(), uniform.start(), texts))
+        line = code.count("\n", 0, block.start()) + 1
+        name, lifted = block["name"], ", ".join(own[1] for own in opaque)
         message = f"'{name}' : Vulkan has no samplers in structs; compiled with {lifted} lifted out"
         notes.append(source.diagnostic(message, line, severity="info", token=name))
     text = source.text

@@ -24,6 +24,7 @@ from ..programs.module_texts import HEIGHT, as_drawn, sources_of
 from ..programs.prepare import PreparedDraw, Programs
 from ..programs.stages import Piece
 from ..programs.vertex_capture import corners
+from . import state as fixed
 from .api import Structs
 from .bindings import BoundTextures, Ready
 from .device import Buffer, Commands, Device, Resources, recording

@@ -23,6 +23,7 @@ from ..programs.module_texts import HEIGHT, as_drawn
 from ..programs.prepare import PreparedDraw, Programs
 from ..programs.stages import Piece
 from ..programs.textures import components_of, numpy_type
+from . import state as fixed
 from .device import Calls, Device, Object, Objects, decoded
 from .linking import Linker, Program
 from .target import BoundTextures, RenderTarget
