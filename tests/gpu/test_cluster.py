@@ -19,7 +19,6 @@ from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import cache_root
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.report import store
 from shaderlab.workers import Job, dask_bundles, dask_connection, dask_executor, dask_plugin, jobs
@@ -184,22 +183,24 @@ def test_many_jobs_share_a_task_and_each_thread_gets_several() -> None:
 
 
 def test_what_a_cluster_compiled_once_it_knows_again(
-    dask: Any, case_folder: Path, tmp_path: Path
+    case_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    cache = tmp_path / "cache"
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(cache))  # the workers inherit it
+    near = Job(file=str(case_folder / "lamp.py"), id="lamp", variant="near")
+    options = RunOptions(folder=tmp_path / "run", pictures=False)
     kept: list[set[Path]] = []
-    # Other tests write to the same cache, but not in every moment.
-    while len(kept) < 2 or (kept[-2] != kept[-1] and len(kept) < 8):
-        executor = DaskExecutor(dask.scheduler_address)
-        try:
-            near = Job(file=str(case_folder / "lamp.py"), id="lamp", variant="near")
-            options = RunOptions(folder=tmp_path, pictures=False)
-            assert [record.status for _, record in executor.run([near], options)] == ["pass"]
-        finally:
-            executor.close()
-        root = cache_root()
-        assert root is not None
-        kept.append({path for path in root.rglob("*") if path.is_file()})
-    assert kept[-1] and kept[-2] == kept[-1]
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=":0"
+    ) as cluster:
+        for _ in range(2):
+            executor = DaskExecutor(cluster.scheduler_address)
+            try:
+                assert [record.status for _, record in executor.run([near], options)] == ["pass"]
+            finally:
+                executor.close()
+            kept.append({path for path in cache.rglob("*") if path.is_file()})
+    assert kept[0] and kept[0] == kept[1]
 
 
 def test_a_wrong_file_and_a_hang_are_known_by_their_own_names(
