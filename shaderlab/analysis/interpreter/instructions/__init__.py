@@ -8,29 +8,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from . import (
-    composites,
-    derivatives,
-    extended,
-    floats,
-    integers,
-    logic,
-    stages,
-    textures,
-    variables,
-)
+from .composites import COMPOSITES
+from .derivatives import DERIVATIVES
+from .extended import EXTENDED
+from .floats import FLOATS
 from .handler import Handler
+from .integers import INTEGERS
+from .logic import LOGIC
+from .stages import STAGES
+from .textures import TEXTURES
+from .variables import VARIABLES
 
 HANDLERS: Mapping[int, Handler] = {
-    **variables.HANDLERS,
-    **composites.HANDLERS,
-    **floats.HANDLERS,
-    **integers.HANDLERS,
-    **logic.HANDLERS,
-    **derivatives.HANDLERS,
-    **textures.HANDLERS,
-    **extended.HANDLERS,
-    **stages.HANDLERS,
+    **VARIABLES,
+    **COMPOSITES,
+    **FLOATS,
+    **INTEGERS,
+    **LOGIC,
+    **DERIVATIVES,
+    **TEXTURES,
+    **EXTENDED,
+    **STAGES,
 }
 
 NAMES: Mapping[int, str] = {

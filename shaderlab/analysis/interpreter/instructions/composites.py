@@ -54,7 +54,7 @@ def _shuffle(run: Run, at: Instruction, world: World) -> Any:
     return composed(run.program.types[at.type], parts)
 
 
-HANDLERS: Mapping[int, Handler] = {
+COMPOSITES: Mapping[int, Handler] = {
     77: _extract_dynamic,
     78: _insert_dynamic,
     79: _shuffle,

@@ -35,7 +35,7 @@ def _derivative(function: str) -> Handler:
     return handler
 
 
-HANDLERS: Mapping[int, Handler] = {
+DERIVATIVES: Mapping[int, Handler] = {
     207: _derivative("dFdx"),
     208: _derivative("dFdy"),
     209: _derivative("fwidth"),

@@ -72,4 +72,4 @@ def _kept(run: Run, value: Any, world: World) -> Any:
     return value
 
 
-HANDLERS: Mapping[int, Handler] = {12: _extended}
+EXTENDED: Mapping[int, Handler] = {12: _extended}

@@ -45,7 +45,7 @@ def _bitcast(run: Run, at: Instruction, world: World) -> Any:
     return run.arithmetic.call("floatBitsToInt" if to.signed else "floatBitsToUint", value)
 
 
-HANDLERS: Mapping[int, Handler] = {
+FLOATS: Mapping[int, Handler] = {
     109: calling("uint"),
     110: calling("int"),
     111: _from_integer,

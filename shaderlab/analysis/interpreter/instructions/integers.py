@@ -75,7 +75,7 @@ def _comparing(function: Callable[[Any, Any], Any], unsigned: bool | None = None
     return handler
 
 
-HANDLERS: Mapping[int, Handler] = {
+INTEGERS: Mapping[int, Handler] = {
     126: whole_numbers(operator.neg),
     128: whole_numbers(operator.add),
     130: whole_numbers(operator.sub),

@@ -22,7 +22,7 @@ def _different(a: Truth, b: Truth) -> Truth:
     return (a & ~b) | (~a & b)
 
 
-HANDLERS: Mapping[int, Handler] = {
+LOGIC: Mapping[int, Handler] = {
     154: of_values(Truth.any),
     155: of_values(Truth.all),
     156: _comparing(glslmath.isnan),

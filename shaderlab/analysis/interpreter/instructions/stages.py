@@ -25,7 +25,7 @@ def _wait(run: Run, at: Instruction, world: World) -> None:
     """All invocations of a workgroup take each step together."""
 
 
-HANDLERS: Mapping[int, Handler] = {
+STAGES: Mapping[int, Handler] = {
     218: _emit_vertex,
     219: _end_primitive,
     224: _wait,

@@ -194,7 +194,7 @@ def _image(run: Run, at: Instruction, world: World) -> Any:
     return run.value(at.operands[0])
 
 
-HANDLERS: Mapping[int, Handler] = {
+TEXTURES: Mapping[int, Handler] = {
     86: _image,
     87: _sample(),
     88: _sample(),

@@ -109,7 +109,7 @@ def _merge(run: Run, at: Instruction, world: World) -> None:
     """Where paths meet again follows from the order of blocks."""
 
 
-HANDLERS: Mapping[int, Handler] = {
+VARIABLES: Mapping[int, Handler] = {
     1: _undefined,
     57: _call,
     59: _variable,
