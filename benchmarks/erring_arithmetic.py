@@ -16,7 +16,7 @@ import numpy as np
 
 from benchmarks.adversary_device import Device, ulp
 from shaderlab.analysis.interpreter import FLOAT64, Bands
-from shaderlab.analysis.interpreter.numbers import Numbers
+from shaderlab.analysis.interpreter.arithmetic import Numbers
 from shaderlab.bands import Band, Integer
 
 Floats = np.ndarray

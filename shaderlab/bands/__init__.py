@@ -9,7 +9,8 @@ from shaderlab.bands.allowed import Allowed
 from shaderlab.bands.band import Band
 from shaderlab.bands.integer import Integer
 from shaderlab.bands.literal import Literal
-from shaderlab.bands.rules import Rules
 from shaderlab.bands.truth import Truth
+
+from .rounding import Rules
 
 __all__ = ["Allowed", "Band", "Integer", "Literal", "Rules", "Truth"]

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from shaderlab.bands import formats
 from shaderlab.bands.allowed import Allowed, Interval
 from shaderlab.bands.compiled import compiled, use_bands
 from shaderlab.bands.operators import Operators
@@ -21,11 +20,13 @@ from shaderlab.bands.rounding import (
     ordinary,
     outward,
 )
-from shaderlab.bands.rules import Rules
 from shaderlab.bands.swizzles import Swizzled
 from shaderlab.bands.terms import Terms
 from shaderlab.bands.truth import Truth
 from shaderlab.errors import FormulaError
+
+from . import allowed as formats
+from .rounding import Rules
 
 _DEFAULT = Rules()
 _FLOAT32 = np.dtype(np.float32)

@@ -14,9 +14,10 @@ from shaderlab.bands.band import Band
 from shaderlab.bands.integer_operators import RANGE, IntegerOperators, Integers
 from shaderlab.bands.operators import REFLECTED
 from shaderlab.bands.rounding import Flags
-from shaderlab.bands.rules import Rules
 from shaderlab.bands.swizzles import Swizzled, Vector
 from shaderlab.errors import FormulaError
+
+from .rounding import Rules
 
 
 class Integer(IntegerOperators, Swizzled):

@@ -10,7 +10,8 @@ from shaderlab.bands import arithmetic
 from shaderlab.bands.band import Band
 from shaderlab.bands.compiled import operators, use_literals
 from shaderlab.bands.exact import union
-from shaderlab.bands.rules import Rules
+
+from .rounding import Rules
 
 
 class Literal(float):

@@ -1,16 +1,139 @@
-"""Rounding float64 bounds outward to the float32 grid, and the size of a float32 ULP."""
+"""Sums and float32 conversions rounded downward or upward instead of to nearest.
+
+IEEE 754 (§4.3.2) has a rounding direction, and processors have a switch for it: C's `fesetround`
+(C17, 7.6.3.2), which holds for NumPy's loops too. One instruction then gives what otherwise takes
+the nearest number, a comparison and a step to its neighbour. `Switched` uses the switch where a
+trial shows that it works, `Stepped` runs everywhere else; both give the same numbers.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+import ctypes
+import platform
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shaderlab.bands import directed
-from shaderlab.bands.compiled import compiled
+from shaderlab.errors import FormulaError, nearest
+
+from .compiled import compiled
 
 Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+
+# <fenv.h>: FE_DOWNWARD and FE_UPWARD by processor; FE_TONEAREST is 0 on all of them.
+_DIRECTIONS = {
+    "x86_64": (0x400, 0x800),
+    "aarch64": (0x800000, 0x400000),
+    "arm64": (0x800000, 0x400000),
+}
+
+
+class Stepped:
+    """Takes the nearest number and, where that lies past the true one, its neighbour."""
+
+    def add_below(self, a: Floats, b: Floats) -> Floats:
+        """The largest float64 not above a + b."""
+        total, lost = two_sum(a, b)
+        return np.where(lost < 0.0, np.nextafter(total, -np.inf), total) + 0.0
+
+    def add_above(self, a: Floats, b: Floats) -> Floats:
+        """The smallest float64 not below a + b."""
+        total, lost = two_sum(a, b)
+        return np.where(lost > 0.0, np.nextafter(total, np.inf), total)
+
+    def narrow_below(self, x: Floats) -> Singles:
+        """The largest float32 not above x."""
+        nearest = x.astype(np.float32)
+        return np.where(nearest > x, np.nextafter(nearest, np.float32(-np.inf)), nearest)
+
+    def narrow_above(self, x: Floats) -> Singles:
+        """The smallest float32 not below x."""
+        nearest = x.astype(np.float32)
+        return np.where(nearest < x, np.nextafter(nearest, np.float32(np.inf)), nearest)
+
+
+class Switched(Stepped):
+    """Sets the processor's rounding direction, and back to nearest after each call."""
+
+    def __init__(self, switch: Callable[[int], int], downward: int, upward: int) -> None:
+        self._switch = switch
+        self._downward = downward
+        self._upward = upward
+
+    def _rounded(self, direction: int, compute: Callable[..., Any], *operands: Any) -> Any:
+        self._switch(direction)
+        try:
+            return compute(*operands)
+        finally:
+            self._switch(0)
+
+    def add_below(self, a: Floats, b: Floats) -> Floats:
+        total: Floats = self._rounded(self._downward, np.add, a, b)
+        # Downward, x - x is -0.
+        total += 0.0
+        return total
+
+    def add_above(self, a: Floats, b: Floats) -> Floats:
+        total: Floats = self._rounded(self._upward, np.add, a, b)
+        return total
+
+    def narrow_below(self, x: Floats) -> Singles:
+        single: Singles = self._rounded(self._downward, x.astype, np.float32)
+        return single
+
+    def narrow_above(self, x: Floats) -> Singles:
+        single: Singles = self._rounded(self._upward, x.astype, np.float32)
+        return single
+
+
+def two_sum(a: Floats, b: Floats) -> tuple[Floats, Floats]:
+    """a + b rounded to float64, and what the rounding lost (Knuth, TAOCP 2, 4.2.2 theorem B).
+
+    The loss is NaN where the sum or a step towards it overflows.
+    """
+    total = a + b
+    b_part = total - a
+    return total, (a - (total - b_part)) + (b - b_part)
+
+
+def best() -> Stepped:
+    """`Switched` if it works on this machine, else `Stepped`."""
+    directions = _DIRECTIONS.get(platform.machine())
+    if directions is None:
+        return Stepped()
+    try:
+        # Not a CDLL: releasing the interpreter's lock takes longer than the call.
+        switch: Any = ctypes.PyDLL(None).fesetround
+    except (OSError, AttributeError, TypeError):
+        return Stepped()
+    switch.argtypes = [ctypes.c_int]
+    switch.restype = ctypes.c_int
+    switched = Switched(switch, *directions)
+    return switched if works(switched) else Stepped()
+
+
+def works(directed: Stepped) -> bool:
+    """Whether trials of every length that loops treat differently agree with `Stepped`."""
+    plain = Stepped()
+    for count in (1, 3, 8, 37):
+        a = np.linspace(-3.0, 3.0, count) * np.pi
+        b = np.full(count, 1e-17)
+        for name, operands in (
+            ("add_below", (a, b)),
+            ("add_above", (a, b)),
+            ("narrow_below", (a,)),
+            ("narrow_above", (a,)),
+        ):
+            got, expected = (getattr(by, name)(*operands) for by in (directed, plain))
+            if not np.array_equal(got, expected):
+                return False
+    return True
+
+
 Flags = NDArray[np.bool_]
 
 SMALLEST_NORMAL = 2.0**-126
@@ -34,7 +157,7 @@ _FIRST_POSITIVE = np.uint32(1)
 # Beyond all that a float32 may be widened to, and a finite float64.
 _FAR = 2.0**600
 
-_BY = directed.best()
+_BY = best()
 add_below = _BY.add_below
 add_above = _BY.add_above
 
@@ -169,3 +292,46 @@ def shortest(value: Any) -> str:
     """
     with np.printoptions(legacy=False):
         return str(np.float32(value))
+
+
+Spec = Literal["vulkan", "glsl"]
+TrigOutside = Literal["vacuous", "scaled", "error"]
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """What a conforming device may do to a 32-bit formula.
+
+    Args:
+        spec: `"vulkan"` is the table of the Vulkan specification, "Precision and Operation of
+            SPIR-V Instructions", which agrees with the OpenGL Shading Language 4.60, section
+            4.7.1, wherever that one states a bound. `"glsl"` takes the latter alone, which leaves
+            the precision of every trigonometric function undefined.
+        rearrange: the compiler may reassociate, factor and distribute; `False` is GLSL's
+            `precise`: the operations as written.
+        trig_outside: sine and cosine have no stated bound outside [-π, π]: `"vacuous"` takes
+            anything, which is counted, `"scaled"` allows |x|·2^-12 as the Vulkan conformance suite
+            does, `"error"` raises `FormulaError`.
+        flush: denormals may be flushed to zero.
+
+    A fused a·b+c needs no rule: its one rounding lies between the bounds of the two.
+
+    Raises:
+        FormulaError: `spec` or `trig_outside` is unknown.
+    """
+
+    spec: Spec = "vulkan"
+    rearrange: bool = True
+    trig_outside: TrigOutside = "vacuous"
+    flush: bool = True
+
+    def __post_init__(self) -> None:
+        for name, choices in (
+            ("spec", ("vulkan", "glsl")),
+            ("trig_outside", ("vacuous", "scaled", "error")),
+        ):
+            value = getattr(self, name)
+            if value not in choices:
+                raise FormulaError(
+                    f"there are no rules with {name}={value!r}", remedy=nearest(str(value), choices)
+                )

@@ -7,8 +7,9 @@ from typing import Any, NoReturn
 import numpy as np
 
 from shaderlab.bands.rounding import Flags
-from shaderlab.bands.rules import Rules
 from shaderlab.errors import FormulaError
+
+from .rounding import Rules
 
 
 class Truth:

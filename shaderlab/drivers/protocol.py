@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import OtherApiError, UnsupportedError
-from shaderlab.model.call_edits import CallEdit
-from shaderlab.model.calls import Call
+from shaderlab.model.calls import Call, CallEdit
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import (
     Array,

@@ -17,7 +17,7 @@ from shaderlab.compiler.targets import TARGETS
 from shaderlab.drivers import Backend, open_backend
 from shaderlab.drivers.programs.prepare import Preparer, Programs
 from shaderlab.errors import DriverError
-from shaderlab.model.call_edits import CallEdit
+from shaderlab.model.calls import CallEdit
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Verdict

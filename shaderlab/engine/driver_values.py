@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shaderlab.analysis.interpreter import Stored
-from shaderlab.analysis.interpreter.memory import Flags
+from shaderlab.analysis.interpreter.values import Flags
 from shaderlab.drivers.programs.instrument import Watch, instrumented, room
 from shaderlab.drivers.programs.textures import for_output
 from shaderlab.errors import ShaderlabError, UnsupportedError

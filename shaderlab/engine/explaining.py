@@ -9,10 +9,14 @@ from typing import Any
 import numpy as np
 
 from shaderlab.analysis.equivalence.comparison import example
-from shaderlab.analysis.equivalence.drawing import drawn
-from shaderlab.analysis.equivalence.given import Given
-from shaderlab.analysis.equivalence.interface import declared_ranges, inputs_of
-from shaderlab.analysis.equivalence.roles import roles_of, unknown_names
+from shaderlab.analysis.inputs import (
+    Given,
+    declared_ranges,
+    drawn,
+    inputs_of,
+    roles_of,
+    unknown_names,
+)
 from shaderlab.analysis.interpreter import (
     FLOAT32,
     FLOAT64,
@@ -22,7 +26,7 @@ from shaderlab.analysis.interpreter import (
     Stored,
     interpret,
 )
-from shaderlab.analysis.interpreter.losing import is_vector, lost, row_of, width
+from shaderlab.analysis.interpreter.stored import is_vector, lost, row_of, width
 from shaderlab.bands import Band, Integer, Truth
 from shaderlab.bands.rounding import ulp
 from shaderlab.errors import ShaderlabError, UsageError, nearest

@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from shaderlab.analysis.equivalence.given import asks_for_neighbours, scattered, whole_quads
+from shaderlab.analysis.inputs import asks_for_neighbours, scattered, whole_quads
 from shaderlab.analysis.interpreter import Program, load
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import NotInterpretedError

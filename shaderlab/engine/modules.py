@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.analysis.interpreter import Bands, Interpreted, Program, interpret, read
-from shaderlab.analysis.interpreter.memory import Flags
+from shaderlab.analysis.interpreter.values import Flags
 from shaderlab.bands import Band
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.textures import for_output

@@ -40,7 +40,7 @@ from shaderlab.model.scene import Ramp
 
 from .buffer_layouts import buffer_records
 from .discovery import chapter_title
-from .judging.figures import shown
+from .judging.distance import shown
 from .picture_writer import PictureFiles
 from .stored_images import digest
 

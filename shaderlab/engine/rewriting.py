@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from shaderlab.analysis.equivalence.given import Given, given_fragments, given_vertices
+from shaderlab.analysis.inputs import Given, given_fragments, given_vertices
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.errors import CaseError

@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 
 from shaderlab.analysis.interpreter import Program, Stored
-from shaderlab.analysis.interpreter.memory import Flags
-from shaderlab.analysis.interpreter.program import Instruction
-from shaderlab.analysis.interpreter.types import Type
-from shaderlab.analysis.interpreter.values import component
+from shaderlab.analysis.interpreter.program import Instruction, Type
+from shaderlab.analysis.interpreter.values import Flags, component
 from shaderlab.bands import Band, Integer, Truth
 from shaderlab.drivers.programs.instrument import VALUE, Watch, WatchPoint, watch_points
 from shaderlab.model.frame import Array

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 from shaderlab.analysis.audit import Audit, Plan as AuditPlan, audit_program
 from shaderlab.analysis.equivalence.answer import Answer, OutputAnswer
 from shaderlab.analysis.equivalence.comparison import Plan as ComparisonPlan, compare_programs
-from shaderlab.analysis.equivalence.interface import inputs_of
-from shaderlab.analysis.equivalence.roles import unknown_names
+from shaderlab.analysis.inputs import inputs_of, unknown_names
 from shaderlab.analysis.interpreter import Program, load
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, nearest
 from shaderlab.functions.entry_points import EntryPoint, entry_points

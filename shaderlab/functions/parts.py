@@ -17,8 +17,8 @@ import numpy as np
 
 from shaderlab.errors import FormulaError
 from shaderlab.functions.types import Type
+from shaderlab.glslmath.arrays import stacked
 from shaderlab.glslmath.choice import where
-from shaderlab.glslmath.shape import stacked
 from shaderlab.model.frame import Array
 
 Reference = Callable[..., Any]

@@ -8,18 +8,6 @@ Source: the OpenGL Shading Language 4.60 (Khronos), chapter 8 "Built-In Function
 """
 
 from shaderlab.glslmath.arrays import array as array
-from shaderlab.glslmath.bits import (
-    bitCount as bitCount,
-    bitfieldExtract as bitfieldExtract,
-    bitfieldInsert as bitfieldInsert,
-    bitfieldReverse as bitfieldReverse,
-    findLSB as findLSB,
-    findMSB as findMSB,
-    imulExtended as imulExtended,
-    uaddCarry as uaddCarry,
-    umulExtended as umulExtended,
-    usubBorrow as usubBorrow,
-)
 from shaderlab.glslmath.choice import (
     all as all,
     any as any,
@@ -47,14 +35,6 @@ from shaderlab.glslmath.derivatives import (
     fwidthFine as fwidthFine,
 )
 from shaderlab.glslmath.dispatch import Condition as Condition, Value as Value
-from shaderlab.glslmath.hyperbolic import (
-    acosh as acosh,
-    asinh as asinh,
-    atanh as atanh,
-    cosh as cosh,
-    sinh as sinh,
-    tanh as tanh,
-)
 from shaderlab.glslmath.integer import (
     float as float,
     int as int,
@@ -65,15 +45,6 @@ from shaderlab.glslmath.integer import (
     uvec2 as uvec2,
     uvec3 as uvec3,
     uvec4 as uvec4,
-)
-from shaderlab.glslmath.matrix import (
-    determinant as determinant,
-    inverse as inverse,
-    matmul as matmul,
-    matrixCompMult as matrixCompMult,
-    mul as mul,
-    outerProduct as outerProduct,
-    transpose as transpose,
 )
 from shaderlab.glslmath.packing import (
     packHalf2x16 as packHalf2x16,
@@ -86,15 +57,6 @@ from shaderlab.glslmath.packing import (
     unpackSnorm4x8 as unpackSnorm4x8,
     unpackUnorm2x16 as unpackUnorm2x16,
     unpackUnorm4x8 as unpackUnorm4x8,
-)
-from shaderlab.glslmath.parts import (
-    floatBitsToInt as floatBitsToInt,
-    floatBitsToUint as floatBitsToUint,
-    frexp as frexp,
-    intBitsToFloat as intBitsToFloat,
-    ldexp as ldexp,
-    modf as modf,
-    uintBitsToFloat as uintBitsToFloat,
 )
 from shaderlab.glslmath.scalar import (
     abs as abs,
@@ -129,15 +91,6 @@ from shaderlab.glslmath.scalar import (
     tan as tan,
     trunc as trunc,
 )
-from shaderlab.glslmath.shape import (
-    mat2 as mat2,
-    mat3 as mat3,
-    mat4 as mat4,
-    swizzle as swizzle,
-    vec2 as vec2,
-    vec3 as vec3,
-    vec4 as vec4,
-)
 from shaderlab.glslmath.vector import (
     cross as cross,
     distance as distance,
@@ -147,4 +100,50 @@ from shaderlab.glslmath.vector import (
     normalize as normalize,
     reflect as reflect,
     refract as refract,
+)
+
+from .arrays import (
+    floatBitsToInt as floatBitsToInt,
+    floatBitsToUint as floatBitsToUint,
+    frexp as frexp,
+    intBitsToFloat as intBitsToFloat,
+    ldexp as ldexp,
+    mat2 as mat2,
+    mat3 as mat3,
+    mat4 as mat4,
+    modf as modf,
+    swizzle as swizzle,
+    uintBitsToFloat as uintBitsToFloat,
+    vec2 as vec2,
+    vec3 as vec3,
+    vec4 as vec4,
+)
+from .integer import (
+    bitCount as bitCount,
+    bitfieldExtract as bitfieldExtract,
+    bitfieldInsert as bitfieldInsert,
+    bitfieldReverse as bitfieldReverse,
+    findLSB as findLSB,
+    findMSB as findMSB,
+    imulExtended as imulExtended,
+    uaddCarry as uaddCarry,
+    umulExtended as umulExtended,
+    usubBorrow as usubBorrow,
+)
+from .scalar import (
+    acosh as acosh,
+    asinh as asinh,
+    atanh as atanh,
+    cosh as cosh,
+    sinh as sinh,
+    tanh as tanh,
+)
+from .vector import (
+    determinant as determinant,
+    inverse as inverse,
+    matmul as matmul,
+    matrixCompMult as matrixCompMult,
+    mul as mul,
+    outerProduct as outerProduct,
+    transpose as transpose,
 )

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Band, Integer, Rules
-from shaderlab.bands.formats import quantise
+from shaderlab.bands.allowed import quantise
 from shaderlab.glslmath.dispatch import Value
 from shaderlab.glslmath.integer import float as to_float, int as to_int
 from shaderlab.glslmath.scalar import clamp, round

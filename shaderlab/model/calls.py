@@ -11,8 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from shaderlab.errors import CaseError
-from shaderlab.model.checked import Checked
-from shaderlab.model.state import one_of
+
+from .checked import Checked
+from .state import one_of
 
 OBJECTS = (
     "buffer", "framebuffer", "program_pipeline", "query", "renderbuffer", "sampler", "texture",
@@ -149,3 +150,42 @@ def error_name(code: int) -> str:
         if number == code:
             return f"GL_{name.upper()} (0x{code:04X})"
     return f"GL error 0x{code:04X}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class CallEdit:
+    """What becomes of one call that drawing a scene takes.
+
+    Attributes:
+        function: the call's C name, such as "glBufferData".
+        number: which call of this function, counted from 0 in the order of the drawing.
+    """
+
+    function: str
+    number: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dropped(CallEdit):
+    """The call is not made; one that returns something returns 0."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Changed(CallEdit):
+    """The call is made with another value for one parameter, by its name in OpenGL's headers: a
+    number, or a constant's name."""
+
+    parameter: str
+    value: int | str
+
+
+@dataclass(frozen=True, kw_only=True)
+class PutOff(CallEdit):
+    """The call is made after another one: a function's name, and which call of it."""
+
+    behind: tuple[str, int]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Repeated(CallEdit):
+    """The call is made again before each later draw of its pass, with the bindings that it had."""

@@ -1,8 +1,4 @@
-"""Constructors that check the types of what they get, and say in words what they take.
-
-A case file is written by hand: a list in a number's place must be an error there, with the name of
-the argument, and not one of arithmetic later on.
-"""
+"""Whether a value has an annotated type: each annotation is read once, and becomes a function."""
 
 from __future__ import annotations
 
@@ -11,17 +7,178 @@ import collections.abc
 import contextlib
 import functools
 import inspect
+import numbers
 import re
 import sys
+import types
 import typing
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
-from typing import Any, TypeVar, cast
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
 from shaderlab.errors import CaseError, nearest
-from shaderlab.model.type_checks import SCALARS, UNIONS, Check, Misfit, type_check
+
+UNIONS = (typing.Union, types.UnionType)
+SCALARS: Mapping[Any, tuple[tuple[type, ...], str]] = {
+    str: ((str,), "word"),
+    bytes: ((bytes,), "bytes"),
+    bool: ((bool, np.bool_), "True or False"),
+    int: ((int, numbers.Integral), "whole number"),
+    float: ((float, int, numbers.Real), "number"),
+    Path: ((Path,), "path"),
+    type(None): ((type(None),), "None"),
+}
+"""The types of a value that stands for one of these, and its name in a sentence."""
+LOOKED_AT = 64
+"""Elements of a long sequence that are looked at: its first ones tell."""
+
+
+class Misfit(NamedTuple):
+    """The part of a value that has not its type.
+
+    Attributes:
+        place: where the part is, as a format: `{}[3]` for a value of some name.
+        part: that part.
+        hint: the type that it should have.
+    """
+
+    place: str
+    part: Any
+    hint: Any
+
+
+Check = Callable[[Any], Misfit | None]
+
+
+def type_check(hint: Any) -> Check:
+    """A function that finds the part of a value that is not of this type, or gives None.
+
+    Lists do for tuples, NumPy's numbers and arrays for Python's. Types that say nothing of their
+    values at run time, type variables for instance, take every value.
+    """
+    origin, inner = typing.get_origin(hint), typing.get_args(hint)
+    kind = origin or hint
+    if origin in UNIONS:
+        return _union(hint, [type_check(one) for one in inner])
+    if origin is typing.Literal:
+        kinds = tuple({type(one) for one in inner})
+        # An array can't be compared with a word.
+        return _predicate(hint, lambda value: isinstance(value, kinds) and value in inner)
+    if kind in SCALARS:
+        return _instance(hint, SCALARS[kind][0])
+    if kind is np.ndarray:
+        return _predicate(hint, _is_array)
+    if kind in (tuple, list, collections.abc.Sequence, collections.abc.Iterable):
+        return _sequence(hint)
+    if kind is collections.abc.Callable:
+        return _predicate(hint, callable)
+    if kind in (collections.abc.Mapping, dict):
+        return _mapping(hint)
+    if hint is Any or not isinstance(kind, type):
+        return lambda _: None
+    return _instance(hint, (kind,))
+
+
+def _instance(hint: Any, kinds: tuple[type, ...]) -> Check:
+    def check(value: Any) -> Misfit | None:
+        return None if isinstance(value, kinds) else Misfit("{}", value, hint)
+
+    return check
+
+
+def _predicate(hint: Any, fits: Callable[[Any], bool]) -> Check:
+    def check(value: Any) -> Misfit | None:
+        return None if fits(value) else Misfit("{}", value, hint)
+
+    return check
+
+
+def _union(hint: Any, checks: Sequence[Check]) -> Check:
+    def check(value: Any) -> Misfit | None:
+        found = []
+        for one in checks:
+            wrong = one(value)
+            if wrong is None:
+                return None
+            found.append(wrong)
+        # Of the alternatives the one is meant that is wrong furthest inside.
+        deepest = max(found, key=lambda wrong: len(wrong.place))
+        return deepest if len(deepest.place) > len("{}") else Misfit("{}", value, hint)
+
+    return check
+
+
+def _mapping(hint: Any) -> Check:
+    checks = [type_check(one) for one in typing.get_args(hint)]
+
+    def check(value: Any) -> Misfit | None:
+        if not isinstance(value, Mapping):
+            return Misfit("{}", value, hint)
+        if checks:
+            for key, item in list(value.items())[:LOOKED_AT]:
+                if wrong := checks[0](key):
+                    return _inside("a key of {}", wrong)
+                if wrong := checks[1](item):
+                    return _inside(f"{{}}[{_escaped(repr(key))}]", wrong)
+        return None
+
+    return check
+
+
+def _sequence(hint: Any) -> Check:
+    origin, inner = typing.get_origin(hint), typing.get_args(hint)
+    checks = [type_check(one) for one in inner if one is not Ellipsis]
+    fixed = origin is tuple and bool(inner) and inner[-1] is not Ellipsis
+    numeric = bool(inner) and _takes_numbers(inner[0])
+
+    def check(value: Any) -> Misfit | None:
+        if not isinstance(value, tuple | list):
+            if isinstance(value, np.ndarray):
+                if not (value.ndim and numeric):
+                    return Misfit("{}", value, hint)
+            elif isinstance(value, str | bytes | Mapping) or not isinstance(value, Sequence):
+                lazy = isinstance(value, Iterable) and not isinstance(value, str | bytes | Mapping)
+                takes_any = origin is collections.abc.Iterable
+                return None if lazy and takes_any else Misfit("{}", value, hint)
+        if fixed and len(value) != len(checks):
+            return Misfit("{}", value, hint)
+        if checks:
+            for index, item in enumerate(value[:LOOKED_AT]):
+                if wrong := checks[index if fixed else 0](item):
+                    return _inside(f"{{}}[{index}]", wrong)
+        return None
+
+    return check
+
+
+def _inside(place: str, wrong: Misfit) -> Misfit:
+    """What is wrong with a part, as what is wrong with the whole."""
+    return wrong._replace(place=wrong.place.replace("{}", place, 1))
+
+
+def _escaped(text: str) -> str:
+    return text.replace("{", "{{").replace("}", "}}")
+
+
+def _takes_numbers(hint: Any) -> bool:
+    inner = typing.get_args(hint)
+    return hint in (Any, float, int) or (bool(inner) and any(map(_takes_numbers, inner)))
+
+
+def _is_array(value: Any) -> bool:
+    """Whether a value is an array, or a list that becomes one of numbers."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.kind in "fiub"
+    if isinstance(value, str | bytes) or not isinstance(value, Sequence):
+        return False
+    try:
+        return np.asarray(value).dtype.kind in "fiub"
+    except ValueError:
+        return False
+
 
 _SHOWN = 60
 
@@ -228,3 +385,32 @@ def _wrapped(part: Any, hint: Any) -> str:
 def _shown(value: Any) -> str:
     text = " ".join(repr(value).split())
     return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…"
+
+
+def by_member(values: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Each value under the name that GLSL has for it; the very same mapping if no value is of a
+    structure.
+
+    >>> by_member({"light": {"linear": 0.09}, "lamps": [{"on": True}, {"on": False}]})
+    {'light.linear': 0.09, 'lamps[0].on': True, 'lamps[1].on': False}
+    """
+    if any(_structured(value) for value in values.values()):
+        return {name: value for own, given in values.items() for name, value in _spelt(own, given)}
+    return values
+
+
+def _structured(value: Any) -> bool:
+    """Whether a value is of a structure, or of an array of structures."""
+    first = value[0] if isinstance(value, list | tuple) and value else value
+    return isinstance(first, Mapping)
+
+
+def _spelt(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if not _structured(value):
+        yield name, value
+    elif isinstance(value, Mapping):
+        for member, its in value.items():
+            yield from _spelt(f"{name}.{member}", its)
+    else:
+        for n, element in enumerate(value):
+            yield from _spelt(f"{name}[{n}]", element)

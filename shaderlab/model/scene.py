@@ -10,7 +10,6 @@ import numpy as np
 
 from shaderlab.errors import CaseError
 from shaderlab.model.checked import Checked
-from shaderlab.model.members import by_member
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.state import State, one_of
 from shaderlab.model.textures import (
@@ -22,6 +21,7 @@ from shaderlab.model.textures import (
     outputs_read,
 )
 
+from .checked import by_member
 from .frame import Array
 
 Number = float | int | bool

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from shaderlab.engine.expectations.gl_calls import Traced
 from shaderlab.engine.lab import Lab
-from shaderlab.model.call_edits import CallEdit, Changed, Dropped, PutOff, Repeated
+from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.frame import TracedCall
 from shaderlab.mutation.call_arguments import other_arguments

@@ -11,7 +11,7 @@ from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.gl_calls import Traced
 from shaderlab.engine.expectations.reads import Named, judged_outputs
-from shaderlab.engine.judging.remembered import RememberedBands
+from shaderlab.engine.judging.reference_bands import RememberedBands
 from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError, ShaderError
 from shaderlab.model.case import Case, Scene

@@ -12,7 +12,7 @@ from tree_sitter import Node
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.syntax import Syntax, name_of, reachable, walk
 from shaderlab.files import display_path
-from shaderlab.model.call_edits import CallEdit
+from shaderlab.model.calls import CallEdit
 from shaderlab.model.case import Scene
 from shaderlab.mutation.names import Names, names_of
 

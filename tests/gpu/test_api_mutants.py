@@ -16,7 +16,7 @@ from shaderlab.cli import cli
 from shaderlab.engine.expectations.gl_calls import Traced
 from shaderlab.engine.lab import Lab
 from shaderlab.errors import ShaderlabError
-from shaderlab.model.call_edits import CallEdit, Changed, Dropped, PutOff, Repeated
+from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
 from shaderlab.mutation import ApiMutant, api_mutants
 from shaderlab.mutation.judging import Judge
 

@@ -16,7 +16,7 @@ from hypothesis import given, settings, strategies as st
 
 from shaderlab import glslmath
 from shaderlab.bands import Band, Rules, arithmetic, compiled, exact, functions, rounding, sums
-from shaderlab.glslmath.sampling import filters, reading
+from shaderlab.glslmath.sampling import reading, reading as filters
 from shaderlab.glslmath.vector import direction
 
 needs_kernels = pytest.mark.skipif(

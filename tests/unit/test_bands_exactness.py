@@ -11,8 +11,17 @@ from numpy.typing import NDArray
 from shaderlab.bands import Band, Rules
 from shaderlab.bands.allowed import contains
 from shaderlab.bands.arithmetic import multiply
-from shaderlab.bands.directed import Stepped, Switched, best, two_sum, works
-from shaderlab.bands.rounding import down, ulp, up, widened_by_ulps
+from shaderlab.bands.rounding import (
+    Stepped,
+    Switched,
+    best,
+    down,
+    two_sum,
+    ulp,
+    up,
+    widened_by_ulps,
+    works,
+)
 from shaderlab.bands.sums import sum_last
 from shaderlab.glslmath import normalize
 

@@ -12,13 +12,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from shaderlab.analysis.equivalence import locating
+from shaderlab.analysis.equivalence import comparing as locating
 from shaderlab.analysis.equivalence.answer import Answer
+from shaderlab.analysis.equivalence.comparing import Noisy, Step
 from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
-from shaderlab.analysis.equivalence.given import Given, merged
-from shaderlab.analysis.equivalence.locating import Step
-from shaderlab.analysis.equivalence.noise import Noisy
-from shaderlab.analysis.equivalence.varying import learned, varied
+from shaderlab.analysis.inputs import Given, learned, merged, varied
 from shaderlab.analysis.interpreter import FLOAT64, Numbers, Program, interpret, load
 from shaderlab.cli.diff import command
 from shaderlab.compiler import Shaders

@@ -7,7 +7,7 @@ import pytest
 
 from shaderlab.bands import compiled
 from shaderlab.bands.allowed import contains, widths
-from shaderlab.engine.judging import distance, informative
+from shaderlab.engine.judging import distance, reference_bands as informative
 from shaderlab.engine.judging.distance import Placed, furthest
 
 INF, NAN = np.inf, np.nan

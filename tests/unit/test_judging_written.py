@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from shaderlab import reference
-from shaderlab.engine.judging.written import _lines_of, source_of
+from shaderlab.engine.judging.formats import _lines_of, source_of
 
 
 def of_one_line(x: Any) -> Any: return x  # fmt: skip

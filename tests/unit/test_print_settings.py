@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from shaderlab.analysis.interpreter import Bands
-from shaderlab.analysis.interpreter.numbers import Numbers
+from shaderlab.analysis.interpreter.arithmetic import Numbers
 from shaderlab.bands import Band
 from shaderlab.bands.rounding import shortest
 from shaderlab.functions.domains import weight

@@ -15,7 +15,7 @@ import pytest
 from shaderlab import glslmath as g, reference
 from shaderlab.bands import Band, Literal, Rules
 from shaderlab.engine.judging import as_written
-from shaderlab.engine.judging.constants import has_floats, with_literals
+from shaderlab.engine.judging.as_written import has_floats, with_literals
 from shaderlab.engine.judging.inputs import Inputs, evaluate
 from shaderlab.reference import gamma
 

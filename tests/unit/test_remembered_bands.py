@@ -12,7 +12,7 @@ import pytest
 from shaderlab.bands import Band, Rules
 from shaderlab.engine.judging.banded import Banded, judge_band
 from shaderlab.engine.judging.inputs import Inputs, Reference
-from shaderlab.engine.judging.remembered import RememberedBands, remembered_bands
+from shaderlab.engine.judging.reference_bands import RememberedBands, remembered_bands
 from shaderlab.glslmath import dot, vec4
 from shaderlab.glslmath.sampling import texture
 from shaderlab.model.frame import Texels

@@ -63,7 +63,7 @@ from shaderlab import (
 )
 from shaderlab.engine.catalogue import load_case
 from shaderlab.errors import CaseError, ShaderlabError
-from shaderlab.model.members import by_member
+from shaderlab.model.checked import by_member
 
 
 def law(x: Any) -> Any:

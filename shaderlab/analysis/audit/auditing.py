@@ -10,21 +10,16 @@ import numpy as np
 from shaderlab.errors import UsageError, nearest
 
 from ..equivalence.comparison import example
-from ..equivalence.given import Given, merged
-from ..equivalence.interface import Input, declared_ranges, inputs_of
-from ..equivalence.roles import Role, roles_of, unknown_names
+from ..inputs import Given, Input, Role, declared_ranges, inputs_of, merged, roles_of, unknown_names
 from ..interpreter import Program
-from ..interpreter.workgroups import NUMBERS
-from .checks import INDEX, OVERFLOW
+from ..interpreter.values import NUMBERS
 from .consequences import depending, reached_by_0
-from .divergence import divergent
 from .hazard import Audit, Hazard
-from .invocations import between_invocations
 from .mediump import mediump
-from .population import DRAWN, EQUAL
 from .portability import Spread, portability, sample
-from .searching import Hunt, Witness, watched, witnesses_of
-from .undefined import undefined_values
+from .searching import DRAWN, EQUAL, Hunt, Witness, watched, witnesses_of
+from .undefined import between_invocations, divergent, undefined_values
+from .watching import INDEX, OVERFLOW
 
 _MOST = 16_384  # invocations that a case's draws give, of those with the same textures
 

@@ -12,13 +12,12 @@ from shaderlab.bands import Integer
 from shaderlab.model.frame import Array
 
 from ..equivalence.comparing import flattened
-from ..equivalence.given import Given
+from ..inputs import Given
 from ..interpreter import Program
-from ..interpreter.memory import World
 from ..interpreter.program import Instruction
 from ..interpreter.running import Run, Watch
-from .checks import FLOATS, arguments_of
-from .watching import Place, run_watched
+from ..interpreter.values import World
+from .watching import FLOATS, Place, arguments_of, run_watched
 
 _VALUES = (None, 0.37, 41.0, -2.6, 7.5e3)
 _STAND_IN = 0.5

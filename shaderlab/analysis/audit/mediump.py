@@ -19,16 +19,14 @@ from shaderlab.compiler.reflection import Decoration
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.model.frame import Array
 
-from ..equivalence.comparing import flattened
+from ..equivalence.comparing import flattened, steps
 from ..equivalence.comparison import example
-from ..equivalence.given import Given
-from ..equivalence.interface import Input
-from ..equivalence.locating import steps
+from ..inputs import Given, Input
 from ..interpreter import FLOAT16, FLOAT32, FLOAT64, Arithmetic, Numbers, Program
 from ..interpreter.instructions import HANDLERS
-from ..interpreter.memory import World
 from ..interpreter.program import Instruction
 from ..interpreter.running import Run, Watch
+from ..interpreter.values import World
 from .portability import CODES, Spread
 from .watching import run_watched
 

@@ -16,10 +16,9 @@ from shaderlab.model.frame import Array
 
 from ..equivalence.answer import shown
 from ..equivalence.comparison import example
-from ..equivalence.given import Given
-from ..equivalence.interface import Input
+from ..inputs import Given, Input
 from ..interpreter import Bands, Program, Stored, interpret
-from ..interpreter.losing import is_vector, lost
+from ..interpreter.stored import is_vector, lost
 from .consequences import alone
 from .watching import run_watched
 

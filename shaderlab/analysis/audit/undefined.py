@@ -14,21 +14,19 @@ import numpy as np
 
 from shaderlab.bands import Integer, Truth
 from shaderlab.compiler.reflection import Storage
-from shaderlab.model.frame import Array
+from shaderlab.model.frame import Array, Texels
 
 from ..equivalence.comparing import flattened
 from ..equivalence.comparison import example
-from ..equivalence.given import Given
-from ..equivalence.interface import Input
+from ..inputs import Given, Input, cells_of
 from ..interpreter import Interpreted, Numbers, Program
 from ..interpreter.instructions import HANDLERS
-from ..interpreter.memory import Pointer, World, spelt
-from ..interpreter.program import Instruction
+from ..interpreter.program import BARRIER, Instruction, Type
 from ..interpreter.running import Run
-from ..interpreter.values import null
-from .consequences import alone
+from ..interpreter.values import Flags, Pointer, World, fetch, null, spelt
+from .consequences import alone, depending
 from .hazard import Hazard
-from .watching import run_watched
+from .watching import Place, run_watched
 
 READ, UNWRITTEN = "uninitialised read", "output not written"
 _UNDEFINED, _VARIABLE, _LOAD = 1, 59, 61
@@ -208,3 +206,235 @@ def _declaration(program: Program, output: str) -> tuple[str, int]:
         if found:
             return program.place(text.count("\n", 0, found.end()) + 1)
     return program.place(1)
+
+
+KIND = "derivative in divergent control flow"
+_DERIVATIVES, _SAMPLES = range(207, 216), (87, 89, 91, 93)
+_SLOPE = 0.01  # of an input from a pixel to the next, in widths of its values
+
+
+@dataclass
+class _Divergent:
+    """A `Watch` that keeps the first pixel of each derivative that not all of its quad take."""
+
+    quads: Array
+    found: dict[Place, tuple[int, Instruction, bool]] = field(default_factory=dict)
+
+    def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
+        sampled = at.op in _SAMPLES
+        if not sampled and at.op not in _DERIVATIVES:
+            return result
+        here = world.mask
+        if here.all():
+            return result
+        count = int(self.quads.max()) + 1
+        present = np.bincount(self.quads, here, count)
+        alive = np.bincount(self.quads, here | ~run.killed, count)
+        split = here & ((present < alive)[self.quads])
+        if split.any():
+            mipmapped = not sampled or _has_mipmaps(run.value(at.operands[0]))
+            place = Place(at.id, tuple(run.calls), KIND)
+            self.found.setdefault(place, (int(split.argmax()), at, mipmapped))
+        return result
+
+
+def _has_mipmaps(texels: Texels) -> bool:
+    return texels.filter[0] != texels.filter[1]
+
+
+def divergent(
+    program: Program, given: Given, inputs: Mapping[str, Input], *, made_up: bool
+) -> Iterator[Hazard]:
+    """Derivatives in divergent control flow on which an output depends.
+
+    Args:
+        program: a fragment stage.
+        given: whole quads; those that were made up become smooth, and uniform where they should.
+        inputs: what it reads.
+        made_up: whether nobody knows which textures have mipmaps: then those are possible ones.
+    """
+    ops = {one.op for one in program.definitions.values()}
+    if program.stage != "fragment" or not ops & {*_DERIVATIVES, *_SAMPLES}:
+        return
+    if made_up:
+        given = _smooth(given, inputs)
+    quads = np.unique(cells_of(given.each["gl_FragCoord"]), return_inverse=True)[1].ravel()
+    watch = _Divergent(quads)
+    run_watched(program, given, watch)
+    for place, (row, at, mipmapped) in watch.found.items():
+        if not mipmapped and not made_up:
+            continue
+        quad = np.flatnonzero(quads == quads[row])
+        some, own = given.part(quad), int(np.flatnonzero(quad == row)[0])
+        outputs = depending(program, some, own, place)
+        if not outputs:
+            continue
+        file, line = program.place(at.line)
+        what = "a derivative" if at.op in _DERIVATIVES else "a texture's level of detail"
+        words = f"{what} is undefined where other pixels of the quad take another branch"
+        yield Hazard(
+            file=file, line=line, kind=KIND,
+            message=words if mipmapped else f"{words}; only if the texture has mipmaps",
+            evident=mipmapped,
+            inputs=example(given, row, inputs),
+            outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
+            calls=tuple(program.place(call)[1] for call in place.calls),
+        )  # fmt: skip
+
+
+def _smooth(given: Given, inputs: Mapping[str, Input]) -> Given:
+    """Whole quads whose pixels get the same uniforms, and nearly the same varyings."""
+    places = given.each["gl_FragCoord"]
+    cells = cells_of(places)
+    _, first, of = np.unique(cells, return_index=True, return_inverse=True)
+    rng = np.random.default_rng(17)
+    offset = (places[:, :2] - places[first][of.ravel(), :2]).astype(np.float64)
+    each: dict[str, Array] = {"gl_FragCoord": places}
+    for name, values in given.each.items():
+        if name == "gl_FragCoord":
+            continue
+        same = values[first][of.ravel()]
+        if name in inputs and not inputs[name].uniform and same.dtype.kind == "f":
+            width = float(np.ptp(values)) or 1.0
+            slope = rng.normal(size=(2, len(first), *values.shape[1:])) * width * _SLOPE
+            slope = slope[:, of.ravel()]
+            extra = tuple(range(1, values.ndim))
+            moved = sum(np.expand_dims(offset[:, k], extra) * slope[k] for k in (0, 1))
+            same = (same + moved).astype(np.float32)
+        each[name] = same
+    return Given(each, given.bindings, given.count)
+
+
+RACE, DIVERGENT, TOO_MANY = (
+    "race", "barrier in divergent control flow", "more vertices than max_vertices"
+)  # fmt: skip
+_LOAD, _STORE, _EMIT, _MAX_VERTICES = 61, 62, 218, 26
+_NOBODY, _SEVERAL = -1, -2
+_MOST = 256  # workgroups that are looked at
+
+
+@dataclass
+class _Accesses:
+    """A `Watch` that keeps who wrote and read each element of shared variables since the last
+    barrier, and the first workgroup in which two invocations meet.
+
+    Attributes:
+        found: by kind and line, the workgroup, and what happens in words.
+    """
+
+    lanes: int
+    found: dict[tuple[str, int], tuple[int, str]] = field(default_factory=dict)
+    wrote: dict[int, Array] = field(default_factory=dict)
+    read: dict[int, Array] = field(default_factory=dict)
+    values: dict[int, Array] = field(default_factory=dict)
+
+    def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
+        if at.op == BARRIER:
+            self._barrier(at, world)
+        elif at.op in (_LOAD, _STORE):
+            pointer = run.value(at.operands[0])
+            if isinstance(pointer, Pointer):
+                type_, storage = run.program.variables[pointer.variable]
+                if storage == Storage.WORKGROUP:
+                    self._access(run, at, world, pointer, type_)
+        return result
+
+    def _barrier(self, at: Instruction, world: World) -> None:
+        here = world.mask.reshape(-1, self.lanes)
+        split = here.any(axis=1) & ~here.all(axis=1)
+        if split.any():
+            words = "not all invocations of the workgroup come here"
+            self.found.setdefault((DIVERGENT, at.line), (int(split.argmax()), words))
+        for table in (self.wrote, self.read):
+            for accesses in table.values():
+                accesses[here.any(axis=1)] = _NOBODY
+
+    def _access(
+        self, run: Run, at: Instruction, world: World, pointer: Pointer, type_: Type
+    ) -> None:
+        element, size, inside = _element(pointer, type_, run.count)
+        groups, lanes = np.divmod(np.arange(run.count), self.lanes)
+        wrote, read = (
+            table.setdefault(pointer.variable, np.full((groups[-1] + 1, size), _NOBODY))
+            for table in (self.wrote, self.read)
+        )
+        rows = np.flatnonzero(world.mask & inside)
+        place = (groups[rows], element[rows])
+        name = run.program.name(pointer.variable)
+        if at.op == _LOAD:
+            other = (wrote[place] != _NOBODY) & (wrote[place] != lanes[rows])
+            words = f"{name} is read that another invocation wrote without a barrier between"
+            self._note(at, groups[rows], other, words)
+            _mark(read, place, lanes[rows])
+            return
+        before = (read[place] != _NOBODY) & (read[place] != lanes[rows])
+        words = f"{name} is written that another invocation reads without a barrier between"
+        self._note(at, groups[rows], before, words)
+        # What the store left behind is the last invocation's value; others' are lost.
+        value = _numbers(run.value(at.operands[1]), run.count)[rows]
+        kept = _numbers(fetch(run.shared[pointer.variable], pointer.path, world.mask), run.count)
+        lost = (value != kept[rows]).any(axis=1)
+        words = f"several invocations write to the same element of {name}"
+        self._note(at, groups[rows], lost, words)
+        _mark(wrote, place, lanes[rows])
+
+    def _note(self, at: Instruction, groups: Array, flags: Flags, words: str) -> None:
+        if flags.any():
+            self.found.setdefault((RACE, at.line), (int(groups[flags.argmax()]), words))
+
+
+def _mark(table: Array, place: tuple[Array, Array], lanes: Array) -> None:
+    """Note who came to each element of each workgroup."""
+    before = table[place]
+    table[place] = lanes
+    alone = ((before == _NOBODY) | (before == lanes)) & (table[place] == lanes)
+    table[place[0][~alone], place[1][~alone]] = _SEVERAL
+
+
+def _element(pointer: Pointer, type_: Type, count: int) -> tuple[Array, int, Flags]:
+    """A number for the element that each invocation means, how many there are, and whether it is
+    one of them."""
+    number, size, inside = np.zeros(count, np.int64), 1, np.ones(count, np.bool_)
+    for index in pointer.path:
+        parts = len(type_.members) or type_.count
+        own = index.lo[:, 0] if isinstance(index, Integer) else np.array([index])
+        inside = inside & (own >= 0) & (own < parts)
+        number = number * parts + np.clip(own, 0, parts - 1)
+        size, type_ = size * parts, type_.part(0 if isinstance(index, Integer) else index)
+    return np.broadcast_to(number, (count,)), size, inside
+
+
+def _numbers(value: Any, count: int) -> Array:
+    if isinstance(value, tuple):
+        return np.concatenate([_numbers(part, count) for part in value], axis=1)
+    flat = np.asarray(getattr(value, "lo", getattr(value, "all_true", value)), np.float64)
+    return np.broadcast_to(flat.reshape(len(flat), -1), (count, flat[0].size))
+
+
+def between_invocations(
+    program: Program, given: Given, inputs: Mapping[str, Input]
+) -> Iterator[Hazard]:
+    """Races for shared variables, barriers that not all come to, and more vertices than a geometry
+    stage declares."""
+    lanes = program.lanes
+    if lanes > 1:
+        given = given.part(np.arange(min(given.count, _MOST)))
+        watch = _Accesses(lanes)
+        run_watched(program, given, watch)
+        for (kind, line), (row, words) in watch.found.items():
+            yield _hazard(program, kind, line, words, example(given, row, inputs))
+    if program.stage == "geometry":
+        most = program.module.modes[_MAX_VERTICES][0]
+        emitted = run_watched(program, given).outputs["EmitVertex()"].lo[:, 0]
+        if (emitted > most).any():
+            row = int(emitted.argmax())
+            words = f"{emitted[row]} are emitted, {most} declared"
+            line = program.line_of(_EMIT)
+            yield _hazard(program, TOO_MANY, line, words, example(given, row, inputs))
+
+
+def _hazard(
+    program: Program, kind: str, line: int, words: str, inputs: Mapping[str, tuple[float, ...]]
+) -> Hazard:
+    file, own = program.place(line)
+    return Hazard(file=file, line=own, kind=kind, message=f"{kind}: {words}", inputs=inputs)

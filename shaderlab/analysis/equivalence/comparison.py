@@ -13,18 +13,37 @@ import numpy as np
 from shaderlab.errors import NotInterpretedError, UsageError, nearest
 from shaderlab.files import display_path
 
+from ..inputs import (
+    Given,
+    Input,
+    Role,
+    asks_for_neighbours,
+    declared_ranges,
+    drawn,
+    inputs_of,
+    joined,
+    learned,
+    merged,
+    roles_of,
+    unknown_names,
+    varied,
+)
 from ..interpreter import Program
 from .answer import Answer, Numerics, OutputAnswer
-from .comparing import Compared, Ran, compare, confirmed, run
-from .drawing import drawn
-from .given import Given, asks_for_neighbours, joined, merged
-from .interface import Input, declared_ranges, inputs_of
-from .jumps import jumps
-from .locating import discards, first
-from .noise import Noisy
-from .numerics import MOST, accuracy, bands_of
-from .roles import Role, roles_of, unknown_names
-from .varying import learned, varied
+from .comparing import (
+    MOST,
+    Compared,
+    Noisy,
+    Ran,
+    accuracy,
+    bands_of,
+    compare,
+    confirmed,
+    discards,
+    first,
+    jumps,
+    run,
+)
 
 _SMALL = 1024  # invocations; sets of no more than so many are run together
 _BITS = range(194, 206)  # SPIR-V's instructions from OpShiftRightLogical to OpBitCount

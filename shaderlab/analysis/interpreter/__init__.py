@@ -9,9 +9,14 @@ An arithmetic is `FLOAT16`, `FLOAT32`, `FLOAT64` (NumPy arrays, each operation r
 raises `NotInterpretedError`: "not interpreted: NAME at line N".
 """
 
-from .arithmetic import Arithmetic as Arithmetic
-from .banded import Bands as Bands
+from .arithmetic import (
+    FLOAT16 as FLOAT16,
+    FLOAT32 as FLOAT32,
+    FLOAT64 as FLOAT64,
+    Arithmetic as Arithmetic,
+    Bands as Bands,
+    Numbers as Numbers,
+)
 from .interpret import Interpreted as Interpreted, interpret as interpret
-from .numbers import FLOAT16 as FLOAT16, FLOAT32 as FLOAT32, FLOAT64 as FLOAT64, Numbers as Numbers
 from .program import Program as Program, load as load, read as read
 from .stored import Stored as Stored

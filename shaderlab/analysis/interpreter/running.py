@@ -1,33 +1,318 @@
-"""Running a program: its functions, block after block, over all invocations at once.
-
-Of the paths that are under way, the one whose block comes first in the module's order goes on.
-glslang writes what a branch goes round before the place where its sides meet, and a loop's body
-before what follows it, so paths meet again as early as they can; in any other order they would
-still compute the same.
-"""
+"""A module's constants as values."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Truth
-from shaderlab.errors import FormulaError
+from shaderlab.bands import Band, Integer, Truth
+from shaderlab.bands.truth import as_truth
+from shaderlab.compiler.reflection import Op, Storage
+from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.model.frame import Array
 
-from . import constants
 from .arithmetic import Arithmetic
-from .blocks import Steps, steps_of
-from .branches import Leaving
-from .emission import Emission
-from .memory import Flags, Pointer, World, fetch, join, part_type
-from .program import Function, Instruction, Program
+from .instructions import HANDLERS, NAMES
+from .instructions.arithmetic import Handler
+from .program import Function, Instruction, Kind, Program, Type
 from .stored import Stored, Trace
-from .types import Kind, Type
-from .values import Missing, NotGivenError, UnchoosableError, Value, component
+from .values import (
+    Flags,
+    Missing,
+    NotGivenError,
+    Pointer,
+    UnchoosableError,
+    Value,
+    World,
+    broadcast,
+    component,
+    composed,
+    fetch,
+    join,
+    null,
+    part_type,
+    select,
+    undefined,
+)
+
+_TRUE, _FALSE = (41, 48), (42, 49)
+_SCALAR, _COMPOSITE, _NULL, _OPERATION = (43, 50), (44, 51), 46, 52
+
+
+def value(run: Run, id_: int) -> Value:
+    """What a constant, or a global variable's name, stands for."""
+    program = run.program
+    if id_ in program.variables:
+        return Pointer(id_)
+    declared = program.module.values[id_]
+    op, words = declared.op, declared.words
+    type_ = program.types[words[0]]
+    if op in _TRUE or op in _FALSE:
+        return Truth.known(np.full((1, 1), op in _TRUE))
+    if op in _SCALAR:
+        word = np.array([[words[2]]], np.uint32)
+        if type_.kind == "float":
+            return run.arithmetic.literal(float(word.view(np.float32)[0, 0]))
+        number = word.view(np.int32) if type_.signed else word
+        return Integer(number, unsigned=not type_.signed, rules=run.arithmetic.rules)
+    if op in _COMPOSITE:
+        return composed(type_, run.values(words[2:]))
+    if op == _NULL:
+        return null(type_, run.arithmetic)
+    if op == Op.UNDEFINED:
+        return undefined(type_, run.arithmetic)
+    handler = HANDLERS.get(words[2]) if op == _OPERATION else None
+    if handler is None:
+        raise program.not_interpreted(f"a constant of SPIR-V's opcode {op}", 0)
+    everywhere = World(np.ones(run.count, np.bool_), {})
+    return handler(run, Instruction(words[2], words[0], id_, words[3:], 0), everywhere)
+
+
+_PHI = 245
+Leaving = list[tuple[int | None, World]]
+"""Worlds, each with the label of the block that it goes to; None for one that returns."""
+
+
+def _branch(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
+    return [_to(run, function, label, at.operands[0], world)]
+
+
+def _conditional(
+    run: Run, function: Function, label: int, at: Instruction, world: World
+) -> Leaving:
+    condition, then, otherwise = at.operands[:3]
+    truth = as_truth(run.value(condition))
+    run.branched(at, truth, world)
+    if truth.all_true.size == 1 and run.count:  # all go the same way, as loops mostly do
+        for target, is_sure in ((then, truth.all_true), (otherwise, truth.all_false)):
+            if is_sure.item():
+                return [_to(run, function, label, target, world)]
+    yes, no = (
+        world.mask & ~np.broadcast_to(side[:, 0], world.mask.shape)
+        for side in (truth.all_false, truth.all_true)
+    )
+    leaving = _split(run, function, label, [(then, yes), (otherwise, no)], world)
+    if (both := yes & no).any():
+        run.note_undecided(at.line, both)
+        for (_, side), holds in zip(leaving, (True, False), strict=True):
+            narrow(run, condition, holds, side)
+    return leaving
+
+
+def _switch(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
+    selector, default = run.value(at.operands[0]), at.operands[1]
+    run.branched(at, selector, world)
+    bits = np.dtype(np.uint32 if selector.unsigned else np.int32)
+    going: dict[int, Any] = {}
+    elsewhere = world.mask
+    for literal, target in zip(at.operands[2::2], at.operands[3::2], strict=True):
+        same = as_truth(selector == int(np.uint32(literal).astype(bits)))
+        may, sure = (
+            np.broadcast_to(side[:, 0], world.mask.shape)
+            for side in (~same.all_false, same.all_true)
+        )
+        going[target] = going.get(target, False) | (world.mask & may)
+        elsewhere = elsewhere & ~sure
+    going[default] = going.get(default, False) | elsewhere
+    several = np.sum([flags for flags in going.values()], axis=0) > 1
+    if several.any():
+        run.note_undecided(at.line, several)
+    return _split(run, function, label, list(going.items()), world)
+
+
+def _split(
+    run: Run, function: Function, label: int, sides: list[tuple[int, Flags]], world: World
+) -> Leaving:
+    taken = [(target, mask) for target, mask in sides if mask.any()]
+    if len(taken) == 1:
+        return [_to(run, function, label, taken[0][0], world)]
+    return [_to(run, function, label, target, world.split(mask)) for target, mask in taken]
+
+
+def _to(run: Run, function: Function, label: int, target: int, world: World) -> tuple[int, World]:
+    """The world on its way to a block, whose phis take the values of the block that it leaves."""
+    for phi in function.blocks[target]:
+        if phi.op != _PHI:
+            break
+        pairs = zip(phi.operands[::2], phi.operands[1::2], strict=True)
+        world.memory[phi.id] = run.value(next(value for value, of in pairs if of == label))
+    return target, world
+
+
+def _return(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
+    return [(None, world)]
+
+
+def _return_value(
+    run: Run, function: Function, label: int, at: Instruction, world: World
+) -> Leaving:
+    value = run.value(at.operands[0])
+    if run.trace is not None:
+        name = run.program.name(function.id).partition("(")[0]
+        run.stored(at, f"{name}()", run.program.types[function.result], value, world)
+    world.memory[function.id] = value
+    return [(None, world)]
+
+
+def _kill(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
+    run.killed = run.killed | world.mask
+    return []
+
+
+def _unreachable(
+    run: Run, function: Function, label: int, at: Instruction, world: World
+) -> Leaving:
+    return []
+
+
+Branch = Callable[["Run", Function, int, Instruction, World], Leaving]
+"""Ends a block, in a run, of a function, with its label."""
+
+BRANCHES: Mapping[int, Branch] = {
+    249: _branch,
+    250: _conditional,
+    251: _switch,
+    252: _kill,
+    253: _return,
+    254: _return_value,
+    255: _unreachable,
+}
+"""By opcode: OpBranch, OpBranchConditional, OpSwitch, OpKill, OpReturn, OpReturnValue,
+OpUnreachable."""
+
+
+_LOAD, _OR, _AND, _NOT = 61, 166, 167, 168
+_LESS, _GREATER = (184, 188), (186, 190)
+
+
+def narrow(run: Run, condition: int, holds: bool, world: World) -> None:
+    """Bound the variables of a world in which the condition of this id holds, or does not."""
+    at = run.program.definitions.get(condition)
+    if at is None:
+        return
+    if at.op == _NOT:
+        narrow(run, at.operands[0], not holds, world)
+    elif at.op == (_AND if holds else _OR):
+        for part in at.operands:
+            narrow(run, part, holds, world)
+    elif at.op in _LESS or at.op in _GREATER:
+        smaller, larger = at.operands if (at.op in _LESS) == holds else at.operands[::-1]
+        values = run.value(smaller), run.value(larger)
+        if all(isinstance(value, Band) for value in values):
+            (least, _), (_, most) = (value.settled() for value in values)
+            _bound(run, smaller, world, -np.inf, most)
+            _bound(run, larger, world, least, np.inf)
+
+
+def _bound(run: Run, operand: int, world: World, low: Any, high: Any) -> None:
+    """Bound the variable that an operand was loaded from, if it still holds that value."""
+    at: Instruction | None = run.program.definitions.get(operand)
+    pointer = run.value(at.operands[0]) if at is not None and at.op == _LOAD else None
+    if not isinstance(pointer, Pointer) or pointer.path:
+        return
+    band: Band = run.value(operand)
+    if world.memory.get(pointer.variable) is not band:
+        return
+    lo, hi = np.maximum(band.lo, low), np.minimum(band.hi, high)
+    crossed = lo > hi  # of other invocations
+    lo, hi = np.where(crossed, band.lo, lo), np.where(crossed, band.hi, hi)
+    world.memory[pointer.variable] = Band(lo, hi, band.rules, band.flags, band.terms)
+
+
+Steps = tuple[list[tuple[Handler, Instruction, bool]], Branch, Instruction]
+"""A block's instructions, each with its handler and whether it is a call; and how it ends."""
+
+
+def steps_of(block: list[Instruction]) -> Steps:
+    """A block as it is run. What has no handler is refused where it is reached.
+
+    Raises:
+        NotInterpretedError: no branch ends it.
+    """
+    steps: list[tuple[Handler, Instruction, bool]] = []
+    for at in block:
+        if at.op in BRANCHES:
+            return steps, BRANCHES[at.op], at
+        steps.append((HANDLERS.get(at.op, _unknown), at, at.op == Op.FUNCTION_CALL))
+    raise NotInterpretedError("not interpreted: a block without an end")
+
+
+def _unknown(run: Run, at: Instruction, world: World) -> Value:
+    name = NAMES.get(at.op, f"SPIR-V's opcode {at.op}")
+    raise run.program.not_interpreted(name, at.line)
+
+
+class Emission:
+    """The vertices that were emitted so far.
+
+    Attributes:
+        vertices: what each output held, by id; of the invocations that emitted so many.
+        emitted: how many vertices each invocation emitted, (count,).
+        strips: the number of the strip of each of those vertices, and of the next one, (count,).
+    """
+
+    def __init__(self, count: int) -> None:
+        self.vertices: list[dict[int, Value]] = []
+        self.strip_of: list[Any] = []
+        self.emitted = np.zeros(count, np.int64)
+        self.strips = np.zeros(count, np.int64)
+
+    def emit(self, run: Run, at: Instruction, world: World) -> None:
+        """Keep what the outputs hold, which are undefined from here on."""
+        if any((flags & world.mask).any() for flags in run.undecided.values()):
+            raise run.program.not_interpreted("EmitVertex behind an open branch", at.line)
+        held = dict(_outputs(run, world))
+        for number in np.unique(self.emitted[world.mask]):
+            here = world.mask & (self.emitted == number)
+            if number == len(self.vertices):
+                self.vertices.append(held)
+                self.strip_of.append(self.strips)
+                continue
+            before, own = self.vertices[number], Truth.known(here[:, None])
+            self.vertices[number] = {id_: select(own, held[id_], before[id_]) for id_ in held}
+            self.strip_of[number] = np.where(here, self.strips, self.strip_of[number])
+        self.emitted = self.emitted + world.mask
+        for id_ in held:
+            type_, _ = run.program.variables[id_]
+            world.memory[id_] = undefined(type_, run.arithmetic)
+
+    def end(self, world: World) -> None:
+        """Begin another strip."""
+        self.strips = self.strips + world.mask
+
+    def memories(self, run: Run) -> Iterator[dict[int, Value]]:
+        """What each vertex' outputs hold by id, 0 of the invocations that emitted fewer."""
+        for number, vertex in enumerate(self.vertices):
+            there = Truth.known((self.emitted > number)[:, None])
+            yield {
+                id_: select(there, broadcast(value, run.count), _nothing(run, id_))
+                for id_, value in vertex.items()
+            }
+
+    def counts(self, rules: Any) -> dict[str, Any]:
+        """How many vertices each invocation emitted, and the strip of each."""
+        strips = [
+            np.where(self.emitted > number, strip, 0) for number, strip in enumerate(self.strip_of)
+        ]
+        return {
+            "EmitVertex()": Integer(self.emitted[:, None], rules=rules),
+            "EndPrimitive()": tuple(Integer(strip[:, None], rules=rules) for strip in strips),
+        }
+
+
+def _outputs(run: Run, world: World) -> Iterator[tuple[int, Value]]:
+    for id_, (type_, storage) in run.program.variables.items():
+        if storage == Storage.OUTPUT:
+            value = world.memory.get(id_)
+            yield id_, undefined(type_, run.arithmetic) if value is None else value
+
+
+def _nothing(run: Run, id_: int) -> Value:
+    return null(run.program.variables[id_][0], run.arithmetic)
+
 
 TURNS = 4096
 """How often a loop may turn each time that it is entered, unless a caller says otherwise."""
@@ -88,7 +373,7 @@ class Run:
     def value(self, id_: int) -> Value:
         """What an operand's id stands for."""
         if id_ not in self.results:
-            self.results[id_] = constants.value(self, id_)
+            self.results[id_] = value(self, id_)
         return self.results[id_]
 
     def values(self, ids: tuple[int, ...]) -> list[Value]:

@@ -12,14 +12,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from shaderlab import glslmath
 from shaderlab.bands import Band, Integer, Truth
 from shaderlab.bands.exact import concatenated, joined, select as select_bands
+from shaderlab.bands.truth import as_truth
 from shaderlab.errors import FormulaError
+from shaderlab.model.frame import Array
 
 from .arithmetic import Arithmetic, Floats
-from .types import Type
+from .program import Type
 
 Value = Any
 
@@ -146,3 +149,190 @@ def broadcast(value: Value, count: int) -> Value:
         return value
     rows = np.zeros(count, np.int64)
     return value[rows]
+
+
+Flags = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Pointer:
+    """A place in a variable: the way to it are indices, `Integer`s where they differ."""
+
+    variable: int
+    path: tuple[int | Integer, ...] = ()
+
+
+class World:
+    """The invocations on one path, and what each variable, phi and function's result is to them.
+
+    A branch makes a world for each side. An invocation whose condition a band leaves open is in
+    both; where the paths meet, the worlds are joined.
+
+    Attributes:
+        mask: which invocations are here, (count,).
+        memory: by id; what is stored for other invocations means nothing.
+    """
+
+    __slots__ = ("mask", "memory")
+
+    def __init__(self, mask: Flags, memory: dict[int, Value]) -> None:
+        self.mask = mask
+        self.memory = memory
+
+    def split(self, mask: Flags) -> World:
+        """Some of its invocations, with a memory of their own."""
+        return World(mask, dict(self.memory))
+
+
+def join(worlds: Sequence[World]) -> World:
+    """One world of several: for each invocation the values of the world that it is in, the hull
+    of both for one that is in two."""
+    if len(worlds) == 1:
+        return worlds[0]
+    mask, memory = worlds[0].mask, worlds[0].memory
+    for other in worlds[1:]:
+        both = mask & other.mask
+        here = Truth(((mask | ~other.mask) & ~both)[:, None], (other.mask & ~mask)[:, None])
+        memory = dict(memory)
+        for key, value in other.memory.items():
+            own = memory.get(key)
+            if own is not value:
+                memory[key] = select(here, own, value)
+        mask = mask | other.mask
+    return World(mask, memory)
+
+
+def indices(index: Integer, size: int, mask: Flags) -> range:
+    """The indices that the invocations of a mask may mean, those beyond the ends clamped."""
+    low, high = (np.broadcast_to(bound[:, 0], mask.shape)[mask] for bound in (index.lo, index.hi))
+    if not low.size:
+        return range(0, 1)
+    first, last = (int(np.clip(end, 0, size - 1)) for end in (low.min(), high.max()))
+    return range(first, last + 1)
+
+
+def fetch(value: Value, path: Sequence[int | Integer], mask: Flags) -> Value:
+    """The part of a value at the end of a path; an index beyond the ends means the last one."""
+    for index in path:
+        if value is None:
+            return None
+        if isinstance(index, Integer):
+            value = _picked(value, _size(value), index, mask)
+        else:
+            value = component(value, min(max(index, 0), _size(value) - 1))
+    return value
+
+
+def _clamped(index: int | Integer, size: int) -> int | Integer:
+    if isinstance(index, int):
+        return min(max(index, 0), size - 1)
+    low, high = (np.clip(end, 0, size - 1) for end in (index.lo, index.hi))
+    return Integer(low, None if index.known else high, unsigned=index.unsigned, rules=index.rules)
+
+
+def _size(value: Value) -> int:
+    return len(value) if isinstance(value, tuple) else int(value.shape[-1])
+
+
+def _picked(value: Value, size: int, index: Integer, mask: Flags) -> Value:
+    few = indices(index, size, mask)
+    found = component(value, few[0])
+    for k in few[1:]:
+        found = select(_is(index, k), component(value, k), found)
+    return found
+
+
+def _is(index: Integer, number: int) -> Truth:
+    return as_truth(index == number)  # type: ignore[comparison-overlap]
+
+
+def changed(
+    old: Value, type_: Type, path: Sequence[int | Integer], new: Value, mask: Flags
+) -> Value:
+    """The value with the part at the end of a path replaced. An index beyond the ends means no
+    part; of an array whose length is known at run time only it means the last one, or the first."""
+    if not path:
+        return new
+    index, rest = path[0], path[1:]
+    parts: list[Value] = [component(old, k) for k in range(_size(old))]
+    if type_.kind == "array" and not type_.count:
+        index = _clamped(index, len(parts))
+    if isinstance(index, Integer):
+        for k in indices(index, len(parts), mask):
+            inner = changed(parts[k], type_.part(k), rest, new, mask)
+            parts[k] = select(_is(index, k), inner, parts[k])
+    elif 0 <= index < len(parts):  # GLSL does not say what is stored elsewhere
+        parts[index] = changed(parts[index], type_.part(index), rest, new, mask)
+    return composed(type_, parts)
+
+
+def spelt(name: str, type_: Type, path: Sequence[int | Integer]) -> str:
+    """A place's name as GLSL writes it; "[?]" where an index differs between invocations."""
+    for index in path:
+        name += type_.step("?" if isinstance(index, Integer) else index)
+        type_ = type_.part(0 if isinstance(index, Integer) else index)
+    return name
+
+
+def part_type(type_: Type, path: Sequence[int | Integer]) -> Type:
+    """The type of the part at the end of a path."""
+    for index in path:
+        type_ = type_.part(0 if isinstance(index, Integer) else index)
+    return type_
+
+
+def known_index(index: Any) -> int | Integer:
+    """An index as one number where all invocations have the same."""
+    first = int(index.lo.flat[0])
+    same = index.known and bool((index.lo == first).all())
+    return first if same else index
+
+
+NUMBERS = (
+    "gl_WorkGroupID", "gl_LocalInvocationID", "gl_GlobalInvocationID", "gl_LocalInvocationIndex"
+)  # fmt: skip
+"""The built-in inputs that number a compute stage's invocations."""
+Size = tuple[int, int, int]
+
+
+def numbered(size: Size, groups: Array, local: Array) -> dict[str, Array]:
+    """`NUMBERS` of invocations by their workgroups and their places in these, (count, 3) each."""
+    x, y, _ = size
+    each = groups * np.array(size) + local
+    index = (local @ np.array([1, x, x * y]))[:, None]
+    return dict(zip(NUMBERS, (groups, local, each, index), strict=True))
+
+
+def places_in(size: Size) -> Array:
+    """Each invocation's gl_LocalInvocationID in a workgroup, by gl_LocalInvocationIndex, (n, 3)."""
+    z, y, x = (axis.ravel() for axis in np.indices(size[::-1]))
+    return np.stack([x, y, z], axis=1)
+
+
+def shared(
+    old: Value, type_: Type, path: Sequence[int | Integer], new: Value, mask: Flags, lanes: int
+) -> Value:
+    """A variable of whole workgroups after a store, the same for all of each: of several that store
+    to one element the last counts."""
+    if not path:
+        return _last(old, new, mask, lanes)
+    index, rest = path[0], path[1:]
+    size = len(old) if isinstance(old, tuple) else old.shape[-1]
+    parts = [component(old, k) for k in range(size)]
+    here = indices(index, size, mask) if isinstance(index, Integer) else range(size)
+    for k in here:
+        at_k = index.lo[:, 0] == k if isinstance(index, Integer) else index == k
+        stores = mask & at_k
+        if stores.any():
+            parts[k] = shared(parts[k], type_.part(k), rest, new, stores, lanes)
+    return composed(type_, parts)
+
+
+def _last(old: Value, new: Value, mask: Flags, lanes: int) -> Value:
+    if isinstance(old, tuple):
+        return tuple(_last(a, b, mask, lanes) for a, b in zip(old, new, strict=True))
+    stores = mask.reshape(-1, lanes)
+    last = lanes - 1 - stores[:, ::-1].argmax(axis=1)
+    rows = np.repeat(np.arange(len(stores)) * lanes + last, lanes)
+    wrote = np.repeat(stores.any(axis=1), lanes)[:, None]
+    return select(Truth.known(wrote), broadcast(new, len(mask))[rows], old)

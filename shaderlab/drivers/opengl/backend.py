@@ -9,8 +9,7 @@ import numpy as np
 
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import UnsupportedError
-from shaderlab.model.call_edits import CallEdit
-from shaderlab.model.calls import Call, Program
+from shaderlab.model.calls import Call, CallEdit, Program
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Fragments, PassDraw, Reply
 from shaderlab.model.records import Verdict

@@ -23,7 +23,7 @@ import moderngl
 import numpy as np
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.model.call_edits import CallEdit, Changed, Dropped, PutOff, Repeated
+from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
 from shaderlab.model.frame import PassDraw, TracedCall
 
 from .api import constant, constants, fresh_context, prototypes

@@ -11,8 +11,8 @@ from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Judgement
 from shaderlab.model.frame import Frame
 
-from ..judging.figures import figure_row, rounds_to, shown
-from ..judging.written import source_of
+from ..judging.distance import figure_row, rounds_to, shown
+from ..judging.formats import source_of
 from .base import judge_rows
 from .value import Figure
 

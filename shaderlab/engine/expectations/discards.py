@@ -21,9 +21,9 @@ from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Programs
 from shaderlab.model.frame import Array, Fragments, Frame, PassDraw, every_component
 
+from ..judging.formats import name_of, source_of
 from ..judging.inputs import evaluate, wanted
 from ..judging.reference_bands import CHUNK
-from ..judging.written import name_of, source_of
 from .base import OfOutput
 from .needs import CapturedFragments, Probe
 from .subject import inputs_of

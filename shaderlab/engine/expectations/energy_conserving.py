@@ -13,7 +13,7 @@ from shaderlab.errors import CaseError
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Row
 
-from ..judging.figures import shown
+from ..judging.distance import shown
 from .law import Finding, Law
 
 MAX_QUADRATURE_ERROR = 0.01

@@ -15,7 +15,7 @@ from shaderlab.model.frame import Array, Frame, every_component
 from shaderlab.model.records import Outcome, Worst
 from shaderlab.model.textures import Output
 
-from ..judging.figures import plain
+from ..judging.distance import plain
 from .base import OfOutput
 from .subject import find_image
 

@@ -22,7 +22,7 @@ from shaderlab.model.frame import Array, Frame, Samples
 from shaderlab.model.records import Outcome, Row, Worst
 from shaderlab.model.scene import UniformValue
 
-from ..judging.figures import plain, ulp_distance
+from ..judging.distance import plain, ulp_distance
 from .base import OfOutput
 from .needs import Probe
 

@@ -14,7 +14,7 @@ from shaderlab.model.frame import Array
 from shaderlab.model.records import Row
 from shaderlab.model.scene import UniformValue
 
-from ..judging.figures import shown
+from ..judging.distance import shown
 from .law import Figure, Finding, Law
 
 

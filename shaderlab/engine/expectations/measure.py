@@ -25,8 +25,8 @@ from shaderlab.model.frame import Array, Bindings, Frame
 from shaderlab.model.records import Outcome, Plot, PlotPoint, Row
 from shaderlab.model.scene import UniformValue
 
+from ..judging.formats import located, source_of
 from ..judging.inputs import parameter_name
-from ..judging.written import located, source_of
 from .base import OfDraw
 from .bound import Bound, Bounds
 from .readings import Reading, check_readings, reading

@@ -9,8 +9,7 @@ from typing import Literal
 import numpy as np
 
 from shaderlab.analysis.audit import Spread, spread
-from shaderlab.analysis.equivalence.given import given_fragments
-from shaderlab.analysis.equivalence.interface import inputs_of
+from shaderlab.analysis.inputs import given_fragments, inputs_of
 from shaderlab.analysis.interpreter import load
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.activity import doing

@@ -7,7 +7,7 @@ from dataclasses import KW_ONLY, dataclass
 
 from shaderlab.analysis.equivalence.answer import Answer
 from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
-from shaderlab.analysis.equivalence.given import given_fragments, given_vertices
+from shaderlab.analysis.inputs import given_fragments, given_vertices
 from shaderlab.analysis.interpreter import load
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.activity import doing

@@ -16,7 +16,7 @@ from shaderlab.model.records import Row
 from shaderlab.model.scene import Pixel, UniformValue
 
 from ..judging.banded import judge_band
-from ..judging.figures import figure_row, rounds_to, shown
+from ..judging.distance import figure_row, rounds_to, shown
 from ..judging.inputs import evaluate
 from .base import judge_rows
 from .formula import Formula, OfReference, Reference

@@ -14,13 +14,16 @@ from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Row, SourceText, Worst
 
-from .distance import Placed
-from .figures import plain, ulp_distance
-from .formats import FLOAT_FORMATS
-from .informative import MAX_UNDECIDED, MIN_INFORMATIVE, Plausible
+from .distance import Placed, plain, ulp_distance
+from .formats import FLOAT_FORMATS, source_of
 from .inputs import Inputs, Reference, evaluate
-from .reference_bands import ReferenceBand, reference_band
-from .written import source_of
+from .reference_bands import (
+    MAX_UNDECIDED,
+    MIN_INFORMATIVE,
+    Plausible,
+    ReferenceBand,
+    reference_band,
+)
 
 MAX_VACUOUS = 0.01
 

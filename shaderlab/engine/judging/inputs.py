@@ -28,7 +28,7 @@ from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array, Bindings, Texels
 
 from .as_written import as_written
-from .written import located, name_of, source_of
+from .formats import located, name_of, source_of
 
 Reference = Callable[..., Any]
 _TAKEN: WeakKeyDictionary[FunctionType, dict[str, bool]] = WeakKeyDictionary()

@@ -1,24 +1,103 @@
-"""What a reference formula gives on some inputs: in float64, and as a band."""
+"""Bands that are kept while many variations of one shader are judged.
+
+A shader that is changed and judged again by the same formula, on the same inputs, has the same
+band; evaluating it is most of what judging costs.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from shaderlab.bands import Allowed, Band, Rules
+from shaderlab.bands.compiled import compiled
 from shaderlab.errors import FormulaError
-from shaderlab.model.frame import Array
+from shaderlab.model.frame import Array, Texels
 
 from .chunks import PLACE, chunks, quad_rows
-from .formats import FLOAT_FORMATS, as_result, in_format, stored
+from .formats import (
+    FLOAT_FORMATS,
+    INTEGER_FORMATS,
+    as_result,
+    in_format,
+    name_of,
+    source_of,
+    stored,
+)
 from .inputs import Inputs, Reference, evaluate, wanted
-from .remembered import digest, remembered_bands
-from .written import name_of, source_of
+
+
+class RememberedBands:
+    """Bands by reference and the content of its inputs. The first ones stay; when the limit is
+    reached, further ones are not kept.
+
+    Args:
+        limit: bytes of bounds that may be kept.
+    """
+
+    def __init__(self, limit: int = 1 << 28) -> None:
+        self._room = limit
+        self._known: dict[tuple[Any, ...], ReferenceBand] = {}
+
+    @contextmanager
+    def in_use(self) -> Iterator[None]:
+        """Remember bands for a while."""
+        token = _REMEMBERED.set(self)
+        try:
+            yield
+        finally:
+            _REMEMBERED.reset(token)
+
+    def get(self, key: tuple[Any, ...]) -> ReferenceBand | None:
+        return self._known.get(key)
+
+    def keep(self, key: tuple[Any, ...], band: ReferenceBand) -> None:
+        size = band.low.nbytes + band.high.nbytes
+        if size <= self._room:
+            self._room -= size
+            self._known[key] = band
+
+
+_REMEMBERED: ContextVar[RememberedBands | None] = ContextVar("remembered", default=None)
+
+
+def remembered_bands() -> RememberedBands | None:
+    """The bands that are in use now, if any are."""
+    return _REMEMBERED.get()
+
+
+def digest(inputs: Inputs, asked: Mapping[str, list[str]]) -> bytes:
+    """Tells inputs apart by the content of all that a formula asks for."""
+    found = hashlib.blake2b(digest_size=16)
+    for parameter, names in asked.items():
+        found.update(repr((parameter, names, [n in inputs.arrays for n in names])).encode())
+        for name in names:
+            texels = inputs.textures.get(name)
+            arrays: tuple[Array, ...]
+            if texels is None:
+                arrays = (inputs.exact[name],)
+            else:
+                arrays = (texels.values, *texels.smaller)
+                found.update(repr(_sampling(texels)).encode())
+            for array in arrays:
+                found.update(f"{array.dtype} {array.shape} {name in inputs.each}".encode())
+                found.update(np.ascontiguousarray(array).data)
+    return found.digest()
+
+
+def _sampling(texels: Texels) -> dict[str, Any]:
+    """How a texture is sampled: all of it but its levels."""
+    return {n: v for n, v in vars(texels).items() if n not in ("values", "smaller")}
+
 
 Flags = npt.NDArray[np.bool_]
 
@@ -253,3 +332,74 @@ def _marks(allowed: Band | Allowed) -> tuple[Flags, Flags, Flags]:
 def _count(flags: Flags, shape: tuple[int, ...]) -> int:
     """How many of the values are marked; flags of fewer components are those of all."""
     return int(np.count_nonzero(flags)) * (math.prod(shape) // max(flags.size, 1))
+
+
+MIN_INFORMATIVE = 0.99
+"""The least share of an expectation's values that must be informative."""
+MAX_UNDECIDED = 0.05
+"""The largest share of values that may have taken both sides of a branch: the shipped cases, which
+put none of their inputs onto a branch but by accident, have 0.013 at most."""
+# A reference that varies by less than this part of its magnitude counts as a constant.
+HARDLY = 1e-3
+# Below this, a reference of floats counts as 0, whose scale is 1: what is left of a cancellation
+# in float64 is no magnitude.
+NOTHING = 1e-7
+BLOCK = 16384
+
+
+@dataclass(frozen=True)
+class Plausible:
+    """For each component what its band must leave something out of: from `low` to `high` where
+    the reference `varies`, or else any range as wide as that."""
+
+    low: Array
+    high: Array
+    varies: Array
+
+    @classmethod
+    @np.errstate(all="ignore")
+    def of(cls, reference: Array, format: str) -> Plausible:
+        """Read it from some values of a reference.
+
+        Args:
+            reference: in float64, (count, components), in the attachment's units.
+            format: the attachment's format.
+        """
+        finite = np.isfinite(reference)
+        low = np.where(finite, reference, np.inf).min(axis=0, initial=np.inf)
+        high = np.where(finite, reference, -np.inf).max(axis=0, initial=-np.inf)
+        none = low > high
+        low, high = np.where(none, 0.0, low), np.where(none, 0.0, high)
+        span, size = high - low, np.maximum(np.abs(low), np.abs(high))
+        if format in INTEGER_FORMATS:
+            varies, whole = span > 0.0, np.maximum(size, 1.0)
+        elif format in FLOAT_FORMATS or format.endswith("16f"):
+            varies = (span > HARDLY * size) & (size >= NOTHING)
+            largest = float(size.max(initial=0.0))
+            whole = np.full_like(size, largest if largest >= NOTHING else 1.0)
+        else:
+            limit = 1.0 if format.startswith("depth") else 255.0
+            varies, whole = span > limit / 16.0, np.full_like(size, limit)
+        return cls(np.where(varies, low, 0.0), np.where(varies, high, whole), varies)
+
+    @np.errstate(all="ignore")
+    def informative_share(self, low: Array, high: Array) -> float:
+        """The share of values, (count, components), whose bands are informative."""
+        if not low.size:
+            return 1.0
+        least, greatest = self.low.astype(low.dtype), self.high.astype(low.dtype)
+        return informative(low, high, least, greatest, self.varies) / low.size
+
+
+@compiled
+def informative(low: Array, high: Array, least: Array, greatest: Array, varies: Array) -> int:
+    """How many bands leave out some of what lies between `least` and `greatest` where the
+    component `varies`, and elsewhere are narrower than `greatest`; all with two ends."""
+    count = 0
+    for start in range(0, len(low), BLOCK):
+        one, other = low[start : start + BLOCK], high[start : start + BLOCK]
+        width = other - one
+        leaves_out = (one > least) | (other < greatest)
+        narrow = np.where(varies, leaves_out, width < greatest)
+        count += int(np.count_nonzero(narrow & (width < np.inf)))
+    return count

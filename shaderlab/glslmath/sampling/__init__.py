@@ -6,20 +6,18 @@ on either side of a texel's edge selects both texels, and weights have the preci
 `filters.WEIGHT`.
 """
 
-from .cube import cube_face
-from .functions import texelFetch, texture, textureLod, textureQueryLevels, textureSize
-from .gathering import (
+from .functions import (
+    imageLoad,
+    imageSize,
+    texelFetch,
+    texelFetchOffset,
+    texture,
     textureGather,
     textureGatherOffset,
     textureGatherOffsets,
-    textureQueryLod,
-    textureSamples,
-)
-from .images import imageLoad, imageSize
-from .lookups import (
-    texelFetchOffset,
     textureGrad,
     textureGradOffset,
+    textureLod,
     textureLodOffset,
     textureOffset,
     textureProj,
@@ -28,8 +26,12 @@ from .lookups import (
     textureProjLod,
     textureProjLodOffset,
     textureProjOffset,
+    textureQueryLevels,
+    textureQueryLod,
+    textureSamples,
+    textureSize,
 )
-from .reading import Sampler, wrap_index
+from .reading import Sampler, cube_face, wrap_index
 
 __all__ = [
     "Sampler",

@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from shaderlab.bands import Band, Integer
+from shaderlab.bands.quads import difference
 from shaderlab.bands.swizzles import Vector
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
 
-from . import cube, filters, levels, reading, volume
-from .reading import Integers, Sampler
-from .spans import Span, component, components, hull, span_of
+from . import reading, reading, reading, reading, reading
+from .reading import (
+    WEIGHT,
+    Integers,
+    Sampler,
+    Span,
+    component,
+    components,
+    hull,
+    require_narrow,
+    span_of,
+    widened,
+)
 
 Offset = tuple[int, int]
 COORDINATES = {"2D": 2, "2DArray": 3, "3D": 3, "Cube": 3}
@@ -61,7 +73,7 @@ def sampled(sampler: Sampler, p: Any, level: Span | None, offset: Offset = (0, 0
             f"offsets of a sampler{texels.kind} are not known; GLSL has none on cubes"
         )
     if texels.kind == "3D":
-        return value_of(sampler, volume.sampled(sampler, p))
+        return value_of(sampler, reading.sampled(sampler, p))
     return value_of(sampler, _of_cube(sampler, p, level))
 
 
@@ -74,7 +86,7 @@ def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
     """GLSL's `texelFetch`: the texel at integer column and row (and layer), unfiltered.
 
     Args:
-        sampler: any texture but a cube.
+        sampler: any texture but a reading.
         p: integers (count, 2), of an array or three dimensions (count, 3).
         lod: the level; of a multisampled texture the sample's number. One for all.
 
@@ -155,7 +167,7 @@ def _of_plane(sampler: Sampler, p: Any, lod: Span | None, offset: Offset) -> Spa
             found.append(_filtered(sampler, word, texel, x, y, whole))
         return hull(found)
 
-    return levels.at_level(sampler, filtered, lod)
+    return reading.at_level(sampler, filtered, lod)
 
 
 def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
@@ -163,7 +175,7 @@ def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
     bounds = span_of(p)
     shorter = bounds[0][..., :3]
     direction = (shorter,) * 2 if bounds[0] is bounds[1] else (shorter, bounds[1][..., :3])
-    faces = list(cube.met_faces(direction, sampler.rules is None))
+    faces = list(reading.met_faces(direction, sampler.rules is None))
 
     def filtered(level: int, word: str) -> Span:
         size = reading.level_values(sampler, level).shape[1]
@@ -180,7 +192,7 @@ def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
                     how = reading.lookup(sampler, level, number, reading.EDGE, reading.EDGE)
                     found = reading.texels_at(column, row, *how)
                 else:
-                    found = cube.across_edges(sampler, level, column, row, number)
+                    found = reading.across_edges(sampler, level, column, row, number)
                 return compared(sampler, depths, found, at)
 
             x, y = (
@@ -197,20 +209,20 @@ def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
             low[may], high[may] = np.minimum(low[may], part[0]), np.maximum(high[may], part[1])
         return low, high
 
-    return levels.at_level(sampler, filtered, lod)
+    return reading.at_level(sampler, filtered, lod)
 
 
 def _filtered(
-    sampler: Sampler, word: str, texel: filters.Texel, x: Span, y: Span, whole: Any = None
+    sampler: Sampler, word: str, texel: reading.Texel, x: Span, y: Span, whole: Any = None
 ) -> Span:
     """A sample by the filter `word`; `whole` is the lookup of texels that nothing compares, which
     NEAREST finds in one pass."""
     if whole is not None:
-        return filters.nearest_texels(*x, *y, *whole)
+        return reading.nearest_texels(*x, *y, *whole)
     if word == "nearest":
-        return filters.nearest(texel, x, y)
+        return reading.nearest(texel, x, y)
     compared = sampler.texels.compare is not None
-    return filters.linear(texel, x, y, exact=sampler.rules is None, compared=compared)
+    return reading.linear(texel, x, y, exact=sampler.rules is None, compared=compared)
 
 
 def reference_of(sampler: Sampler, p: Any) -> Span | None:
@@ -242,3 +254,244 @@ def value_of(sampler: Sampler, span: Span) -> Any:
     if sampler.rules is None:
         return span[0].view(Vector)
     return Band.between(span[0], span[1], sampler.rules)
+
+
+# The texels of a footprint, counterclockwise from the upper left (GLSL 4.60, 8.9.4).
+_FOOTPRINT: tuple[Offset, ...] = ((0, 1), (1, 1), (1, 0), (0, 0))
+
+
+def textureGather(sampler: Sampler, p: Any, comp: int = 0) -> Any:
+    """GLSL's `textureGather`: component `comp` of the four texels that LINEAR would mix, or the
+    four comparisons of a shadow sampler, whose value to compare is p's last coordinate.
+
+    A band holds the texels of both footprints where the place may lie in either.
+    """
+    return _gathered(sampler, p, comp, _FOOTPRINT)
+
+
+def textureGatherOffset(sampler: Sampler, p: Any, offset: Offset, comp: int = 0) -> Any:
+    """GLSL's `textureGatherOffset`."""
+    moved = [(x + offset[0], y + offset[1]) for x, y in _FOOTPRINT]
+    return _gathered(sampler, p, comp, moved)
+
+
+def textureGatherOffsets(sampler: Sampler, p: Any, offsets: Sequence[Offset], comp: int = 0) -> Any:
+    """GLSL's `textureGatherOffsets`: the lower left texel of the footprint at each offset."""
+    if len(offsets) != 4:
+        raise FormulaError(f"textureGatherOffsets() takes 4 offsets, not {len(offsets)}")
+    return _gathered(sampler, p, comp, offsets)
+
+
+def textureQueryLod(sampler: Sampler, p: Any, frag_coord: Any) -> Any:
+    """GLSL's `textureQueryLod`: the level that would be read, and the level of detail that the
+    derivatives of p over a quad give, (count, 2).
+
+    GLSL takes the derivatives implicitly; here they follow from `frag_coord`, the pixels of p.
+    """
+    dx, dy = (difference(p, frag_coord, direction, own=False) for direction in "xy")
+    low, high = level_of(sampler, dx, dy)
+    between = sampler.texels.filter[0].partition("_mipmap_")[2]
+    last = len(sampler.texels.smaller) if between else 0
+    read = [np.clip(np.clip(end, *sampler.texels.lod), 0.0, last) for end in (low, high)]
+    if between == "nearest":
+        read = [np.ceil(read[0] - 0.5), np.floor(read[1] + 0.5)]
+    ends = [np.stack([r, end], axis=-1) for r, end in zip(read, (low, high), strict=True)]
+    if sampler.rules is None:
+        return ends[0]
+    band = Band.between(ends[0], ends[1], sampler.rules)
+    unknown = dx.vacuous.any(axis=-1) | dy.vacuous.any(axis=-1)
+    return band.made(band.lo, band.hi, anything=unknown[:, None])
+
+
+def textureSamples(sampler: Sampler) -> Integer:
+    """GLSL's `textureSamples`: how many samples a multisampled texture has."""
+    if sampler.texels.kind != "2DMS":
+        raise FormulaError(f"textureSamples(): a sampler{sampler.texels.kind} has no samples")
+    return Integer(reading.level_values(sampler, 0).shape[0], rules=sampler.rules)
+
+
+def _gathered(sampler: Sampler, p: Any, comp: int, offsets: Sequence[Offset]) -> Any:
+    if sampler.texels.kind != "2D":
+        raise FormulaError(f"textureGather() of a sampler{sampler.texels.kind} is not known")
+    reference = reference_of(sampler, p)
+    height, width = reading.level_values(sampler, 0).shape[1:3]
+    place = span_of(p)
+    ends = []
+    for k, size in ((0, width), (1, height)):
+        low, high = component(place, k)
+        if sampler.rules is None:
+            ends.append([np.floor(low * size - 0.5)])
+            continue
+        span = widened((low * size - 0.5, high * size - 0.5), WEIGHT)
+        require_narrow(span, "textureGather()")
+        ends.append([np.floor(end) for end in span])
+    parts: list[Span] = []
+    for column in ends[0]:
+        for row in ends[1]:
+            found = [_texel(sampler, reference, column + x, row + y, comp) for x, y in offsets]
+            low, high = (np.concatenate(bounds, axis=-1) for bounds in zip(*found, strict=True))
+            parts.append((low, high))
+    return value_of(sampler, hull(parts))
+
+
+def _texel(sampler: Sampler, reference: Span | None, column: Any, row: Any, comp: int) -> Span:
+    layer = np.zeros(column.shape, np.int64)
+    found = compared(sampler, reference, reading.wrapped(sampler, 0, column, row, layer), ...)
+    if reference is not None:
+        return found
+    return found[0][..., comp : comp + 1], found[1][..., comp : comp + 1]
+
+
+def imageLoad(image: Sampler, p: Any) -> Any:
+    """GLSL's `imageLoad`: the texel at integer column and row (and layer); 0 outside of the image.
+
+    Source: OpenGL 4.5 core profile specification, §8.26 (invalid image loads return zero).
+
+    Args:
+        image: what it held before the dispatch.
+        p: integers (count, 2), of an image2DArray or image3D (count, 3).
+
+    Returns:
+        (count, 4); components that the format lacks are 0, alpha is 1.
+
+    Raises:
+        FormulaError: `p` has another number of components, or a band holds several texels.
+    """
+    low, high = span_of(p)
+    wanted = 2 if image.texels.kind == "2D" else 3
+    if components((low, high)) != wanted:
+        given = components((low, high))
+        raise FormulaError(
+            f"imageLoad(): an image{image.texels.kind} takes {wanted} coordinates, not {given}"
+        )
+    if not np.array_equal(np.rint(low), np.rint(high)):
+        raise FormulaError("imageLoad(): a band holds several texels")
+    place = np.rint(low).astype(np.int64)
+    count, height, width, _ = reading.level_values(image, 0).shape
+    size = np.array((width, height, count)[:wanted])
+    outside = np.any((place < 0) | (place >= size), axis=-1, keepdims=True)
+    x, y, *layer = np.moveaxis(np.clip(place, 0, size - 1), -1, 0)
+    ends = reading.stored(image, 0, x, y, layer[0] if layer else np.zeros_like(x))
+    inside = [np.where(outside, 0.0, end) for end in ends]
+    return value_of(image, (inside[0], inside[1]))
+
+
+def imageSize(image: Sampler) -> Integer:
+    """GLSL's `imageSize`: (width, height) in texels, then the layers of an array or the depth of an
+    image3D."""
+    count, height, width, _ = reading.level_values(image, 0).shape
+    size = (width, height) if image.texels.kind == "2D" else (width, height, count)
+    return Integer(np.array(size), rules=image.rules)
+
+
+# How far log2(m) lies above m - 1 for m in 1…2, at most (where m = 1 / ln 2).
+LINEAR_LOGARITHM = 0.0861
+
+
+def textureOffset(sampler: Sampler, p: Any, offset: Offset, lod: Any = None) -> Any:
+    """GLSL's `textureOffset`; `lod` as for `texture`."""
+    return sampled(sampler, p, _level(lod), offset)
+
+
+def textureLodOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
+    """GLSL's `textureLodOffset`."""
+    return sampled(sampler, p, _level(lod), offset)
+
+
+def texelFetchOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
+    """GLSL's `texelFetchOffset`: the texel at p + `offset`; undefined outside the texture."""
+    low, high = span_of(p)
+    if not np.array_equal(np.rint(low), np.rint(high)):
+        raise FormulaError("texelFetchOffset(): a band holds several texels")
+    step = np.zeros(low.shape[-1])
+    step[:2] = offset
+    return texelFetch(sampler, np.rint(low) + step, lod)
+
+
+def textureProj(sampler: Sampler, p: Any, lod: Any = None) -> Any:
+    """GLSL's `textureProj`: p's coordinates are divided by its last one."""
+    return sampled(sampler, _projected(sampler, p), _level(lod))
+
+
+def textureProjOffset(sampler: Sampler, p: Any, offset: Offset, lod: Any = None) -> Any:
+    """GLSL's `textureProjOffset`."""
+    return sampled(sampler, _projected(sampler, p), _level(lod), offset)
+
+
+def textureProjLod(sampler: Sampler, p: Any, lod: Any) -> Any:
+    """GLSL's `textureProjLod`."""
+    return sampled(sampler, _projected(sampler, p), _level(lod))
+
+
+def textureProjLodOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
+    """GLSL's `textureProjLodOffset`."""
+    return sampled(sampler, _projected(sampler, p), _level(lod), offset)
+
+
+def textureGrad(sampler: Sampler, p: Any, dPdx: Any, dPdy: Any) -> Any:
+    """GLSL's `textureGrad`: the level follows from these derivatives of p, (…, 2)."""
+    return sampled(sampler, p, level_of(sampler, dPdx, dPdy))
+
+
+def textureGradOffset(sampler: Sampler, p: Any, dPdx: Any, dPdy: Any, offset: Offset) -> Any:
+    """GLSL's `textureGradOffset`."""
+    return sampled(sampler, p, level_of(sampler, dPdx, dPdy), offset)
+
+
+def textureProjGrad(sampler: Sampler, p: Any, dPdx: Any, dPdy: Any) -> Any:
+    """GLSL's `textureProjGrad`: the derivatives are those of the projected coordinates."""
+    return sampled(sampler, _projected(sampler, p), level_of(sampler, dPdx, dPdy))
+
+
+def textureProjGradOffset(sampler: Sampler, p: Any, dPdx: Any, dPdy: Any, offset: Offset) -> Any:
+    """GLSL's `textureProjGradOffset`."""
+    return sampled(sampler, _projected(sampler, p), level_of(sampler, dPdx, dPdy), offset)
+
+
+def level_of(sampler: Sampler, dPdx: Any, dPdy: Any) -> Span:
+    """The level of detail λ that derivatives of s and t give, before it is clamped.
+
+    A device may take any scale between the larger of mᵤ and mᵥ and their sum, where mᵤ is the
+    larger of |∂u/∂x| and |∂u/∂y| (OpenGL 4.5, §8.14, equations 8.7 to 8.10). It leaves open how
+    precise the logarithm is; llvmpipe's is linear between powers of two.
+    """
+    if sampler.texels.kind == "Cube":
+        raise FormulaError("derivatives on cubes are not known; give the level to textureLod()")
+    height, width = reading.level_values(sampler, 0).shape[1:3]
+    du_dx, du_dy, dv_dx, dv_dy = (
+        _sizes(component(span_of(d), k)) for k in (0, 1) for d in (dPdx, dPdy)
+    )
+    with np.errstate(divide="ignore"):
+        if sampler.rules is None:
+            by_x = np.hypot(du_dx[0] * width, dv_dx[0] * height)
+            by_y = np.hypot(du_dy[0] * width, dv_dy[0] * height)
+            level = np.log2(np.maximum(by_x, by_y))
+            return level, level
+        m_u = [np.maximum(a, b) * width for a, b in zip(du_dx, du_dy, strict=True)]
+        m_v = [np.maximum(a, b) * height for a, b in zip(dv_dx, dv_dy, strict=True)]
+        least, most = np.log2(np.maximum(m_u[0], m_v[0])), np.log2(m_u[1] + m_v[1])
+    return widened((least - LINEAR_LOGARITHM, most), WEIGHT)
+
+
+def _sizes(span: Span) -> Span:
+    """The absolute values of a span."""
+    low, high = np.abs(span[0]), np.abs(span[1])
+    crosses = (span[0] < 0.0) & (span[1] > 0.0)
+    return np.where(crosses, 0.0, np.minimum(low, high)), np.maximum(low, high)
+
+
+def _level(lod: Any) -> Span | None:
+    return None if lod is None else component(span_of(lod), 0)
+
+
+def _projected(sampler: Sampler, p: Any) -> Any:
+    """(s, t)/q, or (s, t, r)/q of a shadow sampler; of four coordinates without a comparison the
+    third is not used."""
+    if sampler.texels.kind != "2D":
+        raise FormulaError(f"GLSL projects onto no sampler{sampler.texels.kind}")
+    shadow = sampler.texels.compare is not None
+    given = components(span_of(p))
+    if given not in ((4,) if shadow else (3, 4)):
+        raise FormulaError(f"textureProj() takes 4 coordinates, or 3 without shadow, not {given}")
+    p = p if isinstance(p, Band) else np.asarray(p, np.float64)
+    return p[..., : 3 if shadow else 2] / p[..., given - 1 :]

@@ -1,11 +1,8 @@
-"""Single texels: wrap modes, the border, absent components, formats, depth comparison.
-
-Source: OpenGL 4.5 core profile specification, §8.14.2 (wrap modes, table 8.20), §8.15 (the
-border), §8.16 (absent components), §8.23.1 (depth comparison), §2.3.5.1 (normalised integers).
-"""
+"""Coordinates as pairs of bounds, of numbers and bands alike."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -13,12 +10,63 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.bands import Rules
+from shaderlab.bands import Band, Integer, Rules
 from shaderlab.bands.compiled import compiled
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array, Texels
 
-from .spans import Span
+Span = tuple[Array, Array]
+"""The least and the greatest value; for a number both are the same array."""
+
+
+def span_of(value: Any) -> Span:
+    """The bounds of a coordinate, (count, components) or (components,), as float64."""
+    if isinstance(value, Band):
+        low, high = value.settled()
+        return (low, low) if value.lo is value.hi and low is value.lo else (low, high)
+    if isinstance(value, Integer):
+        low = value.lo.astype(np.float64)
+        return (low, low) if value.known else (low, value.hi.astype(np.float64))
+    number = np.atleast_1d(np.asarray(value, np.float64))
+    return number, number
+
+
+def component(span: Span, index: int) -> Span:
+    """One component of a coordinate, without the last axis."""
+    low, high = span
+    one = low[..., index]
+    return (one, one) if low is high else (one, high[..., index])
+
+
+def components(span: Span) -> int:
+    """How many components a coordinate has."""
+    return int(span[0].shape[-1])
+
+
+def widened(span: Span, amount: Any) -> Span:
+    """The span extended by `amount` on both sides."""
+    return span[0] - amount, span[1] + amount
+
+
+def hull(parts: list[Span]) -> Span:
+    """The least span that holds all of them."""
+    if len(parts) == 1:
+        return parts[0]
+    return (
+        np.minimum.reduce([low for low, _ in parts]),
+        np.maximum.reduce([high for _, high in parts]),
+    )
+
+
+def require_narrow(span: Span, what: str) -> None:
+    """Raise FormulaError if a span, in texels or levels, is wider than 1."""
+    low, high = span
+    if low is not high and not (high - low <= 1.0).all():
+        raise FormulaError(
+            f"{what}: a coordinate's band spans more than two texels",
+            remedy="judge the coordinate by itself, and the sample of captured coordinates",
+        )
+
 
 Integers = npt.NDArray[np.int64]
 
@@ -219,3 +267,413 @@ def _completed(span: Span) -> Span:
     )
     whole = np.concatenate([low, filler], axis=-1)
     return whole, whole if low is high else np.concatenate([high, filler], axis=-1)
+
+
+Flags = npt.NDArray[np.bool_]
+
+# By face: the major axis; then the axis and the sign of s and of t (table 8.19).
+_TABLE = (
+    (0, (2, -1), (1, -1)),
+    (0, (2, 1), (1, -1)),
+    (1, (0, 1), (2, 1)),
+    (1, (0, 1), (2, -1)),
+    (2, (0, 1), (1, -1)),
+    (2, (0, -1), (1, -1)),
+)
+# What dividing by the major axis may lose, of 1: a division and the sum before it.
+_ROUNDING = 4 * 2.0**-23
+
+
+def cube_face(direction: Any) -> tuple[Integers, Array, Array]:
+    """The face that a direction meets (0…5 for +X, −X, +Y, −Y, +Z, −Z), and s and t on it.
+
+    Args:
+        direction: (…, 3), of any length but 0.
+
+    >>> face, s, t = cube_face(np.array([2.0, 0.5, -1.0]))
+    >>> int(face), float(s), float(t)
+    (0, 0.75, 0.375)
+    """
+    given = np.asarray(direction, np.float64)
+    axis = np.argmax(np.abs(given), axis=-1)
+    major = np.take_along_axis(given, axis[..., None], -1)[..., 0]
+    face = 2 * axis + (major < 0.0)
+    table = np.array([[s[0], s[1], t[0], t[1]] for _, s, t in _TABLE])[face]
+    s, t = (
+        0.5 * (np.take_along_axis(given, table[..., k, None], -1)[..., 0] * table[..., k + 1])
+        / np.abs(major) + 0.5
+        for k in (0, 2)
+    )  # fmt: skip
+    return face, s, t
+
+
+def met_faces(direction: Span, exact: bool) -> Iterator[tuple[int, Flags, Span, Span]]:
+    """Each face that some directions may select: its number, which directions, and their s and t.
+
+    `exact` for float64 directions, which select one face even if two components are equal.
+    """
+    axes = [component(direction, k) for k in range(3)]
+    if exact:
+        face, s, t = cube_face(direction[0])
+        for number in np.unique(face):
+            on = face == number
+            yield int(number), on, (s[on],) * 2, (t[on],) * 2
+        return
+    sizes = [_size(axis) for axis in axes]
+    for number, (axis, s_axis, t_axis) in enumerate(_TABLE):
+        low, high = axes[axis] if number % 2 == 0 else (-axes[axis][1], -axes[axis][0])
+        others = np.maximum.reduce([sizes[k][0] for k in range(3) if k != axis])
+        may = (high > 0.0) & (high >= others)
+        if not may.any():
+            continue
+        # Where this face is met, the major axis is no smaller than the others.
+        least = np.maximum(np.maximum(low[may], others[may]), np.finfo(np.float64).tiny)
+        major = (least, np.maximum(high[may], least))
+        of_s, of_t = (
+            _on_face((axes[axis][0][may], axes[axis][1][may]), sign, major)
+            for axis, sign in (s_axis, t_axis)
+        )
+        yield number, may, of_s, of_t
+
+
+def across_edges(sampler: Sampler, level: int, x: Array, y: Array, face: Integers) -> Span:
+    """Texels of a face or beyond its edges: of the adjacent face where filtering is
+    seamless, else by the wrap modes."""
+    if not sampler.texels.seamless:
+        return wrapped(sampler, level, x, y, face)
+    size = level_values(sampler, level).shape[1]
+    column, row = x.astype(np.int64), y.astype(np.int64)
+    inside_x, inside_y = (np.minimum(np.maximum(at, 0), size - 1) for at in (column, row))
+    out_x, out_y = column != inside_x, row != inside_y
+    place = (face * size + inside_y) * size + inside_x
+    corner = out_x & out_y
+    own = place[corner]
+    for side, out, at, along in ((0, out_x, column, inside_y), (2, out_y, row, inside_x)):
+        # Few texels lie beyond an edge. At a corner this ends with the neighbour above or below.
+        few = out.nonzero()
+        place[few] = _beyond(size)[face[few], side + (at[few] > 0), along[few]]
+    low, high = stored_at(sampler, level, place)
+    if not corner.any():
+        return low, high
+    beside = _beyond(size)[face[corner], (column[corner] > 0) + 0, inside_y[corner]]
+    three = [stored_at(sampler, level, places) for places in (own, beside, place[corner])]
+    if sampler.rules is None:
+        low[corner] = sum(one for one, _ in three) / 3.0
+        return low, low
+    high = high.copy() if high is low else high
+    low[corner], high[corner] = hull(three)
+    return low, high
+
+
+@lru_cache(maxsize=16)
+def _beyond(size: int) -> Integers:
+    """Where the texels of adjacent faces lie, (6, 4, size): by face, then beyond its left, right,
+    lower and upper edge, along that edge."""
+    along = 2.0 * (np.arange(size) + 0.5) / size - 1.0
+    outside = 2.0 * (size + 0.5) / size - 1.0
+    found = np.empty((6, 4, size), np.int64)
+    for face, (axis, s_axis, t_axis) in enumerate(_TABLE):
+        for side in range(4):
+            direction = np.empty((size, 3))
+            ends = np.full(size, outside if side % 2 else -outside)
+            s, t = (ends, along) if side < 2 else (along, ends)
+            direction[:, axis] = 1.0 - 2.0 * (face % 2)
+            direction[:, s_axis[0]], direction[:, t_axis[0]] = s * s_axis[1], t * t_axis[1]
+            other, u, v = cube_face(direction)
+            x, y = (np.clip(np.floor(at * size).astype(np.int64), 0, size - 1) for at in (u, v))
+            found[face, side] = (other * size + y) * size + x
+    return found
+
+
+def _size(span: Span) -> Span:
+    """The bounds of a number's absolute value."""
+    low, high = np.abs(span[0]), np.abs(span[1])
+    least = np.where((span[0] < 0.0) & (span[1] > 0.0), 0.0, np.minimum(low, high))
+    return least, np.maximum(low, high)
+
+
+def _on_face(along: Span, sign: int, major: Span) -> Span:
+    """0.5·(±along / major) + 0.5, in 0…1."""
+    ends = [sign * a / m for a in along for m in major]
+    low, high = np.minimum.reduce(ends), np.maximum.reduce(ends)
+    return (
+        np.clip(0.5 * low + 0.5 - _ROUNDING, 0.0, 1.0),
+        np.clip(0.5 * high + 0.5 + _ROUNDING, 0.0, 1.0),
+    )
+
+
+Filtered = Callable[[int, str], Span]
+"""A sample of one level, filtered "nearest" or "linear"."""
+
+
+def at_level(sampler: Sampler, filtered: Filtered, lod: Span | None) -> Span:
+    """A sample at a level of detail: magnified, minified from one level, or a mix of two levels.
+
+    Raises:
+        FormulaError: the filters depend on a level, and it is None.
+    """
+    texels = sampler.texels
+    minify, magnify = texels.filter
+    within, _, between = minify.partition("_mipmap_")
+    if minify == magnify:
+        return filtered(0, magnify)
+    if lod is None:
+        raise FormulaError(
+            f"texture(): with the filters {texels.filter} a sample depends on the mipmap level",
+            remedy="give it as lod= (the logarithm of texels a pixel), or sample with textureLod",
+        )
+    low, high = (np.clip(bound, *texels.lod) for bound in lod)
+    latest = 0.0
+    if sampler.rules is not None and between and within == "nearest" and magnify == "linear":
+        latest = 0.5
+    magnified, minified = low <= latest, high > 0.0
+    parts: list[tuple[Any, Span]] = []
+    if magnified.any():
+        parts.append((magnified, filtered(0, magnify)))
+    if minified.any():
+        parts.append((minified, _minified(sampler, filtered, within, between, (low, high))))
+    result_low: Any = np.inf
+    result_high: Any = -np.inf
+    if len(parts) == 1 and parts[0][0].all():
+        result_low, result_high = parts.pop()[1]
+    for may, (part_low, part_high) in parts:
+        result_low = np.where(may[..., None], np.minimum(result_low, part_low), result_low)
+        result_high = np.where(may[..., None], np.maximum(result_high, part_high), result_high)
+    if sampler.rules is not None and "linear" in {within, magnify}:
+        return widened((result_low, result_high), ROUNDING * _largest(sampler))
+    return result_low, result_high
+
+
+def _largest(sampler: Sampler) -> float:
+    """The greatest number that a sample can mix. Where the filter changes from pixel to pixel,
+    drivers run NEAREST as a mix, too, with weights of 0 and 1 (llvmpipe does): its roundings stay.
+    """
+    texels = sampler.texels
+    if texels.compare is not None or texels.values.dtype == np.uint8:
+        return 1.0
+    numbers = [np.abs(level).max() for level in (texels.values, *texels.smaller)]
+    return float(max(*numbers, *(abs(value) for value in texels.border)))
+
+
+def _minified(sampler: Sampler, filtered: Filtered, within: str, between: str, lod: Span) -> Span:
+    last = len(sampler.texels.smaller)
+    if not between:
+        return filtered(0, within)
+    lod = np.clip(lod[0], 0.0, last), np.clip(lod[1], 0.0, last)
+    if between == "nearest":
+        # Between two levels either: the specification's rounding, or the floor of one half more.
+        ends = [np.ceil(lod[0] + 0.5) - 1.0, np.floor(lod[1] + 0.5)]
+        chosen = [np.clip(end, 0, last) for end in ends[: 1 if sampler.rules is None else 2]]
+        require_narrow((chosen[0], chosen[-1]), "texture(), the level")
+        known = _levels(filtered, within, chosen)
+        return hull([_picked(known, number) for number in chosen])
+    exact = sampler.rules is None
+    place = lod if exact else widened(lod, WEIGHT)
+    require_narrow(place, "texture(), the level")
+    low, high = np.clip(place[0], 0, last), np.clip(place[1], 0, last)
+    ends = [low] if exact else corners((low, high))
+    below = [np.minimum(np.floor(end), max(last - 1, 0)) for end in ends]
+    known = _levels(filtered, within, [*below, *(np.minimum(b + 1, last) for b in below)])
+    return hull(
+        [_between(known, b, np.minimum(b + 1, last), e - b, exact)
+         for b, e in zip(below, ends, strict=True)]
+    )  # fmt: skip
+
+
+def _levels(filtered: Filtered, within: str, numbers: list[Array]) -> dict[int, Span]:
+    """The samples of every level that some value reads."""
+    wanted = sorted({int(n) for number in numbers for n in np.unique(number)})
+    return {number: filtered(number, within) for number in wanted}
+
+
+def _picked(known: dict[int, Span], number: Array) -> Span:
+    """For each value, the sample of the level it reads."""
+    low: Any = np.nan
+    high: Any = np.nan
+    for level, (one, other) in known.items():
+        here = (number == level)[..., None]
+        low, high = np.where(here, one, low), np.where(here, other, high)
+    return low, high
+
+
+def _between(known: dict[int, Span], one: Array, other: Array, part: Array, exact: bool) -> Span:
+    near, far = _picked(known, one), _picked(known, other)
+    share = np.clip(part, 0.0, 1.0)[..., None]
+    low, high = (a * (1.0 - share) + b * share for a, b in zip(near, far, strict=True))
+    if exact:
+        return low, high
+    size = np.maximum.reduce([np.abs(bound) for span in (near, far) for bound in span])
+    return low - ROUNDING * size, high + ROUNDING * size
+
+
+WEIGHT = 2.0**-8
+"""How far a place may be off, in texels, before LINEAR mixes; and a level, in levels."""
+ROUNDING = 8 * 2.0**-23
+"""What mixing four texels in float32 may lose, of the largest of them: eight roundings."""
+
+Texel = Callable[[Array, Array, Any], Span]
+"""Gives the texels at integer columns and rows, inside or outside, of some of the places: those
+at an index into all of them."""
+
+EVERYWHERE = ...
+"""The index that leaves no place out."""
+
+
+def nearest(texel: Texel, x: Span, y: Span) -> Span:
+    """The texel that contains a position (in texels, 0 at the edge), or both candidates."""
+    require_narrow(x, "texture()")
+    require_narrow(y, "texture()")
+    columns, rows = [np.floor(end) for end in _ends(x)], [np.floor(end) for end in _ends(y)]
+    found = texel(columns[0], rows[0], EVERYWHERE)
+    crossing = (columns[0] != columns[-1]) | (rows[0] != rows[-1])
+    if not crossing.any():
+        return found
+    # Few places lie next to an edge of their texel: only those have several candidates.
+    columns, rows = ([end[crossing] for end in ends] for ends in (columns, rows))
+    low, high = found[0].copy(), found[1].copy()
+    candidates = [texel(column, row, crossing) for column in columns for row in rows]
+    low[crossing], high[crossing] = hull(candidates)
+    return low, high
+
+
+@compiled
+def nearest_texels(
+    x_low: Array, x_high: Array, y_low: Array, y_high: Array,
+    values: Array, layer: Integers, *how: Any,
+) -> Span:  # fmt: skip
+    """`nearest` of texels that `texels_at` finds."""
+
+    def texel(column: Array, row: Array, at: Any) -> Span:
+        return texels_at(column, row, values, layer[at], *how)
+
+    return nearest(texel, (x_low, x_high), (y_low, y_high))
+
+
+def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) -> Span:
+    """The weighted mean of the four texels around a position; `exact` for float64 positions.
+
+    Where `compared` texels, each 0 or 1, differ, a driver may return anything in between: OpenGL
+    leaves open whether it compares one of them, all four, or (like softpipe) their mean.
+    """
+    if exact:
+        column, row = x[0] - 0.5, y[0] - 0.5
+        return _within_cell(texel, (column, column), (row, row), EVERYWHERE)
+    x, y = (x[0] - 0.5, x[1] - 0.5), (y[0] - 0.5, y[1] - 0.5)
+    x, y = widened(x, WEIGHT), widened(y, WEIGHT)
+    require_narrow(x, "texture()")
+    require_narrow(y, "texture()")
+    low, high = _within_cell(texel, x, y, EVERYWHERE)
+    crossing = (np.floor(x[0]) < np.floor(x[1])) | (np.floor(y[0]) < np.floor(y[1]))
+    if crossing.any():
+        # Few places cross a texel centre's row or column: only those are split into pieces.
+        x, y = ((start[crossing], end[crossing]) for start, end in (x, y))
+        pieces = [_within_cell(texel, a, b, crossing) for a in _pieces(x) for b in _pieces(y)]
+        low[crossing], high[crossing] = hull(pieces)
+    if compared:
+        # Weights of sum 1 give or take a last bit, and _within_cell's own give.
+        some = 2.0 * ROUNDING
+        return np.where(low < 1.0 - some, 0.0, 1.0), np.where(high > some, 1.0, 0.0)
+    return low, high
+
+
+def corners(span: Span) -> list[Array]:
+    """Where a function that is linear between integers takes its extremes in a span."""
+    low, high = span
+    if low is high:
+        return [low]
+    return [low, np.clip(np.ceil(low), low, high), high]
+
+
+def _pieces(span: Span) -> list[Span]:
+    """A span of at most 1, split at the integer in it."""
+    low, middle, high = corners(span)
+    return [(low, middle), (middle, high)]
+
+
+def _ends(span: Span) -> list[Array]:
+    return [span[0]] if span[0] is span[1] else [span[0], span[1]]
+
+
+def _within_cell(texel: Texel, x: Span, y: Span, places: Any) -> Span:
+    """The bounds of a mean of four texels over a box between their centres: those at its corners.
+
+    Numbers, whose bounds are one array, have one corner and no rounding.
+    """
+    left, low = np.floor(x[0]), np.floor(y[0])
+    across = [(end - left)[..., None] for end in _ends(x)]
+    up = [(end - low)[..., None] for end in _ends(y)]
+    spans = [texel(left + i, low + j, places) for j in (0, 1) for i in (0, 1)]
+    lows, highs = ([span[k] for span in spans] for k in (0, 1))
+    if x[0] is x[1] and y[0] is y[1]:
+        mean = _at_corners(lows, across, up)[0]
+        return mean, mean
+    return mixed_texels(*lows, *highs, across[0], across[-1], up[0], up[-1])
+
+
+@compiled
+def mixed_texels(*given: Array) -> Span:
+    """The bounds of a mean of four texels: of the lowest that each may be, the highest, and the
+    ends of both weights."""
+    lows, highs, across, up = (list(given[a:b]) for a, b in ((0, 4), (4, 8), (8, 10), (10, 12)))
+    give = ROUNDING * np.maximum.reduce([np.abs(bound) for bound in (*lows, *highs)])
+    return (
+        np.minimum.reduce(_at_corners(lows, across, up)) - give,
+        np.maximum.reduce(_at_corners(highs, across, up)) + give,
+    )
+
+
+def _at_corners(texels: list[Array], across: list[Array], up: list[Array]) -> list[Array]:
+    """Four texels mixed with each pair of weights; equation 8.16."""
+    found = []
+    for a in across:
+        parts = [texel * (a if k % 2 else 1.0 - a) for k, texel in enumerate(texels)]
+        for b in up:
+            one, two, three, four = (
+                part * (b if k // 2 else 1.0 - b) for k, part in enumerate(parts)
+            )
+            found.append(one + two + three + four)
+    return found
+
+
+def sampled(sampler: Sampler, p: Any) -> Span:
+    """A sample at s, t and r, by the filter that minifying and magnifying share.
+
+    Args:
+        sampler: of the kind "3D".
+        p: coordinates (count, 3) or (3,), as an array or a band.
+    """
+    exact = sampler.rules is None
+    depth, height, width, _ = level_values(sampler, 0).shape
+    uvw = p if isinstance(p, Band) else np.asarray(p, np.float64)
+    place = span_of(uvw * np.array([width, height, depth], np.float64))
+    x, y, z = (component(place, axis) for axis in range(3))
+    if sampler.texels.filter[1] == "nearest":
+        require_narrow(z, "texture()")
+        layers = [np.floor(end) for end in (z[:1] if exact else z)]
+        return hull([nearest(_layer(sampler, layer), x, y) for layer in layers])
+    z = (z[0] - 0.5, z[1] - 0.5)
+    if exact:
+        return _between_volume(sampler, x, y, z[0], exact=True)
+    z = widened(z, WEIGHT)
+    require_narrow(z, "texture()")
+    low, high = hull([_between_volume(sampler, x, y, end, exact=False) for end in corners(z)])
+    give = ROUNDING * np.maximum(np.abs(low), np.abs(high))
+    return low - give, high + give
+
+
+def _between_volume(sampler: Sampler, x: Span, y: Span, z: Array, *, exact: bool) -> Span:
+    """Two layers mixed. It is linear in z between their centres, so that the ends of z bound it."""
+    below = np.floor(z)
+    near, far = (linear(_layer(sampler, below + k), x, y, exact=exact) for k in (0.0, 1.0))
+    share = (z - below)[..., None]
+    low, high = (a * (1.0 - share) + b * share for a, b in zip(near, far, strict=True))
+    return low, high
+
+
+def _layer(sampler: Sampler, number: Array) -> Texel:
+    """The texels of a layer, which may differ from place to place."""
+
+    def texel(column: Array, row: Array, at: Any) -> Span:
+        return wrapped(sampler, 0, column, row, number.astype(np.int64)[at])
+
+    return texel

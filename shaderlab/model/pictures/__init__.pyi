@@ -1,6 +1,6 @@
 """The names of the room, and where they are."""
 
-from .colours import (
+from .display import (
     BAND_HIGH as BAND_HIGH,
     BAND_LOW as BAND_LOW,
     BAND_MIDDLE as BAND_MIDDLE,
@@ -8,19 +8,18 @@ from .colours import (
     OUTSIDE as OUTSIDE,
     UNCOVERED as UNCOVERED,
     VIRIDIS as VIRIDIS,
-)
-from .display import (
     Display as Display,
     distance_picture as distance_picture,
+    preview as preview,
     to_display as to_display,
 )
 from .files import (
     LARGEST_SIDE as LARGEST_SIDE,
+    SIGNATURE as SIGNATURE,
     coarse as coarse,
     load as load,
+    repacked as repacked,
     save_png as save_png,
     save_preview as save_preview,
 )
-from .packing import SIGNATURE as SIGNATURE, repacked as repacked
-from .previews import preview as preview
 from .values import WINDOW as WINDOW, Values as Values, judged_part as judged_part, pack as pack

@@ -1,8 +1,11 @@
-"""Arrays as pictures for people: direct colours, false colours, and the place in a band."""
+"""The colours of numbers: the map "viridis" (Stéfan van der Walt and Nathaniel Smith, CC0), as
+OpenImageIO draws it, and those of places in a band, as red, green and blue from 0 to 255.
+"""
 
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,7 +13,36 @@ from numpy.typing import NDArray
 
 from shaderlab.errors import AssetError
 
-from .colours import BAND_HIGH, BAND_LOW, BAND_MIDDLE, NOT_FINITE, OUTSIDE, UNCOVERED, VIRIDIS
+Colour = tuple[int, int, int]
+
+NOT_FINITE: Colour = (255, 0, 255)
+BAND_LOW: Colour = (33, 102, 172)
+BAND_MIDDLE: Colour = (247, 247, 247)
+BAND_HIGH: Colour = (224, 130, 20)
+OUTSIDE: tuple[Colour, Colour] = ((214, 20, 20), (0, 0, 0))
+UNCOVERED: Colour = (205, 205, 205)
+# 256 colours from dark to bright, two hexadecimal digits each of red, green and blue.
+VIRIDIS = (
+    "44015444035645055745075945095a450a5c460c5d460e5f460f60461161471263471364471465471567481668"
+    "48176948186a481a6c481c6d481d6e481f6f482070482271482372482473472574472675472876472977472a78"
+    "472b79472c7a472d7b472e7c46307d46317d46337e46347f45357f453680453881443981443a82443b83433c83"
+    "433d84433e85423f854240864242864143874144874045874047883f48883f49883e4a893e4b893d4c893d4d8a"
+    "3c4e8a3c4f8a3b508b3b518b3a528b3a548b3a558b39568c39578c38588c38598c375a8c375b8c365c8c365d8d"
+    "355e8d355f8d34608d34618d33628d33638d32648e32658e32668e31678e31688e30698e306a8e2f6b8e2f6c8e"
+    "2f6d8e2e6e8e2e6f8e2d708e2d718e2c728e2c738e2c748e2b758e2b768e2a778e2a788e2a798e297a8e297b8e"
+    "297c8e287d8e287d8e277e8e277f8e27808e26818e26828e26838e25848e25858e25868e24878e24888d24898d"
+    "238a8d238b8d238c8d228d8d228d8d218e8d218f8d21908c20918c20928c20938c20948b20958b20968b20978b"
+    "20988a20998a1f9a8a1f9b8a1f9c891f9d891f9d891f9e881f9f881fa08820a18720a28721a38622a48622a585"
+    "23a68524a78424a88425a98325aa8326aa8226ab8227ac8128ad8128ae8029af7f2bb07f2db17e2eb27d30b37c"
+    "31b37c33b47b34b57a36b67937b77838b8783ab9773bba763cba753dbb743ebc7440bd7343be7245bf7147bf6f"
+    "4ac06e4cc16d4ec26c50c36b52c46a54c46955c56857c66759c7665ac7645cc8635ec96260ca6163ca5f66cb5e"
+    "68cc5d6bcc5c6ecd5a70ce5972cf5875cf5677d05579d1537bd1527dd2507fd34f81d34d83d44b86d44a89d549"
+    "8cd5478fd64692d64494d74397d8419ad8409cd93e9fd93ca1da3aa4da39a6db37a8db35abdc33addc31b0dd2f"
+    "b3dd2eb6dd2db9de2cbbde2bbede29c1df28c4df27c6e025c9e024cbe022cee121d0e11fd3e21dd5e21cd7e21a"
+    "dae31adde31bdfe31ce2e31de4e41de7e41ee9e41febe520eee520f0e521f2e622f5e622f7e623f9e623fbe724"
+    "fde725"
+)
+
 
 Bytes = NDArray[np.uint8]
 
@@ -211,3 +243,17 @@ def _magenta(count: int) -> str:
 def enlarge(pixels: NDArray[Any], factor: int) -> NDArray[Any]:
     """Each pixel as a square of `factor` × `factor`."""
     return pixels if factor == 1 else pixels.repeat(factor, axis=1).repeat(factor, axis=0)
+
+
+def preview(path: str | Path, side: int) -> Path:
+    """A PNG file's copy of at most `side` pixels, or the file itself if there is none."""
+    original = Path(path)
+    if not side:
+        return original
+    copy = copy_path(original, side)
+    return copy if copy.is_file() else original
+
+
+def copy_path(path: Path, side: int) -> Path:
+    """Where the copy of at most `side` pixels of a PNG file is."""
+    return path.with_name(f"{path.stem}@{side}.png")

@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .deflate import deflated
+from .files import deflated
 
 Numbers = NDArray[Any]
 _REST = 65535.0

@@ -4,43 +4,37 @@ Everything here is built of strings, numbers, lists and mappings, and converts t
 without loss. The public JSON of `shaderlab run --json` is a view of it (docs/guide/json.md).
 """
 
-from .outcomes import (
-    Curve as Curve,
-    Explanation as Explanation,
-    Outcome as Outcome,
-    Plot as Plot,
-    PlotPoint as PlotPoint,
-    Row as Row,
-    Status as Status,
-    Step as Step,
-    Worst as Worst,
-    significant as significant,
-)
-from .programs import (
-    Declared as Declared,
-    Diagnostic as Diagnostic,
-    ProgramRecord as ProgramRecord,
-    Severity as Severity,
-    SourceText as SourceText,
-    Verdict as Verdict,
-)
-from .runs import (
+from .records import (
     Agreement as Agreement,
-    CodeCoverage as CodeCoverage,
-    CoverageGap as CoverageGap,
-    Disagreement as Disagreement,
-    DriverResult as DriverResult,
-    Points as Points,
-    Run as Run,
-)
-from .scenes import (
     Attachment as Attachment,
     BufferPart as BufferPart,
     BufferRecord as BufferRecord,
     CallsRecord as CallsRecord,
+    CodeCoverage as CodeCoverage,
+    CoverageGap as CoverageGap,
+    Curve as Curve,
+    Declared as Declared,
+    Diagnostic as Diagnostic,
+    Disagreement as Disagreement,
     DrawnOutput as DrawnOutput,
+    DriverResult as DriverResult,
     ErratumNote as ErratumNote,
+    Explanation as Explanation,
     ModulesRecord as ModulesRecord,
+    Outcome as Outcome,
     PassRecord as PassRecord,
+    Plot as Plot,
+    PlotPoint as PlotPoint,
+    Points as Points,
+    ProgramRecord as ProgramRecord,
     Record as Record,
+    Row as Row,
+    Run as Run,
+    Severity as Severity,
+    SourceText as SourceText,
+    Status as Status,
+    Step as Step,
+    Verdict as Verdict,
+    Worst as Worst,
+    significant as significant,
 )

@@ -8,16 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from .composites import COMPOSITES
-from .derivatives import DERIVATIVES
-from .extended import EXTENDED
-from .floats import FLOATS
-from .handler import Handler
-from .integers import INTEGERS
-from .logic import LOGIC
-from .stages import STAGES
+from .arithmetic import COMPOSITES, DERIVATIVES, EXTENDED, FLOATS, INTEGERS, LOGIC, Handler
 from .textures import TEXTURES
-from .variables import VARIABLES
+from .variables import STAGES, VARIABLES
 
 HANDLERS: Mapping[int, Handler] = {
     **VARIABLES,

@@ -9,11 +9,21 @@ import numpy as np
 
 from shaderlab.compiler.reflection import Op, Storage
 
-from ..memory import Pointer, World, changed, fetch, known_index, part_type, spelt
 from ..program import Instruction
-from ..values import Missing, NotGivenError, undefined
-from ..workgroups import shared
-from .handler import Handler
+from ..values import (
+    Missing,
+    NotGivenError,
+    Pointer,
+    World,
+    changed,
+    fetch,
+    known_index,
+    part_type,
+    shared,
+    spelt,
+    undefined,
+)
+from .arithmetic import Handler
 
 if TYPE_CHECKING:
     from ..running import Run
@@ -121,4 +131,24 @@ VARIABLES: Mapping[int, Handler] = {
     245: _phi,
     246: _merge,
     247: _merge,
+}
+
+
+def _emit_vertex(run: Run, at: Instruction, world: World) -> None:
+    run.emission.emit(run, at, world)
+
+
+def _end_primitive(run: Run, at: Instruction, world: World) -> None:
+    run.emission.end(world)
+
+
+def _wait(run: Run, at: Instruction, world: World) -> None:
+    """All invocations of a workgroup take each step together."""
+
+
+STAGES: Mapping[int, Handler] = {
+    218: _emit_vertex,
+    219: _end_primitive,
+    224: _wait,
+    225: _wait,
 }

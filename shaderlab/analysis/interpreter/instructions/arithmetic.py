@@ -1,0 +1,482 @@
+"""What a handler of an instruction is, and the most usual one."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab import glslmath
+from shaderlab.bands import Band, Integer, Truth
+from shaderlab.bands.exact import monotone, negative
+from shaderlab.bands.hulls import product_bounds
+from shaderlab.bands.rounding import RELATIVE_STEP
+from shaderlab.bands.terms import Terms
+from shaderlab.bands.truth import as_truth
+from shaderlab.errors import FormulaError
+
+from ..program import Instruction, Type
+from ..values import World, changed, composed, fetch, known_index, select
+
+if TYPE_CHECKING:
+    from ..running import Run
+
+Handler = Callable[["Run", Instruction, World], Any]
+
+
+def calling(function: str) -> Handler:
+    """A handler that calls a function of the arithmetic on the operands' values."""
+
+    def handler(run: Run, at: Instruction, world: World) -> Any:
+        if run.arithmetic.rules is None:
+            return run.repeated(at, function)
+        return run.arithmetic.call(function, *run.values(at.operands))
+
+    return handler
+
+
+def of_values(function: Callable[..., Any]) -> Handler:
+    """A handler that calls a Python function on the operands' values."""
+
+    def handler(run: Run, at: Instruction, world: World) -> Any:
+        return function(*run.values(at.operands))
+
+    return handler
+
+
+_UNITS = 2.0**24  # as many of them as float32 counts exactly
+_CONSTANTS = 16  # values at most of what is looked at: a constant's components
+WHOLE = frozenset({"floor", "ceil", "trunc", "round", "roundEven", "sign"})
+"""Functions whose results are whole numbers."""
+
+
+def unit_of(run: Run, value: Any) -> float:
+    """A power of two that all of a band's values are multiples of, 0 if none is known."""
+    if not isinstance(value, Band):
+        return 0.0
+    known = run.units.get(id(value))
+    if known is not None:
+        return known[1]
+    if value.lo is not value.hi or value.terms is not None or value.lo.size > _CONSTANTS:
+        return 0.0
+    unit = _unit(value.lo)
+    run.note_unit(value, unit)
+    return unit
+
+
+def _unit(values: Any) -> float:
+    """The largest power of two that divides all values; 1 if they are 0."""
+    if not np.isfinite(values).all():
+        return 0.0
+    ratios = (float(v).as_integer_ratio() for v in values.flat if v)
+    return min((float(n & -n) / d for n, d in ratios), default=1.0)
+
+
+def exactly(function: str) -> Handler:
+    """A handler of an operation: exact where it can't be rounded, else as the arithmetic has it."""
+
+    def handler(run: Run, at: Instruction, world: World) -> Any:
+        if run.arithmetic.rules is None:
+            return run.repeated(at, function)
+        return computed(run, function, run.values(at.operands))
+
+    return handler
+
+
+def computed(run: Run, function: str, values: list[Any]) -> Any:
+    """A function of values, exact where all of them have a unit and it can't be rounded."""
+    found = run.arithmetic.call(function, *values)
+    if run.arithmetic.rules is None:
+        return found
+    exact = _EXACT.get(function)
+    if exact is None:
+        if function in WHOLE:
+            run.note_unit(found, 1.0)
+        return found
+    units: list[float] = []
+    for value in values:
+        units.append(unit_of(run, value))
+        if not units[-1]:  # as of most
+            return found
+    known = exact(*values, *units)
+    if known is not None:
+        if found.lo is not found.hi:
+            found = known[0]
+        run.note_unit(found, known[1])
+    return found
+
+
+Found = tuple[Band, float] | None
+"""A result and its unit, None where it may be rounded."""
+
+
+def _add(a: Band, b: Band, of_a: float, of_b: float) -> Found:
+    return _made(a, b, a.lo + b.lo, a.hi + b.hi, a.mag + b.mag, a.count + b.count, min(of_a, of_b))
+
+
+def _subtract(a: Band, b: Band, of_a: float, of_b: float) -> Found:
+    return _add(a, negative(b), of_a, of_b)
+
+
+def _multiply(a: Band, b: Band, of_a: float, of_b: float) -> Found:
+    bounds = product_bounds(a.lo, a.hi, b.lo, b.hi)
+    return _made(a, b, *bounds, a.mag * b.mag, a.count * b.count, of_a * of_b)
+
+
+def _made(a: Band, b: Band, lo: Any, hi: Any, mag: Any, count: int, unit: float) -> Found:
+    """The result of two bands, if none of its terms together are too large to be exact. What is no
+    multiple may be added between them later, so each sum's rounding stays pending."""
+    if not np.max(mag) < _UNITS * unit:
+        return None
+    terms = None
+    if a.rules.rearrange:
+        terms = Terms(mag, (count - 1) * RELATIVE_STEP * mag if count > 1 else None, count)
+    return a.kept(lo, hi, b, terms=terms), unit
+
+
+def _negate(a: Band, unit: float) -> Found:
+    return negative(a), unit
+
+
+def _mod(x: Band, y: Band, of_x: float, of_y: float) -> Found:
+    """x - y·⌊x/y⌋, whose terms are those of x and one product."""
+    turns = glslmath.floor(x.opaque() / y)
+    product = _multiply(y, turns, of_y, 1.0)
+    found = _subtract(x, product[0], of_x, product[1]) if product is not None else None
+    inside = (y.lo > 0.0).all() or (y.hi < 0.0).all()
+    return (found[0].opaque(), found[1]) if found is not None and inside else None
+
+
+def _fract(x: Band, unit: float) -> Found:
+    found = _subtract(x, monotone(x, np.floor), unit, 1.0)
+    return None if found is None else (glslmath.clamp(found[0], 0.0, 1.0), found[1])
+
+
+_EXACT: Mapping[str, Callable[..., Found]] = {
+    "add": _add,
+    "subtract": _subtract,
+    "multiply": _multiply,
+    "negate": _negate,
+    "mod": _mod,
+    "fract": _fract,
+}
+
+
+_NOTHING = 0xFFFFFFFF
+
+
+def _construct(run: Run, at: Instruction, world: World) -> Any:
+    return composed(run.program.types[at.type], run.values(at.operands))
+
+
+def _extract(run: Run, at: Instruction, world: World) -> Any:
+    value = run.value(at.operands[0])
+    for index in at.operands[1:]:
+        value = run.part(value, index)
+    return value
+
+
+def _insert(run: Run, at: Instruction, world: World) -> Any:
+    new, whole = run.values(at.operands[:2])
+    return changed(whole, run.program.types[at.type], at.operands[2:], new, world.mask)
+
+
+def _extract_dynamic(run: Run, at: Instruction, world: World) -> Any:
+    vector, index = run.values(at.operands)
+    return fetch(vector, [known_index(index)], world.mask)
+
+
+def _insert_dynamic(run: Run, at: Instruction, world: World) -> Any:
+    vector, new, index = run.values(at.operands)
+    type_: Type = run.program.types[at.type]
+    return changed(vector, type_, [known_index(index)], new, world.mask)
+
+
+def _shuffle(run: Run, at: Instruction, world: World) -> Any:
+    first, second = run.values(at.operands[:2])
+    size = first.shape[-1]
+    picks = [0 if i == _NOTHING else i for i in at.operands[2:]]
+    if all(i < size for i in picks):
+        return run.remembered(first, tuple(picks), lambda: first[..., picks])
+    parts = [run.part(first, i) if i < size else run.part(second, i - size) for i in picks]
+    return composed(run.program.types[at.type], parts)
+
+
+COMPOSITES: Mapping[int, Handler] = {
+    77: _extract_dynamic,
+    78: _insert_dynamic,
+    79: _shuffle,
+    80: _construct,
+    81: _extract,
+    82: _insert,
+    84: calling("transpose"),
+}
+
+
+def _comparing(function: Any) -> Handler:
+    return of_values(lambda *values: as_truth(function(*values)))
+
+
+def _different(a: Truth, b: Truth) -> Truth:
+    return (a & ~b) | (~a & b)
+
+
+LOGIC: Mapping[int, Handler] = {
+    154: of_values(Truth.any),
+    155: of_values(Truth.all),
+    156: _comparing(glslmath.isnan),
+    157: _comparing(glslmath.isinf),
+    164: of_values(lambda a, b: ~_different(a, b)),
+    165: of_values(_different),
+    166: of_values(operator.or_),
+    167: of_values(operator.and_),
+    168: of_values(operator.invert),
+    169: of_values(select),
+    180: _comparing(operator.eq),
+    182: _comparing(operator.ne),
+    183: _comparing(operator.ne),
+    184: _comparing(operator.lt),
+    186: _comparing(operator.gt),
+    188: _comparing(operator.le),
+    190: _comparing(operator.ge),
+}
+"""The comparisons are those that glslang writes: ordered ones, and != that holds for NaN."""
+
+
+def _matrix_times_scalar(run: Run, at: Instruction, world: World) -> Any:
+    matrix, scalar = run.values(at.operands)
+    return run.arithmetic.call("multiply", matrix, scalar[..., None])
+
+
+def _vector_times_matrix(run: Run, at: Instruction, world: World) -> Any:
+    vector, matrix = run.values(at.operands)
+    call = run.arithmetic.call
+    return call("mul", call("transpose", matrix), vector)
+
+
+def _from_integer(run: Run, at: Instruction, world: World) -> Any:
+    whole: Integer = run.value(at.operands[0])
+    if run.arithmetic.rules is None:
+        return run.arithmetic.rounded(whole.lo)
+    band = whole.as_band(run.arithmetic.rules)
+    run.note_unit(band, 1.0)
+    return band
+
+
+def _bitcast(run: Run, at: Instruction, world: World) -> Any:
+    value, to = run.value(at.operands[0]), run.program.types[at.type].base
+    if to.kind == "float":
+        return run.arithmetic.call("uintBitsToFloat", value.converted(True))
+    if isinstance(value, Integer):
+        return value.converted(not to.signed)
+    return run.arithmetic.call("floatBitsToInt" if to.signed else "floatBitsToUint", value)
+
+
+FLOATS: Mapping[int, Handler] = {
+    109: calling("uint"),
+    110: calling("int"),
+    111: _from_integer,
+    112: _from_integer,
+    124: _bitcast,
+    127: exactly("negate"),
+    129: exactly("add"),
+    131: exactly("subtract"),
+    133: exactly("multiply"),
+    136: calling("divide"),
+    140: calling("remainder"),
+    141: exactly("mod"),
+    142: exactly("multiply"),
+    143: _matrix_times_scalar,
+    144: _vector_times_matrix,
+    145: calling("mul"),
+    146: calling("matmul"),
+    147: calling("outerProduct"),
+    148: calling("dot"),
+}
+
+
+def derivative(run: Run, function: str, value: Any) -> Any:
+    """A derivative of a value by its name in GLSL.
+
+    Raises:
+        FormulaError: nobody knows where the pixels are.
+    """
+    if value.shape[0] == 1:
+        return run.arithmetic.call("subtract", value, value)
+    if run.places is None:
+        raise FormulaError(f"{function} without gl_FragCoord of each pixel")
+    return run.arithmetic.call(function, value, run.places)
+
+
+def _derivative(function: str) -> Handler:
+    def handler(run: Run, at: Instruction, world: World) -> Any:
+        return derivative(run, function, run.value(at.operands[0]))
+
+    return handler
+
+
+DERIVATIVES: Mapping[int, Handler] = {
+    207: _derivative("dFdx"),
+    208: _derivative("dFdy"),
+    209: _derivative("fwidth"),
+    210: _derivative("dFdxFine"),
+    211: _derivative("dFdyFine"),
+    212: _derivative("fwidthFine"),
+    213: _derivative("dFdxCoarse"),
+    214: _derivative("dFdyCoarse"),
+    215: _derivative("fwidthCoarse"),
+}
+
+
+_FLOATS = {
+    1: "round", 2: "roundEven", 3: "trunc", 4: "abs", 6: "sign", 8: "floor", 9: "ceil",
+    10: "fract", 11: "radians", 12: "degrees", 13: "sin", 14: "cos", 15: "tan", 16: "asin",
+    17: "acos", 18: "atan", 19: "sinh", 20: "cosh", 21: "tanh", 22: "asinh", 23: "acosh",
+    24: "atanh", 25: "atan", 26: "pow", 27: "exp", 28: "log", 29: "exp2", 30: "log2", 31: "sqrt",
+    32: "inversesqrt", 33: "determinant", 34: "inverse", 36: "modf", 37: "min", 40: "max",
+    43: "clamp", 46: "mix", 48: "step", 49: "smoothstep", 50: "fma", 52: "frexp", 53: "ldexp",
+    66: "length", 67: "distance", 68: "cross", 69: "normalize", 70: "faceforward", 71: "reflect",
+    72: "refract",
+}  # fmt: skip
+_INTEGERS = {
+    5: ("abs", False), 7: ("sign", False), 38: ("min", True), 39: ("min", False),
+    41: ("max", True), 42: ("max", False), 44: ("clamp", True), 45: ("clamp", False),
+    73: ("findLSB", None), 74: ("findMSB", False), 75: ("findMSB", True),
+}  # fmt: skip
+_PACKING = {
+    54: "packSnorm4x8", 55: "packUnorm4x8", 56: "packSnorm2x16", 57: "packUnorm2x16",
+    58: "packHalf2x16", 60: "unpackSnorm2x16", 61: "unpackUnorm2x16", 62: "unpackHalf2x16",
+    63: "unpackSnorm4x8", 64: "unpackUnorm4x8",
+}  # fmt: skip
+_UNKNOWN = {
+    35: "modf", 51: "frexp", 59: "packDouble2x32", 65: "unpackDouble2x32",
+    76: "interpolateAtCentroid", 77: "interpolateAtSample", 78: "interpolateAtOffset",
+}  # fmt: skip
+
+
+def _extended(run: Run, at: Instruction, world: World) -> Any:
+    number, operands = at.operands[1], at.operands[2:]
+    name = _FLOATS.get(number) or _PACKING.get(number)
+    if name is not None:
+        return _kept(run, computed(run, name, run.values(operands)), world)
+    if number in _INTEGERS:
+        function, unsigned = _INTEGERS[number]
+        values: list[Integer] = run.values(operands)
+        if unsigned is not None:
+            values = [value.converted(unsigned) for value in values]
+        result: Integer = run.arithmetic.call(function, *values)
+        to = run.program.types[at.type].base
+        return settled(run, result.converted(not to.signed), world)
+    raise run.program.not_interpreted(
+        _UNKNOWN.get(number, f"GLSL.std.450's instruction {number}"), at.line
+    )
+
+
+def _kept(run: Run, value: Any, world: World) -> Any:
+    """The result; integers in it only as far as they concern the invocations that are here."""
+    if isinstance(value, tuple):
+        return tuple(_kept(run, part, world) for part in value)
+    if isinstance(value, Integer):
+        return settled(run, value, world)
+    return value
+
+
+EXTENDED: Mapping[int, Handler] = {12: _extended}
+
+
+def whole_numbers(
+    function: Callable[..., Any], *, unsigned: bool | None = None, bits: bool = False
+) -> Handler:
+    """A handler of a function of integers; `unsigned` is how it reads its operands, None as they
+    are. With `bits` the last operands are a field's offset and size, and stay as they are."""
+
+    def handler(run: Run, at: Instruction, world: World) -> Any:
+        values: list[Integer] = run.values(at.operands)
+        if unsigned is not None:
+            values = [value.converted(unsigned) for value in values]
+        elif not bits and len({value.unsigned for value in values}) > 1:
+            values = [value.converted(values[0].unsigned) for value in values]
+        result = function(*values)
+        type_ = run.program.types[at.type]
+        if type_.kind == "struct":
+            return tuple(settled(run, part, world) for part in result)
+        return settled(run, result.converted(not type_.base.signed), world)
+
+    return handler
+
+
+def settled(run: Run, value: Integer, world: World) -> Integer:
+    """The integer without what it may be for invocations that are not here: one number, so that
+    the value counts as known where it is so for all that are."""
+    if run.arithmetic.rules is None:
+        rounded: Integer = run.arithmetic.rounded(value)
+        return rounded
+    if value.known or value.shape[0] != world.mask.size:
+        return value
+    high = np.where(world.mask[:, None], value.hi, value.lo)
+    anything = value.anything & (world.mask[:, None] if value.anything.ndim else True)
+    return Integer(
+        value.lo,
+        None if np.array_equal(high, value.lo) else high,
+        unsigned=value.unsigned,
+        rules=value.rules,
+        anything=anything if anything.any() else np.False_,
+    )
+
+
+_YES, _NO = (Truth.known([[holds]]) for holds in (True, False))
+
+
+def _comparing_integers(
+    function: Callable[[Any, Any], Any], unsigned: bool | None = None
+) -> Handler:
+    def handler(run: Run, at: Instruction, world: World) -> Any:
+        a, b = run.values(at.operands)
+        kind = a.unsigned if unsigned is None else unsigned
+        a, b = a.converted(kind), b.converted(kind)
+        if a.lo.size == b.lo.size == 1 and run.arithmetic.rules is None:  # as a loop's counter is
+            return _YES if function(a.lo.item(), b.lo.item()) else _NO
+        return as_truth(function(a, b))
+
+    return handler
+
+
+INTEGERS: Mapping[int, Handler] = {
+    126: whole_numbers(operator.neg),
+    128: whole_numbers(operator.add),
+    130: whole_numbers(operator.sub),
+    132: whole_numbers(operator.mul),
+    134: whole_numbers(operator.truediv, unsigned=True),
+    135: whole_numbers(operator.truediv, unsigned=False),
+    137: whole_numbers(operator.mod, unsigned=True),
+    138: whole_numbers(operator.mod, unsigned=False),
+    139: whole_numbers(operator.mod, unsigned=False),
+    149: whole_numbers(glslmath.uaddCarry, unsigned=True),
+    150: whole_numbers(glslmath.usubBorrow, unsigned=True),
+    151: whole_numbers(lambda a, b: glslmath.umulExtended(a, b)[::-1], unsigned=True),
+    152: whole_numbers(lambda a, b: glslmath.imulExtended(a, b)[::-1], unsigned=False),
+    170: _comparing_integers(operator.eq),
+    171: _comparing_integers(operator.ne),
+    172: _comparing_integers(operator.gt, unsigned=True),
+    173: _comparing_integers(operator.gt, unsigned=False),
+    174: _comparing_integers(operator.ge, unsigned=True),
+    175: _comparing_integers(operator.ge, unsigned=False),
+    176: _comparing_integers(operator.lt, unsigned=True),
+    177: _comparing_integers(operator.lt, unsigned=False),
+    178: _comparing_integers(operator.le, unsigned=True),
+    179: _comparing_integers(operator.le, unsigned=False),
+    194: whole_numbers(operator.rshift, unsigned=True),
+    195: whole_numbers(operator.rshift, unsigned=False),
+    196: whole_numbers(operator.lshift),
+    197: whole_numbers(operator.or_),
+    198: whole_numbers(operator.xor),
+    199: whole_numbers(operator.and_),
+    200: whole_numbers(operator.invert),
+    201: whole_numbers(glslmath.bitfieldInsert, bits=True),
+    202: whole_numbers(glslmath.bitfieldExtract, bits=True),
+    203: whole_numbers(glslmath.bitfieldExtract, bits=True),
+    204: whole_numbers(glslmath.bitfieldReverse),
+    205: whole_numbers(glslmath.bitCount),
+}
