@@ -13,7 +13,7 @@ from shaderlab.bands.swizzles import Vector
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
 
-from . import reading, reading, reading, reading, reading
+from . import reading
 from .reading import (
     WEIGHT,
     Integers,
