@@ -1,5 +1,7 @@
 """The public interface: each name and where it is. The package loads a name at its first use."""
 
+from .analysis.portable import portable as portable
+from .analysis.same_as import same_as as same_as
 from .bands import Rules as Rules
 from .engine.expectations.any_order import any_order as any_order, both_ways as both_ways
 from .engine.expectations.attribute_layout import attribute_layout as attribute_layout
@@ -20,11 +22,9 @@ from .engine.expectations.inactive_uniforms import inactive_uniforms as inactive
 from .engine.expectations.mean_of import mean_of as mean_of
 from .engine.expectations.measure import measure as measure
 from .engine.expectations.monotone import monotone as monotone
-from .engine.expectations.portable import portable as portable
 from .engine.expectations.query import query as query
 from .engine.expectations.readings import reading as reading
 from .engine.expectations.refused import refused as refused
-from .engine.expectations.same_as import same_as as same_as
 from .engine.expectations.sweep import sweep as sweep
 from .engine.expectations.symmetric import symmetric as symmetric
 from .engine.expectations.value import value as value

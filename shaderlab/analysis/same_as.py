@@ -9,15 +9,14 @@ from shaderlab.analysis.equivalence.answer import Answer
 from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
 from shaderlab.analysis.inputs import given_fragments, given_vertices
 from shaderlab.analysis.interpreter import load
+from shaderlab.engine.expectations.base import Context, OfDraw, judge_rows
+from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs, Read
 from shaderlab.model.frame import Frame, PassDraw
 from shaderlab.model.records import Row
-
-from .base import Context, OfDraw, judge_rows
-from .needs import CapturedFragments, CapturedVertices
 
 _MOST = 2048  # invocations
 _PLAN = Plan(rounds=1, accuracy=False)

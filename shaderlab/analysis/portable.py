@@ -11,15 +11,14 @@ import numpy as np
 from shaderlab.analysis.audit import Spread, spread
 from shaderlab.analysis.inputs import given_fragments, inputs_of
 from shaderlab.analysis.interpreter import load
+from shaderlab.engine.expectations.base import Context, OfOutput, judge_rows
+from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs
 from shaderlab.model.frame import Frame, PassDraw
 from shaderlab.model.records import Row
-
-from .base import Context, OfOutput, judge_rows
-from .needs import CapturedFragments
 
 _MOST = 2048  # invocations
 
