@@ -27,14 +27,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 FEW = 5
 RUN = """
 import json, sys, time
-from contextlib import contextmanager
 from shaderlab.cli import main, recorded_run
-from shaderlab.report import html
-@contextmanager
-def here(work, after):
-    work()
-    yield
-html.in_second_process = here
 write_report, written = recorded_run.write_report, []
 def timed(*asked):
     began = time.process_time()
@@ -53,7 +46,7 @@ finally:
 PAGE = """
 import json, sys, time
 from shaderlab.report import html
-from shaderlab.report.store import load
+from shaderlab.model.store import load
 run = load(sys.argv[2])
 html.write(run, sys.argv[2])
 began = time.process_time()

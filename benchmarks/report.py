@@ -24,7 +24,7 @@ from pathlib import Path
 MAKE = """
 import json, resource, sys, time
 from shaderlab.report.html import write
-from shaderlab.report.store import load
+from shaderlab.model.store import load
 began = time.perf_counter()
 run = load(sys.argv[1])
 loaded = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -112,7 +112,7 @@ def _made_up(folder: Path, count: int) -> None:
     from shaderlab.engine.picture_writer import PictureWriter
     from shaderlab.model.frame import Image
     from shaderlab.model.records import ProgramRecord, SourceText, Verdict
-    from shaderlab.report.store import save
+    from shaderlab.model.store import save
     from tests.unit.test_report_samples import curve, outcome, record, run, worst
 
     generator = np.random.default_rng(7)

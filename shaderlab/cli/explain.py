@@ -126,9 +126,9 @@ def command(
     else:
         explained = result.value
     if json_file is not None:
-        from shaderlab.report.store import plain
+        from shaderlab.model.store import to_plain
 
-        write_json({**plain(explained), **others}, json_file)
+        write_json({**to_plain(explained), **others}, json_file)
     if json_file != "-":
         show(explained, where)
     return FAILED if any(s.by_driver and not s.inside for s in explained.steps) else OK

@@ -13,9 +13,10 @@ import click
 
 from shaderlab.cli.files import new_run_folder
 from shaderlab.errors import ShaderlabError
+from shaderlab.model import store
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record, Run
-from shaderlab.report import html, store
+from shaderlab.report import html
 from shaderlab.report.live import LiveReport, live_report
 
 from .watching.session import Session

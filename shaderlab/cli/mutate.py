@@ -151,7 +151,8 @@ def command(
 
 def _into_report(data: Mapping[str, Any], folder: Path) -> None:
     """Put the results beside those of earlier campaigns, and into the page if a run is there."""
-    from shaderlab.report import html, mutants, store
+    from shaderlab.model import store
+    from shaderlab.report import html, mutants
 
     path = folder / mutants.FILE_NAME
     if mutants.load(folder):

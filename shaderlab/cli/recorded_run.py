@@ -187,7 +187,6 @@ def finish(
     is_latest: bool,
     outputs: Mapping[str, str] | None = None,
     open_report: bool = False,
-    by_two: bool = False,
 ) -> int:
     """Write and show where everything is; returns the exit status.
 
@@ -199,9 +198,8 @@ def finish(
         is_latest: whether `latest` is to point to its folder.
         outputs: files to write besides the page, by format.
         open_report: whether the page is opened in a browser.
-        by_two: whether a second process may write half of the page.
     """
-    page, problems = write_report(recorded, outputs or {}, by_two)
+    page, problems = write_report(recorded, outputs or {})
     if is_latest:
         latest(recorded.folder)
         _remove_old(recorded.folder.parent)
@@ -242,10 +240,11 @@ def _index(parent: Path, *, new: bool) -> list[ShaderlabError]:
 
 
 def write_report(
-    recorded: RecordedRun, outputs: Mapping[str, str], by_two: bool
+    recorded: RecordedRun, outputs: Mapping[str, str]
 ) -> tuple[Path | None, list[ShaderlabError]]:
     """Write the run, its page and its outputs; return the page, and what can't be written."""
-    from shaderlab.report import html, store
+    from shaderlab.model import store
+    from shaderlab.report import html
 
     problems: list[ShaderlabError] = []
     page: Path | None = None
@@ -254,7 +253,7 @@ def write_report(
     except ShaderlabError as error:
         problems.append(error)
     try:
-        page = html.write(recorded.run, recorded.folder, by_two=by_two)
+        page = html.write(recorded.run, recorded.folder)
     except ShaderlabError as error:
         problems.append(error)
     problems += write_outputs(recorded.run, outputs)

@@ -45,7 +45,8 @@ def command(
       shaderlab report --single-file to-mail.html
       shaderlab report --markdown "$GITHUB_STEP_SUMMARY"
     """
-    from shaderlab.report import html, store
+    from shaderlab.model import store
+    from shaderlab.report import html
 
     to_stderr = uses_stdout(outputs)
     folder = find_latest() if run_folder is None else _run_folder(Path(run_folder))

@@ -210,7 +210,6 @@ def command(
                 is_latest=folder is None and resume is None,
                 outputs=outputs,
                 open_report=open_report,
-                by_two=workers not in (0, 1) and scheduler is None,
             )
 
 

@@ -101,7 +101,7 @@ class ReportWriter:
         data = getattr(report, ATTRIBUTE, None)
         if data is not None:
             from shaderlab.model.records import Record
-            from shaderlab.report.store import parse
+            from shaderlab.model.store import parse
 
             self._records.append(parse(data, Record))
 
@@ -109,8 +109,9 @@ class ReportWriter:
     def pytest_sessionfinish(self) -> None:
         """Write the page."""
         from shaderlab.errors import ShaderlabError
+        from shaderlab.model import store
         from shaderlab.model.records import Run
-        from shaderlab.report import html, store
+        from shaderlab.report import html
 
         if not self._records:
             self._said = "no test of cases or of GLSL functions: no report is written"
@@ -136,9 +137,9 @@ class ReportWriter:
 
 def attach(report: pytest.TestReport, record: Record) -> None:
     """Give a report its record."""
-    from shaderlab.report.store import plain
+    from shaderlab.model.store import to_plain
 
-    setattr(report, ATTRIBUTE, plain(record))
+    setattr(report, ATTRIBUTE, to_plain(record))
 
 
 def _why(report: pytest.TestReport) -> str:

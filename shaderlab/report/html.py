@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import importlib
 import threading
-from collections.abc import Iterator, Sequence
-from contextlib import nullcontext
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,22 +24,12 @@ from shaderlab.report.history import history, save
 from shaderlab.report.inline import Pictures, Repeated
 from shaderlab.report.page import Page
 from shaderlab.report.search import script
-from shaderlab.report.second_process import in_second_process
 
 FILE_NAME = "index.html"
 AGAINST_NAME = "against.html"
-_MANY = 40
-"""So many cases' pages are worth a second process."""
-_loading: threading.Thread | None = None
 
 
-def write(
-    run: Run,
-    folder: str | Path,
-    against: tuple[Run, Path] | None = None,
-    *,
-    by_two: bool = False,
-) -> Path:
+def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None) -> Path:
     """Write the pages of a run whose pictures lie in `folder`; return the front page's path.
 
     That is `folder`/index.html; with an earlier run and its folder in `against` it is
@@ -48,8 +37,7 @@ def write(
     share in `folder`/page. Each file is written whole or not at all, the front page last.
 
     The results of `shaderlab mutate --report` in that folder are shown too, and what changed since
-    earlier runs whose folders stand beside it. With `by_two` a copy of this process writes half of
-    the cases' pages, where they are many.
+    earlier runs whose folders stand beside it.
 
     Raises:
         ShaderlabError: a file can't be written, or `mutation.json` is damaged. Missing pictures
@@ -64,26 +52,19 @@ def write(
     past = history(run, target, links)
     render = partial(_render, page=page, run=run, single=False, policy=parts.SITE_POLICY)
 
-    def write_pages(cases: Sequence[tuple[Any, Any, Any]]) -> None:
-        for earlier, (chapter, case), later in cases:
-            pieces = render(
-                "case_page.html.j2",
-                root="../",
-                level=1,
-                here=chapter,
-                case=case,
-                earlier=earlier,
-                later=later,
-                trend=past and past.trends.get(case.group.id),
-            )
-            write_text(target / case.page, pieces)
-
-    cases = list(_with_neighbours(page))
-    processes = 2 if by_two and len(cases) >= _MANY else 1
-    others = partial(write_pages, cases[1::processes])
-    with in_second_process(others, _loading) if processes > 1 else nullcontext():
-        write_pages(cases[::processes])
-        write_text(shared / "search.js", script((c.anchor, c.group.records) for c in page.cases))
+    for earlier, (chapter, case), later in _with_neighbours(page):
+        pieces = render(
+            "case_page.html.j2",
+            root="../",
+            level=1,
+            here=chapter,
+            case=case,
+            earlier=earlier,
+            later=later,
+            trend=past and past.trends.get(case.group.id),
+        )
+        write_text(target / case.page, pieces)
+    write_text(shared / "search.js", script((c.anchor, c.group.records) for c in page.cases))
     path = target / (AGAINST_NAME if against else FILE_NAME)
     front = render(
         "index.html.j2",
@@ -144,9 +125,7 @@ def load_libraries() -> None:
             importlib.import_module(name)
         _ = parts.style(), parts.script()
 
-    global _loading
-    _loading = threading.Thread(target=load, daemon=True)
-    _loading.start()
+    threading.Thread(target=load, daemon=True).start()
 
 
 def _render(template: str, **values: Any) -> Iterator[str]:

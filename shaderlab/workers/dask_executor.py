@@ -183,7 +183,7 @@ class DaskExecutor:
     ) -> Iterator[tuple[Job, Record]]:
         """The jobs' records; their files are written here first, so that a record never names a
         file that is not there."""
-        from shaderlab.report import store
+        from shaderlab.model import store
 
         if isinstance(result, Mapping):
             raise other_version(self._address, "a worker that came later", result)

@@ -113,7 +113,7 @@ class DaskPlugin(WorkerPlugin):
 
         A worker that joined later, with other versions, returns its own `identity` instead.
         """
-        from shaderlab.report import store
+        from shaderlab.model import store
 
         if identity() != expected:
             return identity()
@@ -135,7 +135,7 @@ class DaskPlugin(WorkerPlugin):
             numbers = {id(job): number for number, job in enumerate(jobs)}
             return RemoteResult(
                 records={
-                    numbers[id(job)]: renamed(store.plain(record), names)
+                    numbers[id(job)]: renamed(store.to_plain(record), names)
                     for job, record in executor.run(jobs, options)
                 },
                 files=_contents(drawn),

@@ -104,9 +104,9 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
 
 def as_line(data: Any) -> bytes:
     """Plain data, or a dataclass of such, as a line of a journal."""
-    from shaderlab.report import store  # not before workers get ready: it takes its time
+    from shaderlab.model import store  # not before workers get ready: it takes its time
 
-    return (store.encoded(data) + "\n").encode("utf-8", "replace")
+    return (store.encode(data) + "\n").encode("utf-8", "replace")
 
 
 def read(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
@@ -117,7 +117,7 @@ def read(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
         UsageError: there is none, or not even its first line is whole.
         ShaderlabError: it was written by another version.
     """
-    from shaderlab.report import store
+    from shaderlab.model import store
 
     plan = read_plan(folder)
     records: list[Record] = []
@@ -145,7 +145,7 @@ def read_plan(folder: Path) -> RunPlan:
         raise UsageError(f"can't go on with this: {error.strerror}", file=path) from error
     if not line.endswith(b"\n"):
         raise UsageError("this run did not get to begin", file=path, remedy="run it anew")
-    from shaderlab.report import store
+    from shaderlab.model import store
 
     try:
         first = json.loads(line)

@@ -16,8 +16,8 @@ from typing import Any
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import open_regular
+from shaderlab.model import store
 from shaderlab.model.records import Record
-from shaderlab.report import store
 
 from .journal import FILE_NAME, Journal, as_line, lines
 
@@ -41,7 +41,7 @@ class PointRecords:
 
     def add(self, point: int, record: Record) -> Plain:
         """Write a point's record; returns it as plain data."""
-        plain: Plain = store.plain(record)
+        plain: Plain = store.to_plain(record)
         line, whole = b"", self._base is None
         if self._base is not None:
             number, base, length = self._base

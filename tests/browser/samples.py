@@ -21,8 +21,8 @@ from shaderlab.model.records import (
     Verdict,
     Worst,
 )
+from shaderlab.model.store import save
 from shaderlab.report.html import write, write_single
-from shaderlab.report.store import save
 from tests.unit.test_report_samples import curve, outcome, record, run
 
 WIDTH, HEIGHT = 20, 12

@@ -19,8 +19,8 @@ from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
 from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.model import store
 from shaderlab.model.options import Limits, RunOptions
-from shaderlab.report import store
 from shaderlab.workers import Job, dask_bundles, dask_connection, dask_executor, dask_plugin, jobs
 from shaderlab.workers.dask_executor import DaskExecutor
 from tests.gpu import faulty
@@ -151,7 +151,7 @@ def test_of_a_task_that_lost_its_workers_only_the_job_to_blame_is_a_crash(
             if "4" in self.key:
                 raise KilledWorker(self.key, None, 3)
             records = {n: jobs.failed_record(job, "pass", "") for n, job in enumerate(self.jobs)}
-            plain = {number: store.plain(record) for number, record in records.items()}
+            plain = {number: store.to_plain(record) for number, record in records.items()}
             return dask_plugin.RemoteResult(records=plain, files={}, frames={})
 
         def release(self) -> None:

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
+from shaderlab.model import store
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
-from shaderlab.report import store
 from shaderlab.workers import Job, ProcessExecutor
 
 # Seeded noise as textures, a domain with figures and curves, meshes with depth and stencil.
@@ -24,7 +24,7 @@ CASES = {
 
 
 def timeless(record: Record) -> Any:
-    plain = store.plain(replace(record, seconds=0.0, timings={}))
+    plain = store.to_plain(replace(record, seconds=0.0, timings={}))
     assert plain["expectations"]
     return plain
 

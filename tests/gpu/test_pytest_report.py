@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
+from shaderlab.model import store
 from shaderlab.model.records import Record
 from shaderlab.pytest_plugin.report import ReportWriter
-from shaderlab.report import store
 from shaderlab.report.findings import findings_of
 from shaderlab.workers.jobs import About
 

@@ -15,6 +15,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from tests.meta.packages import (
+    ONLY,
     ORDER,
     PACKAGE,
     UPWARD,
@@ -93,6 +94,13 @@ def test_every_package_is_in_the_table(repository: Path) -> None:
 def test_packages_import_only_packages_below(repository: Path) -> None:
     found = edges(repository)
     assert upward((r, o, place) for r in found for o, place in found[r].items()) == []
+
+
+@pytest.mark.parametrize(("package", "allowed"), ONLY.items())
+def test_a_package_that_needs_little_imports_nothing_else(
+    repository: Path, package: str, allowed: set[str]
+) -> None:
+    assert set(edges(repository)[package]) <= allowed
 
 
 def test_only_a_driver_s_own_folder_is_imported_by_name(repository: Path) -> None:

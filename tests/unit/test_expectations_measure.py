@@ -16,7 +16,7 @@ from shaderlab.errors import CaseError, FormulaError
 from shaderlab.model.expectation import Judgement
 from shaderlab.model.frame import Bindings, Frame, Image, Texels
 from shaderlab.model.records import Plot, PlotPoint
-from shaderlab.report.store import load, save
+from shaderlab.model.store import load, save
 from tests.unit.test_report_samples import NAN, Page, record, run, write
 
 LIT = np.linspace(0.0, 1.0, 16, dtype=np.float32).reshape(4, 4, 1)

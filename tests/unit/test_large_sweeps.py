@@ -18,9 +18,9 @@ from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli, running_sweeps
 from shaderlab.cli.running_sweeps import run_points
+from shaderlab.model import store
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
-from shaderlab.report import store
 from shaderlab.workers import lab_worker, sweep_table
 from shaderlab.workers.jobs import About, Job, failed_record
 from shaderlab.workers.journal import FILE_NAME, Journal, RunPlan
@@ -131,7 +131,9 @@ def test_records_come_back_from_the_journal(tmp_path: Path, passing: Record) -> 
 
     def same(found: list[Record], points: list[int]) -> bool:
         """To the bit: 0.0 and -0.0 are two."""
-        return repr([*map(store.plain, found)]) == repr([store.plain(made[n]) for n in points])
+        return repr([*map(store.to_plain, found)]) == repr(
+            [store.to_plain(made[n]) for n in points]
+        )
 
     assert same(records.read([7, 5, 4, 3, 2, 1, 0]), [7, 4, 3, 2, 1, 0])
 

@@ -6,8 +6,8 @@ import dataclasses
 from pathlib import Path
 
 from shaderlab.model.records import Explanation, Record, Step
+from shaderlab.model.store import load, save
 from shaderlab.report.plain_text import failure
-from shaderlab.report.store import load, save
 from tests.unit.test_report_samples import run, write
 
 STEP = Step(

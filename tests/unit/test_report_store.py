@@ -32,8 +32,8 @@ from shaderlab.model.records import (
     Verdict,
     Worst,
 )
+from shaderlab.model.store import load, save, to_plain
 from shaderlab.report.formats.json import render
-from shaderlab.report.store import load, plain, save
 
 NAN, INF = math.nan, math.inf
 ODD = "\x00\x1b</script>\udc80 ½ 🜂"
@@ -190,8 +190,8 @@ def test_numbers_of_numpy_and_strings_of_other_classes_are_written_as_what_they_
     made = run(Named.NEAR, np.float32(0.5), np.int64(3), np.str_("t"))
     usual = run("near", 0.5, 3, "t")
     assert bits(load(save(made, tmp_path).parent)) == bits(usual)
-    assert repr(plain(made)) == repr(plain(usual))
-    assert repr(plain(np.float64(odd))) == repr(plain(odd))
+    assert repr(to_plain(made)) == repr(to_plain(usual))
+    assert repr(to_plain(np.float64(odd))) == repr(to_plain(odd))
 
 
 def test_the_public_json_is_strict_and_as_documented() -> None:

@@ -23,9 +23,9 @@ from shaderlab.model.records import (
     Verdict,
     Worst,
 )
+from shaderlab.model.store import save
 from shaderlab.report.compare import compare
 from shaderlab.report.formats.markdown import render as summary
-from shaderlab.report.store import save
 from tests.unit.test_report_samples import (
     HOSTILE,
     Page,

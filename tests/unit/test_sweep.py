@@ -16,8 +16,9 @@ from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
 from shaderlab.errors import CaseError, UsageError
+from shaderlab.model import store
 from shaderlab.model.records import Outcome, Record, Worst
-from shaderlab.report import store, table
+from shaderlab.report import table
 from shaderlab.workers.jobs import CaseFacts
 from shaderlab.workers.sweep_grid import Grid, Parameter, grid, parameters
 from shaderlab.workers.sweep_plots import plots
@@ -137,7 +138,7 @@ def filled(jobs: Grid, records: Mapping[int, Record]) -> SweepTable:
     """The table of some points."""
     made = SweepTable(jobs)
     for point, record in records.items():
-        made.add(point, store.plain(record))
+        made.add(point, store.to_plain(record))
     return made
 
 

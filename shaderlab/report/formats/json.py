@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from shaderlab.model.records import Run
-from shaderlab.report.store import plain
+from shaderlab.model.store import to_plain
 
 _RECORD = (
     "id", "variant", "status", "message", "seconds", "timings", "driver", "size", "compile",
@@ -26,7 +26,7 @@ _ROW = ("label", "expected", "measured", "ok", "note")
 
 def render(run: Run) -> str:
     """The public view of a run, as indented JSON."""
-    whole = plain(run)
+    whole = to_plain(run)
     public = {
         "driver": whole["driver"],
         "seconds": whole["seconds"],

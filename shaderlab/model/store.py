@@ -36,10 +36,10 @@ def save(run: Run, folder: str | Path) -> Path:
 
 def _pieces(run: Run) -> Iterator[str]:
     """A run's JSON, one record at a time: the whole of it takes several times its size."""
-    before, _, after = encoded(replace(run, records=())).partition('"records":[]')
+    before, _, after = encode(replace(run, records=())).partition('"records":[]')
     yield f'{before}"records":['
     for number, record in enumerate(run.records):
-        yield f"{',' if number else ''}{encoded(record)}"
+        yield f"{',' if number else ''}{encode(record)}"
     yield f"]{after}\n"
 
 
@@ -66,15 +66,15 @@ def load(folder: str | Path) -> Run:
     return parse(data, Run, path)
 
 
-def encoded(value: Any) -> str:
+def encode(value: Any) -> str:
     """A record, another dataclass of plain data, or a list of such, as strict JSON."""
     try:
         return _ENCODER.encode(value)
     except ValueError:  # few have numbers that are none
-        return _ENCODER.encode(plain(value))
+        return _ENCODER.encode(to_plain(value))
 
 
-def plain(value: Any) -> Any:
+def to_plain(value: Any) -> Any:
     """A record, or another dataclass of plain data, as what strict JSON can hold."""
     kind = type(value)
     if kind in _AS_IT_IS:
@@ -82,10 +82,10 @@ def plain(value: Any) -> Any:
     if kind is float:
         return value if math.isfinite(value) else str(value)
     if kind is tuple or kind is list:
-        return [each if type(each) in _AS_IT_IS else plain(each) for each in value]
+        return [each if type(each) in _AS_IT_IS else to_plain(each) for each in value]
     if kind is dict:
-        return {name: plain(each) for name, each in value.items()}
-    return plain(_parts(value))
+        return {name: to_plain(each) for name, each in value.items()}
+    return to_plain(_parts(value))
 
 
 def _parts(value: Any) -> Any:
@@ -116,7 +116,7 @@ _ENCODER = json.JSONEncoder(allow_nan=False, separators=(",", ":"), default=_par
 
 
 def parse(data: Any, kind: type[Kind], path: Path | None = None) -> Kind:
-    """The inverse of `plain`.
+    """The inverse of `to_plain`.
 
     Raises:
         ShaderlabError: it was written by another version; names the file at `path`.
