@@ -19,13 +19,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.analysis.audit import Audit, audit_program
+from shaderlab.analysis.case_stages import stages
 from shaderlab.analysis.interpreter import load
+from shaderlab.analysis.invocations import program_of
 from shaderlab.compiler import Shaders
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import data_folder, shipped_cases
-from shaderlab.engine.interpreting import program_of
 from shaderlab.engine.lab import Lab
-from shaderlab.engine.rewriting import stages
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import RunOptions
 

@@ -17,13 +17,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from benchmarks.rewrites import Rewrite, rewrites
+from shaderlab.analysis.case_stages import rewritten
 from shaderlab.analysis.equivalence.answer import Answer
 from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
+from shaderlab.analysis.invocations import program_of
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
-from shaderlab.engine.interpreting import program_of
 from shaderlab.engine.lab import Lab
-from shaderlab.engine.rewriting import rewritten
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.case import Case
 from shaderlab.model.options import RunOptions

@@ -29,17 +29,17 @@ import numpy as np
 from benchmarks.adversary_device import Device
 from benchmarks.erring_arithmetic import Erring, outside
 from shaderlab.analysis.interpreter import FLOAT32, FLOAT64, Bands, Interpreted, interpret
+from shaderlab.analysis.invocations import Invocations, fragments, vertices
+from shaderlab.analysis.self_check import shows_what_is_written
 from shaderlab.bands import Band, Integer, Rules
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.subject import subject_of
-from shaderlab.engine.interpreting import Invocations, fragments, vertices
 from shaderlab.engine.judging.formats import stored
 from shaderlab.engine.judging.inputs import evaluate, wanted
 from shaderlab.engine.lab import Lab
-from shaderlab.engine.modules import shows_what_is_written
 from shaderlab.errors import DriverError, NotInterpretedError, ShaderlabError
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import PassDraw

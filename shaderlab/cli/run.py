@@ -192,7 +192,7 @@ def command(
             plan = on_each(plan, compared)
         load_libraries()  # before this, workers that get ready keep the cores busy
         recorded = run_plan(executor, plan, show, done)
-        recorded = compared_drivers(recorded, plan, executor, show)
+        recorded = compared_drivers(recorded, plan)
         if coverage and recorded.complete:
             recorded = with_coverage(recorded, executor, plan, show)
         with _beside(workers_end.close, close_servers):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator
 
 from rich.console import Console
@@ -34,18 +33,13 @@ def show_drivers(run: Run, console: Console) -> None:
     total = table.outputs.total()
     for verdict, words in AGREEMENTS.items():
         console.print(f"{table.outputs[verdict]} of {total} outputs: {words}")
-    causes = Counter(each.cause for each in table.apart if each.verdict == "within" and each.cause)
-    if causes:
-        shown_causes = (f"{count} by {cause}" for cause, count in causes.most_common())
-        console.print(f"within their bands: {', '.join(shown_causes)}", style="dim")
     for result, labels in _alike(run.drivers):
         style = "yellow" if result.status == "unsupported" else "red"
         head = f"{result.status} on {result.driver}: {', '.join(labels)}"
         console.print(printable("\n  ".join([head, *result.message.splitlines()])), style=style)
     outside = [each for each in table.apart if each.verdict == "outside"]
     for each in outside[:_MOST]:
-        for line in _lines(each):
-            console.print(printable(line))
+        console.print(printable(_line(each)))
     if len(outside) > _MOST:
         console.print(f"… and {len(outside) - _MOST} more")
 
@@ -60,11 +54,10 @@ def _alike(results: Iterable[DriverResult]) -> Iterator[tuple[DriverResult, list
         yield alike[0], [label(result.id, result.variant) for result in alike]
 
 
-def _lines(each: Disagreement) -> list[str]:
+def _line(each: Disagreement) -> str:
     name = f"{label(each.id, each.variant)}: {each.output}"
     pair = " | ".join(each.drivers)
-    return [
+    return (
         f"{name}  {pair}: {each.differing} of {each.pixels} pixels differ, by {each.ulp:.4g} ULP "
-        f"at most; outside on {', '.join(each.outside)}",
-        *([f"  {each.cause}: {each.why}"] if each.why else []),
-    ]
+        f"at most; outside on {', '.join(each.outside)}"
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 from shaderlab.compiler.verdicts import below_highp
@@ -22,7 +22,6 @@ from shaderlab.model.activity import Activity, doing
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement
 from shaderlab.model.frame import Image
-from shaderlab.model.observations import Look, Observation
 from shaderlab.model.records import Explanation, Outcome, Record
 
 from . import stored_images
@@ -33,8 +32,8 @@ from .expectations.formula import Formula
 from .expectations.gl_calls import Traced
 from .expectations.reads import unread_outputs
 from .failures import failure_of, unless_unwritable
+from .features import FEATURES, SceneCheck
 from .file_thread import FileThread
-from .modules import JudgedDraws
 from .picture_writer import PictureFiles, PictureWriter
 from .record_builder import RecordBuilder, told
 
@@ -69,20 +68,6 @@ class Lab(SceneDrawer):
             if isinstance(error, DeviceLostError):
                 self.close()  # the next scene opens another one
         return builder.build(time.perf_counter() - started, activity.ordered())
-
-    def observe(self, scene: Scene, looks: Sequence[Look]) -> tuple[Observation, ...]:
-        """What the driver does at some pixels of a scene, drawn once more.
-
-        Raises:
-            ShaderlabError: it can't be drawn.
-        """
-        from .observing import observe  # few runs look at anything
-
-        with (
-            Activity(self._notice).watch(),
-            self.evaluation(scene, self.prepare(scene)) as evaluation,
-        ):
-            return observe(evaluation, looks)
 
     def release_caches(self) -> None:
         """Free what is kept for scenes that are run again: the textures that functions made."""
@@ -126,8 +111,8 @@ class Lab(SceneDrawer):
             if self.options.gl_calls:
                 builder.set_gl_calls(evaluation.answer(Traced()))
             draws = None
-            if self.options.modules is not False:
-                draws = JudgedDraws(evaluation, every=bool(self.options.modules))
+            if self.options.modules is not False and FEATURES.self_check is not None:
+                draws = FEATURES.self_check(evaluation, bool(self.options.modules))
             wrong_picture = None
             if folder is not None:  # it is packed while the scene is judged
                 try:
@@ -139,7 +124,7 @@ class Lab(SceneDrawer):
             unanswered = self.judge_all(evaluation, builder, writer, draws)
             if draws is not None:
                 found, of_modules = draws.judgement()
-                builder.set_modules(found)
+                builder.set_self_check(found, draws.outside)
         if unanswered:
             names = {index: scene.expect[index].name for index in unanswered}
             lacking = {i: e for i, e in unanswered.items() if not isinstance(e, OtherApiError)}
@@ -177,7 +162,7 @@ class Lab(SceneDrawer):
         evaluation: Evaluation,
         builder: RecordBuilder,
         writer: PictureWriter,
-        draws: JudgedDraws | None = None,
+        draws: SceneCheck | None = None,
     ) -> dict[int, UnsupportedError]:
         """Judge all expectations of a scene that was drawn, one after the other, and write the
         pictures of each; and its `draws`, those that expectations capture.
@@ -248,15 +233,15 @@ class Lab(SceneDrawer):
         self, evaluation: Evaluation, expectation: Formula, outcome: Outcome
     ) -> Explanation | None:
         """Where a failing formula goes wrong. Whatever hinders that changes no verdict."""
-        from .locating import located  # it parses GLSL, which few runs need
-
+        if FEATURES.explain is None:
+            return None
         scene, programs = evaluation.scene, evaluation.programs
         try:
             with (
                 doing("judge", "explaining the failure"),
                 self.evaluation(scene, programs, like=evaluation) as again,
             ):
-                found = located(again, expectation, outcome)
+                found = FEATURES.explain(again, expectation, outcome)
         except Exception as error:
             if os.environ.get("SHADERLAB_DEBUG") and not isinstance(error, ShaderlabError):
                 raise

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 
@@ -64,6 +64,7 @@ class RecordBuilder:
         self._not_asked: tuple[str, ...] = ()
         self._gl_calls: tuple[CallsRecord, ...] = ()
         self._modules: ModulesRecord | None = None
+        self._outside: Collection[tuple[str, str]] = ()
         self._picture = PictureFiles()
         self._passes: tuple[PassRecord, ...] = ()
         self._buffers: tuple[BufferRecord, ...] = ()
@@ -121,9 +122,9 @@ class RecordBuilder:
             for (name, draw), calls in groupby(shown, lambda c: (c.pass_name, c.draw))
         )
 
-    def set_modules(self, found: ModulesRecord) -> None:
-        """Set what was judged by its own shader."""
-        self._modules = found
+    def set_self_check(self, found: ModulesRecord, outside: Collection[tuple[str, str]]) -> None:
+        """Set what was judged by its own shader, and the outputs that it does not allow."""
+        self._modules, self._outside = found, outside
 
     def add_notice(self, text: str) -> None:
         """Add a message that changes no verdict."""
@@ -203,7 +204,7 @@ class RecordBuilder:
 
     def _drawn(self) -> Iterator[DrawnOutput]:
         """Each output with the expectations that read it and fail."""
-        failed: dict[tuple[str, str], list[str]] = {}
+        failed = {key: ["its own shader"] for key in self._outside}
         judged = zip(self._scene.expect, self._outcomes, strict=False)
         for expectation, outcome in judged if self._images else ():
             if outcome.status != "pass":

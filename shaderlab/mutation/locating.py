@@ -6,12 +6,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from shaderlab.analysis.driver_values import driver_values
+from shaderlab.analysis.explain import Trace, traced
 from shaderlab.analysis.interpreter import Bands, Stored
-from shaderlab.engine.driver_values import driver_values
+from shaderlab.analysis.invocations import Invocations, fragments
+from shaderlab.analysis.self_check import outside
 from shaderlab.engine.evaluation import Evaluation
-from shaderlab.engine.explaining import Trace, traced
-from shaderlab.engine.interpreting import Invocations, fragments
-from shaderlab.engine.modules import outside
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path
 from shaderlab.model.frame import PassDraw

@@ -46,7 +46,7 @@ class AuditFile:
 class AuditCase:
     """Asks for an `Audit` of each stage of a case's draws, on what those give it.
 
-    Raises as `shaderlab.engine.rewriting.stages` and `shaderlab.analysis.interpreter.load`.
+    Raises as `shaderlab.analysis.case_stages.stages` and `shaderlab.analysis.interpreter.load`.
     """
 
     case: Path
@@ -59,7 +59,7 @@ class AuditCase:
         return str(self.case)
 
     def perform(self, worker: LabWorker) -> list[Audit]:
-        from shaderlab.engine.rewriting import stages
+        from shaderlab.analysis.case_stages import stages
 
         worker.note("drawing the case")
         lab, case = worker.lab(self.options), worker.case(str(self.case))

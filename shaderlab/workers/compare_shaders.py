@@ -67,7 +67,7 @@ class CompareInCase:
     options: RunOptions
 
     def perform(self, worker: LabWorker) -> list[Answer]:
-        from shaderlab.engine.rewriting import rewritten
+        from shaderlab.analysis.case_stages import rewritten
 
         worker.note("drawing the case")
         lab, case = worker.lab(self.options), worker.case(str(self.case))

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shaderlab.model.observations import Pixel
 from shaderlab.model.records import Agreement, Disagreement, DrawnOutput, DriverResult, Record
 
 from .difference_pictures import shades
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
 
 _ORDER: tuple[Agreement, ...] = ("equal", "within", "outside")
 _MOST = 3
-_PIXELS = 8  # of an output that are looked at
 
 
 def results(records: Sequence[Record], apart: Sequence[Disagreement]) -> Iterator[DriverResult]:
@@ -75,11 +73,9 @@ def _reason(record: Record) -> str:
 
 @dataclass(frozen=True)
 class Difference:
-    """A disagreement; the pixels to look at, the one that differs most first; and its picture's
-    shades. Both are empty where outputs are equal."""
+    """A disagreement, and its picture's shades; None where the outputs are equal."""
 
     found: Disagreement
-    pixels: tuple[Pixel, ...] = ()
     shades: Array | None = None
 
 
@@ -146,17 +142,8 @@ def _compared(
     if steps is None or not differing:
         yield Difference(found)
         return
-    pixels = _pixels(steps)
-    yield Difference(replace(found, pixel=pixels[0]), pixels, shades(steps))
-
-
-def _pixels(steps: Array) -> tuple[Pixel, ...]:
-    """The pixel that differs most, and others from all over what differs."""
-    y, x = np.nonzero(steps > 0)
-    rows = np.unique(np.linspace(0, len(y) - 1, min(_PIXELS - 1, len(y))).astype(int))
-    worst = np.unravel_index(int(steps.argmax()), steps.shape)
-    places = [(int(worst[1]), int(worst[0])), *((int(x[row]), int(y[row])) for row in rows)]
-    return tuple(dict.fromkeys(places))
+    row, column = np.unravel_index(int(steps.argmax()), steps.shape)
+    yield Difference(replace(found, pixel=(int(column), int(row))), shades(steps))
 
 
 def apart(a: Array, b: Array) -> Array:

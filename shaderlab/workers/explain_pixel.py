@@ -31,7 +31,7 @@ class ExplainPixel:
     options: RunOptions
 
     def perform(self, worker: LabWorker) -> Explanation:
-        from shaderlab.engine.explaining import explain, widest_pixel
+        from shaderlab.analysis.explain import explain, widest_pixel
 
         lab, scene = worker.lab(self.options), worker.scenes(str(self.file))[self.variant]
         key = scene.draw_key(self.pass_name, self.draw)
@@ -48,8 +48,8 @@ class ExplainFile:
     ranges: Mapping[str, str]
 
     def perform(self, worker: LabWorker) -> tuple[Explanation, Mapping[str, tuple[float, ...]]]:
+        from shaderlab.analysis.explain import explain_file
         from shaderlab.analysis.interpreter import load
-        from shaderlab.engine.explaining import explain_file
 
         worker.note("compiling")
         with in_file(self.shader.file.path):

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from shaderlab.errors import CaseError, UsageError, nearest
-from shaderlab.model.observations import Look
 from shaderlab.model.options import RunOptions
 
 if TYPE_CHECKING:
@@ -66,7 +65,6 @@ class Job:
         point: runs the variant with other inputs, judged by its formulas alone; `variant` is then
             the point's own name.
         driver: where it is run, if the run has several drivers; "" for the run's own.
-        looks: what to look at, in place of judging it: the record has `observed` alone.
     """
 
     file: str
@@ -78,7 +76,6 @@ class Job:
     trouble: str = ""
     point: Point | None = None
     driver: str = ""
-    looks: tuple[Look, ...] = ()
 
     @property
     def key(self) -> tuple[str, str, str]:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab import drivers as backends
+from shaderlab.analysis import features
 from shaderlab.drivers import known_driver, prepare_process
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.lab import Lab
@@ -25,7 +26,7 @@ from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 from shaderlab.model.scene import Ramp
 
-from .jobs import CaseFacts, Job, Request, bare_record
+from .jobs import CaseFacts, Job, Request
 from .worker_main import Channel, freed_memory, release_freed_memory
 
 GROWTH = 88 << 20
@@ -43,6 +44,7 @@ class LabWorker:
     """
 
     def __init__(self, channel: Channel | None = None) -> None:
+        features.register()
         self._channel = channel
         self._lab: Lab | None = None
         self._driver = ""
@@ -128,8 +130,6 @@ class LabWorker:
         lab = self.lab(_of_driver(job.driver, options))
         self.note("loading the case file")
         scene = _scene_of(job, self.scenes(job.file))
-        if job.looks:
-            return replace(bare_record(job, "pass"), observed=lab.observe(scene, job.looks))
         self._start = self._start or _own_memory() - freed_memory()
         record = lab.run(scene)
         return replace(record, driver_name=job.driver) if job.driver else record

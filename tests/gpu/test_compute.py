@@ -25,12 +25,12 @@ from shaderlab import (
     measure,
     value,
 )
+from shaderlab.analysis.invocations import fragments
+from shaderlab.analysis.self_check import SelfCheck
 from shaderlab.drivers import Backend
 from shaderlab.drivers.opengl import drawing as dispatch
 from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.interpreting import fragments
 from shaderlab.engine.lab import Lab
-from shaderlab.engine.modules import JudgedDraws
 from shaderlab.errors import CaseError, NotInterpretedError, UnsupportedError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
@@ -357,7 +357,7 @@ def test_kinds_that_need_a_fragment_stage_say_so(lab: Lab, tmp_path: Path) -> No
             fragments(evaluation, ("main", 0))
         with pytest.raises(UnsupportedError, match="it is a dispatch"):
             evaluation.session.time("main", 1)
-        (row,) = JudgedDraws(evaluation, every=True).judgement()[1].outcome.rows
+        (row,) = SelfCheck(evaluation, every=True).judgement()[1].outcome.rows
         assert row.measured == "not interpreted: compute stage"
 
 

@@ -138,8 +138,8 @@ def test_what_softpipe_can_not_do_is_found_out(tmp_path: Path) -> None:
     assert numbered["status"] == "unsupported" and "gl_PrimitiveID" in numbered["message"]
     assert found["llvmpipe", "numbered"]["status"] == "pass", done.stdout
     (point,) = data["disagreements"]
-    assert (point["verdict"], point["outside"]) == ("outside", ["softpipe"]), done.stdout
-    assert point["cause"] == "interpolation" and "gl_PointCoord" in point["why"]
+    assert (point["verdict"], point["outside"]) == ("within", []), done.stdout
+    assert point["differing"] > 0 and point["ulp"] > 1.0
     assert (tmp_path / "run" / point["image"]).is_file()
     assert "Where drivers differ" in (tmp_path / "run" / "cases" / "points.html").read_text()
 

@@ -12,9 +12,9 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab import Case
+from shaderlab.analysis.case_stages import rewritten
 from shaderlab.cli.diff import command
 from shaderlab.engine.lab import Lab
-from shaderlab.engine.rewriting import rewritten
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Outcome

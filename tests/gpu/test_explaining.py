@@ -13,15 +13,14 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab import Case, Ramp, formula, fullscreen
+from shaderlab.analysis import invocations
+from shaderlab.analysis.explain import explain, reference_locals, widest_pixel
 from shaderlab.analysis.interpreter import load
 from shaderlab.cli.explain import command
 from shaderlab.compiler import Shaders
 from shaderlab.drivers.programs.instrument import statements
-from shaderlab.engine import interpreting
-from shaderlab.engine.explaining import explain, widest_pixel
 from shaderlab.engine.judging.inputs import Inputs
 from shaderlab.engine.lab import Lab
-from shaderlab.engine.locating import reference_locals
 from shaderlab.errors import UsageError
 from shaderlab.glslmath import dot, max, normalize, vec3, vec4, where
 from shaderlab.model.options import RunOptions
@@ -139,7 +138,7 @@ def test_a_driver_s_mistake_is_found_by_the_shader_s_own_band(
 ) -> None:  # fmt: skip
     """The driver draws another text than the one that is interpreted."""
     meant = load(Shaders([]).from_text(SHADER, "fragment", "lit.frag"))
-    monkeypatch.setattr(interpreting, "program_of", lambda source: meant)
+    monkeypatch.setattr(invocations, "program_of", lambda source: meant)
     explained = outcome_of(lab, case_of(tmp_path, SHADER.replace(words, wrong))).explanation
     assert explained is not None and explained.line == line
     assert explained.verdict.startswith("the driver leaves what the shader allows; first at ")

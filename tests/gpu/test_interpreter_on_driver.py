@@ -13,8 +13,8 @@ import pytest
 
 from shaderlab import Case, Ramp, Texture, formula, fullscreen
 from shaderlab.analysis.interpreter import FLOAT32, Bands, Interpreted, interpret, load
+from shaderlab.analysis.invocations import Invocations, fragments
 from shaderlab.compiler import Shaders
-from shaderlab.engine.interpreting import Invocations, fragments
 from shaderlab.engine.lab import Lab
 from shaderlab.model.options import RunOptions
 

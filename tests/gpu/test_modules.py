@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from shaderlab import Blend, Case, Ramp, State, coverage, fullscreen
+from shaderlab.analysis import self_check
+from shaderlab.analysis.self_check import SelfCheck
 from shaderlab.drivers.opengl import linking
-from shaderlab.engine import modules
 from shaderlab.engine.lab import Lab
-from shaderlab.engine.modules import JudgedDraws
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import ModulesRecord
 
@@ -60,7 +60,7 @@ def test_one_wrong_pixel_is_found_and_named(lab: Lab, case: Case) -> None:
         values[5, 3, 2] += 1e-6
         wrong = {key: replace(evaluation.drawn.images[key], values=values)}
         evaluation.drawn = replace(evaluation.drawn, images={**evaluation.drawn.images, **wrong})
-        outcome = JudgedDraws(evaluation, every=True).judgement()[1].outcome
+        outcome = SelfCheck(evaluation, every=True).judgement()[1].outcome
     assert (outcome.status, outcome.outside) == ("fail", 1)
     assert "second is 0." in outcome.message and "at pixel (3, 5)" in outcome.message
 
@@ -105,7 +105,7 @@ def test_a_defect_of_the_interpreter_changes_no_verdict(
 ) -> None:
     (scene,) = case.scenes()
     monkeypatch.delenv("SHADERLAB_DEBUG", raising=False)
-    monkeypatch.setattr(modules, "interpret", lambda *_, **__: {}["nothing"])
+    monkeypatch.setattr(self_check, "interpret", lambda *_, **__: {}["nothing"])
     record = lab.run(scene)
     assert record.status == "pass" and record.modules is not None
     assert record.modules.left_out == (

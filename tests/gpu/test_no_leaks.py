@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from shaderlab.analysis.self_check import SelfCheck
 from shaderlab.drivers.opengl import state as fixed
 from shaderlab.drivers.opengl.backend import OpenGLSession
 from shaderlab.engine.evaluation import Evaluation
@@ -28,7 +29,6 @@ from shaderlab.engine.expectations.coverage import coverage
 from shaderlab.engine.expectations.exact import exact
 from shaderlab.engine.expectations.formula import formula
 from shaderlab.engine.lab import Lab
-from shaderlab.engine.modules import JudgedDraws
 from shaderlab.engine.picture_writer import PictureWriter
 from shaderlab.engine.record_builder import RecordBuilder
 from shaderlab.errors import ShaderlabError, UnsupportedError
@@ -63,7 +63,7 @@ class Watched(Lab):
         evaluation: Evaluation,
         builder: RecordBuilder,
         writer: PictureWriter,
-        draws: JudgedDraws | None = None,
+        draws: SelfCheck | None = None,
     ) -> dict[int, UnsupportedError]:
         scene, frame = evaluation.scene, evaluation.frame
         unanswered = {}

@@ -20,7 +20,7 @@ ORDER = (
 ONLY = {"report": {"errors", "files", "model"}}
 
 # Edges that lead up and still have to go.
-UPWARD = {("engine", "analysis"), ("workers", "analysis")}
+UPWARD = {("workers", "analysis")}
 
 Import = tuple[int, str, str]
 

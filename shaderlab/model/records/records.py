@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from ..observations import Observation
-
 Status = Literal["pass", "fail", "error", "unsupported", "timeout", "crash"]
 
 
@@ -402,8 +400,7 @@ class Record:
     shader, None where nothing was; what is outside there is an outcome as well.
 
     `driver_name` is the name given to `--drivers`, "" where a run has one driver. Where there are
-    several, `drawn` has each output, so that they can be compared; `observed` is what a record has
-    instead of outcomes where some pixels were looked at.
+    several, `drawn` has each output, so that they can be compared.
 
     `driver` (renderer and version), `size` and `picture_size` (sides in pixels of the judged frame
     and of the picture, where a pass has no size of its own) are what the values depend on besides
@@ -444,7 +441,6 @@ class Record:
     modules: ModulesRecord | None = None
     driver_name: str = ""
     drawn: tuple[DrawnOutput, ...] = ()
-    observed: tuple[Observation, ...] = ()
 
     @property
     def key(self) -> tuple[str, str, str]:
@@ -482,9 +478,8 @@ class Disagreement:
     distance of two values, in units in the last place (steps of 1 for integers).
 
     `verdict` is "equal" to the bit, "within" where both are in their bands, "outside" where a
-    driver leaves one; `outside` names those drivers. `cause` is what it comes from in a word, `why`
-    in a sentence, "" where nobody looked. `pixel` is where most differs, `image` a picture of where
-    and by how much, relative to the run's folder."""
+    driver leaves one; `outside` names those drivers. `pixel` is where most differs, `image` a
+    picture of where and by how much, relative to the run's folder."""
 
     id: str
     variant: str
@@ -495,8 +490,6 @@ class Disagreement:
     ulp: float
     verdict: Agreement = "equal"
     outside: tuple[str, ...] = ()
-    cause: str = ""
-    why: str = ""
     pixel: tuple[int, int] | None = None
     image: str = ""
 

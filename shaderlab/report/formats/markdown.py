@@ -121,8 +121,8 @@ def _drivers(run: Run) -> Iterable[str]:
     outside = [each for each in table.apart if each.verdict == "outside"]
     for each in outside[:_MOST_FAILURES]:
         name = escape(f"{label(each.id, each.variant)}: {each.output}")
-        why = f" · {escape(each.cause)}: {escape(each.why)}" if each.why else ""
-        yield f"- **{name}** {escape(' | '.join(each.drivers))}{why}"
+        where = f"outside on {', '.join(each.outside)}"
+        yield f"- **{name}** {escape(' | '.join(each.drivers))}: {escape(where)}"
 
 
 def _failure(record: Record) -> Iterable[str]:

@@ -9,13 +9,12 @@ from pathlib import Path
 from shaderlab.analysis.inputs import Given, given_fragments, given_vertices
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
+from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
+from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Case
 from shaderlab.model.frame import PassDraw
-
-from .evaluation import Evaluation
-from .expectations.needs import CapturedFragments, CapturedVertices
-from .lab import Lab
 
 _MOST = 2048  # invocations of a draw
 

@@ -12,11 +12,10 @@ import numpy as np
 from shaderlab.analysis.inputs import asks_for_neighbours, scattered, whole_quads
 from shaderlab.analysis.interpreter import Program, load
 from shaderlab.compiler.sources import Source
+from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.errors import NotInterpretedError
 from shaderlab.model.frame import Array, Bindings, Fragments, PassDraw
-
-from .evaluation import Evaluation
-from .expectations.needs import CapturedFragments, CapturedVertices
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -21,17 +21,17 @@ from shaderlab.analysis.interpreter.values import Flags
 from shaderlab.bands import Band
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.textures import for_output
+from shaderlab.engine.evaluation import Evaluation, passes_captured
+from shaderlab.engine.expectations import judge_rows
+from shaderlab.engine.expectations.needs import CapturedFragments
+from shaderlab.engine.judging.formats import stored
 from shaderlab.errors import DeviceLostError, NotInterpretedError, ShaderlabError
 from shaderlab.model.activity import doing
 from shaderlab.model.expectation import Judgement, Need
 from shaderlab.model.frame import PassDraw
 from shaderlab.model.records import ModulesRecord, Row
 
-from .evaluation import Evaluation, passes_captured
-from .expectations import judge_rows
-from .expectations.needs import CapturedFragments
-from .interpreting import Invocations, fragments, program_of, stage_of
-from .judging.formats import stored
+from .invocations import Invocations, fragments, program_of, stage_of
 
 PIXELS = 1024
 """Of each draw in a sample."""
@@ -44,11 +44,12 @@ class _Found:
     rows: list[Row] = field(default_factory=list)
     left_out: dict[str, None] = field(default_factory=dict)
     outputs: dict[str, None] = field(default_factory=dict)
+    outside: set[str] = field(default_factory=set)
     judged: int = 0
     message: str = ""
 
 
-class JudgedDraws:
+class SelfCheck:
     """The draws of a scene, held against their own shaders; asked while it is on the device.
 
     Args:
@@ -57,7 +58,8 @@ class JudgedDraws:
             and of those whose inputs expectations capture, of one in each pass.
     """
 
-    def __init__(self, evaluation: Evaluation, *, every: bool = False) -> None:
+    def __init__(self, evaluation: Evaluation, every: bool = False) -> None:
+        self.outside: set[tuple[str, str]] = set()
         self._evaluation = evaluation
         self._every = every
         self._found: dict[PassDraw, _Found] = {}
@@ -82,6 +84,7 @@ class JudgedDraws:
         for key in _keys(self._evaluation, self._captured, every=self._every):
             found = self._judge(key)
             whole.rows += found.rows
+            self.outside |= {(key[0], name) for name in found.outside}
             whole.left_out |= found.left_out
             whole.outputs |= found.outputs
             whole.judged += found.judged
@@ -138,6 +141,8 @@ def _judge(evaluation: Evaluation, key: PassDraw, found: _Found, *, every: bool)
         found.outputs[f"{key[0]}.{name}"] = None
         measured = f"{flags.sum()} of {given.count} pixels outside"
         found.rows.append(_row(key, name, measured, ok=not flags.any()))
+        if flags.any():
+            found.outside.add(name)
         if flags.any() and not found.message:
             row = int(flags.argmax())
             found.message = _message(given, key, name, row, band, gone=bool(gone[row]))
