@@ -7,7 +7,6 @@ from .engine.expectations.any_order import any_order as any_order, both_ways as 
 from .engine.expectations.attribute_layout import attribute_layout as attribute_layout
 from .engine.expectations.block_layout import block_layout as block_layout
 from .engine.expectations.boundaries import boundaries as boundaries
-from .engine.expectations.bounded import bounded as bounded
 from .engine.expectations.compile_fails import compile_fails as compile_fails
 from .engine.expectations.computed import computed as computed
 from .engine.expectations.cost import cost as cost
@@ -19,14 +18,19 @@ from .engine.expectations.gl_call import gl_call as gl_call
 from .engine.expectations.gl_calls import gl_calls as gl_calls
 from .engine.expectations.gl_error import gl_error as gl_error
 from .engine.expectations.inactive_uniforms import inactive_uniforms as inactive_uniforms
-from .engine.expectations.mean_of import mean_of as mean_of
+from .engine.expectations.laws import (
+    bounded as bounded,
+    even as even,
+    mean_of as mean_of,
+    monotone as monotone,
+    odd as odd,
+    symmetric as symmetric,
+)
 from .engine.expectations.measure import measure as measure
-from .engine.expectations.monotone import monotone as monotone
 from .engine.expectations.query import query as query
 from .engine.expectations.readings import reading as reading
 from .engine.expectations.refused import refused as refused
 from .engine.expectations.sweep import sweep as sweep
-from .engine.expectations.symmetric import symmetric as symmetric
 from .engine.expectations.value import value as value
 from .errors import ShaderlabError as ShaderlabError
 from .model.case import Case as Case, Erratum as Erratum, Variant as Variant

@@ -1,5 +1,13 @@
 """GLSL functions in tests: `from shaderlab import glsl`, `glsl.load("shaders/lighting.glsl")`."""
 
+from shaderlab.engine.judging.laws import (
+    Law as Law,
+    bounded as bounded,
+    even as even,
+    monotone as monotone,
+    odd as odd,
+    symmetric as symmetric,
+)
 from shaderlab.functions.domains import (
     bools as bools,
     directions as directions,
@@ -9,15 +17,9 @@ from shaderlab.functions.domains import (
 )
 from shaderlab.functions.function import Function as Function
 from shaderlab.functions.laws import (
-    Law as Law,
-    bounded as bounded,
-    even as even,
     idempotent as idempotent,
     inverse as inverse,
-    monotone as monotone,
-    odd as odd,
     same_as as same_as,
-    symmetric as symmetric,
     table as table,
 )
 from shaderlab.functions.library import Library as Library, load as load

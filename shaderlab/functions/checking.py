@@ -10,9 +10,10 @@ import numpy as np
 
 from shaderlab.engine.judging.banded import judge_band
 from shaderlab.engine.judging.inputs import Inputs
+from shaderlab.engine.judging.laws import Finding, Law
 from shaderlab.errors import CallError
 from shaderlab.functions.binding import Call
-from shaderlab.functions.laws import Finding, Law
+from shaderlab.functions.laws import CallLaw, judge_law
 from shaderlab.functions.parts import Part, Reference, parts
 from shaderlab.functions.reference_inputs import leaves, reference_inputs
 from shaderlab.model.frame import Array
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from shaderlab.functions.function import Function
 
 
-def judged(function: Function, law: Law | Reference, call: Call) -> list[Outcome]:
+def judged(function: Function, law: Law | CallLaw | Reference, call: Call) -> list[Outcome]:
     """The outcomes of a check: one, or with a reference one for each part of the result.
 
     Args:
@@ -44,13 +45,13 @@ def judged(function: Function, law: Law | Reference, call: Call) -> list[Outcome
     if isinstance(found[0].values, np.ma.MaskedArray):
         mask = np.ma.getmaskarray(found[0].values)
         kept = np.asarray(~mask.all(axis=tuple(range(len(call.batch), mask.ndim))))
-    if not isinstance(law, Law):
+    if not isinstance(law, Law | CallLaw):
         inputs = reference_inputs(law, call, kept.reshape(-1), function.folder)
         return [_of_reference(function, law, call, part, inputs, kept) for part in found]
     if not isinstance(got, np.ndarray | np.generic):
         names = ", ".join(part.name for part in found)
         raise CallError(
-            f"{law.name} is a law of one value; {function.__name__} gives {names}",
+            f"{law.title} is a law of one value; {function.__name__} gives {names}",
             remedy="check a reference that gives them all, or call it, and compare what it gives",
         )
     return [_of_law(function, law, call, found[0], kept)]
@@ -97,11 +98,12 @@ def _of_reference(
     )
 
 
-def _of_law(function: Function, law: Law, call: Call, part: Part, kept: Array) -> Outcome:
+def _of_law(function: Function, law: Law | CallLaw, call: Call, part: Part, kept: Array) -> Outcome:
     got = part.values.data if isinstance(part.values, np.ma.MaskedArray) else part.values
-    finding = law.judge(function, call, got)
-    wrong = np.flatnonzero(~finding.holds & kept)
-    name = law.name
+    finding = judge_law(law, function, call, got)
+    holds = finding.holds.all(axis=tuple(range(len(call.batch), finding.holds.ndim)))
+    wrong = np.flatnonzero(~holds & kept)
+    name = law.title
     judged = int(np.count_nonzero(kept))
     message = ""
     if wrong.size:
@@ -125,12 +127,12 @@ def _of_law(function: Function, law: Law, call: Call, part: Part, kept: Array) -
 def _shown(call: Call, finding: Finding, index: int) -> Iterator[str]:
     """One element: what it got, what was expected, its inputs, and a line that calls it again."""
     count = math.prod(call.batch)
-    rows = finding.got.reshape(count, -1)[index]
+    rows = finding.values.reshape(count, -1)[index]
     yield f"  got        {numbers(rows)}"
-    if isinstance(finding.expected, str):
+    if finding.expected:
         yield f"  expected   {finding.expected}"
     else:
-        other = np.broadcast_to(finding.expected, finding.got.shape).reshape(count, -1)[index]
+        other = finding.reference.reshape(count, -1)[index]
         yield f"  expected   {numbers(other)}"
         with np.errstate(all="ignore"):
             apart = np.abs(rows.astype(np.float64) - other) / np.spacing(np.abs(np.float32(other)))

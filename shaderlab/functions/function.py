@@ -10,10 +10,11 @@ from types import TracebackType
 from typing import Any
 
 from shaderlab.compiler.sources import Source
+from shaderlab.engine.judging.laws import Law
 from shaderlab.errors import CallError, ShaderlabError
 from shaderlab.functions import checking
 from shaderlab.functions.binding import Call, bound, replaced
-from shaderlab.functions.laws import Law
+from shaderlab.functions.laws import CallLaw
 from shaderlab.functions.notes import Notes, notes
 from shaderlab.functions.running import evaluate
 from shaderlab.functions.signatures import Signature
@@ -88,7 +89,9 @@ class Function:
         except ShaderlabError as error:
             raise error.with_traceback(_way_of(error)) from error.__cause__
 
-    def check(self, law: Law | Callable[..., Any], /, *arguments: Any, **named: Any) -> None:
+    def check(
+        self, law: Law | CallLaw | Callable[..., Any], /, *arguments: Any, **named: Any
+    ) -> None:
         """Check the function at these arguments.
 
         Args:

@@ -19,7 +19,7 @@ from shaderlab import (
     monotone,
     symmetric,
 )
-from shaderlab.engine.expectations.law import Law
+from shaderlab.engine.expectations.laws import OutputLaw as Law
 from shaderlab.engine.lab import Lab
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Outcome

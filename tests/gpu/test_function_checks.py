@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from shaderlab import Texture, glsl
-from shaderlab.errors import CallError, FormulaError
+from shaderlab.errors import CallError, CaseError, FormulaError
 from shaderlab.glslmath import (
     abs,
     array,
@@ -174,15 +174,15 @@ PASS: list[tuple[str, Any, tuple[Any, ...]]] = [
     ("painted", lambda map, uv: 0.5 * texture(map, uv), (SMOOTH, PLACES)),
     ("painted", lambda uv: vec4(0.5), (np.ones((2, 2, 4)), PLACES)),
     ("shone", shone, ({"color": IMAGE, "gain": 0.7}, PLACES)),
-    ("fades", glsl.monotone("d", rising=False, strictly=True), (D, *LAMP)),
-    ("fades", glsl.monotone("d", rising=False), (D[::-1], *LAMP)),
+    ("fades", glsl.monotone("d", direction="decreasing", strict=True), (D, *LAMP)),
+    ("fades", glsl.monotone("d", direction="decreasing"), (D[::-1], *LAMP)),
     ("fades", glsl.bounded(0.0, 1.0), (D, *LAMP)),
     ("mapped", glsl.bounded(0.0, [1.0, 0.5, 1.0]), ([[2.0, 1.0, 2.0]],)),
     ("encode", glsl.inverse(decoded, ulp=64), (UNIT,)),
     ("squared", glsl.even("x"), (X,)),
     ("cubed", glsl.odd("x"), (X,)),
     ("limited", glsl.idempotent(), (X,)),
-    ("both", glsl.symmetric("a", "b"), (X, X[::-1])),
+    ("both", glsl.symmetric(("a", "b")), (X, X[::-1])),
     ("fades", glsl.same_as(fading, ulp=2), (D, *LAMP)),
     ("fades", glsl.table([1.0, 0.8913, 0.012], digits=3), ([0.0, 1.0, 49.3], *LAMP)),
     ("turned", glsl.table([[1.0, 0.0], [0.0, 1.0]]), (0.0,)),
@@ -224,7 +224,7 @@ FAIL: list[tuple[str, Any, tuple[Any, ...], list[str]]] = [
     ("shone", lambda surface_color, at: texture(surface_color, at),
      ({"color": IMAGE, "gain": 0.7}, PLACES), ["256 of 256 values"]),
     ("lit", lambda x: x > 1.0, (X,), ["5 of 41 values"]),
-    ("steps", glsl.monotone("d", rising=False), (D, *LAMP), ["of 1 of 1001", "d = 49.9"]),
+    ("steps", glsl.monotone("d", direction="decreasing"), (D, *LAMP), ["of 1 of 1001", "d = 49.9"]),
     ("still", glsl.monotone("x"), (X,), ["could hardly fail: it is the same at all values"]),
     ("squared", glsl.bounded(0.0, 3.0), (X,), ["got        4", "expected   0.0 … 3.0", "x = -2"]),
     ("squared", glsl.bounded(low=0.0), ([1.0, np.nan],), ["got        nan"]),
@@ -232,8 +232,8 @@ FAIL: list[tuple[str, Any, tuple[Any, ...], list[str]]] = [
     ("cubed", glsl.even("x"), (X,), ["even does not hold"]),
     ("cubed", glsl.odd("x"), ([0.0],), ["could hardly fail: x is 0"]),
     ("halved", glsl.idempotent(), (X,), ["got        -0.5", "expected   -1"]),
-    ("less", glsl.symmetric("a", "b"), (X, X[::-1]), ["a = -2", "b = 2"]),
-    ("both", glsl.symmetric("a", "b"), (X, X), ["a and b are equal"]),
+    ("less", glsl.symmetric(("a", "b")), (X, X[::-1]), ["a = -2", "b = 2"]),
+    ("both", glsl.symmetric(("a", "b")), (X, X), ["a and b are equal"]),
     ("encode", glsl.inverse(np.sqrt), (UNIT,), ["inverse does not hold"]),
     ("steps", glsl.same_as(fading, ulp=2), (D, *LAMP), ["sameas does not hold of 2 of 1001"]),
     ("fades", glsl.table([1.0, 0.9], digits=2), ([0.0, 1.0], *LAMP), ["expected   0.9"]),
@@ -305,7 +305,7 @@ def test_a_reference_of_other_parts_is_told_what_to_give(
 
 
 def test_bounds_are_given_and_references_are_formulas(shader: glsl.Library) -> None:
-    with pytest.raises(CallError, match="give low, high or both"):
+    with pytest.raises(CaseError, match="give low, high or both"):
         glsl.bounded()
     with pytest.raises(FormulaError, match="glslmath"):
         shader.squared.check(lambda x: np.exp(x), X)

@@ -13,12 +13,15 @@ from shaderlab import (
     across,
     bounded,
     energy_conserving,
+    even,
     fullscreen,
+    glsl,
     mean_of,
     monotone,
+    odd,
     symmetric,
 )
-from shaderlab.engine.expectations.law import Law
+from shaderlab.engine.expectations.laws import OutputLaw
 from shaderlab.engine.expectations.needs import Probe
 from shaderlab.errors import CaseError
 from shaderlab.model.frame import Bindings, Frame, Samples
@@ -27,7 +30,7 @@ from shaderlab.model.records import Outcome
 XS = tuple(np.linspace(-2.0, 2.0, 41).tolist())
 
 
-def judged(check: Law, shader: Callable[..., Any]) -> Outcome:
+def judged(check: OutputLaw, shader: Callable[..., Any]) -> Outcome:
     """The property's outcome for a shader that is this function of its inputs."""
     names = list(dict.fromkeys(name for step in check.steps for name in step))
     inputs = {
@@ -52,7 +55,7 @@ def test_monotone() -> None:
     assert judged(check, lambda x: np.floor(x)).status == "pass"
     fell = judged(check, lambda x: np.where(x > 1.0, x - 0.5, x))
     assert (fell.status, fell.outside, fell.kind) == ("fail", 1, "monotone")
-    assert fell.worst is not None and "falls in 1 of 40 steps" in fell.message
+    assert fell.worst is not None and "does not hold at 1 of 41 values" in fell.message
     assert fell.worst.inputs["x"][0] == pytest.approx(1.1)
     falling = monotone("y", over="x", values=XS, direction="decreasing")
     assert judged(falling, lambda x: -x).status == "pass"
@@ -85,14 +88,14 @@ def test_bounded() -> None:
 
 
 def test_symmetric_in_sign() -> None:
-    even = symmetric("y", over="x", values=XS)
-    assert judged(even, lambda x: x * x).status == "pass"
-    skewed = judged(even, lambda x: x * x + np.where(x == 2.0, 1.0, 0.0))
+    square = even("y", over="x", values=XS)
+    assert judged(square, lambda x: x * x).status == "pass"
+    skewed = judged(square, lambda x: x * x + np.where(x == 2.0, 1.0, 0.0))
     # ±2 are among the values, so that pair is there twice.
     assert (skewed.status, skewed.outside) == ("fail", 2)
-    odd = symmetric("y", over="x", values=XS, odd=True)
-    assert judged(odd, lambda x: x * x * x).status == "pass"
-    assert judged(odd, lambda x: x * x).status == "fail"
+    cubic = odd("y", over="x", values=XS)
+    assert judged(cubic, lambda x: x * x * x).status == "pass"
+    assert judged(cubic, lambda x: x * x).status == "fail"
 
 
 def test_symmetric_under_exchange() -> None:
@@ -102,14 +105,17 @@ def test_symmetric_under_exchange() -> None:
     outcome = judged(check, lambda a, b: a * b + 0.25 * (a - b))
     assert outcome.status == "fail" and outcome.worst is not None
     assert set(outcome.worst.inputs) == {"a", "b"}
+    turned = symmetric("y", over=("a", "b"), values=pairs, odd=True)
+    assert judged(turned, lambda a, b: a - b).status == "pass"
+    assert judged(turned, lambda a, b: a * b).status == "fail"
 
 
 def test_ulps_are_what_two_runs_may_differ_by() -> None:
     def nearly(x: Any) -> Any:
         return np.where(x > 0.0, 1.0 + 2.0**-22, 1.0)  # two steps above 1
 
-    for ulps, status in ((1, "fail"), (2, "pass")):
-        check = symmetric("y", over="x", values=(1.0,), ulps=ulps)
+    for ulp, status in ((1, "fail"), (2, "pass")):
+        check = even("y", over="x", values=(1.0,), ulp=ulp)
         assert judged(check, nearly).status == status
 
 
@@ -170,7 +176,7 @@ def test_what_is_not_finite_keeps_no_law(bad: float) -> None:
     for check in (
         monotone("y", over="x", values=XS),
         bounded("y", -9.0, 9.0, over="x", values=XS),
-        symmetric("y", over="x", values=XS),
+        even("y", over="x", values=XS),
         mean_of("y", 0.0, over="x", values=XS),
     ):
         outcome = judged(check, lambda x: np.where(x == XS[7], bad, x))
@@ -185,15 +191,15 @@ def test_what_is_not_finite_keeps_no_law(bad: float) -> None:
         lambda: monotone("y", over="x", values=(0.0, 1.0), direction="upward"),
         lambda: bounded("y", 1.0, 0.0, over="x", values=(0.0,)),
         lambda: bounded("y", 0.0, 1.0, over="x", values=()),
-        lambda: symmetric("y", over="x", values=()),
-        lambda: symmetric("y", over="x", values=(1.0,), ulps=-1),
+        lambda: even("y", over="x", values=()),
+        lambda: even("y", over="x", values=(1.0,), ulp=-1),
         lambda: energy_conserving("y", over="light", polar=3),
         lambda: energy_conserving("y", over="light", normal=(0.0, 0.0, 0.0)),
         lambda: mean_of("y", 0.0, over="x", values=range(29)),
         lambda: mean_of("y", 0.0, over="x", values=range(30), significance=0.0),
     ],
 )
-def test_a_law_that_could_not_be_judged_is_refused(wrong: Callable[[], Law]) -> None:
+def test_a_law_that_could_not_be_judged_is_refused(wrong: Callable[[], OutputLaw]) -> None:
     with pytest.raises(CaseError):
         wrong()
 
@@ -201,11 +207,11 @@ def test_a_law_that_could_not_be_judged_is_refused(wrong: Callable[[], Law]) -> 
 def test_a_law_that_would_hold_of_any_constant_fails() -> None:
     for check in (
         monotone("y", over="x", values=XS),
-        symmetric("y", over="x", values=XS),
-        symmetric("y", over="x", values=XS, odd=True),
+        even("y", over="x", values=XS),
+        odd("y", over="x", values=XS),
     ):
         outcome = judged(check, lambda x: np.zeros_like(x))
-        assert outcome.status == "fail" and "of any constant" in outcome.message
+        assert outcome.status == "fail" and "could hardly fail: it is the same" in outcome.message
     lit = energy_conserving("y", over="w")
     dark = judged(lit, lambda w: np.zeros((len(w), 1)))
     assert dark.status == "fail" and "reflects nothing" in dark.message
@@ -216,12 +222,29 @@ def test_a_law_that_would_hold_of_any_constant_fails() -> None:
     [
         lambda: bounded("y", -np.inf, np.inf, over="x", values=XS),
         lambda: bounded("y", (0.0, -np.inf), (1.0, np.inf), over="x", values=XS),
-        lambda: symmetric("y", over="x", values=(0.0,)),
+        lambda: even("y", over="x", values=(0.0,)),
         lambda: symmetric("y", over=("a", "b"), values=((1.0, 1.0), (2.0, 2.0))),
-        lambda: symmetric("y", over="x", values=XS, ulps=2**30),
+        lambda: even("y", over="x", values=XS, ulp=2**30),
         lambda: energy_conserving("y", over="w", limit=np.inf),
     ],
 )
-def test_laws_that_nothing_could_break_are_errors(make: Callable[[], Law]) -> None:
+def test_laws_that_nothing_could_break_are_errors(make: Callable[[], OutputLaw]) -> None:
     with pytest.raises(CaseError):
         make()
+
+
+@pytest.mark.parametrize(
+    ("old", "now"),
+    [
+        (lambda: symmetric("y", over="x", values=XS), 'even(over="x")'),
+        (lambda: symmetric("y", over=("a", "b"), values=[(1, 2)], ulps=3), "ulp=3"),
+        (lambda: glsl.monotone(along="d"), "over='d'"),
+        (lambda: glsl.monotone("d", rising=False), 'direction="decreasing"'),
+        (lambda: glsl.monotone("d", strictly=True), "strict=True"),
+        (lambda: glsl.symmetric("a", "b"), 'symmetric(over=("a", "b"))'),
+    ],
+)
+def test_a_former_spelling_names_the_present_one(old: Callable[[], Any], now: str) -> None:
+    with pytest.raises(CaseError) as error:
+        old()
+    assert now in str(error.value)

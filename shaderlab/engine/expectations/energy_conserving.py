@@ -14,13 +14,13 @@ from shaderlab.model.frame import Array
 from shaderlab.model.records import Row
 
 from ..judging.distance import shown
-from .law import Finding, Law
+from .laws import Finding, OutputLaw
 
 MAX_QUADRATURE_ERROR = 0.01
 
 
 @dataclass(frozen=True)
-class EnergyConserving(Law):
+class EnergyConserving(OutputLaw):
     """∫ output · cos θ dω ≤ limit over the hemisphere of directions around `normal`.
 
     The quadrature is Gauss–Legendre in cos θ (`polar` points) by the trapezoidal rule in the
@@ -43,6 +43,7 @@ class EnergyConserving(Law):
 
     output: str
     _: KW_ONLY
+    over: str
     normal: Sequence[float] = (0.0, 0.0, 1.0)
     limit: float = 1.0
     cosine: bool = True
@@ -61,7 +62,7 @@ class EnergyConserving(Law):
     @property
     def steps(self) -> Sequence[Mapping[str, Any]]:
         """The directions of the quadrature, then those of the coarser one."""
-        return [{str(self.over): direction} for direction in self._quadratures[0].tolist()]
+        return [{self.over: direction} for direction in self._quadratures[0].tolist()]
 
     @functools.cached_property
     def _quadratures(self) -> tuple[Array, Array]:

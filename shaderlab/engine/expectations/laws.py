@@ -1,0 +1,388 @@
+"""Laws of an output while inputs vary: bounded, monotone, even, odd, symmetric, and its mean.
+
+None needs a reference. Each law runs the program on inputs that it gives itself, as a `sweep` does;
+inputs that it does not vary stay as the case has them, or as `at` says. Inputs of the stage are
+gathered into one draw; a uniform costs a draw for each of its values.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from abc import abstractmethod
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field
+from itertools import pairwise
+from typing import Any, ClassVar
+
+import numpy as np
+
+from shaderlab.errors import CaseError
+from shaderlab.model.case import Scene
+from shaderlab.model.expectation import Judgement, Need, Programs
+from shaderlab.model.frame import Array, Frame, Samples
+from shaderlab.model.records import Outcome, Row, Worst
+from shaderlab.model.scene import UniformValue
+
+from ..judging import laws
+from ..judging.distance import plain, shown, ulp_distance
+from .base import OfOutput
+from .needs import Probe
+
+Figure = float | Sequence[float]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a law finds in its runs.
+
+    `place` (run, component) is the value nearest to breaking the law, or breaking it most. It is
+    shown beside `reference` between `low` and `high`, with `measured` in place of the runs where
+    the law judges something made of them. `wrong` counts what breaks the law, and `message` says
+    it. `widths` is the distance to show; by default infinite where the law is broken.
+    """
+
+    place: tuple[int, int]
+    reference: Any
+    low: Any
+    high: Any
+    wrong: int = 0
+    message: str = ""
+    rows: tuple[Row, ...] = ()
+    measured: Array | None = None
+    widths: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutputLaw(OfOutput):
+    """A law of an output while inputs vary; `at` are other inputs by name, those that it leaves out
+    stay as the case has them."""
+
+    at: Mapping[str, UniformValue] = field(default_factory=dict)
+
+    @property
+    @abstractmethod
+    def steps(self) -> Sequence[Mapping[str, Any]]:
+        """The inputs of each run by name."""
+
+    @abstractmethod
+    def find(self, measured: Array) -> Finding:
+        """Hold finite float64 values (runs, components) against the law."""
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        self.is_of_vertex(scene, programs)  # raises where there is no such output
+        yield Probe(self, [{**self.at, **step} for step in self.steps])
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        samples: Samples = frame.answers[Probe(self)]
+        measured = samples.outputs[self.own_name(scene)].astype(np.float64)
+        finite = np.isfinite(measured)
+        if finite.all():
+            found = self.find(measured)
+        else:
+            i, c = (int(k) for k in np.argwhere(~finite)[0])
+            count = int((~finite).sum())
+            found = Finding(
+                (i, c), measured[i], -np.inf, np.inf, count, f"{count} values are not finite"
+            )
+        return Judgement(
+            outcome=Outcome(
+                name=self.name,
+                kind=self.kind,
+                status="fail" if found.message else "pass",
+                message=found.message,
+                judged=int(measured.size),
+                outside=found.wrong,
+                worst=self._worst(found, samples, measured),
+                rows=found.rows,
+            )
+        )
+
+    def _worst(self, found: Finding, samples: Samples, measured: Array) -> Worst:
+        i, c = found.place
+        values = measured[i] if found.measured is None else found.measured
+        reference, low, high = (
+            np.broadcast_to(part, values.shape) for part in (found.reference, found.low, found.high)
+        )
+        broken = math.inf if found.message else 0.0
+        return Worst(
+            pixel=None,
+            component=c,
+            measured=plain(values),
+            reference=plain(reference),
+            low=plain(low),
+            high=plain(high),
+            ulp=ulp_distance(values[c], float(reference[c])),
+            widths=broken if found.widths is None else found.widths,
+            inputs={
+                name: plain(samples.inputs[name][i])
+                for name in dict.fromkeys((*self.steps[i], *self.at))
+                if name in samples.inputs and samples.inputs[name][i].ndim == 1
+            },
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class EachValue(OutputLaw):
+    """A law that every value keeps by itself, or beside another one; GLSL functions are checked by
+    the very same laws."""
+
+    types: ClassVar[str] = "iufb"
+    over: str
+    values: Sequence[Any]
+
+    def __post_init__(self) -> None:
+        if not self.steps:
+            raise CaseError(f"{self.kind} {self.output!r}: needs values of {self.over!r}")
+        self.name_by_default(f"{self.output} {self.law.title}")
+
+    @property
+    @abstractmethod
+    def law(self) -> laws.Law:
+        """The law itself. Raises CaseError if its arguments are wrong."""
+
+    @functools.cached_property
+    def inputs(self) -> Mapping[str, Array]:
+        """What varies, by name, each (runs, …)."""
+        return {self.over: self._array(self.values)}
+
+    def _array(self, values: Sequence[Any]) -> Array:
+        try:
+            found = np.asarray(values)
+        except ValueError:  # vectors of several sizes
+            found = np.empty(0, object)
+        if found.dtype.kind not in self.types and len(values):
+            raise CaseError(f"{self.kind} {self.output!r}: values must be numbers or vectors")
+        return found
+
+    @functools.cached_property
+    def steps(self) -> Sequence[Mapping[str, Any]]:
+        """The inputs of each run, and after them those of the second evaluation, if any."""
+        second = self.law.second_inputs(self.inputs)
+        return [
+            dict(zip(inputs, step, strict=True))
+            for inputs in ((self.inputs, second) if second else (self.inputs,))
+            for step in zip(*(values.tolist() for values in inputs.values()), strict=True)
+        ]
+
+    def find(self, measured: Array) -> Finding:
+        count = len(self.values)
+        found = self.law.judge(self.inputs, measured[:count], measured[count:], (count,))
+        wrong = int((~found.holds).sum())
+        i, c = _find_least(found.slack)
+        message = ""
+        if wrong:
+            message = f"{self.law.title} does not hold at {wrong} of {found.holds.size} values"
+        elif found.trivial:
+            message = f"{self.law.title} could hardly fail: {found.trivial}"
+        parts = (found.reference, found.low, found.high)
+        reference, low, high = (np.broadcast_to(part, found.values.shape)[i] for part in parts)
+        return Finding((i, c), reference, low, high, wrong, message)
+
+
+@dataclass(frozen=True)
+class Bounded(EachValue):
+    """low ≤ `output` ≤ high while the input `over` takes each of `values`. The bounds are numbers,
+    or one for each component.
+
+    Raises:
+        CaseError: a lower bound above its upper one, none at all, or no values.
+    """
+
+    kind = "bounded"
+
+    output: str
+    low: Figure
+    high: Figure
+
+    @property
+    def law(self) -> laws.Bounded:
+        return laws.Bounded(self.low, self.high)
+
+
+@dataclass(frozen=True)
+class Monotone(EachValue):
+    """`output` never falls ("increasing") or never rises ("decreasing") while the input `over`
+    goes through `values`; with `strict`, it never stays the same either. Of vectors, each
+    component. An output that changes nowhere fails.
+
+    Raises:
+        CaseError: fewer than two values, or values that do not rise.
+    """
+
+    kind = "monotone"
+
+    output: str
+    _: KW_ONLY
+    values: Sequence[float]
+    direction: str = "increasing"
+    strict: bool = False
+
+    def __post_init__(self) -> None:
+        if len(self.values) < 2 or any(a >= b for a, b in pairwise(self.values)):
+            raise CaseError(f"monotone {self.output!r}: values must be two or more that rise")
+        self.name_by_default(f"{self.output} {self.direction}")
+        super().__post_init__()
+
+    @property
+    def law(self) -> laws.Monotone:
+        return laws.Monotone(self.over, direction=self.direction, strict=self.strict)
+
+
+@dataclass(frozen=True)
+class Even(EachValue):
+    """f(−x) = f(x) for each of `values` of the input `over`.
+
+    Args:
+        output: what is judged.
+        over: an input's name.
+        values: numbers or vectors.
+        ulp, within: how far the two may lie apart, in float32 steps or as a number; by default
+            they are the same.
+        at: other inputs.
+        draw: which draw's program.
+        name: how outcomes call it.
+    """
+
+    kind = "even"
+    types = "iuf"
+
+    output: str
+    _: KW_ONLY
+    ulp: float = 0.0
+    within: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if trivial := self.law.find_trivial(self.inputs):
+            raise CaseError(f"{self.kind} {self.output!r} could not fail: {trivial}")
+
+    @property
+    def law(self) -> laws.Symmetric:
+        return laws.even(self.over, ulp=self.ulp, within=self.within)
+
+
+@dataclass(frozen=True)
+class Odd(Even):
+    """f(−x) = −f(x) for each of `values` of the input `over`; for the arguments see `Even`."""
+
+    kind = "odd"
+
+    @property
+    def law(self) -> laws.Symmetric:
+        return laws.odd(self.over, ulp=self.ulp, within=self.within)
+
+
+@dataclass(frozen=True)
+class Symmetric(Even):
+    """f(a, b) = f(b, a) for each pair (a, b) of `values` of the two inputs `over`; with `odd`,
+    f(a, b) = −f(b, a). For the other arguments see `Even`."""
+
+    kind = "symmetric"
+
+    _: KW_ONLY
+    over: tuple[str, str] | str  # type: ignore[assignment]
+    odd: bool = False
+    ulps: Any = None
+
+    def __post_init__(self) -> None:
+        if self.ulps is not None:
+            laws.reject_old_spelling("symmetric", {"ulps": 0}, {"ulps": f"ulp={self.ulps!r}"})
+        super().__post_init__()
+
+    @property
+    def law(self) -> laws.Symmetric:
+        names: Any = self.over  # a single name is an error, which the law reports
+        return laws.symmetric(names, odd=self.odd, ulp=self.ulp, within=self.within)
+
+    @functools.cached_property
+    def inputs(self) -> Mapping[str, Array]:
+        names = self.law.inputs
+        if any(np.ndim(pair) == 0 or len(pair) != len(names) for pair in self.values):
+            raise CaseError(f"symmetric {self.output!r}: values must be pairs")
+        return {
+            name: self._array([pair[k] for pair in self.values]) for k, name in enumerate(names)
+        }
+
+
+@dataclass(frozen=True)
+class MeanOf(OutputLaw):
+    """The mean of `output` over many samples is `equals`: a two-sided z-test, for each component.
+
+    A shader whose true mean is `equals` fails at `significance` in 1/significance choices of
+    samples; the samples are given, so the same shader always gets the same verdict.
+
+    Args:
+        output: what is judged.
+        equals: the expected mean, a number or one for each component.
+        over: the input that the samples are taken over (a seed, a coordinate).
+        values: one for each sample, at least 30 for the normal distribution to be a fair guess.
+        significance: the test's level α, in 0…1.
+        at: other inputs.
+        draw: which draw's program.
+        name: how outcomes call it.
+    """
+
+    kind = "mean"
+
+    output: str
+    equals: Figure
+    _: KW_ONLY
+    over: str
+    values: Sequence[UniformValue]
+    significance: float = 1e-3
+
+    def __post_init__(self) -> None:
+        if len(self.values) < 30 or not 0.0 < self.significance < 1.0:
+            raise CaseError("mean_of: needs 30 samples or more, and a significance between 0 and 1")
+        self.name_by_default(f"mean of {self.output}")
+
+    @property
+    def steps(self) -> Sequence[Mapping[str, Any]]:
+        return [{self.over: value} for value in self.values]
+
+    def find(self, measured: Array) -> Finding:
+        count = len(measured)
+        expected = np.broadcast_to(np.asarray(self.equals, np.float64), measured.shape[1:])
+        mean = measured.mean(axis=0)
+        error = measured.std(axis=0, ddof=1) / math.sqrt(count)
+        difference = mean - expected
+        with np.errstate(all="ignore"):
+            z = np.where(difference == 0.0, 0.0, difference / error)
+        chance = np.array([math.erfc(abs(value) / math.sqrt(2.0)) for value in z])
+        wrong = chance < self.significance
+        rows = tuple(
+            Row(
+                label="mean" if measured.shape[1] == 1 else f"mean of {'xyzw'[k]}",
+                expected=shown(expected[k]),
+                measured=f"{mean[k]:.6g} ± {error[k]:.2g} (n = {count})",
+                ok=not wrong[k],
+                note=f"z = {z[k]:.2f}, p = {chance[k]:.2g}, α = {self.significance:g}",
+            )
+            for k in range(measured.shape[1])
+        )
+        c = int(np.argmin(chance))
+        message = (
+            f"a mean of {mean[c]:.6g} or further off has a probability of {chance[c]:.2g} "
+            f"in {count} samples"
+        )
+        return Finding(
+            (int(np.argmax(np.abs(measured[:, c] - expected[c]))), c),
+            expected,
+            expected - error,
+            expected + error,
+            int(wrong.sum()),
+            message if wrong.any() else "",
+            rows,
+            measured=mean,
+            widths=float(np.abs(z[c])),
+        )
+
+
+def _find_least(values: Array) -> tuple[int, int]:
+    """The place (run, component) of the least value, the first of equals."""
+    index, component = np.unravel_index(int(np.argmin(values)), values.shape)
+    return int(index), int(component)
+
+
+bounded, monotone, even, odd, symmetric, mean_of = Bounded, Monotone, Even, Odd, Symmetric, MeanOf

@@ -1,0 +1,299 @@
+"""Laws: what must hold of a GLSL function, or of a shader's output, without a reference.
+
+A law judges values that belong to known inputs. Some compare with a second evaluation, such as
+f(−x) with f(x): they say what its inputs are, and whoever runs the shader evaluates them.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import CallError, CaseError
+from shaderlab.model.frame import Array
+from shaderlab.model.state import one_of
+
+Batch = tuple[int, ...]
+DIRECTIONS = ("increasing", "decreasing")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """How values fare under a law. All arrays have the shape of `values`, (batch…, components…).
+
+    Attributes:
+        values: what the law is about.
+        holds: whether each of them keeps the law; of neighbours the later one is meant.
+        slack: how far each is from breaking it, negative where it does.
+        reference: what each is compared with.
+        low, high: the bounds that follow from it.
+        expected: the reference in words, where it is not a value to be met; or "".
+        trivial: why the law could hardly fail on these inputs; "" if it could.
+    """
+
+    values: Array
+    holds: Array
+    slack: Array
+    reference: Array
+    low: Any
+    high: Any
+    expected: str = ""
+    trivial: str = ""
+
+
+class Law(ABC):
+    """A property of a function that needs no reference."""
+
+    #: What failures call it.
+    title: str
+    #: The inputs that it is about, by name.
+    inputs: tuple[str, ...] = ()
+
+    def second_inputs(self, inputs: Mapping[str, Array]) -> dict[str, Array]:
+        """Return the inputs that change for the second evaluation; none if there is no second."""
+        return {}
+
+    @abstractmethod
+    def judge(
+        self, inputs: Mapping[str, Array], values: Array, second: Array | None, batch: Batch
+    ) -> Finding:
+        """Hold values against the law.
+
+        Args:
+            inputs: those that the law is about; their axes broadcast with the batch.
+            values: of shape (batch…, components…).
+            second: the values at `second_inputs`, likewise; None if there are none.
+            batch: the leading axes of `values`.
+        """
+
+
+@dataclass(frozen=True)
+class Bounded(Law):
+    """low ≤ f ≤ high, so that NaN fails. The bounds are numbers, or one for each component; they
+    are rounded to float32, as the shader's own constants are.
+
+    Raises:
+        CaseError: there is no bound, or a lower one above its upper one.
+    """
+
+    low: Any = -np.inf
+    high: Any = np.inf
+    title = "bounded"
+
+    def __post_init__(self) -> None:
+        if not np.all(np.asarray(self.low, float) <= np.asarray(self.high, float)):
+            raise CaseError(f"bounded: there is no number in {self.low} … {self.high}")
+        if np.any(np.isinf(self.low) & np.isinf(self.high)):
+            raise CaseError("bounded: give low, high or both")
+
+    def judge(
+        self, inputs: Mapping[str, Array], values: Array, second: Array | None, batch: Batch
+    ) -> Finding:
+        numbers = values.astype(np.float64)
+        low, high = (
+            np.broadcast_to(np.asarray(bound, np.float32).astype(np.float64), values.shape)
+            for bound in (self.low, self.high)
+        )
+        with np.errstate(invalid="ignore"):
+            slack = np.minimum(numbers - low, high - numbers)
+        return Finding(
+            values=values,
+            holds=slack >= 0.0,
+            slack=slack,
+            reference=np.clip(numbers, low, high),
+            low=low,
+            high=high,
+            expected=f"{self.low} … {self.high}",
+        )
+
+
+@dataclass(frozen=True)
+class Monotone(Law):
+    """f never falls ("increasing") or never rises ("decreasing") as the input `over` grows; with
+    `strict` it never stays the same either. Each component is judged by itself."""
+
+    over: str
+    _: KW_ONLY
+    direction: str = "increasing"
+    strict: bool = False
+    title = "monotone"
+
+    def __post_init__(self) -> None:
+        one_of("monotone", "direction", self.direction, DIRECTIONS)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:  # type: ignore[override]
+        return (self.over,)
+
+    def judge(
+        self, inputs: Mapping[str, Array], values: Array, second: Array | None, batch: Batch
+    ) -> Finding:
+        x = np.asarray(inputs[self.over])
+        axes = [n for n in range(-x.ndim, 0) if x.shape[n] > 1]
+        if len(axes) != 1:
+            raise CallError(
+                f"monotone: {self.over} has shape {x.shape}", remedy="give it values along an axis"
+            )
+        axis = len(batch) + axes[0]
+        order = np.argsort(x.reshape(-1), kind="stable")
+        ordered = np.take(values, order, axis=axis).astype(np.float64)
+        sign = 1.0 if self.direction == "increasing" else -1.0
+        steps = sign * np.diff(ordered, axis=axis)
+        first = np.full_like(np.take(steps, [0], axis=axis), np.inf)
+        back = np.argsort(order, kind="stable")
+        slack = np.take(np.concatenate([first, steps], axis=axis), back, axis=axis)
+        before = np.take(ordered, np.maximum(back - 1, 0), axis=axis)
+        rising = self.direction == "increasing"
+        return Finding(
+            values=values,
+            holds=slack > 0.0 if self.strict else slack >= 0.0,
+            slack=slack,
+            reference=before,
+            low=before if rising else -np.inf,
+            high=np.inf if rising else before,
+            trivial=_constant(values, batch),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Close:
+    """How far two values may lie apart: so many units in the last place (`ulp`), or that much
+    (`within`)."""
+
+    ulp: float = 0.0
+    within: float = 0.0
+
+    def compare(self, values: Array, expected: Any, trivial: str = "") -> Finding:
+        """Hold values against others; NaN is close to NaN alone."""
+        values = np.asarray(values)
+        other = np.broadcast_to(np.asarray(expected), values.shape)
+        numbers, wanted = values.astype(np.float64), other.astype(np.float64)
+        with np.errstate(all="ignore"):
+            last = np.spacing(np.abs(wanted).astype(np.float32)).astype(np.float64)
+            allowed = np.fmax(self.ulp * last, self.within)
+            slack = allowed - np.abs(numbers - wanted)
+            holds = (values == other) | (slack >= 0.0)
+            if values.dtype.kind == "f":
+                holds |= np.isnan(values) & np.isnan(wanted)
+            return Finding(
+                values=values,
+                holds=holds,
+                slack=np.where(holds, np.fmax(slack, 0.0), slack) / last,
+                reference=other,
+                low=wanted - allowed,
+                high=wanted + allowed,
+                trivial=trivial,
+            )
+
+
+@dataclass(frozen=True)
+class Symmetric(Close, Law):
+    """The value stays the same when one input changes its sign, or two are exchanged; or, with the
+    sign −1, it changes its own sign then.
+
+    Raises:
+        CaseError: there are more inputs than two, or the tolerance is no tolerance.
+    """
+
+    inputs: tuple[str, ...]
+    sign: int = 1
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.ulp < 2**23 or not 0.0 <= self.within < np.inf:
+            raise CaseError(f"{self.title}: ulp must be at least 0 and below 2²³, within finite")
+
+    @property
+    def title(self) -> str:  # type: ignore[override]
+        if len(self.inputs) == 1:
+            return "even" if self.sign > 0 else "odd"
+        return "symmetric" if self.sign > 0 else "antisymmetric"
+
+    def second_inputs(self, inputs: Mapping[str, Array]) -> dict[str, Array]:
+        if len(self.inputs) == 1:
+            return {name: -np.asarray(inputs[name]) for name in self.inputs}
+        first, second = self.inputs
+        return {first: inputs[second], second: inputs[first]}
+
+    def find_trivial(self, inputs: Mapping[str, Array]) -> str:
+        """Why nothing could break the law at these inputs; "" if something could."""
+        if len(self.inputs) == 1:
+            return "" if np.any(inputs[self.inputs[0]]) else f"{self.inputs[0]} is 0"
+        first, second = self.inputs
+        return f"{first} and {second} are equal" * np.array_equal(inputs[first], inputs[second])
+
+    def judge(
+        self, inputs: Mapping[str, Array], values: Array, second: Array | None, batch: Batch
+    ) -> Finding:
+        trivial = self.find_trivial(inputs) or _constant(values, batch)
+        return self.compare(values, self.sign * np.asarray(second), trivial)
+
+
+def bounded(low: Any = -np.inf, high: Any = np.inf) -> Bounded:
+    """low ≤ f ≤ high, both included; see `Bounded`."""
+    return Bounded(low, high)
+
+
+def monotone(
+    over: str = "", *, direction: str = "increasing", strict: bool = False, **old: Any
+) -> Monotone:
+    """f never falls (or never rises) as the input `over` grows; see `Monotone`."""
+    reject_old_spelling(
+        "monotone",
+        old,
+        {
+            "along": f"over={old.get('along')!r}",
+            "rising": 'direction="increasing" or direction="decreasing"',
+            "strictly": f"strict={old.get('strictly')}",
+        },
+    )
+    return Monotone(over, direction=direction, strict=strict)
+
+
+def even(over: str, *, ulp: float = 0.0, within: float = 0.0) -> Symmetric:
+    """f(−x) = f(x)."""
+    return Symmetric((over,), 1, ulp=ulp, within=within)
+
+
+def odd(over: str, *, ulp: float = 0.0, within: float = 0.0) -> Symmetric:
+    """f(−x) = −f(x)."""
+    return Symmetric((over,), -1, ulp=ulp, within=within)
+
+
+def symmetric(
+    over: tuple[str, str],
+    *old: str,
+    odd: bool = False,
+    ulp: float = 0.0,
+    within: float = 0.0,
+) -> Symmetric:
+    """f(a, b) = f(b, a); with `odd`, f(a, b) = −f(b, a)."""
+    if old or isinstance(over, str) or len(over) != 2:
+        names = ", ".join(map(repr, (over, *old))) if isinstance(over, str) else repr(over)
+        raise CaseError(
+            f"symmetric: over is {names}, not a pair of names",
+            remedy='symmetric(over=("a", "b")) exchanges two inputs; '
+            'even(over="x") and odd(over="x") change the sign of one',
+        )
+    return Symmetric(tuple(over), -1 if odd else 1, ulp=ulp, within=within)
+
+
+def reject_old_spelling(owner: str, given: Mapping[str, Any], now: Mapping[str, str]) -> None:
+    """Raise an error for keywords that are not taken; for one of an earlier version, name what it
+    is now."""
+    for name in given:
+        if name in now:
+            raise CaseError(f"{owner}: {name}= is now spelt differently", remedy=now[name])
+        raise TypeError(f"{owner}() got an unexpected keyword argument {name!r}")
+
+
+def _constant(values: Array, batch: Batch) -> str:
+    """Say that an output varies nowhere, of which most laws hold; "" where it does, or where there
+    is but one value."""
+    flat = values.reshape(math.prod(batch), -1)
+    constant = len(flat) > 1 and bool((flat == flat[:1]).all())
+    return "it is the same at all values: vary an input that it depends on" * constant
