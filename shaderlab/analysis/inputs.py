@@ -10,7 +10,8 @@ from typing import Literal
 
 import numpy as np
 
-from shaderlab.compiler.reflection import Storage, is_used, leaves, type_name, unwrap, used_paths
+from shaderlab.compiler.reflection import is_used, leaves, used_paths
+from shaderlab.compiler.spirv import Op, StorageClass, type_name, unwrap
 from shaderlab.errors import NotInterpretedError, UsageError
 from shaderlab.model.frame import Array, Bindings, Fragments, Samples, Texels
 
@@ -59,7 +60,7 @@ def inputs_of(program: Program) -> dict[str, Input]:
         for leaf in leaves(module, pointee, name):
             if not is_used(paths.get(id_, ()), leaf.path):
                 continue
-            type_, uniform = type_name(module, leaf.type), storage != Storage.INPUT
+            type_, uniform = type_name(module, leaf.type), storage != StorageClass.Input
             for each in _elements(unwrap(module, leaf.type)[0], leaf.name):
                 size = program.workgroup if each in NUMBERS else None
                 found[each] = Input(each, type_, uniform, size)
@@ -304,7 +305,7 @@ def unknown_names(given: Sequence[str], inputs: Iterable[str]) -> list[str]:
     return [name for name in given if name not in known]
 
 
-_DERIVATIVES = range(207, 216)  # OpDPdx to OpFwidthCoarse
+_DERIVATIVES = range(Op.DPdx, Op.FwidthCoarse + 1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from shaderlab.errors import ShaderError, UnsupportedError, nearest
 
 from .library import SpirvDiagnostic, SpirvText, spirv_tools
-from .reflection import Decoration, Module, Op, Storage, leaves, own_variables, parse, unwrap
+from .reflection import leaves, own_variables
+from .spirv import Capability, Decoration, ExecutionMode, Module, Op, StorageClass, parse, unwrap
 
 # spv_target_env.
 _ENVIRONMENTS: Mapping[str, int] = {
@@ -101,8 +102,6 @@ def _context(env: str) -> int:
     return context
 
 
-_CAPABILITY, _TRANSFORM_FEEDBACK, _XFB = 17, 53, 11
-_BUFFER, _STRIDE = 36, 37
 _BUILT_IN = {0: "gl_Position", 1: "gl_PointSize"}
 
 Target = tuple[int, int | None]
@@ -138,7 +137,11 @@ def with_feedback(data: bytes, sizes: Mapping[str, int]) -> bytes:
     added = [
         word
         for target, offset in offsets.items()
-        for kind, value in ((_BUFFER, 0), (_STRIDE, at), (Decoration.OFFSET, offset))
+        for kind, value in (
+            (Decoration.XfbBuffer, 0),
+            (Decoration.XfbStride, at),
+            (Decoration.Offset, offset),
+        )
         for word in _decorated(target, kind, value)
     ]
     return _inserted(module, added)
@@ -148,15 +151,15 @@ def _outputs(module: Module) -> Iterator[tuple[Target, tuple[str, ...]]]:
     """Each output variable, or member of a block of outputs, with the names of its parts."""
     for pointee, storage in module.variables.values():
         element = unwrap(module, pointee)[1]
-        if storage == Storage.OUTPUT and Decoration.BUILT_IN in module.member(element, 0):
+        if storage == StorageClass.Output and Decoration.BuiltIn in module.member(element, 0):
             for index in range(len(module.types[element].words)):
-                kind = module.member(element, index)[Decoration.BUILT_IN][0]
+                kind = module.member(element, index)[Decoration.BuiltIn][0]
                 yield (element, index), (_BUILT_IN.get(kind, ""),)
-    for id_ in own_variables(module, Storage.OUTPUT):
+    for id_ in own_variables(module, StorageClass.Output):
         pointee, _ = module.variables[id_]
         _, element = unwrap(module, pointee)
         name = module.names.get(id_, "")
-        if module.decorated(element, Decoration.BLOCK) is None:
+        if module.decorated(element, Decoration.Block) is None:
             yield (id_, None), tuple(leaf.name for leaf in leaves(module, pointee, name))
             continue
         owner = module.names.get(element, "") if name else ""
@@ -170,8 +173,8 @@ def _outputs(module: Module) -> Iterator[tuple[Target, tuple[str, ...]]]:
 def _decorated(target: Target, kind: int, value: int) -> Sequence[int]:
     id_, member = target
     if member is None:
-        return (4 << 16 | Op.DECORATE, id_, kind, value)
-    return (5 << 16 | Op.MEMBER_DECORATE, id_, member, kind, value)
+        return (4 << 16 | Op.Decorate, id_, kind, value)
+    return (5 << 16 | Op.MemberDecorate, id_, member, kind, value)
 
 
 def _inserted(module: Module, decorations: Sequence[int]) -> bytes:
@@ -181,13 +184,13 @@ def _inserted(module: Module, decorations: Sequence[int]) -> bytes:
     at = 5
     while at < len(words):
         op = words[at] & 0xFFFF
-        if op == Op.ENTRY_POINT:
+        if op == Op.EntryPoint:
             mode_at = at + (words[at] >> 16)
-        if op in (Op.DECORATE, Op.MEMBER_DECORATE) or Op.TYPE_VOID <= op <= Op.TYPE_POINTER:
+        if op in (Op.Decorate, Op.MemberDecorate) or Op.TypeVoid <= op <= Op.TypePointer:
             decorate_at = at
             break
         at += words[at] >> 16
     words[decorate_at:decorate_at] = decorations
-    words[mode_at:mode_at] = [3 << 16 | Op.EXECUTION_MODE, module.entry, _XFB]
-    words[5:5] = [2 << 16 | _CAPABILITY, _TRANSFORM_FEEDBACK]
+    words[mode_at:mode_at] = [3 << 16 | Op.ExecutionMode, module.entry, ExecutionMode.Xfb]
+    words[5:5] = [2 << 16 | Op.Capability, Capability.TransformFeedback]
     return struct.pack(f"{len(words)}I", *words)

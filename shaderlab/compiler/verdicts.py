@@ -14,20 +14,20 @@ from shaderlab.model.records import Diagnostic, Verdict
 from . import verdicts
 from .diagnostics import VERSION, declaration, has_errors, line_of, of_link, of_stage, of_validator
 from .engines import Engine, Linked
-from .reflection import (
+from .reflection import stage_variables
+from .sources import Source
+from .spirv import (
     OPAQUE,
     Decoration,
     Module,
     Op,
-    Storage,
+    StorageClass,
     elements_of,
     leaves_count,
     parse,
     slots,
-    stage_variables,
     unwrap,
 )
-from .sources import Source
 from .spirv_tools import instruction_count
 from .targets import SETTINGS
 from .text import STAGES
@@ -216,7 +216,7 @@ def _declarators(names: str) -> list[tuple[str, str]]:
     return [(found["name"], found["array"] or "") for found in _DECLARATOR.finditer(names)]
 
 
-_NUMBERED = (Storage.UNIFORM_CONSTANT, Storage.UNIFORM, Storage.STORAGE_BUFFER)
+_NUMBERED = (StorageClass.UniformConstant, StorageClass.Uniform, StorageClass.StorageBuffer)
 _Words = Mapping[str, list[int]]
 """The modules' words by stage."""
 
@@ -267,11 +267,11 @@ def unwritten_inputs(
     found = []
     by_stage = {source.stage: source for source in sources}
     for writer, reader in pairwise(stage for stage in STAGES if stage in modules):
-        outputs = list(stage_variables(parse(modules[writer]), Storage.OUTPUT))
+        outputs = list(stage_variables(parse(modules[writer]), StorageClass.Output))
         written = {_without_indices(v.name) for v in outputs}
         at = {v.location: v for v in outputs if v.location is not None}
         source = by_stage[reader]
-        inputs = stage_variables(parse(modules[reader]), Storage.INPUT)
+        inputs = stage_variables(parse(modules[reader]), StorageClass.Input)
         for name, variable in {_without_indices(v.name): v for v in inputs if v.used}.items():
             if name in written:
                 continue
@@ -293,7 +293,7 @@ def unwritten_inputs(
 def interface_name(module: Module, id_: int) -> str:
     """The name that a variable has in all stages: its block's, or its own."""
     element = unwrap(module, module.variables[id_][0])[1]
-    blocks = (Decoration.BLOCK, Decoration.BUFFER_BLOCK)
+    blocks = (Decoration.Block, Decoration.BufferBlock)
     is_block = any(module.decorated(element, block) is not None for block in blocks)
     return module.names.get(element if is_block else id_, "")
 
@@ -308,11 +308,11 @@ def _located(module: Module, storage: int) -> dict[str, tuple[int, int]]:
     location's word, and how many locations the variable takes."""
     return {
         interface_name(module, id_): (
-            module.decoration_words[id_, Decoration.LOCATION],
+            module.decoration_words[id_, Decoration.Location],
             slots(module, pointee),
         )
         for id_, (pointee, its_storage) in module.variables.items()
-        if its_storage == storage and module.number(id_, Decoration.LOCATION) is not None
+        if its_storage == storage and module.number(id_, Decoration.Location) is not None
     }
 
 
@@ -320,7 +320,7 @@ def _move_inputs(
     writer: Module, reader: Module, writer_words: Sequence[int], reader_words: list[int]
 ) -> None:
     """Moves the reader's inputs to the locations of their outputs, and others out of their way."""
-    outputs, inputs = _located(writer, Storage.OUTPUT), _located(reader, Storage.INPUT)
+    outputs, inputs = _located(writer, StorageClass.Output), _located(reader, StorageClass.Input)
     occupied: set[int] = set()
     for name, (at, _) in inputs.items():
         if name in outputs:
@@ -344,7 +344,7 @@ def _namespaces(parsed: Mapping[str, Module]) -> Iterator[Mapping[str, Sequence[
     for stage, module in parsed.items():
         for id_, (_, storage) in module.variables.items():
             for namespace, qualifier, count in _numbers(module, id_, storage):
-                kind = Decoration.LOCATION if qualifier == "location" else Decoration.BINDING
+                kind = Decoration.Location if qualifier == "location" else Decoration.Binding
                 use = _Use(stage, module.decoration_words[id_, kind], count, qualifier)
                 names = found.setdefault(namespace, {})
                 names.setdefault(interface_name(module, id_), []).append(use)
@@ -357,18 +357,18 @@ def _numbers(module: Module, id_: int, storage: int) -> Iterator[tuple[object, s
         return
     pointee = module.variables[id_][0]
     lengths, element = unwrap(module, pointee)
-    if module.number(id_, Decoration.LOCATION) is not None:
+    if module.number(id_, Decoration.Location) is not None:
         yield "location", "location", leaves_count(module, pointee)
-    if module.number(id_, Decoration.BINDING) is None:
+    if module.number(id_, Decoration.Binding) is None:
         return
-    descriptor_set = module.number(id_, Decoration.DESCRIPTOR_SET)
+    descriptor_set = module.number(id_, Decoration.DescriptorSet)
     if descriptor_set is not None:
         yield ("set", descriptor_set), "binding", 1
-    elif storage != Storage.UNIFORM_CONSTANT:
-        stored = module.decorated(element, Decoration.BUFFER_BLOCK) is not None
+    elif storage != StorageClass.UniformConstant:
+        stored = module.decorated(element, Decoration.BufferBlock) is not None
         yield "storage" if stored else "uniform", "binding", elements_of(lengths)
     elif module.types[element].op in OPAQUE:
-        image = module.types[element].op == Op.TYPE_IMAGE
+        image = module.types[element].op == Op.TypeImage
         yield "image" if image else "unit", "binding", elements_of(lengths)
 
 

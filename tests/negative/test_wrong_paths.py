@@ -27,7 +27,7 @@ from shaderlab import (
     UniformBuffer,
     formula,
 )
-from shaderlab.compiler.reflection import parse
+from shaderlab.compiler.spirv import parse
 from shaderlab.drivers.opengl import drawing, linking, target, textures
 from shaderlab.drivers.opengl.device import GL
 from shaderlab.engine.lab import Lab

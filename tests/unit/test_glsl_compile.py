@@ -12,7 +12,7 @@ import pytest
 from shaderlab.compiler import Shaders, Source, compile_program, disassemble, validate
 from shaderlab.compiler.engines import choose
 from shaderlab.compiler.library import find
-from shaderlab.compiler.reflection import Decoration, Module, parse
+from shaderlab.compiler.spirv import Decoration, Module, parse
 from shaderlab.compiler.verdicts import MAX_NESTING, MAX_OPERATORS, fatal, interface_name
 from shaderlab.errors import ShaderError
 
@@ -93,8 +93,8 @@ def test_every_target_accepts_a_right_program() -> None:
 def test_stages_agree_on_varyings_by_name() -> None:
     for target, modules in compile_program(sources(CROSSED)).spirv.items():
         vertex, fragment_ = (parse(modules[s]) for s in ("vertex", "fragment"))
-        given = numbers(vertex, Decoration.LOCATION)
-        taken = numbers(fragment_, Decoration.LOCATION)
+        given = numbers(vertex, Decoration.Location)
+        taken = numbers(fragment_, Decoration.Location)
         for name in ("uv", "frame", "tint"):
             assert given[name] == taken[name], (target, name)
         occupied = {taken["uv"], taken["tint"], *range(taken["frame"], taken["frame"] + 3)}
@@ -108,8 +108,8 @@ def test_stages_agree_on_varyings_by_name() -> None:
 def test_stages_agree_on_uniforms_and_blocks_and_keep_the_authors_numbers() -> None:
     compiled = compile_program(sources(CROSSED))
     opengl = {stage: parse(module) for stage, module in compiled.spirv["opengl"].items()}
-    places = {s: numbers(m, Decoration.LOCATION) for s, m in opengl.items()}
-    bindings = {s: numbers(m, Decoration.BINDING) for s, m in opengl.items()}
+    places = {s: numbers(m, Decoration.Location) for s, m in opengl.items()}
+    bindings = {s: numbers(m, Decoration.Binding) for s, m in opengl.items()}
     assert places["vertex"]["gain"] == places["fragment"]["gain"]
     assert places["fragment"]["fixed_place"] == 7
     model = range(places["vertex"]["model"], places["vertex"]["model"] + 1)
@@ -121,7 +121,7 @@ def test_stages_agree_on_uniforms_and_blocks_and_keep_the_authors_numbers() -> N
     vulkan = {stage: parse(module) for stage, module in compiled.spirv["vulkan"].items()}
     owners: dict[int, str] = {}
     for module in vulkan.values():
-        for name, binding in numbers(module, Decoration.BINDING).items():
+        for name, binding in numbers(module, Decoration.Binding).items():
             assert owners.setdefault(binding, name) == name
     assert owners[3] == "fixed_unit"
 
@@ -132,7 +132,7 @@ def test_varyings_can_match_by_location_instead_of_name() -> None:
     compiled = compile_program(sources({"vertex": NUMBERED, "fragment": text}))
     compiled.require()
     module = parse(compiled.spirv["vulkan"]["fragment"])
-    assert numbers(module, Decoration.LOCATION)["other"] == 5
+    assert numbers(module, Decoration.Location)["other"] == 5
 
 
 UNIFORMS = (
@@ -267,7 +267,7 @@ def test_five_stages_agree_and_a_missing_output_is_found_between_any_two() -> No
     assert set(compiled.interface.attributes) == {"a"}
     assert set(compiled.interface.vertex_outputs) == {"id", "colour"}
     for modules in compiled.spirv.values():
-        places = [numbers(parse(module), Decoration.LOCATION) for module in modules.values()]
+        places = [numbers(parse(module), Decoration.Location) for module in modules.values()]
         vertex, control, evaluation, geometry, last = places
         assert vertex["tint"] == control["tint"]
         assert vertex["Data"] == control["Data"]
@@ -311,7 +311,7 @@ def test_samplers_are_lifted_out_of_structs_for_vulkan_with_a_note() -> None:
         ("info", 7, "Only"),
     ]
     assert compiled.verdicts[0].diagnostics == compiled.verdicts[1].diagnostics == ()
-    names = set(numbers(parse(compiled.spirv["vulkan"]["fragment"]), Decoration.BINDING))
+    names = set(numbers(parse(compiled.spirv["vulkan"]["fragment"]), Decoration.Binding))
     lifted = {"material_diffuse", "material_specular", "material_extra", "only_sky", "both_sky"}
     assert lifted <= names
     assert compiled.interface is not None

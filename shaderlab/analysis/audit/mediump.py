@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Integer
-from shaderlab.compiler.reflection import Decoration
+from shaderlab.compiler.spirv import Decoration, Op
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.model.frame import Array
 
@@ -40,7 +40,6 @@ _ULPS = {"divide": 2.5, "inversesqrt": 2.0, "sqrt": 2.0, "atan": 5.0, "asin": 5.
          "pow": 4.0}  # fmt: skip
 _WITHIN = {"sin": 2.0**-7, "cos": 2.0**-7}
 _LOGARITHMS = ("log", "log2")
-_LOAD = 61
 
 
 @dataclass(frozen=True)
@@ -106,7 +105,7 @@ class _Relaxed:
     def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
         if not isinstance(result, np.ndarray) or not _is_relaxed(run.program, at.id):
             return result
-        if at.op != _LOAD and at.op in HANDLERS:
+        if at.op != Op.Load and at.op in HANDLERS:
             own, run.arithmetic = run.arithmetic, self.device
             try:
                 result = HANDLERS[at.op](run, at, world)
@@ -116,7 +115,7 @@ class _Relaxed:
 
 
 def _is_relaxed(program: Program, id_: int) -> bool:
-    return program.module.decorated(id_, Decoration.RELAXED_PRECISION) is not None
+    return program.module.decorated(id_, Decoration.RelaxedPrecision) is not None
 
 
 def mediump(program: Program, given: Given, inputs: Mapping[str, Input]) -> list[Spread]:

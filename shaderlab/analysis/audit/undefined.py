@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Integer, Truth
-from shaderlab.compiler.reflection import Storage
+from shaderlab.compiler.spirv import ExecutionMode, Op, StorageClass
 from shaderlab.model.frame import Array, Texels
 
 from ..equivalence.comparing import flattened
@@ -29,7 +29,6 @@ from .hazard import Hazard
 from .watching import Place, run_watched
 
 READ, UNWRITTEN = "uninitialised read", "output not written"
-_UNDEFINED, _VARIABLE, _LOAD = 1, 59, 61
 _VALUES = (0.21, 3.4)
 _ARGUMENT = "param"  # what glslang calls the copy of an argument
 _INTERFACE = "gl_"  # built-in outputs need no value
@@ -62,21 +61,24 @@ class _Filling:
     def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
         if not self.began:
             self.began = True
-            if self._fill_globals(run, world) and at.op == _LOAD:  # it may be of one of them
-                result = HANDLERS[_LOAD](run, at, world)
-        if at.op == _VARIABLE and len(at.operands) == 1:
+            if self._fill_globals(run, world) and at.op == Op.Load:  # it may be of one of them
+                result = HANDLERS[Op.Load](run, at, world)
+        if at.op == Op.Variable and len(at.operands) == 1:
             self.filled[at.id] = None
             type_, _ = run.program.variables[at.id]
             world.memory[at.id] = _stand_in(null(type_, run.arithmetic), self._value(at.id))
-        elif at.op == _UNDEFINED:
+        elif at.op == Op.Undef:
             self.filled[at.id] = None
             result = _stand_in(result, self._value(at.id))
-        elif at.op == _LOAD and self.rows is not None and world.mask[self.rows].any():
+        elif at.op == Op.Load and self.rows is not None and world.mask[self.rows].any():
             self._keep(run, at, world, result)
         return result
 
     def _fill_globals(self, run: Run, world: World) -> bool:
-        memories = {Storage.PRIVATE: world.memory, Storage.WORKGROUP: run.shared}
+        memories: dict[int, dict[int, Any]] = {
+            StorageClass.Private: world.memory,
+            StorageClass.Workgroup: run.shared,
+        }
         before = len(self.filled)
         for id_, (type_, storage) in run.program.variables.items():
             if storage in memories and memories[storage].get(id_) is None:
@@ -209,7 +211,13 @@ def _declaration(program: Program, output: str) -> tuple[str, int]:
 
 
 KIND = "derivative in divergent control flow"
-_DERIVATIVES, _SAMPLES = range(207, 216), (87, 89, 91, 93)
+_DERIVATIVES = range(Op.DPdx, Op.FwidthCoarse + 1)
+_SAMPLES = (
+    Op.ImageSampleImplicitLod,
+    Op.ImageSampleDrefImplicitLod,
+    Op.ImageSampleProjImplicitLod,
+    Op.ImageSampleProjDrefImplicitLod,
+)
 _SLOPE = 0.01  # of an input from a pixel to the next, in widths of its values
 
 
@@ -308,7 +316,6 @@ def _smooth(given: Given, inputs: Mapping[str, Input]) -> Given:
 RACE, DIVERGENT, TOO_MANY = (
     "race", "barrier in divergent control flow", "more vertices than max_vertices"
 )  # fmt: skip
-_LOAD, _STORE, _EMIT, _MAX_VERTICES = 61, 62, 218, 26
 _NOBODY, _SEVERAL = -1, -2
 _MOST = 256  # workgroups that are looked at
 
@@ -331,11 +338,11 @@ class _Accesses:
     def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
         if at.op == BARRIER:
             self._barrier(at, world)
-        elif at.op in (_LOAD, _STORE):
+        elif at.op in (Op.Load, Op.Store):
             pointer = run.value(at.operands[0])
             if isinstance(pointer, Pointer):
                 type_, storage = run.program.variables[pointer.variable]
-                if storage == Storage.WORKGROUP:
+                if storage == StorageClass.Workgroup:
                     self._access(run, at, world, pointer, type_)
         return result
 
@@ -361,7 +368,7 @@ class _Accesses:
         rows = np.flatnonzero(world.mask & inside)
         place = (groups[rows], element[rows])
         name = run.program.name(pointer.variable)
-        if at.op == _LOAD:
+        if at.op == Op.Load:
             other = (wrote[place] != _NOBODY) & (wrote[place] != lanes[rows])
             words = f"{name} is read that another invocation wrote without a barrier between"
             self._note(at, groups[rows], other, words)
@@ -424,12 +431,12 @@ def between_invocations(
         for (kind, line), (row, words) in watch.found.items():
             yield _hazard(program, kind, line, words, example(given, row, inputs))
     if program.stage == "geometry":
-        most = program.module.modes[_MAX_VERTICES][0]
+        most = program.module.modes[ExecutionMode.OutputVertices][0]
         emitted = run_watched(program, given).outputs["EmitVertex()"].lo[:, 0]
         if (emitted > most).any():
             row = int(emitted.argmax())
             words = f"{emitted[row]} are emitted, {most} declared"
-            line = program.line_of(_EMIT)
+            line = program.line_of(Op.EmitVertex)
             yield _hazard(program, TOO_MANY, line, words, example(given, row, inputs))
 
 

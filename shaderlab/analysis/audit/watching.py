@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Integer, Truth
+from shaderlab.compiler.spirv import Glsl450, Op
 from shaderlab.model.frame import Array
 
 from ..equivalence.comparing import flattened
@@ -20,9 +21,10 @@ from ..interpreter.program import Instruction
 from ..interpreter.running import Run, Watch
 from ..interpreter.values import Flags, Pointer, World, numbered, places_in
 
-_ACCESS = (65, 66)  # OpAccessChain, OpInBoundsAccessChain
-_DYNAMIC = {77: 1, 78: 2}  # OpVectorExtractDynamic, OpVectorInsertDynamic: where the index is
-_WRAPPING = (128, 130, 132)  # OpIAdd, OpISub, OpIMul
+_ACCESS = (Op.AccessChain, Op.InBoundsAccessChain)
+# Which operand the index is.
+_DYNAMIC = {Op.VectorExtractDynamic: 1, Op.VectorInsertDynamic: 2}
+_WRAPPING = (Op.IAdd, Op.ISub, Op.IMul)
 _SIZED = ("vector", "matrix", "array")
 
 
@@ -215,7 +217,7 @@ def indices_of(run: Run, at: Instruction) -> Iterator[tuple[Array, int]]:
     """The indices in an instruction, each with how many elements there are to choose from."""
     if at.op in _DYNAMIC:
         size = run.value(at.operands[0]).shape[-1]
-        yield run.value(at.operands[_DYNAMIC[at.op]]).lo.astype(np.float64), size
+        yield run.value(at.operands[_DYNAMIC[Op(at.op)]]).lo.astype(np.float64), size
         return
     base, *steps = at.operands
     pointer = run.value(base)
@@ -231,9 +233,8 @@ def indices_of(run: Run, at: Instruction) -> Iterator[tuple[Array, int]]:
         type_ = type_.part(int(index.lo.flat[0]) if type_.kind == "struct" else 0)
 
 
-FLOATS = frozenset({12, *range(127, 149)})
+FLOATS = frozenset({Op.ExtInst, *range(Op.FNegate, Op.Dot + 1)})
 """The opcodes of arithmetic on floats, and of GLSL.std.450."""
-_EXTENDED = 12
 _INT, _UINT = (-(2.0**31), 2.0**31), (-1.0, 2.0**32)
 
 
@@ -368,44 +369,46 @@ _FIELD = Check(
 )
 
 CHECKS: Mapping[tuple[int, int], tuple[Check, ...]] = {
-    (136, 0): (_DIVISION,),
-    (140, 0): (_DIVISION,),
-    (141, 0): (_MOD,),
-    (109, 0): (_conversion("uint", *_UINT),),
-    (110, 0): (_conversion("int", *_INT),),
-    (128, 0): (_wraps(operator.add),),
-    (130, 0): (_wraps(operator.sub),),
-    (132, 0): (_wraps(operator.mul),),
-    (134, 0): (_INTEGER_DIVISION,),
-    (135, 0): (_INTEGER_DIVISION,),
-    (137, 0): (_INTEGER_DIVISION,),
-    (138, 0): (_INTEGER_DIVISION, _REMAINDER),
-    (139, 0): (_INTEGER_DIVISION, _REMAINDER),
-    (194, 0): (_SHIFT,),
-    (195, 0): (_SHIFT,),
-    (196, 0): (_SHIFT,),
-    (201, 0): (_FIELD,),
-    (202, 0): (_FIELD,),
-    (203, 0): (_FIELD,),
-    (_EXTENDED, 13): (_wide_angle("sin"),),
-    (_EXTENDED, 14): (_wide_angle("cos"),),
-    (_EXTENDED, 16): (_beyond("asin"),),
-    (_EXTENDED, 17): (_beyond("acos"),),
-    (_EXTENDED, 23): (Check("acosh below 1", lambda x: x - 1.0, lambda x: f"acosh({x:.9g})"),),
-    (_EXTENDED, 24): (
+    (Op.FDiv, 0): (_DIVISION,),
+    (Op.FRem, 0): (_DIVISION,),
+    (Op.FMod, 0): (_MOD,),
+    (Op.ConvertFToU, 0): (_conversion("uint", *_UINT),),
+    (Op.ConvertFToS, 0): (_conversion("int", *_INT),),
+    (Op.IAdd, 0): (_wraps(operator.add),),
+    (Op.ISub, 0): (_wraps(operator.sub),),
+    (Op.IMul, 0): (_wraps(operator.mul),),
+    (Op.UDiv, 0): (_INTEGER_DIVISION,),
+    (Op.SDiv, 0): (_INTEGER_DIVISION,),
+    (Op.UMod, 0): (_INTEGER_DIVISION,),
+    (Op.SRem, 0): (_INTEGER_DIVISION, _REMAINDER),
+    (Op.SMod, 0): (_INTEGER_DIVISION, _REMAINDER),
+    (Op.ShiftRightLogical, 0): (_SHIFT,),
+    (Op.ShiftRightArithmetic, 0): (_SHIFT,),
+    (Op.ShiftLeftLogical, 0): (_SHIFT,),
+    (Op.BitFieldInsert, 0): (_FIELD,),
+    (Op.BitFieldSExtract, 0): (_FIELD,),
+    (Op.BitFieldUExtract, 0): (_FIELD,),
+    (Op.ExtInst, Glsl450.Sin): (_wide_angle("sin"),),
+    (Op.ExtInst, Glsl450.Cos): (_wide_angle("cos"),),
+    (Op.ExtInst, Glsl450.Asin): (_beyond("asin"),),
+    (Op.ExtInst, Glsl450.Acos): (_beyond("acos"),),
+    (Op.ExtInst, Glsl450.Acosh): (
+        Check("acosh below 1", lambda x: x - 1.0, lambda x: f"acosh({x:.9g})"),
+    ),
+    (Op.ExtInst, Glsl450.Atanh): (
         Check("atanh beyond 1", lambda x: 1.0 - np.abs(x), lambda x: f"atanh({x:.9g})", _at_most_0),
     ),
-    (_EXTENDED, 25): (_ATAN,),
-    (_EXTENDED, 26): (_POW, _POW_0),
-    (_EXTENDED, 28): (_not_above_0("log"),),
-    (_EXTENDED, 30): (_not_above_0("log2"),),
-    (_EXTENDED, 31): (_below_0("sqrt"),),
-    (_EXTENDED, 32): (_not_above_0("inversesqrt"),),
-    (_EXTENDED, 43): (_CLAMP,),
-    (_EXTENDED, 44): (_CLAMP,),
-    (_EXTENDED, 45): (_CLAMP,),
-    (_EXTENDED, 49): (_SMOOTHSTEP,),
-    (_EXTENDED, 69): (_NORMALIZE,),
+    (Op.ExtInst, Glsl450.Atan2): (_ATAN,),
+    (Op.ExtInst, Glsl450.Pow): (_POW, _POW_0),
+    (Op.ExtInst, Glsl450.Log): (_not_above_0("log"),),
+    (Op.ExtInst, Glsl450.Log2): (_not_above_0("log2"),),
+    (Op.ExtInst, Glsl450.Sqrt): (_below_0("sqrt"),),
+    (Op.ExtInst, Glsl450.InverseSqrt): (_not_above_0("inversesqrt"),),
+    (Op.ExtInst, Glsl450.FClamp): (_CLAMP,),
+    (Op.ExtInst, Glsl450.UClamp): (_CLAMP,),
+    (Op.ExtInst, Glsl450.SClamp): (_CLAMP,),
+    (Op.ExtInst, Glsl450.SmoothStep): (_SMOOTHSTEP,),
+    (Op.ExtInst, Glsl450.Normalize): (_NORMALIZE,),
 }
 """By opcode and the number of GLSL.std.450's instruction, 0 for all others."""
 
@@ -425,9 +428,9 @@ INDEX = Check(
 
 def number_of(op: int, operands: tuple[int, ...]) -> tuple[int, int]:
     """What `CHECKS` has an instruction by."""
-    return (op, operands[1]) if op == _EXTENDED else (op, 0)
+    return (op, operands[1]) if op == Op.ExtInst else (op, 0)
 
 
 def arguments_of(op: int, operands: tuple[int, ...]) -> tuple[int, ...]:
     """The ids of an instruction's operands that are values."""
-    return operands[2:] if op == _EXTENDED else operands
+    return operands[2:] if op == Op.ExtInst else operands

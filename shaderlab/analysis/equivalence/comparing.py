@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Band, Integer, Truth
+from shaderlab.compiler.spirv import Op
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.model.frame import Array
 
@@ -487,7 +488,6 @@ def _narrower(old: Any, new: Any) -> bool:
     return _wider(new, old)
 
 
-_KILL = 252  # OpKill
 _SOON, _MORE = 128, 16  # stored values that are compared first; how many times as many then
 Differ = Callable[[Any, Any], bool]
 
@@ -573,5 +573,5 @@ def discards(program: Program) -> list[int]:
         for function in program.functions.values()
         for block in function.blocks.values()
         for instruction in block
-        if instruction.op == _KILL
+        if instruction.op == Op.Kill
     )

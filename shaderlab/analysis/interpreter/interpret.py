@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Integer, Truth
-from shaderlab.compiler.reflection import Decoration, Storage, leaves, unwrap
+from shaderlab.compiler.reflection import leaves
+from shaderlab.compiler.spirv import Decoration, StorageClass, unwrap
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array, Bindings
 
@@ -44,7 +45,7 @@ def undefined_outputs(program: Program, arithmetic: Arithmetic) -> dict[int, Val
     return {
         id_: undefined(type_, arithmetic)
         for id_, (type_, storage) in program.variables.items()
-        if storage == Storage.OUTPUT
+        if storage == StorageClass.Output
     }
 
 
@@ -52,7 +53,7 @@ def outputs_of(program: Program, memory: Mapping[int, Value], count: int) -> dic
     """Each output that was written, by name, with a row for every invocation."""
     found: dict[str, Any] = {}
     for id_, (pointee, storage) in program.module.variables.items():
-        if storage != Storage.OUTPUT or memory.get(id_) is None:
+        if storage != StorageClass.Output or memory.get(id_) is None:
             continue
         for leaf in leaves(program.module, pointee, called(program, id_)):
             value = memory[id_]
@@ -80,8 +81,8 @@ def buffers_of(program: Program, memory: Mapping[int, Value], count: int) -> dic
 def is_buffer(program: Program, id_: int) -> bool:
     """Whether a variable is a storage buffer."""
     pointee, storage = program.module.variables[id_]
-    kind = program.module.decorated(pointee, Decoration.BUFFER_BLOCK)
-    return storage == Storage.STORAGE_BUFFER or kind is not None
+    kind = program.module.decorated(pointee, Decoration.BufferBlock)
+    return storage == StorageClass.StorageBuffer or kind is not None
 
 
 def _is_missing(value: Value) -> bool:
@@ -98,7 +99,7 @@ def called(program: Program, id_: int) -> str:
     if id_ not in module.variables:
         return name
     element = unwrap(module, module.variables[id_][0])[1]
-    kinds = (Decoration.BLOCK, Decoration.BUFFER_BLOCK)
+    kinds = (Decoration.Block, Decoration.BufferBlock)
     if all(module.decorated(element, kind) is None for kind in kinds):
         return name
     return module.names.get(element, "") if name else ""

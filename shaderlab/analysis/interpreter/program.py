@@ -9,14 +9,15 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from shaderlab.compiler.compile_cache import compiled_with_lines
-from shaderlab.compiler.reflection import (
+from shaderlab.compiler.sources import Source
+from shaderlab.compiler.spirv import (
+    ExecutionMode,
     Instruction as Raw,
     Module,
     Op,
-    Storage,
+    StorageClass,
     parse,
 )
-from shaderlab.compiler.sources import Source
 from shaderlab.errors import NotInterpretedError, ShaderError
 
 Kind = Literal[
@@ -138,30 +139,29 @@ def _plain(kind: Kind) -> _Maker:
 
 _Maker = Callable[[Types, int, Raw], Type]
 _MAKERS: Mapping[int, _Maker] = {
-    Op.TYPE_VOID: _plain("void"),
-    Op.TYPE_BOOL: _plain("bool"),
-    Op.TYPE_INT: lambda types, id_, declared: types.number("int", declared),
-    Op.TYPE_FLOAT: lambda types, id_, declared: types.number("float", declared),
-    Op.TYPE_VECTOR: _several("vector"),
-    Op.TYPE_MATRIX: _several("matrix"),
-    Op.TYPE_IMAGE: _plain("image"),
-    Op.TYPE_SAMPLER: _plain("image"),
-    Op.TYPE_SAMPLED_IMAGE: _plain("image"),
-    Op.TYPE_ARRAY: Types.array,
-    Op.TYPE_RUNTIME_ARRAY: _several("array"),
-    Op.TYPE_STRUCT: Types.struct,
+    Op.TypeVoid: _plain("void"),
+    Op.TypeBool: _plain("bool"),
+    Op.TypeInt: lambda types, id_, declared: types.number("int", declared),
+    Op.TypeFloat: lambda types, id_, declared: types.number("float", declared),
+    Op.TypeVector: _several("vector"),
+    Op.TypeMatrix: _several("matrix"),
+    Op.TypeImage: _plain("image"),
+    Op.TypeSampler: _plain("image"),
+    Op.TypeSampledImage: _plain("image"),
+    Op.TypeArray: Types.array,
+    Op.TypeRuntimeArray: _several("array"),
+    Op.TypeStruct: Types.struct,
 }
 
 
 _PARAMETER, _FUNCTION_END, _LABEL, _NO_LINE = 55, 56, 248, 317
-_LOCAL_SIZE = 17
 BARRIER = 224
 INPUTS = (
-    Storage.INPUT,
-    Storage.UNIFORM_CONSTANT,
-    Storage.UNIFORM,
-    Storage.PUSH_CONSTANT,
-    Storage.STORAGE_BUFFER,
+    StorageClass.Input,
+    StorageClass.UniformConstant,
+    StorageClass.Uniform,
+    StorageClass.PushConstant,
+    StorageClass.StorageBuffer,
 )
 
 
@@ -236,14 +236,14 @@ class Program:
     @functools.cached_property
     def workgroup(self) -> tuple[int, int, int]:
         """A compute stage's workgroup in x, y and z; one invocation of other stages."""
-        x, y, z = (*self.module.modes.get(_LOCAL_SIZE, ()), 1, 1, 1)[:3]
+        x, y, z = (*self.module.modes.get(ExecutionMode.LocalSize, ()), 1, 1, 1)[:3]
         return x, y, z
 
     @functools.cached_property
     def lanes(self) -> int:
         """How many invocations are to be run together: a workgroup where it shares variables or
         waits, else one."""
-        shares = any(storage == Storage.WORKGROUP for _, storage in self.variables.values())
+        shares = any(storage == StorageClass.Workgroup for _, storage in self.variables.values())
         return math.prod(self.workgroup) if shares or self.line_of(BARRIER) else 1
 
     def line_of(self, op: int) -> int:
@@ -298,9 +298,9 @@ def read(data: bytes, source: Source | None = None) -> Program:
     line, function, block = 0, Function(0), []
     for raw in module.body:
         op, words = raw.op, raw.words
-        if op == Op.LINE:
+        if op == Op.Line:
             line = words[1]
-        elif op == Op.FUNCTION:
+        elif op == Op.Function:
             function = program.functions[words[1]] = Function(words[1], words[0])
         elif op == _PARAMETER:
             function.parameters[words[1]] = words[0]
@@ -309,7 +309,7 @@ def read(data: bytes, source: Source | None = None) -> Program:
         elif op not in (_FUNCTION_END, _NO_LINE):
             instruction = _decoded(module, raw, line)
             block.append(instruction)
-            if op == Op.VARIABLE:
+            if op == Op.Variable:
                 pointee, storage = module.pointers[words[0]]
                 program.variables[words[1]] = (program.types[pointee], storage)
                 function.variables.append(words[1])

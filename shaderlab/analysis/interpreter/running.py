@@ -10,7 +10,7 @@ import numpy as np
 
 from shaderlab.bands import Band, Integer, Truth
 from shaderlab.bands.truth import as_truth
-from shaderlab.compiler.reflection import Op, Storage
+from shaderlab.compiler.spirv import Op, StorageClass
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.model.frame import Array
 
@@ -62,7 +62,7 @@ def value(run: Run, id_: int) -> Value:
         return composed(type_, run.values(words[2:]))
     if op == _NULL:
         return null(type_, run.arithmetic)
-    if op == Op.UNDEFINED:
+    if op == Op.Undef:
         return undefined(type_, run.arithmetic)
     handler = HANDLERS.get(words[2]) if op == _OPERATION else None
     if handler is None:
@@ -172,20 +172,18 @@ Branch = Callable[["Run", Function, int, Instruction, World], Leaving]
 """Ends a block, in a run, of a function, with its label."""
 
 BRANCHES: Mapping[int, Branch] = {
-    249: _branch,
-    250: _conditional,
-    251: _switch,
-    252: _kill,
-    253: _return,
-    254: _return_value,
-    255: _unreachable,
+    Op.Branch: _branch,
+    Op.BranchConditional: _conditional,
+    Op.Switch: _switch,
+    Op.Kill: _kill,
+    Op.Return: _return,
+    Op.ReturnValue: _return_value,
+    Op.Unreachable: _unreachable,
 }
-"""By opcode: OpBranch, OpBranchConditional, OpSwitch, OpKill, OpReturn, OpReturnValue,
-OpUnreachable."""
 
 
-_LOAD, _OR, _AND, _NOT = 61, 166, 167, 168
-_LESS, _GREATER = (184, 188), (186, 190)
+_LESS = (Op.FOrdLessThan, Op.FOrdLessThanEqual)
+_GREATER = (Op.FOrdGreaterThan, Op.FOrdGreaterThanEqual)
 
 
 def narrow(run: Run, condition: int, holds: bool, world: World) -> None:
@@ -193,9 +191,9 @@ def narrow(run: Run, condition: int, holds: bool, world: World) -> None:
     at = run.program.definitions.get(condition)
     if at is None:
         return
-    if at.op == _NOT:
+    if at.op == Op.LogicalNot:
         narrow(run, at.operands[0], not holds, world)
-    elif at.op == (_AND if holds else _OR):
+    elif at.op == (Op.LogicalAnd if holds else Op.LogicalOr):
         for part in at.operands:
             narrow(run, part, holds, world)
     elif at.op in _LESS or at.op in _GREATER:
@@ -210,7 +208,7 @@ def narrow(run: Run, condition: int, holds: bool, world: World) -> None:
 def _bound(run: Run, operand: int, world: World, low: Any, high: Any) -> None:
     """Bound the variable that an operand was loaded from, if it still holds that value."""
     at: Instruction | None = run.program.definitions.get(operand)
-    pointer = run.value(at.operands[0]) if at is not None and at.op == _LOAD else None
+    pointer = run.value(at.operands[0]) if at is not None and at.op == Op.Load else None
     if not isinstance(pointer, Pointer) or pointer.path:
         return
     band: Band = run.value(operand)
@@ -236,7 +234,7 @@ def steps_of(block: list[Instruction]) -> Steps:
     for at in block:
         if at.op in BRANCHES:
             return steps, BRANCHES[at.op], at
-        steps.append((HANDLERS.get(at.op, _unknown), at, at.op == Op.FUNCTION_CALL))
+        steps.append((HANDLERS.get(at.op, _unknown), at, at.op == Op.FunctionCall))
     raise NotInterpretedError("not interpreted: a block without an end")
 
 
@@ -305,7 +303,7 @@ class Emission:
 
 def _outputs(run: Run, world: World) -> Iterator[tuple[int, Value]]:
     for id_, (type_, storage) in run.program.variables.items():
-        if storage == Storage.OUTPUT:
+        if storage == StorageClass.Output:
             value = world.memory.get(id_)
             yield id_, undefined(type_, run.arithmetic) if value is None else value
 

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab.compiler.reflection import Variable, parse
+from shaderlab.compiler.reflection import Variable
 from shaderlab.compiler.sources import Source
+from shaderlab.compiler.spirv import parse
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Bindings

@@ -16,19 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.reflection import (
-    Block,
-    Decoration,
-    Module,
-    Storage,
-    Variable,
-    own_variables,
-    parse,
-    reflect,
-    stage_variables,
-    unwrap,
-)
+from shaderlab.compiler.reflection import Block, Variable, own_variables, reflect, stage_variables
 from shaderlab.compiler.sources import Source
+from shaderlab.compiler.spirv import Decoration, Module, StorageClass, parse, unwrap
 from shaderlab.compiler.verdicts import interface_name
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.activity import doing
@@ -128,23 +118,23 @@ def bindings_of(modules: Mapping[str, bytes]) -> dict[str, Binding]:
     for data in modules.values():
         module = parse(data)
         for name, id_, storage in _bound(module):
-            if module.number(id_, Decoration.DESCRIPTOR_SET):
+            if module.number(id_, Decoration.DescriptorSet):
                 raise UnsupportedError(f"{name}: descriptor sets but the first")
             lengths, _ = unwrap(module, module.variables[id_][0])
             block = blocks.get(name)
-            kind = SAMPLED if storage == Storage.UNIFORM_CONSTANT else UNIFORM
+            kind = SAMPLED if storage == StorageClass.UniformConstant else UNIFORM
             if block is not None and block.kind == "storage":
                 kind = STORED
-            number = module.number(id_, Decoration.BINDING) or 0
+            number = module.number(id_, Decoration.Binding) or 0
             found[name] = Binding(number, kind, lengths[0] if lengths else 1, block)
     return found
 
 
 def _bound(module: Module) -> Iterator[tuple[str, int, int]]:
-    for storage in (Storage.UNIFORM_CONSTANT, Storage.UNIFORM, Storage.STORAGE_BUFFER):
+    for storage in (StorageClass.UniformConstant, StorageClass.Uniform, StorageClass.StorageBuffer):
         for id_ in own_variables(module, storage):
             yield interface_name(module, id_), id_, storage
-    for id_ in own_variables(module, Storage.PUSH_CONSTANT):
+    for id_ in own_variables(module, StorageClass.PushConstant):
         raise UnsupportedError(f"{interface_name(module, id_)}: push constants have no values here")
 
 
@@ -296,9 +286,9 @@ class Program:
         self._device = device
         self._resources = Resources(device)
         self.bindings = bindings_of(modules)
-        self.attributes = _variables(modules["vertex"], Storage.INPUT)
+        self.attributes = _variables(modules["vertex"], StorageClass.Input)
         self.outputs = (
-            _variables(modules["fragment"], Storage.OUTPUT) if "fragment" in modules else {}
+            _variables(modules["fragment"], StorageClass.Output) if "fragment" in modules else {}
         )
         self.set_layout = new_set_layout(self._resources, self.bindings)
         structs = Structs()

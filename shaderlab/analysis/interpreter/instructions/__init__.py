@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from shaderlab.compiler.spirv import Op
+
 from .arithmetic import COMPOSITES, DERIVATIVES, EXTENDED, FLOATS, INTEGERS, LOGIC, Handler
 from .textures import TEXTURES
 from .variables import STAGES, VARIABLES
@@ -25,13 +27,13 @@ HANDLERS: Mapping[int, Handler] = {
 }
 
 NAMES: Mapping[int, str] = {
-    60: "an atomic operation on an image",
-    63: "CopyMemory",
-    115: "a double",
-    98: "imageLoad",
-    99: "imageStore",
-    **dict.fromkeys(range(227, 243), "an atomic operation"),
-    220: "EmitStreamVertex",
-    221: "EndStreamPrimitive",
+    Op.ImageTexelPointer: "an atomic operation on an image",
+    Op.CopyMemory: "CopyMemory",
+    Op.FConvert: "a double",
+    Op.ImageRead: "imageLoad",
+    Op.ImageWrite: "imageStore",
+    **dict.fromkeys(range(Op.AtomicLoad, Op.AtomicXor + 1), "an atomic operation"),
+    Op.EmitStreamVertex: "EmitStreamVertex",
+    Op.EndStreamPrimitive: "EndStreamPrimitive",
 }
 """What GLSL calls those that have no handler."""

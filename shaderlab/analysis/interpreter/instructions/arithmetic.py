@@ -15,6 +15,7 @@ from shaderlab.bands.hulls import product_bounds
 from shaderlab.bands.rounding import RELATIVE_STEP
 from shaderlab.bands.terms import Terms
 from shaderlab.bands.truth import as_truth
+from shaderlab.compiler.spirv import Glsl450 as G, Op
 from shaderlab.errors import FormulaError
 
 from ..program import Instruction, Type
@@ -205,13 +206,13 @@ def _shuffle(run: Run, at: Instruction, world: World) -> Any:
 
 
 COMPOSITES: Mapping[int, Handler] = {
-    77: _extract_dynamic,
-    78: _insert_dynamic,
-    79: _shuffle,
-    80: _construct,
-    81: _extract,
-    82: _insert,
-    84: calling("transpose"),
+    Op.VectorExtractDynamic: _extract_dynamic,
+    Op.VectorInsertDynamic: _insert_dynamic,
+    Op.VectorShuffle: _shuffle,
+    Op.CompositeConstruct: _construct,
+    Op.CompositeExtract: _extract,
+    Op.CompositeInsert: _insert,
+    Op.Transpose: calling("transpose"),
 }
 
 
@@ -224,23 +225,23 @@ def _different(a: Truth, b: Truth) -> Truth:
 
 
 LOGIC: Mapping[int, Handler] = {
-    154: of_values(Truth.any),
-    155: of_values(Truth.all),
-    156: _comparing(glslmath.isnan),
-    157: _comparing(glslmath.isinf),
-    164: of_values(lambda a, b: ~_different(a, b)),
-    165: of_values(_different),
-    166: of_values(operator.or_),
-    167: of_values(operator.and_),
-    168: of_values(operator.invert),
-    169: of_values(select),
-    180: _comparing(operator.eq),
-    182: _comparing(operator.ne),
-    183: _comparing(operator.ne),
-    184: _comparing(operator.lt),
-    186: _comparing(operator.gt),
-    188: _comparing(operator.le),
-    190: _comparing(operator.ge),
+    Op.Any: of_values(Truth.any),
+    Op.All: of_values(Truth.all),
+    Op.IsNan: _comparing(glslmath.isnan),
+    Op.IsInf: _comparing(glslmath.isinf),
+    Op.LogicalEqual: of_values(lambda a, b: ~_different(a, b)),
+    Op.LogicalNotEqual: of_values(_different),
+    Op.LogicalOr: of_values(operator.or_),
+    Op.LogicalAnd: of_values(operator.and_),
+    Op.LogicalNot: of_values(operator.invert),
+    Op.Select: of_values(select),
+    Op.FOrdEqual: _comparing(operator.eq),
+    Op.FOrdNotEqual: _comparing(operator.ne),
+    Op.FUnordNotEqual: _comparing(operator.ne),
+    Op.FOrdLessThan: _comparing(operator.lt),
+    Op.FOrdGreaterThan: _comparing(operator.gt),
+    Op.FOrdLessThanEqual: _comparing(operator.le),
+    Op.FOrdGreaterThanEqual: _comparing(operator.ge),
 }
 """The comparisons are those that glslang writes: ordered ones, and != that holds for NaN."""
 
@@ -275,25 +276,25 @@ def _bitcast(run: Run, at: Instruction, world: World) -> Any:
 
 
 FLOATS: Mapping[int, Handler] = {
-    109: calling("uint"),
-    110: calling("int"),
-    111: _from_integer,
-    112: _from_integer,
-    124: _bitcast,
-    127: exactly("negate"),
-    129: exactly("add"),
-    131: exactly("subtract"),
-    133: exactly("multiply"),
-    136: calling("divide"),
-    140: calling("remainder"),
-    141: exactly("mod"),
-    142: exactly("multiply"),
-    143: _matrix_times_scalar,
-    144: _vector_times_matrix,
-    145: calling("mul"),
-    146: calling("matmul"),
-    147: calling("outerProduct"),
-    148: calling("dot"),
+    Op.ConvertFToU: calling("uint"),
+    Op.ConvertFToS: calling("int"),
+    Op.ConvertSToF: _from_integer,
+    Op.ConvertUToF: _from_integer,
+    Op.Bitcast: _bitcast,
+    Op.FNegate: exactly("negate"),
+    Op.FAdd: exactly("add"),
+    Op.FSub: exactly("subtract"),
+    Op.FMul: exactly("multiply"),
+    Op.FDiv: calling("divide"),
+    Op.FRem: calling("remainder"),
+    Op.FMod: exactly("mod"),
+    Op.VectorTimesScalar: exactly("multiply"),
+    Op.MatrixTimesScalar: _matrix_times_scalar,
+    Op.VectorTimesMatrix: _vector_times_matrix,
+    Op.MatrixTimesVector: calling("mul"),
+    Op.MatrixTimesMatrix: calling("matmul"),
+    Op.OuterProduct: calling("outerProduct"),
+    Op.Dot: calling("dot"),
 }
 
 
@@ -318,41 +319,49 @@ def _derivative(function: str) -> Handler:
 
 
 DERIVATIVES: Mapping[int, Handler] = {
-    207: _derivative("dFdx"),
-    208: _derivative("dFdy"),
-    209: _derivative("fwidth"),
-    210: _derivative("dFdxFine"),
-    211: _derivative("dFdyFine"),
-    212: _derivative("fwidthFine"),
-    213: _derivative("dFdxCoarse"),
-    214: _derivative("dFdyCoarse"),
-    215: _derivative("fwidthCoarse"),
+    Op.DPdx: _derivative("dFdx"),
+    Op.DPdy: _derivative("dFdy"),
+    Op.Fwidth: _derivative("fwidth"),
+    Op.DPdxFine: _derivative("dFdxFine"),
+    Op.DPdyFine: _derivative("dFdyFine"),
+    Op.FwidthFine: _derivative("fwidthFine"),
+    Op.DPdxCoarse: _derivative("dFdxCoarse"),
+    Op.DPdyCoarse: _derivative("dFdyCoarse"),
+    Op.FwidthCoarse: _derivative("fwidthCoarse"),
 }
 
 
-_FLOATS = {
-    1: "round", 2: "roundEven", 3: "trunc", 4: "abs", 6: "sign", 8: "floor", 9: "ceil",
-    10: "fract", 11: "radians", 12: "degrees", 13: "sin", 14: "cos", 15: "tan", 16: "asin",
-    17: "acos", 18: "atan", 19: "sinh", 20: "cosh", 21: "tanh", 22: "asinh", 23: "acosh",
-    24: "atanh", 25: "atan", 26: "pow", 27: "exp", 28: "log", 29: "exp2", 30: "log2", 31: "sqrt",
-    32: "inversesqrt", 33: "determinant", 34: "inverse", 36: "modf", 37: "min", 40: "max",
-    43: "clamp", 46: "mix", 48: "step", 49: "smoothstep", 50: "fma", 52: "frexp", 53: "ldexp",
-    66: "length", 67: "distance", 68: "cross", 69: "normalize", 70: "faceforward", 71: "reflect",
-    72: "refract",
+_FLOATS: Mapping[int, str] = {
+    G.Round: "round", G.RoundEven: "roundEven", G.Trunc: "trunc", G.FAbs: "abs",
+    G.FSign: "sign", G.Floor: "floor", G.Ceil: "ceil", G.Fract: "fract", G.Radians: "radians",
+    G.Degrees: "degrees", G.Sin: "sin", G.Cos: "cos", G.Tan: "tan", G.Asin: "asin",
+    G.Acos: "acos", G.Atan: "atan", G.Sinh: "sinh", G.Cosh: "cosh", G.Tanh: "tanh",
+    G.Asinh: "asinh", G.Acosh: "acosh", G.Atanh: "atanh", G.Atan2: "atan", G.Pow: "pow",
+    G.Exp: "exp", G.Log: "log", G.Exp2: "exp2", G.Log2: "log2", G.Sqrt: "sqrt",
+    G.InverseSqrt: "inversesqrt", G.Determinant: "determinant", G.MatrixInverse: "inverse",
+    G.ModfStruct: "modf", G.FMin: "min", G.FMax: "max", G.FClamp: "clamp", G.FMix: "mix",
+    G.Step: "step", G.SmoothStep: "smoothstep", G.Fma: "fma", G.FrexpStruct: "frexp",
+    G.Ldexp: "ldexp", G.Length: "length", G.Distance: "distance", G.Cross: "cross",
+    G.Normalize: "normalize", G.FaceForward: "faceforward", G.Reflect: "reflect",
+    G.Refract: "refract",
 }  # fmt: skip
-_INTEGERS = {
-    5: ("abs", False), 7: ("sign", False), 38: ("min", True), 39: ("min", False),
-    41: ("max", True), 42: ("max", False), 44: ("clamp", True), 45: ("clamp", False),
-    73: ("findLSB", None), 74: ("findMSB", False), 75: ("findMSB", True),
+_INTEGERS: Mapping[int, tuple[str, bool | None]] = {
+    G.SAbs: ("abs", False), G.SSign: ("sign", False), G.UMin: ("min", True),
+    G.SMin: ("min", False), G.UMax: ("max", True), G.SMax: ("max", False),
+    G.UClamp: ("clamp", True), G.SClamp: ("clamp", False), G.FindILsb: ("findLSB", None),
+    G.FindSMsb: ("findMSB", False), G.FindUMsb: ("findMSB", True),
 }  # fmt: skip
-_PACKING = {
-    54: "packSnorm4x8", 55: "packUnorm4x8", 56: "packSnorm2x16", 57: "packUnorm2x16",
-    58: "packHalf2x16", 60: "unpackSnorm2x16", 61: "unpackUnorm2x16", 62: "unpackHalf2x16",
-    63: "unpackSnorm4x8", 64: "unpackUnorm4x8",
+_PACKING: Mapping[int, str] = {
+    G.PackSnorm4x8: "packSnorm4x8", G.PackUnorm4x8: "packUnorm4x8",
+    G.PackSnorm2x16: "packSnorm2x16", G.PackUnorm2x16: "packUnorm2x16",
+    G.PackHalf2x16: "packHalf2x16", G.UnpackSnorm2x16: "unpackSnorm2x16",
+    G.UnpackUnorm2x16: "unpackUnorm2x16", G.UnpackHalf2x16: "unpackHalf2x16",
+    G.UnpackSnorm4x8: "unpackSnorm4x8", G.UnpackUnorm4x8: "unpackUnorm4x8",
 }  # fmt: skip
-_UNKNOWN = {
-    35: "modf", 51: "frexp", 59: "packDouble2x32", 65: "unpackDouble2x32",
-    76: "interpolateAtCentroid", 77: "interpolateAtSample", 78: "interpolateAtOffset",
+_UNKNOWN: Mapping[int, str] = {
+    G.Modf: "modf", G.Frexp: "frexp", G.PackDouble2x32: "packDouble2x32",
+    G.UnpackDouble2x32: "unpackDouble2x32", G.InterpolateAtCentroid: "interpolateAtCentroid",
+    G.InterpolateAtSample: "interpolateAtSample", G.InterpolateAtOffset: "interpolateAtOffset",
 }  # fmt: skip
 
 
@@ -383,7 +392,7 @@ def _kept(run: Run, value: Any, world: World) -> Any:
     return value
 
 
-EXTENDED: Mapping[int, Handler] = {12: _extended}
+EXTENDED: Mapping[int, Handler] = {Op.ExtInst: _extended}
 
 
 def whole_numbers(
@@ -444,39 +453,39 @@ def _comparing_integers(
 
 
 INTEGERS: Mapping[int, Handler] = {
-    126: whole_numbers(operator.neg),
-    128: whole_numbers(operator.add),
-    130: whole_numbers(operator.sub),
-    132: whole_numbers(operator.mul),
-    134: whole_numbers(operator.truediv, unsigned=True),
-    135: whole_numbers(operator.truediv, unsigned=False),
-    137: whole_numbers(operator.mod, unsigned=True),
-    138: whole_numbers(operator.mod, unsigned=False),
-    139: whole_numbers(operator.mod, unsigned=False),
-    149: whole_numbers(glslmath.uaddCarry, unsigned=True),
-    150: whole_numbers(glslmath.usubBorrow, unsigned=True),
-    151: whole_numbers(lambda a, b: glslmath.umulExtended(a, b)[::-1], unsigned=True),
-    152: whole_numbers(lambda a, b: glslmath.imulExtended(a, b)[::-1], unsigned=False),
-    170: _comparing_integers(operator.eq),
-    171: _comparing_integers(operator.ne),
-    172: _comparing_integers(operator.gt, unsigned=True),
-    173: _comparing_integers(operator.gt, unsigned=False),
-    174: _comparing_integers(operator.ge, unsigned=True),
-    175: _comparing_integers(operator.ge, unsigned=False),
-    176: _comparing_integers(operator.lt, unsigned=True),
-    177: _comparing_integers(operator.lt, unsigned=False),
-    178: _comparing_integers(operator.le, unsigned=True),
-    179: _comparing_integers(operator.le, unsigned=False),
-    194: whole_numbers(operator.rshift, unsigned=True),
-    195: whole_numbers(operator.rshift, unsigned=False),
-    196: whole_numbers(operator.lshift),
-    197: whole_numbers(operator.or_),
-    198: whole_numbers(operator.xor),
-    199: whole_numbers(operator.and_),
-    200: whole_numbers(operator.invert),
-    201: whole_numbers(glslmath.bitfieldInsert, bits=True),
-    202: whole_numbers(glslmath.bitfieldExtract, bits=True),
-    203: whole_numbers(glslmath.bitfieldExtract, bits=True),
-    204: whole_numbers(glslmath.bitfieldReverse),
-    205: whole_numbers(glslmath.bitCount),
+    Op.SNegate: whole_numbers(operator.neg),
+    Op.IAdd: whole_numbers(operator.add),
+    Op.ISub: whole_numbers(operator.sub),
+    Op.IMul: whole_numbers(operator.mul),
+    Op.UDiv: whole_numbers(operator.truediv, unsigned=True),
+    Op.SDiv: whole_numbers(operator.truediv, unsigned=False),
+    Op.UMod: whole_numbers(operator.mod, unsigned=True),
+    Op.SRem: whole_numbers(operator.mod, unsigned=False),
+    Op.SMod: whole_numbers(operator.mod, unsigned=False),
+    Op.IAddCarry: whole_numbers(glslmath.uaddCarry, unsigned=True),
+    Op.ISubBorrow: whole_numbers(glslmath.usubBorrow, unsigned=True),
+    Op.UMulExtended: whole_numbers(lambda a, b: glslmath.umulExtended(a, b)[::-1], unsigned=True),
+    Op.SMulExtended: whole_numbers(lambda a, b: glslmath.imulExtended(a, b)[::-1], unsigned=False),
+    Op.IEqual: _comparing_integers(operator.eq),
+    Op.INotEqual: _comparing_integers(operator.ne),
+    Op.UGreaterThan: _comparing_integers(operator.gt, unsigned=True),
+    Op.SGreaterThan: _comparing_integers(operator.gt, unsigned=False),
+    Op.UGreaterThanEqual: _comparing_integers(operator.ge, unsigned=True),
+    Op.SGreaterThanEqual: _comparing_integers(operator.ge, unsigned=False),
+    Op.ULessThan: _comparing_integers(operator.lt, unsigned=True),
+    Op.SLessThan: _comparing_integers(operator.lt, unsigned=False),
+    Op.ULessThanEqual: _comparing_integers(operator.le, unsigned=True),
+    Op.SLessThanEqual: _comparing_integers(operator.le, unsigned=False),
+    Op.ShiftRightLogical: whole_numbers(operator.rshift, unsigned=True),
+    Op.ShiftRightArithmetic: whole_numbers(operator.rshift, unsigned=False),
+    Op.ShiftLeftLogical: whole_numbers(operator.lshift),
+    Op.BitwiseOr: whole_numbers(operator.or_),
+    Op.BitwiseXor: whole_numbers(operator.xor),
+    Op.BitwiseAnd: whole_numbers(operator.and_),
+    Op.Not: whole_numbers(operator.invert),
+    Op.BitFieldInsert: whole_numbers(glslmath.bitfieldInsert, bits=True),
+    Op.BitFieldSExtract: whole_numbers(glslmath.bitfieldExtract, bits=True),
+    Op.BitFieldUExtract: whole_numbers(glslmath.bitfieldExtract, bits=True),
+    Op.BitReverse: whole_numbers(glslmath.bitfieldReverse),
+    Op.BitCount: whole_numbers(glslmath.bitCount),
 }

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands import Band, Integer, Rules, Truth
+from shaderlab.compiler.spirv import Op
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath import sampling
 from shaderlab.glslmath.sampling import Sampler
@@ -322,22 +323,22 @@ def _image(run: Run, at: Instruction, world: World) -> Any:
 
 
 TEXTURES: Mapping[int, Handler] = {
-    86: _image,
-    87: _sample(),
-    88: _sample(),
-    89: _sample(compared=True),
-    90: _sample(compared=True),
-    91: _sample(projected=True),
-    92: _sample(projected=True),
-    93: _sample(compared=True, projected=True),
-    94: _sample(compared=True, projected=True),
-    95: _fetch,
-    96: _gather(compared=False),
-    97: _gather(compared=True),
-    100: _image,
-    103: _size,
-    104: _size,
-    105: _query_lod,
-    106: _levels,
-    107: _samples,
+    Op.SampledImage: _image,
+    Op.ImageSampleImplicitLod: _sample(),
+    Op.ImageSampleExplicitLod: _sample(),
+    Op.ImageSampleDrefImplicitLod: _sample(compared=True),
+    Op.ImageSampleDrefExplicitLod: _sample(compared=True),
+    Op.ImageSampleProjImplicitLod: _sample(projected=True),
+    Op.ImageSampleProjExplicitLod: _sample(projected=True),
+    Op.ImageSampleProjDrefImplicitLod: _sample(compared=True, projected=True),
+    Op.ImageSampleProjDrefExplicitLod: _sample(compared=True, projected=True),
+    Op.ImageFetch: _fetch,
+    Op.ImageGather: _gather(compared=False),
+    Op.ImageDrefGather: _gather(compared=True),
+    Op.Image: _image,
+    Op.ImageQuerySizeLod: _size,
+    Op.ImageQuerySize: _size,
+    Op.ImageQueryLod: _query_lod,
+    Op.ImageQueryLevels: _levels,
+    Op.ImageQuerySamples: _samples,
 }

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.compiler.reflection import Op, Storage
+from shaderlab.compiler.spirv import Op, StorageClass
 
 from ..program import Instruction
 from ..values import (
@@ -54,7 +54,7 @@ def _load(run: Run, at: Instruction, world: World) -> Any:
         else:
             value = fetch(whole, path, world.mask)
     if type(value) is Missing:
-        if run.program.module.types[at.type].op == Op.TYPE_IMAGE:
+        if run.program.module.types[at.type].op == Op.TypeImage:
             raise run.program.not_interpreted(f"image {value.name}", at.line)
         raise NotGivenError.of(value)
     if value is None:
@@ -67,7 +67,7 @@ def _store(run: Run, at: Instruction, world: World) -> None:
     pointer: Pointer = run.value(at.operands[0])
     value = run.value(at.operands[1])
     type_, storage = run.program.variables[pointer.variable]
-    is_shared = storage == Storage.WORKGROUP
+    is_shared = storage == StorageClass.Workgroup
     memory = run.shared if is_shared else world.memory
     stored = value
     if pointer.path or is_shared:
@@ -120,17 +120,17 @@ def _merge(run: Run, at: Instruction, world: World) -> None:
 
 
 VARIABLES: Mapping[int, Handler] = {
-    1: _undefined,
-    57: _call,
-    59: _variable,
-    61: _load,
-    62: _store,
-    65: _access_chain,
-    66: _access_chain,
-    83: _copy,
-    245: _phi,
-    246: _merge,
-    247: _merge,
+    Op.Undef: _undefined,
+    Op.FunctionCall: _call,
+    Op.Variable: _variable,
+    Op.Load: _load,
+    Op.Store: _store,
+    Op.AccessChain: _access_chain,
+    Op.InBoundsAccessChain: _access_chain,
+    Op.CopyObject: _copy,
+    Op.Phi: _phi,
+    Op.LoopMerge: _merge,
+    Op.SelectionMerge: _merge,
 }
 
 
@@ -147,8 +147,8 @@ def _wait(run: Run, at: Instruction, world: World) -> None:
 
 
 STAGES: Mapping[int, Handler] = {
-    218: _emit_vertex,
-    219: _end_primitive,
-    224: _wait,
-    225: _wait,
+    Op.EmitVertex: _emit_vertex,
+    Op.EndPrimitive: _end_primitive,
+    Op.ControlBarrier: _wait,
+    Op.MemoryBarrier: _wait,
 }
