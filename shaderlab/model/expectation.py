@@ -18,16 +18,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 from shaderlab.model.checked import Checked
 from shaderlab.model.scene import Pixel
 
-from .frame import Frame, PassDraw
+from .frame import Frame, Need as Need, PassDraw, Programs as Programs, TypedNeed as TypedNeed
 from .records import Curve, Outcome, Plot
 
 _MOST_CALLERS = 32
 
 if TYPE_CHECKING:
     from shaderlab.model.case import Scene
-
-Programs = Mapping[str, tuple[Any, ...]]
-"""The compiled draws of each pass: `shaderlab.drivers.programs.PreparedDraw`."""
 
 
 @dataclass(frozen=True)
@@ -38,23 +35,6 @@ class Read:
     output: str
     pixel: Pixel | None = None
     draw: int | None = None
-
-
-class Need(ABC):
-    """What an expectation needs beyond the pictures. Equal needs are answered once a scene."""
-
-    @abstractmethod
-    def answer(self, context: Any) -> Any:
-        """Ask the device or the compilers, given a `shaderlab.engine.expectations.base.Context`.
-
-        Raises:
-            ShaderlabError: there is no answer.
-        """
-
-    def has_same_answer(self, programs: Programs, others: Programs) -> bool:
-        """Whether the answer must be the same for the same scene with `others` for its programs.
-        False where that can't be told."""
-        return False
 
 
 @dataclass(frozen=True, kw_only=True)

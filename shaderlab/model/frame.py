@@ -8,10 +8,11 @@ arrays for integers. Single numbers keep a last axis of one component.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -246,6 +247,35 @@ class TracedCall:
         return f"{called} → {self.returned}" if self.returned else called
 
 
+Programs = Mapping[str, tuple[Any, ...]]
+"""The compiled draws of each pass: `shaderlab.drivers.programs.PreparedDraw`."""
+Answer = TypeVar("Answer")
+
+
+class Need(ABC):
+    """What an expectation needs beyond the pictures. Equal needs are answered once a scene."""
+
+    @abstractmethod
+    def answer(self, context: Any) -> Any:
+        """Ask the device or the compilers, given a `shaderlab.engine.expectations.base.Context`.
+
+        Raises:
+            ShaderlabError: there is no answer.
+        """
+
+    def has_same_answer(self, programs: Programs, others: Programs) -> bool:
+        """Whether the answer must be the same for the same scene with `others` for its programs.
+        False where that can't be told."""
+        return False
+
+
+class TypedNeed(Need, Generic[Answer]):
+    """A need whose answer has a known type: a `TypedNeed[Samples]` is answered by samples."""
+
+    @abstractmethod
+    def answer(self, context: Any) -> Answer: ...
+
+
 @dataclass(frozen=True, kw_only=True)
 class Frame:
     """All that one scene gave.
@@ -257,8 +287,8 @@ class Frame:
         sample_positions: where the driver takes a pixel's samples, by pass, for passes that have
             several: (samples, 2), from the pixel's lower left corner, 0…1.
         subpixel_step: the grid that corners are moved to before they are rasterised, in pixels.
-        answers: what else expectations asked for, by their needs
-            (`shaderlab.model.Need`): captured inputs, probes, counts, layouts, verdicts.
+        answers: what else expectations asked for, by their needs: captured inputs, probes,
+            counts, layouts, verdicts; read by `answer`.
     """
 
     images: Mapping[tuple[str, str], Image]
@@ -266,4 +296,9 @@ class Frame:
     bindings: Mapping[PassDraw, Bindings]
     sample_positions: Mapping[str, Array] = field(default_factory=dict)
     subpixel_step: float = 2.0**-8
-    answers: Mapping[Any, Any] = field(default_factory=dict)
+    answers: Mapping[Need, Any] = field(default_factory=dict)
+
+    def answer(self, need: TypedNeed[Answer]) -> Answer:
+        """Return the answer to a need. Raises KeyError if the expectation did not name it."""
+        found: Answer = self.answers[need]
+        return found

@@ -27,8 +27,8 @@ from shaderlab.glslmath.sampling import Sampler
 from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array, Bindings, Texels
 
-from .as_written import as_written
 from .formats import located, name_of, source_of
+from .literals import with_literals
 
 Reference = Callable[..., Any]
 _TAKEN: WeakKeyDictionary[FunctionType, dict[str, bool]] = WeakKeyDictionary()
@@ -200,7 +200,7 @@ def evaluate(
         arguments[parameter] = Elements(map(convert, names)) if several else convert(names[0])
     try:
         with doing("reference"), np.errstate(all="ignore"):
-            formula = reference if rules is None else as_written(reference, rules)
+            formula = reference if rules is None else with_literals(reference, rules)
             return _numeric(formula(**arguments))
     except ShaderlabError as error:
         place = source_of(reference)

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from importlib import import_module
-from pkgutil import iter_modules
-from types import FunctionType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from shaderlab import glslmath as g, reference
-from shaderlab.bands import Band, Literal, Rules
-from shaderlab.engine.judging import as_written
-from shaderlab.engine.judging.as_written import has_floats, with_literals
+from shaderlab import glslmath as g
+from shaderlab.bands import Band, Rules
 from shaderlab.engine.judging.inputs import Inputs, evaluate
 from shaderlab.reference import gamma
 
@@ -165,47 +161,3 @@ def test_a_formula_without_source_or_with_a_memory_runs_as_it_is() -> None:
 def test_numbers_of_objects_stay_as_they_are() -> None:
     material = SimpleNamespace(ambient=0.3)
     assert band_of(lambda x: material.ambient * x).contains(F(0.3) * X).all()
-
-
-def formulas_of_the_lab() -> list[FunctionType]:
-    """Every function of the reference modules that has a float among its constants."""
-    modules = [
-        import_module(f"{reference.__name__}.{m.name}") for m in iter_modules(reference.__path__)
-    ]
-    found = [
-        value for m in modules for value in vars(m).values() if isinstance(value, FunctionType)
-    ]
-    return [f for f in dict.fromkeys(found) if has_floats(f.__code__.co_consts)]
-
-
-def test_constants_that_stand_as_they_are_need_no_parsing() -> None:
-    """Where the source need not be parsed, the same constants become literals."""
-    literal = functools.partial(Literal.of, rules=Rules())
-    spelt = {f: with_literals(f.__code__, literal) for f in formulas_of_the_lab()}
-    assert sum(code is not None for code in spelt.values()) > 0.5 * len(spelt)
-    for function, code in spelt.items():
-        parsed = as_written._unfolded(function.__code__)
-        if code is None or parsed is None:
-            continue
-        parts = [part for each in as_written._parts(code) for part in each.co_consts]
-        names = {name for part in as_written._parts(parsed) for name in part.co_names}
-        written = {repr(float(part)) for part in parts if isinstance(part, Literal)}
-        assert written == {name for name in names if name[0].isdigit()}, function.__qualname__
-        assert not any(type(part) is float for part in parts), function.__qualname__
-
-
-@pytest.mark.parametrize(
-    "folded",
-    [
-        difference,
-        lambda x: -0.5 * x,
-        lambda x: x in (0.5, 0.25),
-        lambda x, by=0.3: x * by,
-        lambda x: [y * (0.1 + 0.2) for y in x],
-        scaled,
-    ],
-)
-def test_constants_that_python_computes_are_parsed(folded: FunctionType) -> None:
-    """All but `scaled`, whose constants stand as they are."""
-    code = with_literals(folded.__code__, lambda value: Literal.of(value))
-    assert (code is None) == (folded is not scaled)
