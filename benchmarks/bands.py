@@ -38,7 +38,7 @@ from shaderlab.engine.lab import Lab
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Frame
 from shaderlab.model.options import RunOptions
-from shaderlab.workers.worker_main import keep_freed_memory
+from shaderlab.workers.worker import keep_freed_memory
 
 SIDE = 64
 LARGE = 512

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import errno
+import functools
 import os
 import stat
-from collections.abc import Callable, Iterable, Iterator
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import islice
 from pathlib import Path
@@ -255,3 +257,37 @@ def display_path(path: str | Path, line: int | None = None) -> str:
         if not relative.startswith(os.pardir):
             shown = relative
     return shown if line is None else f"{shown}:{line}"
+
+
+_STANDARD_LIBRARY = os.path.dirname(os.__file__)
+
+
+def sort_search_path(path: Sequence[str]) -> list[str]:
+    """Return a search path like `sys.path`, as absolute folders, Python's own first.
+
+    So a random.py of a project is not taken for the standard library's.
+    """
+    folders = [os.path.abspath(entry) if entry else os.getcwd() for entry in path]
+    return sorted(folders, key=lambda folder: not _is_pythons(folder))  # stable
+
+
+@contextmanager
+def search_folder(folder: str) -> Iterator[None]:
+    """Look for modules in `folder` too: after Python's own, before installed packages."""
+    entry = folder + os.sep  # another object than an equal entry that stays
+    first = (sys.path.index(known) for known in set(filter(_is_pythons, sys.path)))
+    sys.path.insert(max(first, default=-1) + 1, entry)
+    try:
+        yield
+    finally:
+        sys.path.remove(entry)
+
+
+@functools.lru_cache(256)
+def _is_pythons(folder: str) -> bool:
+    name = os.path.basename(folder)
+    return (
+        folder == _STANDARD_LIBRARY
+        or (name == "lib-dynload" and os.path.dirname(folder) == _STANDARD_LIBRARY)
+        or name == f"python{sys.version_info.major}{sys.version_info.minor}.zip"
+    )

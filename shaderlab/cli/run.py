@@ -16,7 +16,6 @@ from shaderlab.cli.files import output_options, uses_stdout
 from shaderlab.cli.options import make_executor, running_options
 from shaderlab.errors import UsageError
 from shaderlab.model.options import Limits, RunOptions
-from shaderlab.workers.fork_server import close_servers
 from shaderlab.workers.jobs import checked_driver
 
 if TYPE_CHECKING:
@@ -195,7 +194,7 @@ def command(
         recorded = compared_drivers(recorded, plan)
         if coverage and recorded.complete:
             recorded = with_coverage(recorded, executor, plan, show)
-        with _beside(workers_end.close, close_servers):
+        with _beside(workers_end.close):
             show.outcomes(recorded.run)
             show.gl_calls(recorded.run)
             show.coverage(recorded.run)

@@ -17,10 +17,10 @@ from pathlib import Path
 from types import ModuleType
 
 from shaderlab.errors import CaseError, ShaderlabError, nearest
+from shaderlab.files import search_folder
 from shaderlab.model.case import Case
 
 from .discovery import TREE_FILE, chapter_title, place, tree_of
-from .module_path import searched
 
 _PACKAGE = "shaderlab_cases_"
 _FOR_CASES = ("shaderlab", "shaderlab.glslmath", "shaderlab.glslmath.sampling", "shaderlab.assets")
@@ -92,7 +92,7 @@ def _import(path: Path) -> ModuleType:
     tree = tree_of(file)
     known = set(sys.modules)
     try:
-        with searched(str(file.parent)):  # for `import helper` of a module beside the file
+        with search_folder(str(file.parent)):  # for `import helper` of a module beside the file
             name = f"{_package(file.parent, tree)}.{file.stem.replace('.', '_')}"
             return _run(spec_from_file_location(name, path))
     except ShaderlabError as error:

@@ -20,7 +20,6 @@ from shaderlab.model.options import Limits, RunOptions
 from .jobs import About, CaseFacts, DescribeDriver, Job, LoadCase, RunJob, failed_record
 from .pool import ItemResult, WorkerPool
 from .sizing import cores, loads, suitable
-from .worker_main import LAB_WORK
 
 # Workers are started before anything that they do not need is imported here.
 if TYPE_CHECKING:
@@ -28,6 +27,8 @@ if TYPE_CHECKING:
 
     from .lab_worker import LabWorker
 
+LAB_WORK = "shaderlab.workers.lab_worker:LabWorker"
+"""What workers that judge scenes call, as of `shaderlab.workers.pool.WorkerPool`."""
 Key = Callable[[Any], Hashable]
 
 

@@ -6,7 +6,6 @@ request is not spent on imports.
 
 from __future__ import annotations
 
-import gc
 import os
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -27,12 +26,7 @@ from shaderlab.model.records import Record
 from shaderlab.model.scene import Ramp
 
 from .jobs import CaseFacts, Job, Request
-from .worker_main import Channel, freed_memory, release_freed_memory
-
-GROWTH = 88 << 20
-"""A worker that uses so many bytes more than before its first scene, or holds two and a half times
-as many more, gives back what it can spare before its next scene; one that then still holds three
-quarters of that more gives way to a fresh one."""
+from .worker import Channel
 
 
 class LabWorker:
@@ -48,7 +42,6 @@ class LabWorker:
         self._channel = channel
         self._lab: Lab | None = None
         self._driver = ""
-        self._start = 0  # the bytes in use before the first scene
         self._scenes: dict[str, Mapping[str, Scene]] = {}
         self._kept: dict[str, tuple[Hashable, Any]] = {}
 
@@ -116,27 +109,14 @@ class LabWorker:
 
     def run(self, job: Job, options: RunOptions) -> Record:
         """Run one job. Raises CaseError where the case file is wrong."""
-        if self._channel is not None and self._lab is not None and self._has_grown():
-            self._lab.release_caches()
-            gc.collect()
-            release_freed_memory()
-            if _own_memory() - self._start > GROWTH // 4 * 3:
-                # Drivers keep a little of every scene. The parent starts another process and asks
-                # that one.
-                os._exit(0)
         size = options.size if job.point is None else job.point.size or options.size
         if size != options.size:
             options = replace(options, size=size)
         lab = self.lab(_of_driver(job.driver, options))
         self.note("loading the case file")
         scene = _scene_of(job, self.scenes(job.file))
-        self._start = self._start or _own_memory() - freed_memory()
         record = lab.run(scene)
         return replace(record, driver_name=job.driver) if job.driver else record
-
-    def _has_grown(self) -> bool:
-        more = _own_memory() - self._start if self._start else 0
-        return more > GROWTH and (more > GROWTH // 2 * 5 or more - freed_memory() > GROWTH)
 
     def keep(self, slot: str, key: Hashable, make: Callable[[], Any]) -> Any:
         """The value in `slot`, made now unless it was made for the same key."""
@@ -159,16 +139,6 @@ class LabWorker:
         """Close the lab."""
         if self._lab is not None:
             self._lab.close()
-
-
-def _own_memory() -> int:
-    """How many bytes of memory this process has and shares with no file; 0 where none can tell."""
-    try:
-        with open("/proc/self/statm", "rb", buffering=0) as file:
-            _, resident, shared, *_ = map(int, file.read().split())
-    except OSError:
-        return 0
-    return (resident - shared) * os.sysconf("SC_PAGE_SIZE")
 
 
 def _of_driver(driver: str, options: RunOptions) -> RunOptions:

@@ -1,7 +1,7 @@
 """Worker processes side by side: items in, results out as they complete.
 
-A crash, a hang or runaway memory costs one item, no more. A worker is forked from a fork server and
-not from this process: it inherits no threads, no OpenGL context and no `__main__`.
+A crash, a hang or runaway memory costs one item, no more. A worker is a fresh Python: it inherits
+no threads, no OpenGL context and no `__main__`.
 """
 
 from __future__ import annotations
@@ -20,13 +20,10 @@ from typing import Any, Literal
 
 from shaderlab.model.options import Limits
 
-from .worker_process import DiedError, WorkerProcess, environment
+from .process import WorkerDiedError, WorkerProcess, worker_environment
 
 BATCH = 32
-"""Items sent at once: enough that sending costs little, few enough that progress is seen."""
-QUICK, IN_A_ROW, TOGETHER = 0.02, 8, 4
-"""A worker that took at most `QUICK` seconds for each of `IN_A_ROW` items gets `TOGETHER` at once
-while it stays so: between two batches it waits for this process, which may be busy."""
+"""Items sent at once: enough that sending costs little, few enough that progress is visible."""
 
 
 @dataclass(frozen=True)
@@ -34,11 +31,11 @@ class ItemResult:
     """The result of one item.
 
     Attributes:
-        number: the item's place among those that were given.
+        number: the item's position among those passed to `run`.
         item: the item itself.
         status: "done"; "crash" or "timeout" where the worker died on it; "error" where the work
             raised an exception.
-        value: what the work gave, the exception where it raised one, else None.
+        value: the work's result, the exception where it raised one, else None.
         message: how the worker died.
         step: the last step that the work noted before the worker died.
         seconds: the time from the result before it, or from when the item was sent.
@@ -53,28 +50,25 @@ class ItemResult:
     seconds: float = 0.0
 
 
+_Results = queue.SimpleQueue[ItemResult | BaseException | None]
+
+
 @dataclass(frozen=True, eq=False)
 class _Batch:
-    """Items that one worker gets at once, and the queue for their results; None ends a batch, and
-    several of them one that is made of so many, `count`."""
+    """Items that one worker gets at once, and the queue for their results, which None ends."""
 
     items: list[tuple[int, Any]]
     key: Hashable
-    results: queue.SimpleQueue[ItemResult | BaseException | None]
-    count: int = 1
+    results: _Results
 
 
 class _Worker:
-    """A process, the thread that feeds it, the key of its last batch, and how many items in a row
-    were quick.
-
-    The thread lives as long as the pool.
-    """
+    """A process, the thread that feeds it as long as the pool lives, and the key of its last
+    batch."""
 
     def __init__(self, process: WorkerProcess) -> None:
         self.process = process
         self.key: Hashable = None
-        self.quick = 0
         self.inbox: queue.SimpleQueue[_Batch | None] = queue.SimpleQueue()
         self.thread: threading.Thread | None = None
 
@@ -88,8 +82,8 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
     Args:
         work: what workers call, as "module:name", since they import it by its name: a function
             that takes a sequence of items and yields one result for each, in order; or a class
-            that makes such a function from a `shaderlab.workers.worker_main.Channel`, with a
-            `preload()` perhaps that imports what it will need.
+            that makes such a function from a `shaderlab.workers.worker.Channel`, optionally with a
+            `preload()` that imports what it will need.
         limits: of each item.
         jobs: how many workers, to begin with; `widen` adds others.
         batch: how many items a worker is sent at once.
@@ -106,7 +100,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         folder: Path | None = None,
     ) -> None:
         self._make = functools.partial(
-            WorkerProcess, work, limits or Limits(), folder or Path.cwd(), environment()
+            WorkerProcess, work, limits or Limits(), folder or Path.cwd(), worker_environment()
         )
         self._batch = max(batch, 1)
         self._lock = threading.Lock()  # for all below
@@ -126,17 +120,16 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             while self._pending:
                 self._pending.popleft().results.put(None)
         for worker in self._workers:
-            worker.process.kill()
+            worker.process.close()
             worker.inbox.put(None)
         for worker in self._workers:
-            while worker.thread is not None and worker.thread.is_alive():
-                worker.process.kill()  # one that the thread has started in the meantime
-                worker.thread.join(0.05)
-            worker.process.close()
+            if worker.thread is not None:
+                worker.thread.join()
+            worker.process.release()
 
     def start(self) -> None:
         """Start the first worker without waiting for it or for the first items."""
-        self._idle[-1].process.launch()
+        self._submit(_Batch([], None, queue.SimpleQueue()))
 
     def widen(self, jobs: int) -> None:
         """Grow the pool to at least `jobs` workers."""
@@ -151,14 +144,14 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         batch: int | None = None,
         key: Callable[[Any], Hashable] | None = None,
     ) -> Generator[ItemResult]:
-        """The items' results as they complete.
+        """Yield the items' results as they complete.
 
         Only a few batches are taken from `items` ahead of the results that were read, so memory
         does not grow with their number. Closing the generator drops what no worker was sent.
 
         Args:
             items: what to work on.
-            batch: how many of these items a worker is sent at once, by default as of all others.
+            batch: how many of these items a worker is sent at once, by default as set for the pool.
             key: a worker prefers items of the key that it had last, then those of a key that no
                 other worker has; items of one key should share one batch only.
 
@@ -166,7 +159,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             ShaderlabError: no worker can be started at all.
         """
         size = max(batch or self._batch, 1)
-        results: queue.SimpleQueue[ItemResult | BaseException | None] = queue.SimpleQueue()
+        results: _Results = queue.SimpleQueue()
         numbered = enumerate(items)
         batches = (
             _Batch(some, key(some[0][1]) if key is not None else None, results)
@@ -188,7 +181,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
                 self._pending = deque(b for b in self._pending if b.results is not results)
 
     def _submit(self, batch: _Batch) -> bool:
-        """Give the batch to an idle worker or let it wait. False if the pool is closed."""
+        """Give the batch to an idle worker or queue it; return False if the pool is closed."""
         with self._lock:
             if self._closed:
                 return False
@@ -206,29 +199,24 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         return True
 
     def _serve(self, worker: _Worker) -> None:
-        """A worker's thread: one batch after the other, until the pool is closed."""
+        """Run a worker's thread: one batch after the other, until the pool is closed."""
         batch = worker.inbox.get()
         while batch is not None:
-            began = time.monotonic()
             try:
                 for result in self._results(worker.process, batch):
                     batch.results.put(result)
             except BaseException as error:
                 if not self._closed:
                     batch.results.put(error)
-            quick = time.monotonic() - began <= QUICK * len(batch.items)
-            worker.quick = worker.quick + len(batch.items) if quick else 0
             with self._lock:
-                following = self._next(worker)
+                following = self._take_pending(worker)
                 if following is None:
                     self._idle.append(worker)
-            for _ in range(batch.count):
-                batch.results.put(None)
+            batch.results.put(None)
             batch = following or worker.inbox.get()
 
-    def _next(self, worker: _Worker) -> _Batch | None:
-        """The waiting batch that suits a worker best, taken off the queue; for a quick one with
-        others like it, if several wait for each worker."""
+    def _take_pending(self, worker: _Worker) -> _Batch | None:
+        """Take the batch that suits a worker best off the queue."""
         if self._closed or not self._pending:
             return None
         best = self._pending[0]
@@ -238,30 +226,25 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             free = (b for b in self._pending if b.key not in taken)
             best = next(mine, None) or next(free, best)
         worker.key = best.key
-        like = (b for b in self._pending if b.key == best.key and b.results is best.results)
-        most = TOGETHER // len(best.items) if worker.quick >= IN_A_ROW else 1
-        share = min(len(self._pending) // len(self._workers), most)
-        some = list(itertools.islice(like, max(share, 1)))
-        for batch in some:
-            self._pending.remove(batch)
-        items = [item for batch in some for item in batch.items]
-        return _Batch(items, best.key, best.results, len(some))
+        self._pending.remove(best)
+        return best
 
-    def _results(self, worker: WorkerProcess, batch: _Batch) -> Iterator[ItemResult]:
+    def _results(self, process: WorkerProcess, batch: _Batch) -> Iterator[ItemResult]:
+        process.launch()
         rest = deque(batch.items)
         alone = False
         while rest and not self._closed:
-            worker.start()
+            process.start()
             began = time.monotonic()
             try:
                 sent = itertools.islice(rest, 1 if alone else None)
-                for kind, value in worker.answers([item for _, item in sent]):
+                for kind, value in process.answers([item for _, item in sent]):
                     now = time.monotonic()
                     yield ItemResult(*rest.popleft(), kind, value, seconds=now - began)
                     began = now
                 alone = False
-            except DiedError as error:
-                # Perhaps an earlier item left the memory in disorder: ask once more, alone.
+            except WorkerDiedError as error:
+                # Perhaps an earlier item left the memory in disorder: try once more, alone.
                 alone = error.status == "crash" and not error.fresh and not self._closed
                 if not alone:
                     seconds = time.monotonic() - began

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import _imp
-import gc
 import signal
 import sys
 import time
@@ -18,10 +17,9 @@ from shaderlab import __main__ as program, cli
 def interruptible(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Interrupts are raised here, and what the program sets for its process is put back."""
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
-    before, objects = signal.signal(signal.SIGINT, signal.default_int_handler), gc.get_threshold()
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
-    gc.set_threshold(*objects)
 
 
 def test_an_interrupt_while_modules_are_imported_is_said(
@@ -89,21 +87,3 @@ def test_other_errors_in_callbacks_are_printed(
 
     Callback()
     assert "ValueError: so it is" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("status", "others", "ends"),
-    [(0, 0, [0]), (3, 0, [3]), (0, 1, []), (None, 0, []), ("a message", 0, [])],
-)
-def test_the_process_ends_at_once_where_nothing_else_waits_for_its_end(
-    status: object, others: int, ends: list[int], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    ended: list[int] = []
-    monkeypatch.setattr("os._exit", ended.append)
-    monkeypatch.setattr("atexit._ncallbacks", lambda: others)
-    monkeypatch.setattr("atexit.register", lambda function: None)
-    monkeypatch.setattr(gc, "freeze", lambda: None)
-    ending = program._Ending()
-    ending.status = status
-    ending._end()
-    assert ended == ends

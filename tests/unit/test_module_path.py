@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from shaderlab.engine.module_path import pythons_first, searched
+from shaderlab.files import search_folder, sort_search_path
 
 
 def test_pythons_own_come_first_and_the_rest_keeps_its_order(tmp_path: Path) -> None:
@@ -15,13 +15,13 @@ def test_pythons_own_come_first_and_the_rest_keeps_its_order(tmp_path: Path) -> 
     site = os.path.join(own, "site-packages")
     given = ["/b", site, "", own, "/a", os.path.join(own, "lib-dynload"), "/b/lib-dynload"]
     expected = [own, given[5], "/b", site, os.getcwd(), "/a", "/b/lib-dynload"]
-    assert pythons_first(given) == expected
+    assert sort_search_path(given) == expected
 
 
-def test_a_folder_is_searched_for_a_while() -> None:
+def test_a_folder_is_search_folder_for_a_while() -> None:
     before = list(sys.path)
     sys.path.insert(0, "/x")
-    with searched("/x"):
+    with search_folder("/x"):
         assert sys.path[0] == "/x" and sys.path != ["/x", *before]
         assert sys.path.index("/x/") > sys.path.index(os.path.dirname(os.__file__))
         sys.path.append("/added by a case")

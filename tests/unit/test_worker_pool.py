@@ -18,7 +18,7 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import Limits
 from shaderlab.workers import WorkerPool
 from shaderlab.workers.jobs import LoadCase
-from shaderlab.workers.pool import IN_A_ROW, TOGETHER, ItemResult
+from shaderlab.workers.pool import ItemResult
 
 WORK = """
 import ctypes, os, signal, subprocess, sys, time
@@ -43,7 +43,7 @@ class Work:
                 ctypes.PyDLL(None).sleep(600)
             if item == "longer":
                 self.channel.restart_limit(60)
-                time.sleep(0.5)
+                time.sleep(2.5)
                 self.channel.restart_limit()
             if item == "memory":
                 bytearray(1 << 40)
@@ -78,10 +78,6 @@ class Work:
                 open(item.removeprefix("touch "), "w").close()
             if item == "place":
                 yield os.getcwd(), os.environ.get("PLACE"), sys.path
-            if item == "slow size":
-                time.sleep(0.03)
-            if str(item).endswith("size"):
-                item = len(items)
             if item == "before":
                 yield len(self.done) - 1
             yield os.getpid() if str(item).endswith("pid") else f"did {item}"
@@ -175,9 +171,9 @@ def group(leader: int) -> list[int]:
 
 
 def test_an_item_may_ask_for_more_time(work: str) -> None:
-    with WorkerPool(work, limits=Limits(seconds=0.2)) as pool:
+    with WorkerPool(work, limits=Limits(seconds=2.0)) as pool:
         (result,) = pool.run(["longer"])
-    assert result.status == "done" and result.seconds >= 0.5
+    assert result.status == "done" and result.seconds >= 2.5
 
 
 def test_what_the_work_prints_is_not_taken_for_an_answer(pool: WorkerPool) -> None:
@@ -334,12 +330,3 @@ def test_workers_that_are_not_needed_are_not_started(work: str, tmp_path: Path) 
         done = tmp_path / "done"
         results = pool.run(["pid", "pid", f"until {done}", f"touch {done}"])
         assert len(list(results)) == 4
-
-
-def test_quick_items_are_sent_together_and_none_overtakes_another(work: str) -> None:
-    with WorkerPool(work, limits=LIMITS, jobs=1, batch=1) as pool:
-        sent = [result.value for result in pool.run(["size"] * 200)]
-        assert set(sent[:IN_A_ROW]) == {"did 1"} and f"did {TOGETHER}" in sent
-        for _ in range(3):
-            assert [result.item for result in pool.run(range(60))] == list(range(60))
-        assert {result.value for result in pool.run(["slow size"] * 6)} == {"did 1"}

@@ -1,0 +1,106 @@
+"""Workers end with the process that started them; what they took counts as its children's."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from shaderlab.workers import WorkerPool
+
+WORK = """
+import os, subprocess, sys, time
+
+def work(items):
+    for item in items:
+        if item == "sleep":
+            time.sleep(600)
+        if item == "child":
+            yield os.getpid(), subprocess.Popen(["sleep", "600"]).pid
+            continue
+        if item == "burn":
+            while time.process_time() < 0.3:
+                pass
+        yield os.getpid(), os.getppid(), "mine" in sys.modules
+"""
+PARENT = """
+import sys
+from shaderlab.workers import WorkerPool
+
+with WorkerPool("mine:work") as pool:
+    for result in pool.run(sys.argv[1:]):
+        print(*result.value, flush=True)
+"""
+
+
+@pytest.fixture
+def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    (tmp_path / "mine.py").write_text(WORK)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    return "mine:work"
+
+
+def test_modules_of_others_are_not_kept(work: str, tmp_path: Path) -> None:
+    with WorkerPool(work) as pool:
+        (result,) = pool.run(["a"])
+    assert result.value[1:] == (os.getpid(), True)
+    (tmp_path / "mine.py").write_text(
+        "def work(items):\n    yield from ('changed' for _ in items)\n"
+    )
+    with WorkerPool(work) as pool:
+        (result,) = pool.run(["a"])
+    assert result.value == "changed"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere workers end when they answer")
+def test_workers_end_with_the_process_that_started_them(work: str) -> None:
+    command = [sys.executable, "-c", PARENT, "a", "sleep"]
+    path = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=path) as parent:
+        assert parent.stdout is not None
+        worker = int(parent.stdout.readline().split()[0])
+        assert is_running(worker)
+        parent.kill()
+    wait_for_end(worker)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
+def test_what_an_item_has_started_ends_with_its_pool(work: str) -> None:
+    with WorkerPool(work) as pool:
+        (result,) = pool.run(["child"])
+        assert all(map(is_running, result.value))
+    wait_for_end(*result.value)
+
+
+def test_what_workers_take_counts_as_their_parents(work: str) -> None:
+    before = children_seconds()
+    path = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    subprocess.run([sys.executable, "-c", PARENT, "burn"], check=True, env=path)
+    assert children_seconds() - before > 0.3
+
+
+def children_seconds() -> float:
+    """Return what this process's children have taken of the processors, once waited for."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def wait_for_end(*processes: int) -> None:
+    """Wait until none of the processes is there."""
+    until = time.monotonic() + 60.0
+    while any(map(is_running, processes)) and time.monotonic() < until:
+        time.sleep(0.01)
+    assert not any(map(is_running, processes))
+
+
+def is_running(process: int) -> bool:
+    """Return whether a process is there and no zombie."""
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    return False
