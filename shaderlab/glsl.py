@@ -15,12 +15,11 @@ from shaderlab.functions.domains import (
     ints as ints,
     one_of as one_of,
 )
-from shaderlab.functions.function import Function as Function
 from shaderlab.functions.laws import (
     idempotent as idempotent,
     inverse as inverse,
     same_as as same_as,
     table as table,
 )
-from shaderlab.functions.library import Library as Library, load as load
+from shaderlab.functions.library import Function as Function, Library as Library, load as load
 from shaderlab.functions.properties import example as example, given as given

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
-from tree_sitter import Language, Node, Parser
+from tree_sitter import Language, Node as Node, Parser
 
 from shaderlab.errors import ShaderError
 

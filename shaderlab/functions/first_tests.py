@@ -12,11 +12,10 @@ import numpy as np
 
 from shaderlab.errors import CallError, ShaderlabError
 from shaderlab.functions import domains
+from shaderlab.functions.declarations import Type
 from shaderlab.functions.domains import Directions, Domain, Floats, Ints, OneOf, hints_of
-from shaderlab.functions.function import Function
-from shaderlab.functions.library import Library
+from shaderlab.functions.library import Function, Library
 from shaderlab.functions.signatures import Input, Signature
-from shaderlab.functions.types import Type
 from shaderlab.model.frame import Array
 
 _SAMPLES, _SEEDS = 10_000, 3
@@ -81,7 +80,7 @@ def _tests(function: Function, signature: Signature, name: str, called: str) -> 
         if reason:
             raise CallError(reason)
         law, texts = _law(function, texts, inputs)
-        places = {i.name: _place(_read(texts[i.name]), i.type) for i in inputs}
+        places = {i.name: _place(_evaluate(texts[i.name]), i.type) for i in inputs}
         value = function(**places)
     except ShaderlabError as error:
         yield f"# has no test: {error.message}"
@@ -91,7 +90,7 @@ def _tests(function: Function, signature: Signature, name: str, called: str) -> 
         yield f"@glsl.given({given})"
         yield f"def test_{name}(y):"
         yield f"    return {law}\n\n"
-    shown = {n: text if _is_fixed(text) else _spelt(places[n]) for n, text in texts.items()}
+    shown = {n: text if _is_fixed(text) else _format(places[n]) for n, text in texts.items()}
     arguments = ", ".join(f"{n}={text}" for n, text in shown.items())
     yield f"def test_{name}_at_one_place():"
     yield f"    y = {called}({arguments})"
@@ -99,7 +98,7 @@ def _tests(function: Function, signature: Signature, name: str, called: str) -> 
     yield from (f"    {line}" for line in _figures(value))
 
 
-def _read(text: str) -> Any:
+def _evaluate(text: str) -> Any:
     return eval(text, {"glsl": domains, "np": np})
 
 
@@ -121,9 +120,9 @@ def _figures(value: Any, name: str = "y") -> Iterator[str]:
     elif np.ma.is_masked(value):
         yield f"assert np.ma.is_masked({name})  # discarded"
     elif np.asarray(value).dtype.kind == "f":
-        yield f"np.testing.assert_allclose({name}, {_spelt(value)}, rtol=1e-4, atol=1e-6)"
+        yield f"np.testing.assert_allclose({name}, {_format(value)}, rtol=1e-4, atol=1e-6)"
     else:
-        yield f"np.testing.assert_array_equal({name}, {_spelt(value)})"
+        yield f"np.testing.assert_array_equal({name}, {_format(value)})"
 
 
 def _law(
@@ -139,7 +138,7 @@ def _law(
         hints = hints_of(function.signatures[0].code)
         for seed in range(_SEEDS):
             rng = np.random.default_rng(seed)
-            drawn = {i.name: _drawn(_read(some[i.name]), i.type, rng, hints) for i in inputs}
+            drawn = {i.name: _draw(_evaluate(some[i.name]), i.type, rng, hints) for i in inputs}
             y = function(**drawn)
             if not isinstance(y, np.ndarray) or y.dtype.kind != "f":
                 return "", texts
@@ -156,10 +155,10 @@ def _holds(law: str, y: Any) -> bool:
         return bool(np.all(eval(law, {"np": np}, {"y": y})))
 
 
-def _drawn(domain: Any, kind: Type, rng: np.random.Generator, hints: Array) -> Any:
+def _draw(domain: Any, kind: Type, rng: np.random.Generator, hints: Array) -> Any:
     if isinstance(domain, dict):
         members = dict(kind.members)
-        return {n: _drawn(inner, members[n], rng, hints) for n, inner in domain.items()}
+        return {n: _draw(inner, members[n], rng, hints) for n, inner in domain.items()}
     if not isinstance(domain, Domain):
         return domain
     return domain.sample(rng, (_SAMPLES, *kind.shape), hints)
@@ -183,14 +182,14 @@ def _place(domain: Any, kind: Type) -> Any:
     return domain
 
 
-def _spelt(value: Any) -> str:
+def _format(value: Any) -> str:
     if isinstance(value, dict):
-        return "{" + ", ".join(f'"{name}": {_spelt(v)}' for name, v in value.items()) + "}"
+        return "{" + ", ".join(f'"{name}": {_format(v)}' for name, v in value.items()) + "}"
     if isinstance(value, list):
-        return f"[{', '.join(map(_spelt, value))}]"
+        return f"[{', '.join(map(_format, value))}]"
     array = np.asarray(value)
     if array.ndim:
-        return f"[{', '.join(map(_spelt, list(array)))}]"
+        return f"[{', '.join(map(_format, list(array)))}]"
     if array.dtype.kind != "f":
         return str(array)
     text = f"{float(array):.6g}"

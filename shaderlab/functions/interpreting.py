@@ -1,9 +1,10 @@
-"""What `audit` and `diff` ask of a worker about a file of functions: each of them by itself."""
+"""What audit and diff ask of a worker about a file of functions: each of them by itself."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
@@ -12,15 +13,144 @@ from shaderlab.analysis.equivalence.answer import Answer, OutputAnswer
 from shaderlab.analysis.equivalence.comparison import Plan as ComparisonPlan, compare_programs
 from shaderlab.analysis.inputs import inputs_of, unknown_names
 from shaderlab.analysis.interpreter import Program, load
+from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, nearest
-from shaderlab.functions.entry_points import EntryPoint, entry_points
-from shaderlab.functions.library import readable
-from shaderlab.functions.requests import Preprocess
-from shaderlab.functions.running import versions
+from shaderlab.functions.declarations import Type, read_declarations
+from shaderlab.functions.evaluation import Preprocess, as_version, glsl_versions
+from shaderlab.functions.kernels import local_name
+from shaderlab.functions.library import with_version
+from shaderlab.functions.signatures import PREFIX, Signature, declare, find_signatures
 from shaderlab.workers.compare_shaders import ShaderOfFile
 
 if TYPE_CHECKING:
     from shaderlab.workers.lab_worker import LabWorker
+
+
+_RANGES = {"bool": " // range: 0..1"}
+
+
+@dataclass(frozen=True)
+class EntryPoint:
+    """A function with a `main` that calls it once.
+
+    Attributes:
+        signature: the function.
+        sources: the fragment shader, by one version of GLSL after the other that may take it;
+            inputs have the parameters' names.
+    """
+
+    signature: Signature
+    sources: tuple[Source, ...]
+
+
+def entry_points(source: Source, preprocessed: str, versions: Sequence[int]) -> list[EntryPoint]:
+    """The functions that a file defines itself, not in what it includes, in order.
+
+    Args:
+        source: the file, with a `#version`.
+        preprocessed: its text after the preprocessor, line for line.
+        versions: to try, where the file says none.
+
+    Raises:
+        ShaderError: its brackets do not match.
+    """
+    known = read_declarations(preprocessed)
+    taken = {name for one in known.all for name in one.names}
+    own_file = source.parts[0][0] if source.parts else source.path
+    found = []
+    for overloads in find_signatures(known).values():
+        for signature in overloads:
+            place = source.place(signature.line)
+            if place[0] == own_file:
+                made = _source(source, signature, place, taken)
+                found.append(
+                    EntryPoint(signature, tuple(as_version(made, one) for one in versions))
+                )
+    return sorted(found, key=lambda one: one.signature.line)
+
+
+def _source(
+    source: Source, signature: Signature, place: tuple[str, int], taken: Collection[str]
+) -> Source:
+    added = "\n".join(_main(signature, taken)) + "\n"
+    spans = [(*source.place(n + 1), 1) for n in range(source.text.count("\n") + 1)]
+    spans += [(*place, 1)] * added.count("\n")
+    text = f"{source.text}\n{added}"
+    return replace(source, stage="fragment", text=text, lines=LineMap.of(spans), stripped=None)
+
+
+def _main(signature: Signature, taken: Collection[str]) -> Iterator[str]:
+    """Inputs, outputs and the `main` between them."""
+    body, arguments, written = [], [], []
+    for parameter in signature.parameters:
+        name = local_name(parameter.name)
+        arguments.append(name)
+        if parameter.type.opaque:
+            arguments[-1] = _free(parameter.name, taken)
+            yield f"uniform {declare(parameter.type, arguments[-1])};"
+            continue
+        body.append(f"{declare(parameter.type, name)};")
+        if parameter.direction != "out":
+            for target, label, kind in _leaves(name, parameter.name, parameter.type):
+                given = _free(label, taken)
+                held = _held(kind)
+                flat = "" if kind.kind == "float" else "flat "
+                yield f"{flat}in {held} {given};{_RANGES.get(kind.kind, '')}"
+                body.append(f"{target} = {kind.name}({given});")
+        if parameter.direction != "in":
+            after = "_after" if parameter.direction == "inout" else ""
+            written.append((name, parameter.name + after, parameter.type))
+    call = f"{signature.name}({', '.join(arguments)})"
+    if signature.result.name != "void":
+        result = f"{PREFIX}result"
+        dims = "".join(f"[{n}]" for n in signature.result.dims)
+        call = f"{signature.result.name}{dims} {result} = {call}"
+        written.insert(0, (result, signature.outputs[0][0], signature.result))
+    body.append(f"{call};")
+    for value, name, kind in written:
+        for target, label, leaf in _leaves(value, name, kind):
+            for n, (part, held) in enumerate(_columns(target, leaf)):
+                out = _free(f"{label}_{n}" if len(leaf.base_shape) == 2 else label, taken)
+                yield f"out {held} {out};"
+                body.append(f"{out} = {held}({part});")
+    yield "void main() {"
+    yield from body
+    yield "}"
+
+
+def _leaves(target: str, label: str, kind: Type) -> Iterator[tuple[str, str, Type]]:
+    """The numbers, vectors and matrices of a value, each with a name of its own."""
+    if kind.dims:
+        for n in range(kind.dims[0]):
+            yield from _leaves(f"{target}[{n}]", f"{label}_{n}", kind.element)
+    elif kind.members:
+        for name, member in kind.members:
+            yield from _leaves(f"{target}.{name}", f"{label}_{name}", member)
+    else:
+        yield target, label, kind
+
+
+def _held(kind: Type) -> str:
+    """The type that carries such a value between stages, which have no conditions."""
+    return re.sub(r"^bool$", "int", re.sub(r"^bvec", "ivec", kind.name))
+
+
+def _columns(value: str, kind: Type) -> Iterator[tuple[str, str]]:
+    """What is written of a value, with its type: matrices column by column."""
+    if len(kind.base_shape) < 2:
+        yield value, _held(kind)
+        return
+    rows, columns = kind.base_shape
+    for n in range(columns):
+        yield f"{value}[{n}]", f"vec{rows}"
+
+
+def _free(name: str, taken: Collection[str]) -> str:
+    """The name, or one like it where the file has something of this name."""
+    while name in taken:
+        name += "_"
+    return name
+
 
 Plan = TypeVar("Plan", AuditPlan, ComparisonPlan)
 
@@ -114,8 +244,8 @@ class CompareFunctions:
 def _functions(worker: LabWorker, shader: ShaderOfFile) -> list[EntryPoint]:
     worker.note("preprocessing")
     written = shader.source("fragment")
-    source = readable(written)
-    found = entry_points(source, Preprocess(source).perform(worker), versions(written))
+    source = with_version(written)
+    found = entry_points(source, Preprocess(source).perform(worker), glsl_versions(written))
     if not found:
         raise ShaderError("there is no function in it, and no main", file=shader.file.path)
     return found

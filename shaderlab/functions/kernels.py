@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from shaderlab.functions.signatures import PREFIX, Input, Signature, declaration, variable
-from shaderlab.functions.types import Type
+from shaderlab.functions.declarations import Type
+from shaderlab.functions.signatures import PREFIX, Input, Signature, declare, rename
 
 MAX_WORDS = 8
 """Attachments that every driver has; what is more goes into another pass."""
@@ -78,7 +78,7 @@ class Kernel:
         signature = self.signature
         parameters = {p.name for p in signature.parameters}
         opaque = [i for i in self.opaque if i.name in parameters]
-        lines = [f"uniform {declaration(i.type, own(i.name))};" for i in opaque]
+        lines = [f"uniform {declare(i.type, local_name(i.name))};" for i in opaque]
         texel = "uvec4" if self.lanes > 1 else "uint"
         if self.varying:
             lines.append(f"{texel} {PREFIX}words[{self.planes}];")
@@ -86,16 +86,16 @@ class Kernel:
         lines += self._reading()
         for parameter in signature.parameters:
             if parameter.direction == "out":
-                lines.append(f"  {declaration(parameter.type, own(parameter.name))};")
-        call = f"{signature.name}({', '.join(own(p.name) for p in signature.parameters)})"
-        values = [own(p.name) for p in signature.parameters if p.direction != "in"]
+                lines.append(f"  {declare(parameter.type, local_name(parameter.name))};")
+        call = f"{signature.name}({', '.join(local_name(p.name) for p in signature.parameters)})"
+        values = [local_name(p.name) for p in signature.parameters if p.direction != "in"]
         if signature.result.name != "void":
             dims = "".join(f"[{n}]" for n in signature.result.dims)
             call = f"{signature.result.name}{dims} {PREFIX}result = {call}"
             values.insert(0, f"{PREFIX}result")
         lines.append(f"  {call};")
         outputs = zip(values, signature.outputs, strict=True)
-        written = [word for value, (_, kind) in outputs for word in written_words(value, kind)]
+        written = [word for value, (_, kind) in outputs for word in _write_words(value, kind)]
         if signature.discards:
             written.append("1u")
         at = "[lane]" if self.lanes > 1 else ""
@@ -126,16 +126,16 @@ class Kernel:
                     at += given.type.words
 
         for given, varies, at in places():
-            name = variable(given.name)
+            name = rename(given.name)
             if given.name in parameters:
-                name = own(given.name)
-                yield f"  {declaration(given.type, name)};"
-            yield from _assigned(name, given.type, _Words(varies, self.lanes), str(at))
+                name = local_name(given.name)
+                yield f"  {declare(given.type, name)};"
+            yield from _assign(name, given.type, _Words(varies, self.lanes), str(at))
         for name, default in self.signature.state:
             yield f"  {name} = {' '.join(default.split())};"
 
 
-def own(name: str) -> str:
+def local_name(name: str) -> str:
     """The wrapper's variable for a parameter."""
     return f"{PREFIX}p_{name}"
 
@@ -155,27 +155,27 @@ class _Words:
         return f"{_SHARED}[({index}) >> 2][({index}) & 3]"
 
 
-def _assigned(target: str, kind: Type, words: _Words, at: str, depth: int = 0) -> Iterator[str]:
+def _assign(target: str, kind: Type, words: _Words, at: str, depth: int = 0) -> Iterator[str]:
     """Statements that read a value from its words, the first of which is `at`."""
     if kind.dims:
         inner, count = kind.element, kind.dims[0]
         if count <= _UNROLLED:
             for n in range(count):
-                yield from _assigned(
+                yield from _assign(
                     f"{target}[{n}]", inner, words, _plus(at, n * inner.words), depth
                 )
             return
         i = f"i{depth}"
         yield f"  for (int {i} = 0; {i} < {count}; {i}++) {{"
         where = f"{at} + {i} * {inner.words}"
-        yield from _assigned(f"{target}[{i}]", inner, words, where, depth + 1)
+        yield from _assign(f"{target}[{i}]", inner, words, where, depth + 1)
         yield "  }"
     elif kind.members:
         for name, member in kind.members:
-            yield from _assigned(f"{target}.{name}", member, words, at, depth)
+            yield from _assign(f"{target}.{name}", member, words, at, depth)
             at = _plus(at, member.words)
     else:
-        read = [_READS[kind.kind].format(words.at(_plus(at, n))) for n in _in_order(kind)]
+        read = [_READS[kind.kind].format(words.at(_plus(at, n))) for n in _constructor_order(kind)]
         yield f"  {target} = {kind.name}({', '.join(read)});"
 
 
@@ -183,7 +183,7 @@ def _plus(at: str, n: int) -> str:
     return str(int(at) + n) if at.isdecimal() else f"{at} + {n}"
 
 
-def _in_order(kind: Type) -> list[int]:
+def _constructor_order(kind: Type) -> list[int]:
     """The words of one element in the order of GLSL's constructor; a matrix's words are row by row,
     as in NumPy."""
     if len(kind.base_shape) == 2:
@@ -192,14 +192,14 @@ def _in_order(kind: Type) -> list[int]:
     return list(range(kind.words))
 
 
-def written_words(value: str, kind: Type) -> Iterator[str]:
+def _write_words(value: str, kind: Type) -> Iterator[str]:
     """The words of a value, as expressions."""
     if kind.dims:
         for n in range(kind.dims[0]):
-            yield from written_words(f"{value}[{n}]", kind.element)
+            yield from _write_words(f"{value}[{n}]", kind.element)
     elif kind.members:
         for name, member in kind.members:
-            yield from written_words(f"{value}.{name}", member)
+            yield from _write_words(f"{value}.{name}", member)
     elif len(kind.base_shape) == 2:
         rows, columns = kind.base_shape
         for r in range(rows):

@@ -12,10 +12,10 @@ import numpy as np
 
 from shaderlab.engine.judging.laws import Close, Finding, Law
 from shaderlab.errors import CallError
-from shaderlab.functions.binding import Call
+from shaderlab.functions.call import Call
 
 if TYPE_CHECKING:
-    from shaderlab.functions.function import Function
+    from shaderlab.functions.library import Function
 
 
 class CallLaw(ABC):
@@ -60,7 +60,7 @@ class Idempotent(Close, CallLaw):
 
     def judge_call(self, function: Function, call: Call, got: Any) -> Finding:
         name = self.argument or call.signature.given[0].name
-        again = np.asarray(function.again(call, {name: got}))
+        again = np.asarray(function.call_again(call, {name: got}))
         x = _argument(function, call, name)
         trivial = "it gives its argument" if np.array_equal(np.asarray(got), x) else ""
         return self.compare(again, got, trivial)
@@ -73,7 +73,7 @@ class SameAs(Close, CallLaw):
     other: Callable[..., Any]
 
     def judge_call(self, function: Function, call: Call, got: Any) -> Finding:
-        from shaderlab.functions.function import Function
+        from shaderlab.functions.library import Function
 
         values = {**call.opaque, **{name: a.value for name, a in call.values.items()}}
         arguments = [values.pop(p.name) for p in call.signature.given]
@@ -116,7 +116,7 @@ def judge_law(law: Law | CallLaw, function: Function, call: Call, got: Any) -> F
         return law.judge_call(function, call, got)
     inputs = {name: _argument(function, call, name) for name in law.inputs}
     changes = law.second_inputs(inputs)
-    second = np.asarray(function.again(call, changes)) if changes else None
+    second = np.asarray(function.call_again(call, changes)) if changes else None
     return law.judge(inputs, np.asarray(got), second, call.batch)
 
 

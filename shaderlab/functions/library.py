@@ -1,24 +1,206 @@
-"""A GLSL file's functions as Python callables."""
+"""A GLSL file's functions as Python callables: NumPy in, NumPy out."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from types import TracebackType
 from typing import Any
 
 from shaderlab.compiler.sources import LineMap, Shaders, Source
 from shaderlab.compiler.text import EXTENSIONS, version_of
-from shaderlab.errors import ShaderError, nearest
-from shaderlab.functions.calling import caller
-from shaderlab.functions.declarations import declarations
-from shaderlab.functions.function import Function
-from shaderlab.functions.signatures import Signature, signatures
-from shaderlab.functions.substitutes import loads
+from shaderlab.errors import CallError, ShaderError, ShaderlabError, nearest
+from shaderlab.functions import checks
+from shaderlab.functions.call import Call, bind_arguments, replace_arguments
+from shaderlab.functions.declarations import read_declarations
+from shaderlab.functions.evaluation import evaluate, get_caller
+from shaderlab.engine.judging.laws import Law
+from shaderlab.functions.laws import CallLaw
+from shaderlab.functions.records import Notes, current_notes
+from shaderlab.functions.signatures import Signature, find_signatures
 from shaderlab.settings import settings_of
+
+
+@dataclass
+class Loads:
+    """What was loaded.
+
+    Attributes:
+        texts: what to take in place of a text, includes expanded.
+        sources: what was loaded, as its author wrote it, by that text.
+        used: the names of the functions that were asked for, by that text.
+        called_outside: the paths of sources whose functions are called outside of tests.
+    """
+
+    texts: Mapping[str, str] = field(default_factory=dict)
+    sources: dict[str, Source] = field(default_factory=dict)
+    used: dict[str, set[str]] = field(default_factory=dict)
+    called_outside: set[str] = field(default_factory=set)
+
+    def take(self, source: Source) -> Source:
+        """What to load for a source."""
+        self.sources.setdefault(source.text, source)
+        text = self.texts.get(source.text)
+        return source if text is None else replace(source, text=text, stripped=None)
+
+    def use(self, source: Source, name: str) -> None:
+        """A function of a source was asked for."""
+        self.used.setdefault(source.text, set()).add(name)
+
+
+_LOADS: ContextVar[Loads | None] = ContextVar("_LOADS", default=None)
+
+
+def current_loads() -> Loads | None:
+    """What notes and replaces what is loaded; None for nothing."""
+    return _LOADS.get()
+
+
+@contextmanager
+def record_loads(texts: Mapping[str, str]) -> Iterator[Loads]:
+    """Take these texts in place of others, and note what is loaded."""
+    found = Loads(texts)
+    token = _LOADS.set(found)
+    try:
+        yield found
+    finally:
+        _LOADS.reset(token)
+
+
+class Function:
+    """A GLSL function.
+
+    Called with arrays, it is called for each of their elements: arguments broadcast as NumPy's do,
+    and scalars give scalars. Floats are rounded to float32. Struct parameters take mappings,
+    samplers a `shaderlab.Texture` or an array (height, width[, channels]), matrices arrays
+    (…, rows, columns). Uniforms and other globals that it reads are given by their names. With
+    `out` parameters it returns a named tuple of all that it writes.
+
+    Where it asks for its pixel's neighbours (`dFdx`), those are its neighbours along the arguments'
+    last two axes. What it discards is masked.
+    """
+
+    def __init__(
+        self, source: Source, overloads: Sequence[Signature], folder: str, given: Mapping[str, Any]
+    ) -> None:
+        self._source = source
+        self._overloads = tuple(overloads)
+        self._folder = folder
+        self._given = given
+        self.__name__ = overloads[0].name
+        self.__doc__ = "\n".join(map(str, overloads))
+
+    @property
+    def signatures(self) -> tuple[Signature, ...]:
+        """Its overloads."""
+        return self._overloads
+
+    @property
+    def folder(self) -> str:
+        """What paths of textures are relative to."""
+        return self._folder
+
+    @property
+    def place(self) -> tuple[str, int]:
+        """The file and the line of its first definition."""
+        return self.place_of(self._overloads[0])
+
+    def __getitem__(self, types: str) -> Function:
+        """The overload with parameters of these types, such as `f["vec3, float"]`."""
+        wanted = [word.strip() for word in types.split(",") if word.strip()]
+        for one in self._overloads:
+            if [str(p.type) for p in one.parameters] == wanted:
+                return Function(self._source, [one], self._folder, self._given)
+        raise CallError(
+            f"{self.__name__} has no overload ({types})",
+            remedy=f"there is {', '.join(map(str, self._overloads))}",
+        )
+
+    def __repr__(self) -> str:
+        file, line = self.place
+        return f"<{'; '.join(map(str, self._overloads))} of {file}:{line}>"
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        """The function's results for its arguments; see the class.
+
+        Raises:
+            CallError: the arguments fit no overload, or the call hangs or crashes.
+            ShaderError: the function does not compile.
+        """
+        __tracebackhide__ = True
+        try:
+            call = self.bind(*arguments, **named)
+            self._note(call)
+            return self.evaluate(call)
+        except ShaderlabError as error:
+            raise error.with_traceback(_short_traceback(error)) from error.__cause__
+
+    def check(
+        self, law: Law | CallLaw | Callable[..., Any], /, *arguments: Any, **named: Any
+    ) -> None:
+        """Check the function at these arguments.
+
+        Args:
+            law: a reference, a formula written with `shaderlab.glslmath`, in whose band every value
+                has to lie; or a law, such as `glsl.monotone("d")`. A reference's parameters are
+                found by the names of the function's (`light.constant` is light_constant) or, if it
+                has other names, stand in their order. For a structure, or with `out` parameters,
+                it returns a mapping, a named tuple or a tuple of all parts; for an array a list.
+            arguments, named: as in a call.
+
+        Raises:
+            AssertionError: it does not hold; says where.
+            CallError, ShaderError: as in a call; or the reference takes other arguments.
+        """
+        __tracebackhide__ = True
+        try:
+            call = self.bind(*arguments, **named)
+            outcomes = checks.judge_function(self, law, call)
+        except ShaderlabError as error:
+            raise error.with_traceback(_short_traceback(error)) from error.__cause__
+        found = self._note(call)
+        if found is not None:
+            line = sys._getframe(1).f_lineno
+            found.outcomes += [replace(outcome, line=line) for outcome in outcomes]
+        if any(outcome.status != "pass" for outcome in outcomes):
+            raise AssertionError(checks.format_failures(call, outcomes))
+
+    def _note(self, call: Call) -> Notes | None:
+        """Note a call for the test that runs, or that no test makes it."""
+        found = current_notes()
+        if found is not None:
+            found.add_call(self._source, checks.function_source(self, call))
+        elif (known := current_loads()) is not None:
+            known.called_outside.add(self._source.path)
+        return found
+
+    def call_again(self, call: Call, values: Mapping[str, Any]) -> Any:
+        """The results of a call with other values of some arguments, by name."""
+        return self.evaluate(replace_arguments(call, values))
+
+    def place_of(self, signature: Signature) -> tuple[str, int]:
+        """The file and the line of an overload's definition."""
+        return self._source.place(signature.line)
+
+    def bind(self, *arguments: Any, **named: Any) -> Call:
+        """The overload that arguments fit, with them. Raises CallError."""
+        return bind_arguments(self._overloads, arguments, named, self._given)
+
+    def evaluate(self, call: Call) -> Any:
+        """The results of a call that `bind` made."""
+        return evaluate(self._source, self._folder, call)
+
+
+def _short_traceback(error: ShaderlabError) -> TracebackType | None:
+    """The way that an error took through the lab, which is no matter of a test's."""
+    return error.__traceback__ if os.environ.get("SHADERLAB_DEBUG") else None
+
 
 # What a file without `#version` is read as. What it may need of later versions, the driver takes.
 _READ_AS = 330
@@ -61,7 +243,7 @@ class Library:
 
     def __init__(self, source: Source, folder: str, given: Mapping[str, Any]) -> None:
         self._written = source
-        self._source = source if (known := loads()) is None else known.take(source)
+        self._source = source if (known := current_loads()) is None else known.take(source)
         self._folder = folder
         self._given = dict(given)
 
@@ -80,7 +262,7 @@ class Library:
         if found is None:
             message = f"{self._source.path} has no function {name!r}"
             raise AttributeError(f"{message}\n  → {nearest(name, self._functions)}")
-        if (known := loads()) is not None:
+        if (known := current_loads()) is not None:
             known.use(self._written, name)
         return Function(self._read, found, self._folder, self._given)
 
@@ -95,19 +277,19 @@ class Library:
 
     @cached_property
     def _read(self) -> Source:
-        return readable(self._source)
+        return with_version(self._source)
 
     @cached_property
     def _functions(self) -> dict[str, list[Signature]]:
-        text = caller().preprocess(self._read)
+        text = get_caller().preprocess(self._read)
         try:
-            return signatures(declarations(text))
+            return find_signatures(read_declarations(text))
         except ShaderError as error:
             file, line = self._read.place(error.line or 1)
             raise ShaderError(error.message, file=file, line=line) from None
 
 
-def readable(source: Source) -> Source:
+def with_version(source: Source) -> Source:
     """A source with a `#version`, its own or a late one, as its functions are read."""
     if version_of(source.code) is not None:
         return source

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from shaderlab.functions.declarations import Declarations
-from shaderlab.functions.emission import Types, emitted, redeclares
-from shaderlab.functions.scanner import Item, Named, Spec
-from shaderlab.functions.types import Type
+from shaderlab.functions.declarations import (
+    Declaration,
+    Declarations,
+    Type,
+    TypeText,
+    Variable,
+)
 
 PREFIX = "shaderlab_"
 Direction = Literal["in", "out", "inout"]
 
+# Qualifiers of what a caller has to give.
 _GIVEN = frozenset({"uniform", "in", "attribute", "varying", "shared"})
 # What other stages read and write, as variables that a caller may give.
 _STAGE_INPUTS = {
@@ -117,114 +122,185 @@ class Signature:
         return f"{self.result} {self.name}({shown})"
 
 
-def signatures(found: Declarations) -> dict[str, list[Signature]]:
-    """The signatures of a file's functions by name."""
+def find_signatures(found: Declarations) -> dict[str, list[Signature]]:
+    """The signatures of a file's functions by name, but for `main`."""
     return {
-        name: [_signature(found, item) for item in items]
-        for name, items in found.functions().items()
+        name: [_signature(found, function) for function in functions]
+        for name, functions in found.functions().items()
         if name != "main"
     }
 
 
-def _signature(found: Declarations, own: Item) -> Signature:
-    needed = found.needed(own)
-    types = Types(found)
+def _signature(found: Declarations, own: Declaration) -> Signature:
+    needed = found.needed_by(own)
+    used = frozenset[str]().union(*(one.uses for one in needed))
     obstacles: list[str] = []
-    used = frozenset[str]().union(*(item.uses for item in needed))
 
-    def typed(spec: Spec, what: str) -> Type:
+    def type_of(written: TypeText, what: str) -> Type:
         try:
-            return types.of(spec)
+            return found.type_of(written)
         except LookupError as error:
             obstacles.append(f"{what}: {error.args[0]}")
-            return Type(spec.name)
+            return Type(written.name)
 
-    result = Type("void") if own.result.name == "void" else typed(own.result, "its result")
-    parameters = []
-    for number, named in enumerate(own.members):
-        direction: Direction = (
-            "inout" if "inout" in named.qualifiers else "out" if "out" in named.qualifiers else "in"
-        )
-        kind = typed(named.spec, f"parameter {named.name}")
-        parameters.append(Input(named.name or f"_{number}", kind, direction))
-    globals_ = []
-    for named in _given(needed):
-        globals_.append(
-            Input(named.name, typed(named.spec, named.name), optional=bool(named.default))
-        )
-    declared = {name for item in found.items for name in item.declares}
-    extra = {n: Type(t) for n, t in _STAGE_INPUTS.items() if n in used}
-    extra |= {n: t for n, t in _SHADERTOY.items() if n in used and n not in declared}
-    globals_ += [Input(name, kind) for name, kind in extra.items()]
-    extra |= {n: Type(t) for n, t in _STAGE_OUTPUTS.items() if n in used}
-    for item in needed:
-        if item.kind == "block" and "buffer" in item.qualifiers:
-            obstacles.append(f"reads or writes the storage block {item.name}")
-    for one in globals_:
-        if one.type.opaque and not one.type.members and not _TEXTURED.fullmatch(one.type.name):
-            obstacles.append(f"reads {one.type} {one.name}")
-    for one in parameters:
-        if "sampler" in one.type.name[:8] and not _TEXTURED.fullmatch(one.type.name):
-            obstacles.append(f"{one.name} is a {one.type}, of which the lab has no textures")
-    obstacles += [f"uses {name}, of another stage" for name in sorted(used & _OTHER_STAGES)]
-    for name, kind in (("result", result), *((p.name, p.type) for p in parameters)):
-        if kind.name != "void" and not kind.known and not kind.opaque and not obstacles:
-            obstacles.append(f"{name} is a {kind}, which has no counterpart in NumPy's float32")
-    before = "".join(
-        f"{'uniform ' * kind.opaque}{declaration(kind, name)}; " for name, kind in extra.items()
+    result = type_of(own.result, "its result")
+    parameters = tuple(
+        Input(one.name or f"_{number}", type_of(one.type, f"parameter {one.name}"), _direction(one))
+        for number, one in enumerate(own.members)
     )
-    body = _renamed("".join(found.text[item.start : item.end] + "\n" for item in needed))
+    built_in = _built_in_inputs(found, used)
+    globals_ = tuple(
+        Input(one.name, type_of(one.type, one.name), optional=bool(one.default))
+        for one in _variables_to_give(needed)
+    ) + tuple(Input(name, type_) for name, type_ in built_in.items())
+    obstacles += _obstacles(needed, used, parameters, globals_)
+    if not obstacles:
+        obstacles += itertools.islice(_unknown_types(result, parameters), 1)
+    declared = built_in | {n: Type(t) for n, t in _STAGE_OUTPUTS.items() if n in used}
+    before = "".join(
+        f"{'uniform ' * type_.opaque}{declare(type_, name)}; " for name, type_ in declared.items()
+    )
+    body = _modernise("".join(found.text[one.start : one.end] + "\n" for one in needed))
     return Signature(
         name=own.name,
         result=result,
-        parameters=tuple(parameters),
-        globals=tuple(globals_),
-        code=_renamed(before) + _renamed(emitted(found, needed, types)),
+        parameters=parameters,
+        globals=globals_,
+        code=_modernise(before) + _modernise(_text_of(found, needed)),
         line=found.text.count("\n", 0, own.start) + 1,
         definition=found.text[own.start : own.end],
         per_pixel=FRAGMENT_ONLY.search(body) is not None,
-        state=tuple((v.name, v.default) for v in _state(needed) if v.default),
+        state=tuple((one.name, one.default) for one in _state(needed) if one.default),
         discards="discard" in used,
         extensions=found.extensions,
         obstacle="; ".join(dict.fromkeys(obstacles)),
     )
 
 
-def declaration(kind: Type, name: str) -> str:
+def _direction(parameter: Variable) -> Direction:
+    words = parameter.qualifiers
+    return "inout" if "inout" in words else "out" if "out" in words else "in"
+
+
+def _built_in_inputs(found: Declarations, used: frozenset[str]) -> dict[str, Type]:
+    """What a function reads of other stages, and of Shadertoy unless the file declares it."""
+    declared = {name for one in found.all for name in one.names}
+    inputs = {n: Type(t) for n, t in _STAGE_INPUTS.items() if n in used}
+    return inputs | {n: t for n, t in _SHADERTOY.items() if n in used and n not in declared}
+
+
+def _obstacles(
+    needed: list[Declaration],
+    used: frozenset[str],
+    parameters: tuple[Input, ...],
+    globals_: tuple[Input, ...],
+) -> Iterator[str]:
+    """Why a function can't be called."""
+    for one in needed:
+        if one.kind == "block" and "buffer" in one.qualifiers:
+            yield f"reads or writes the storage block {one.name}"
+    for given in globals_:
+        type_ = given.type
+        if type_.opaque and not type_.members and not _TEXTURED.fullmatch(type_.name):
+            yield f"reads {type_} {given.name}"
+    for given in parameters:
+        if "sampler" in given.type.name[:8] and not _TEXTURED.fullmatch(given.type.name):
+            yield f"{given.name} is a {given.type}, of which the lab has no textures"
+    yield from (f"uses {name}, of another stage" for name in sorted(used & _OTHER_STAGES))
+
+
+def _unknown_types(result: Type, parameters: tuple[Input, ...]) -> Iterator[str]:
+    for name, type_ in (("result", result), *((p.name, p.type) for p in parameters)):
+        if type_.name != "void" and not type_.known and not type_.opaque:
+            yield f"{name} is a {type_}, which has no counterpart in NumPy's float32"
+
+
+def declare(kind: Type, name: str) -> str:
     """A variable's declaration.
 
-    >>> declaration(Type("vec3", (4,)), "points")
+    >>> declare(Type("vec3", (4,)), "points")
     'vec3 points[4]'
     """
-    return f"{kind.name} {variable(name)}" + "".join(f"[{n}]" for n in kind.dims)
+    return f"{kind.name} {rename(name)}" + "".join(f"[{n}]" for n in kind.dims)
 
 
-def variable(name: str) -> str:
-    """A global's name in the emitted text."""
+def rename(name: str) -> str:
+    """A global's name in the text that is compiled, where `gl_` is GLSL's own."""
     return PREFIX + name[3:] if name in _STAGE_INPUTS or name in _STAGE_OUTPUTS else name
 
 
-def _renamed(text: str) -> str:
+def _modernise(text: str) -> str:
     return _OLD.sub(r"texture\1\2", _GL.sub(rf"{PREFIX}\1", text))
 
 
-def _given(items: list[Item]) -> Iterator[Named]:
+def _redeclares(one: Declaration) -> bool:
+    """Whether it declares anew what GLSL declares itself."""
+    return any(name.startswith("gl_") for name in one.names)
+
+
+def _variables_to_give(needed: list[Declaration]) -> Iterator[Variable]:
     """The variables that somebody else sets; what GLSL declares itself may be declared again."""
-    for item in items:
-        if not item.qualifiers & _GIVEN or redeclares(item):
+    for one in needed:
+        if not one.qualifiers & _GIVEN or _redeclares(one):
             continue
-        if item.kind == "variables":
-            yield from item.members
-        elif item.kind == "struct":
-            yield from item.variables
-        elif item.kind == "block" and item.instance is not None:
-            yield item.instance
-        elif item.kind == "block":
-            yield from item.members
+        if one.kind == "struct":
+            yield from one.variables
+        elif one.kind == "block":
+            yield from one.variables or one.members
+        elif one.kind == "variables":
+            yield from one.members
 
 
-def _state(items: list[Item]) -> Iterator[Named]:
+def _state(needed: list[Declaration]) -> Iterator[Variable]:
     """The variables that the file's own functions may change."""
-    for item in items:
-        if item.kind in ("struct", "variables") and not item.qualifiers & (_GIVEN | {"const"}):
-            yield from item.members if item.kind == "variables" else item.variables
+    for one in needed:
+        if one.kind in ("struct", "variables") and not one.qualifiers & (_GIVEN | {"const"}):
+            yield from one.members if one.kind == "variables" else one.variables
+
+
+def _text_of(found: Declarations, needed: list[Declaration]) -> str:
+    """The file's text with nothing but what is needed, each on its own lines. What other stages and
+    callers set becomes plain variables, which a kernel assigns."""
+    parts, at = [], 0
+    text = found.text
+    for one in needed:
+        parts.append("\n" * text.count("\n", at, one.start))
+        whole = text[one.start : one.end]
+        new = _as_variables(found, one, whole)
+        parts.append(new + "\n" * (whole.count("\n") - new.count("\n")))
+        at = one.end
+    return "".join(parts)
+
+
+def _as_variables(found: Declarations, one: Declaration, whole: str) -> str:
+    """A declaration's own text, or plain variables for what other stages and callers set."""
+    if _redeclares(one):
+        return ""
+    if one.kind == "block":
+        members = "".join(f"{_written(m)}; " for m in one.members)
+        if not one.variables:
+            return members
+        return f"struct {one.name} {{ {members}}}; {_written(one.variables[0])};"
+    if one.kind == "struct" and one.variables:
+        head = whole[whole.index("struct") : whole.rindex("}") + 1]
+        return head + "; " + _plain_variables(found, one.variables)
+    if one.kind == "variables":
+        return _plain_variables(found, one.members)
+    return whole
+
+
+def _plain_variables(found: Declarations, variables: tuple[Variable, ...]) -> str:
+    texts = []
+    for one in variables:
+        try:
+            opaque = found.type_of(one.type).opaque
+        except LookupError:
+            opaque = False
+        default = " = " + " ".join(one.default.split()) if one.default else ""
+        qualifier = "uniform " if opaque else "const " if "const" in one.qualifiers else ""
+        texts.append(f"{qualifier}{_written(one)}{default};")
+    return " ".join(texts)
+
+
+def _written(one: Variable) -> str:
+    return f"{one.type.name} {one.name}" + "".join(f"[{n}]" for n in one.type.lengths)

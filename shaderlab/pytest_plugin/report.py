@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 
 from shaderlab.files import display_path
-from shaderlab.functions.notes import Notes, noted
+from shaderlab.functions.records import Notes, take_notes
 
 if TYPE_CHECKING:
     from shaderlab.model.records import Record, Status
@@ -40,7 +40,7 @@ class Recorder:
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> Generator[None, Any, Any]:
         """Note what the test's checks find."""
-        with noted() as notes:
+        with take_notes() as notes:
             item.stash[_NOTES] = notes
             return (yield)
 
@@ -61,7 +61,7 @@ class Recorder:
         notes = item.stash.get(_NOTES, None)
         if own is not None or not (notes or self._every):
             return own
-        from shaderlab.functions.test_records import record_of_test
+        from shaderlab.functions.records import record_of_test
 
         status = "pass" if report.passed else "unsupported" if report.skipped else "fail"
         if report.when == "setup" and report.failed:

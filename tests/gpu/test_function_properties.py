@@ -13,9 +13,9 @@ from hypothesis.database import InMemoryExampleDatabase
 from benchmarks.planted import planted, search
 from shaderlab import glsl
 from shaderlab.errors import CallError
-from shaderlab.functions import searching
+from shaderlab.functions import properties
 from shaderlab.functions.domains import hints_of, weight
-from shaderlab.functions.searching import Batch
+from shaderlab.functions.properties import Batch
 
 SHADER = """
 struct Lamp { vec3 color; float power; };
@@ -67,7 +67,7 @@ def as_booleans(c: Any, y: Any) -> Any:
 
 @pytest.fixture
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(searching, "SAMPLES", 1000)
+    monkeypatch.setattr(properties, "SAMPLES", 1000)
 
 
 @pytest.mark.usefixtures("few")

@@ -11,9 +11,8 @@ import pytest
 
 from shaderlab import Texture, glsl
 from shaderlab.errors import CallError, ShaderError, ShaderlabError
-from shaderlab.functions import running
-from shaderlab.functions.calling import caller
-from shaderlab.functions.memory import SharedMemory
+from shaderlab.functions import evaluation
+from shaderlab.functions.evaluation import SharedMemory, get_caller
 
 KINDS = """
 struct Light { vec3 color; float power; };
@@ -67,7 +66,7 @@ def test_many_values_are_those_of_few(kinds: glsl.Library, monkeypatch: pytest.M
     """Four of them a pixel, in one piece and in several."""
     x = np.arange((1 << 17) + 3, dtype=np.float32).reshape(-1, 7)
     for words in (1 << 25, 1 << 17):
-        monkeypatch.setattr(running, "_WORDS", words)
+        monkeypatch.setattr(evaluation, "_WORDS", words)
         found = kinds.plain(x)
         assert found.shape == x.shape and (found == 2.0 * x).all()
         turned = kinds.turned(np.eye(3), x[:-2].reshape(-1, 3))
@@ -364,23 +363,23 @@ class Hurrying:
 def test_a_hang_costs_one_call(monkeypatch: pytest.MonkeyPatch) -> None:
     library = glsl.load(ENDLESS)
     assert library.good(1.0) == 1.0
-    perform = caller()._perform
+    perform = get_caller()._perform
     with monkeypatch.context() as patch:
-        patch.setattr(caller(), "_perform", lambda request, what: perform(Hurrying(request), what))
+        patch.setattr(
+            get_caller(), "_perform", lambda request, what: perform(Hurrying(request), what)
+        )
         with pytest.raises(CallError, match=r"endless of text: took longer than 0.3 s"):
             library.endless(np.zeros(1 << 21))
     assert library.good(1.0) == 1.0
 
 
-def test_shared_memory_is_one_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    for _ in range(2):
-        memory = SharedMemory()
-        memory.words(10)[:] = 7
-        other = np.frombuffer(memory.region.opened(), np.uint32, 10)
-        assert (other == 7).all()
-        memory.words(10)[0] = 8
-        assert other[0] == 8
-        monkeypatch.delattr(os, "memfd_create", raising=False)
+def test_shared_memory_is_one_memory() -> None:
+    memory = SharedMemory()
+    memory.words(10)[:] = 7
+    other = np.frombuffer(memory.region.open(), np.uint32, 10)
+    assert (other == 7).all()
+    memory.words(10)[0] = 8
+    assert other[0] == 8
 
 
 @pytest.mark.parametrize(("returned", "given"), [("x", "a word"), ("nothing", 0.5)])

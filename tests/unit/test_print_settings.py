@@ -12,7 +12,7 @@ from shaderlab.analysis.interpreter.arithmetic import Numbers
 from shaderlab.bands import Band
 from shaderlab.bands.rounding import shortest
 from shaderlab.functions.domains import weight
-from shaderlab.functions.nesting import number
+from shaderlab.functions.properties import format_number
 
 
 def bounds(band: Band) -> tuple[float, float]:
@@ -24,7 +24,7 @@ def bounds(band: Band) -> tuple[float, float]:
     "figure",
     [
         shortest,
-        number,
+        format_number,
         weight,
         lambda value: bounds(Bands().literal(value)),
         lambda value: bounds(Band.literal(value)),

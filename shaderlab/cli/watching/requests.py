@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from shaderlab.engine.discovery import is_own
 from shaderlab.errors import CaseError, ShaderlabError
-from shaderlab.functions.calling import called_in
+from shaderlab.functions.evaluation import use_worker
 from shaderlab.functions.library import load
 from shaderlab.model.options import RunOptions
 from shaderlab.mutation.function_tests.running import RunTestFile
@@ -32,7 +32,7 @@ class WarmUp:
     """Asks for a call and its judgement, so that what the first of them takes is done before."""
 
     def perform(self, worker: LabWorker) -> None:
-        with called_in(worker):
+        with use_worker(worker):
             same = load("float same(float x) { return x; }").same
             same.check(lambda x: x, [1.0, 2.0])
 

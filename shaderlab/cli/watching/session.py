@@ -9,7 +9,7 @@ from pathlib import Path
 
 from shaderlab.engine.discovery import imported_files, is_own
 from shaderlab.errors import CaseError
-from shaderlab.functions.test_records import record_of_test
+from shaderlab.functions.records import record_of_test
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record, Status
 from shaderlab.workers.executor import LocalExecutor, error_text

@@ -10,12 +10,11 @@ import numpy as np
 
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderlabError
-from shaderlab.functions.calling import called_in
+from shaderlab.functions.declarations import Type
 from shaderlab.functions.domains import Domain, bools, floats, hints_of, ints
-from shaderlab.functions.function import Function
-from shaderlab.functions.library import Library
+from shaderlab.functions.evaluation import use_worker
+from shaderlab.functions.library import Function, Library
 from shaderlab.functions.signatures import Signature
-from shaderlab.functions.types import Type
 from shaderlab.model.frame import Array
 
 if TYPE_CHECKING:
@@ -42,7 +41,7 @@ def difference(worker: LabWorker, source: Source, text: str, names: Collection[s
     """
     other = replace(source, text=text, stripped=None)
     count, unasked = 0, []
-    with called_in(worker):
+    with use_worker(worker):
         before, after = (Library(one, "", {}) for one in (source, other))
         for name in sorted(names):
             for signature in before[name].signatures:

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from shaderlab.engine.discovery import is_own
 from shaderlab.errors import ShaderError, extra
-from shaderlab.functions.calling import called_in
-from shaderlab.functions.substitutes import Loads, loading
+from shaderlab.functions.evaluation import use_worker
+from shaderlab.functions.library import Loads, record_loads
 
 if TYPE_CHECKING:
     import pytest
@@ -73,8 +73,8 @@ class RunTestFile:
         importlib.invalidate_caches()
         with ExitStack() as stack:
             stack.enter_context(_forgotten())
-            stack.enter_context(called_in(worker))
-            loads = stack.enter_context(loading(self.texts))
+            stack.enter_context(use_worker(worker))
+            loads = stack.enter_context(record_loads(self.texts))
             session = _Session(worker, self.file, self.only)
             stack.enter_context(redirect_stdout(io.StringIO()))
             pytest.main(self._arguments(), plugins=session.plugins())
@@ -125,7 +125,7 @@ class _Session:
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         """A file that can't be imported is a record in error."""
         if report.failed:
-            from shaderlab.functions.test_records import record_of_test
+            from shaderlab.functions.records import record_of_test
 
             self.records.append(
                 record_of_test(

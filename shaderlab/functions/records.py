@@ -1,13 +1,57 @@
-"""The record of a test of functions, so that it stands on a report as a case's variant does."""
+"""What a test finds of GLSL functions, and its record on a report."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field, replace
 
+from shaderlab.compiler.sources import Source
 from shaderlab.files import display_path
-from shaderlab.functions.notes import Notes
 from shaderlab.model.records import Outcome, ProgramRecord, Record, SourceText, Status
+
+
+@dataclass
+class Notes:
+    """What one test did: the outcomes of its checks, and the functions that it called.
+
+    Attributes:
+        outcomes: in the order in which they were judged.
+        called: the definition of each function that was called, by file and line.
+        sources: the files of these functions.
+    """
+
+    outcomes: list[Outcome] = field(default_factory=list)
+    called: dict[tuple[str, int], SourceText] = field(default_factory=dict)
+    sources: dict[str, Source] = field(default_factory=dict)
+
+    def __bool__(self) -> bool:
+        return bool(self.outcomes or self.called)
+
+    def add_call(self, source: Source, definition: SourceText) -> None:
+        """A function of a file was called."""
+        self.called.setdefault((definition.file, definition.line), definition)
+        self.sources.setdefault(source.path, source)
+
+
+_NOTES: ContextVar[Notes | None] = ContextVar("_NOTES", default=None)
+
+
+def current_notes() -> Notes | None:
+    """The notes of the test that runs; None where nobody wants any."""
+    return _NOTES.get()
+
+
+@contextmanager
+def take_notes() -> Iterator[Notes]:
+    """Notes of what the block does."""
+    found = Notes()
+    token = _NOTES.set(found)
+    try:
+        yield found
+    finally:
+        _NOTES.reset(token)
 
 
 def record_of_test(
@@ -37,7 +81,7 @@ def record_of_test(
     shown = display_path(file)
     stem = shown.rpartition("/")[2].removesuffix(".py")
     found = notes or Notes()
-    outcomes = tuple(_merged(found.outcomes))
+    outcomes = tuple(_merge_outcomes(found.outcomes))
     if not outcomes and found.called and status in ("pass", "fail"):
         own = Outcome(
             name=name,
@@ -48,7 +92,7 @@ def record_of_test(
             line=line,
         )
         outcomes = (own,)
-    told = any(outcome.status != "pass" for outcome in outcomes)
+    is_told = any(outcome.status != "pass" for outcome in outcomes)
     return Record(
         id=stem,
         variant=name,
@@ -58,7 +102,7 @@ def record_of_test(
         formula="",
         file=shown,
         status=status,
-        message="" if told else message,
+        message="" if is_told else message,
         seconds=seconds,
         programs=tuple(_programs(found)),
         expectations=tuple(
@@ -68,7 +112,7 @@ def record_of_test(
     )
 
 
-def _merged(outcomes: list[Outcome]) -> Iterator[Outcome]:
+def _merge_outcomes(outcomes: list[Outcome]) -> Iterator[Outcome]:
     """The outcomes, those of one property as one: its batches were judged one by one."""
     together: dict[tuple[str, str, int], Outcome] = {}
     for number, outcome in enumerate(outcomes):

@@ -1,0 +1,438 @@
+"""Evaluating a call in a worker: arguments laid out over a grid, the kernel run, results taken."""
+
+from __future__ import annotations
+
+import atexit
+import functools
+import keyword
+import math
+import mmap
+import os
+import re
+import threading
+from collections import namedtuple
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.compiler.compile_cache import cached_compiler
+from shaderlab.compiler.engines import choose
+from shaderlab.compiler.sources import LineMap, Source
+from shaderlab.compiler.text import version_of, without_comments
+from shaderlab.drivers import Evaluation
+from shaderlab.errors import CallError, ShaderError
+from shaderlab.functions.call import Argument, Call, build_result, collect_opaque
+from shaderlab.functions.kernels import LANES, MAX_WORDS, Kernel, local_name
+from shaderlab.functions.signatures import rename
+from shaderlab.model.frame import Array
+from shaderlab.model.options import CALL_LIMITS, RunOptions
+from shaderlab.settings import settings_of
+from shaderlab.workers import InProcessExecutor, ProcessExecutor
+from shaderlab.workers.executor import LocalExecutor
+
+if TYPE_CHECKING:
+    from shaderlab.workers.lab_worker import LabWorker
+
+
+_VERSION = re.compile(r"#version \d+")
+
+
+@dataclass(frozen=True)
+class Region:
+    """Shared memory as another process sees it: a path that opens it, and its size in bytes."""
+
+    path: str
+    size: int
+
+    def open(self) -> mmap.mmap:
+        """The memory, in another process."""
+        descriptor = os.open(self.path, os.O_RDWR)
+        try:
+            return mmap.mmap(descriptor, self.size)
+        finally:
+            os.close(descriptor)
+
+
+class SharedMemory:
+    """Memory that the calling process and a worker share, so that arrays are not sent. It has no
+    name and no limit of its own: the worker opens this process's file descriptor. It grows as
+    needed; what was in it is lost then."""
+
+    def __init__(self) -> None:
+        self._file = os.fdopen(os.memfd_create("shaderlab"), "r+b")
+        self._map: mmap.mmap | None = None
+        self._size = 0
+
+    def words(self, count: int) -> Array:
+        """The first `count` words, uint32."""
+        if 4 * count > self._size or self._map is None:
+            self._size = max(4 * count, 2 * self._size, mmap.PAGESIZE)
+            os.ftruncate(self._file.fileno(), self._size)
+            self._map = mmap.mmap(self._file.fileno(), self._size)
+        return np.frombuffer(self._map, np.uint32, count)
+
+    @property
+    def region(self) -> Region:
+        """How another process opens it."""
+        return Region(f"/proc/{os.getpid()}/fd/{self._file.fileno()}", self._size)
+
+
+@dataclass(frozen=True)
+class Preprocess:
+    """Asks for a text after the preprocessor, line for line. Raises ShaderError."""
+
+    source: Source
+
+    def perform(self, worker: LabWorker) -> str:
+        worker.note("preprocessing")
+        text = choose().preprocess(self.source)
+        if text is None:
+            cached_compiler()((self.source,), ("glsl",)).require()
+            raise ShaderError("the preprocessor fails", file=self.source.path)
+        return text
+
+
+@dataclass(frozen=True)
+class Evaluate:
+    """Asks for an evaluation; inputs are at the start of the memory, outputs behind them.
+
+    Attributes:
+        evaluation: what to run.
+        versions: of GLSL to try, one after the other; later ones than the driver's become that.
+        layers, words: of the inputs and of the outputs.
+        region: the memory.
+        note: what runs, for messages.
+        driver: as in `shaderlab.drivers.open_backend`.
+    """
+
+    evaluation: Evaluation
+    versions: tuple[int, ...]
+    layers: int
+    words: int
+    region: Region
+    note: str
+    driver: str | None
+
+    def perform(self, worker: LabWorker) -> None:
+        """See `shaderlab.workers.jobs.Request`. Raises as `Backend.evaluate`."""
+        worker.note(self.note)
+        lab = worker.lab(RunOptions(driver=self.driver))
+        memory = worker.keep("memory", self.region, self.region.open)
+        width, height = self.evaluation.size
+        shape = (height, width, self.evaluation.lanes)
+        count = self.layers + self.words
+        whole = np.frombuffer(memory, np.uint32, count * int(np.prod(shape)))
+        layers = whole.reshape(count, *shape)
+        newest = int(lab.backend.info["glsl"].replace(".", "")[:3])
+        refused: ShaderError | None = None
+        for version in self.versions:
+            passes = tuple(
+                (as_version(s, min(version, newest)), n) for s, n in self.evaluation.passes
+            )
+            evaluation = replace(self.evaluation, passes=passes)
+            try:
+                lab.backend.evaluate(evaluation, layers[: self.layers], layers[self.layers :])
+            except ShaderError as error:
+                refused = refused or error
+            else:
+                return
+        assert refused is not None
+        for source, _ in self.evaluation.passes:  # glslang's words are the better ones
+            cached_compiler()((source,), ("glsl",)).require()
+        raise refused
+
+
+def as_version(source: Source, version: int) -> Source:
+    """The source with another `#version` of GLSL."""
+    text = _VERSION.sub(f"#version {version}", source.text, count=1)
+    return source if text == source.text else replace(source, text=text, stripped=None)
+
+
+class Caller:
+    """A worker that stays warm, and the memory shared with it. One call at a time.
+
+    Args:
+        executor: performs the requests.
+        driver: as in `shaderlab.drivers.open_backend`.
+    """
+
+    def __init__(self, executor: LocalExecutor, driver: str | None = None) -> None:
+        self._driver = driver
+        self._executor = executor
+        self._lock = threading.Lock()
+        self._memory = SharedMemory()
+
+    def preprocess(self, source: Source) -> str:
+        """A source's text after the preprocessor. Raises ShaderError, CallError."""
+        with self._lock:
+            text: str = self._perform(Preprocess(source), f"preprocessing {source.path}")
+        return text
+
+    def evaluate(
+        self,
+        evaluation: Evaluation,
+        versions: tuple[int, ...],
+        layers: int,
+        words: int,
+        what: str,
+        fill: Callable[[Array], None],
+        take: Callable[[Array], Any],
+    ) -> Any:
+        """What `take` makes of the outputs, (words, height, width, lanes); `fill` sets the inputs,
+        (layers, height, width, lanes). `versions` are those of GLSL to try, `what` says what runs.
+
+        Raises:
+            ShaderError, CaseError, CallError: as `shaderlab.drivers.Backend.evaluate`; it hangs,
+                or takes its process down.
+        """
+        width, height = evaluation.size
+        shape = (height, width, evaluation.lanes)
+        size = width * height * evaluation.lanes
+        with self._lock:
+            whole = self._memory.words((layers + words) * size).reshape(-1, *shape)
+            fill(whole[:layers])
+            request = Evaluate(
+                evaluation, versions, layers, words, self._memory.region, what, self._driver
+            )
+            self._perform(request, what)
+            return take(whole[layers:])
+
+    def close(self) -> None:
+        """End the worker."""
+        self._executor.close()
+
+    def _perform(self, request: Any, what: str) -> Any:
+        (result,) = self._executor.perform([request])
+        if result.status == "done":
+            return result.value
+        if result.status == "error":
+            raise result.value
+        raise CallError(f"{what}: {result.message}")
+
+
+_CALLER: ContextVar[Caller | None] = ContextVar("_CALLER", default=None)
+
+
+@contextmanager
+def use_worker(worker: LabWorker) -> Iterator[None]:
+    """Inside a worker: calls are made in this process, on its own device."""
+    driver = settings_of(Path.cwd()).driver
+    made = worker.keep("caller", driver, lambda: Caller(InProcessExecutor(driver, worker), driver))
+    token = _CALLER.set(made)
+    try:
+        yield
+    finally:
+        _CALLER.reset(token)
+
+
+def get_caller() -> Caller:
+    """What makes calls: inside `called_in` its worker, else this process's own."""
+    return _CALLER.get() or _process_caller()
+
+
+@functools.cache
+def _process_caller() -> Caller:
+    """This process's own, started at the first call; SHADERLAB_JOBS=0 calls in this process."""
+    executor: LocalExecutor
+    settings = settings_of(Path.cwd())
+    if os.environ.get("SHADERLAB_JOBS") == "0":
+        executor = InProcessExecutor(settings.driver)
+    else:
+        limits = CALL_LIMITS.get(settings.limits)
+        executor = ProcessExecutor(settings.driver, limits, early=False)
+    made = Caller(executor, settings.driver)
+    atexit.register(made.close)
+    return made
+
+
+_MAX_SIDE = 16384
+_WIDTH = 4096
+_WORDS = 1 << 25
+"""Words of inputs and outputs that are evaluated at a time: more would only take more memory."""
+_FEW = 1 << 14
+"""Up to so many elements a pixel each: compiling for four costs more than it saves."""
+_NEWEST, _OLDEST = 450, 330
+
+
+def evaluate(source: Source, folder: str, call: Call) -> Any:
+    """The results of a call of one of a file's functions.
+
+    Args:
+        source: the file.
+        folder: what paths of textures are relative to.
+        call: the function and its arguments.
+
+    Raises:
+        ShaderError, CaseError, CallError: as `shaderlab.functions.calling.Caller.evaluate`.
+    """
+    signature, count = call.signature, math.prod(call.batch)
+    one_each = signature.per_pixel or count <= _FEW
+    inputs = (*signature.given, *signature.globals)
+    numbers = [i for i in inputs if i.name in call.values]
+    kernel = Kernel(
+        signature,
+        tuple(i for i in numbers if call.values[i.name].varies),
+        tuple(i for i in numbers if not call.values[i.name].varies),
+        tuple(i for i in inputs if i.name in call.opaque),
+        1 if one_each else LANES,
+    )
+    words = kernel.result_words
+    varying = [call.values[i.name] for i in kernel.varying]
+    run = _Run(source, folder, call, kernel)
+    if not count:
+        return _results(call, np.zeros((words, 0), np.uint32))
+    grid = _grid(call.batch)
+    chunk = max(_WORDS // (kernel.planes + words), 1)
+    if count <= chunk or (grid is not None and signature.per_pixel):
+        return _results(call, run(varying, call.batch, np.copy))
+    found = np.empty((words, count), np.uint32)
+    flat = [_flatten(argument, call.batch) for argument in varying]
+    for start in range(0, count, chunk):
+        some = slice(start, min(start + chunk, count))
+        part = found[:, some]
+        run(
+            [_part(argument, some) for argument in flat],
+            (some.stop - start,),
+            lambda taken, part=part: np.copyto(part, taken),  # type: ignore[misc]
+        )
+    return _results(call, found)
+
+
+class _Run:
+    """Runs a kernel over some of a call's elements."""
+
+    def __init__(self, source: Source, folder: str, call: Call, kernel: Kernel) -> None:
+        self._kernel = kernel
+        self._what = f"{kernel.signature.name} of {source.path}"
+        self._folder = folder
+        self._passes = build_passes(source, kernel)
+        self._versions = glsl_versions(source)
+        self._shared = np.zeros((-(-kernel.shared_words // 4), 4), np.uint32)
+        words = [call.values[i.name].shared_words() for i in kernel.shared]
+        if words:
+            self._shared.reshape(-1)[: kernel.shared_words] = np.concatenate(words)
+        self._uniforms: dict[str, Array] = {}
+        self._textures: dict[str, tuple[str, Any]] = {}
+        parameters = {p.name for p in kernel.signature.parameters}
+        for one in kernel.opaque:
+            name = local_name(one.name) if one.name in parameters else rename(one.name)
+            label = f"{kernel.signature.name}: {one.name}"
+            value = call.opaque[one.name]
+            collect_opaque(name, value, one.type, label, self._uniforms, self._textures)
+
+    def __call__(
+        self, varying: Sequence[Argument], batch: tuple[int, ...], take: Callable[[Array], Any]
+    ) -> Any:
+        """What `take` makes of the results' words, (words, count)."""
+        kernel, count = self._kernel, math.prod(batch)
+        size = _grid(batch) if kernel.lanes == 1 else None
+        if size is None:
+            pixels = -(-count // kernel.lanes)
+            width = min(_WIDTH, pixels)
+            size = (width, -(-pixels // width))
+        evaluation = Evaluation(
+            passes=self._passes,
+            size=size,
+            lanes=kernel.lanes,
+            shared=self._shared,
+            uniforms=self._uniforms,
+            textures=self._textures,
+            folder=self._folder,
+        )
+
+        def fill(layers: Array) -> None:
+            at = 0
+            for given in varying:
+                given.fill(layers[at:], batch)
+                at += given.type.words
+
+        return get_caller().evaluate(
+            evaluation,
+            self._versions,
+            kernel.planes,
+            kernel.result_words,
+            self._what,
+            fill,
+            lambda outputs: take(outputs.reshape(len(outputs), -1)[:, :count]),
+        )
+
+
+def glsl_versions(source: Source) -> tuple[int, ...]:
+    """The versions of GLSL that a file may be compiled as: its own if it says one of the desktop's,
+    else a late one, or an early one where it has names that later ones took."""
+    number, profile = source.version
+    if profile == "es":
+        return (_NEWEST,)
+    says = any(version_of(without_comments(text)) for _, text in source.parts)
+    return (max(number, _OLDEST),) if says else (_NEWEST, _OLDEST)
+
+
+@lru_cache(maxsize=256)
+def build_passes(source: Source, kernel: Kernel) -> tuple[tuple[Source, int], ...]:
+    """The kernel's shaders, each with how many words it writes; their lines are the file's."""
+    version = glsl_versions(source)[0]
+    code, here = kernel.signature.code, source.place(kernel.signature.line)
+    found = []
+    for first in range(0, max(kernel.result_words, 1), MAX_WORDS):
+        words = min(MAX_WORDS, kernel.result_words - first)
+        head, main = kernel.head(version, words), kernel.main(first, words)
+        spans = [(*here, 1)] * head.count("\n")
+        spans += [(*source.place(line + 1), 1) for line in range(code.count("\n") + 1)]
+        spans += [(*here, 1)] * (main.count("\n") + 1)
+        text = f"{head}{code}\n{main}"
+        made = Source(source.name, source.path, "fragment", text, LineMap.of(spans), ())
+        found.append((made, words))
+    return tuple(found)
+
+
+def _results(call: Call, words: Array) -> Any:
+    """A call's results from their words: one value, or a named tuple of several."""
+    signature, at = call.signature, 0
+    kept = words[-1].reshape(call.batch) != 0 if signature.discards else None
+    found = {}
+    for name, kind in signature.outputs:
+        value = build_result(words[at : at + kind.words], kind, call.batch)
+        found[name] = value if kept is None else _mask(value, kept)
+        at += kind.words
+    if len(found) == 1:
+        return next(iter(found.values()))
+    name = signature.name + "_" * keyword.iskeyword(signature.name)
+    return namedtuple(name, list(found), rename=True)(*found.values())
+
+
+def _mask(value: Any, kept: Array) -> Any:
+    if isinstance(value, dict):
+        return {name: _mask(v, kept) for name, v in value.items()}
+    if isinstance(value, list):
+        return [_mask(v, kept) for v in value]
+    array = np.asarray(value)
+    mask = ~kept.reshape((*kept.shape, *[1] * (array.ndim - kept.ndim)))
+    return np.ma.array(array, mask=np.broadcast_to(mask, array.shape))
+
+
+def _grid(batch: tuple[int, ...]) -> tuple[int, int] | None:
+    """The (width, height) of a grid with a pixel for each element, neighbours beside each other;
+    None where it would be too large."""
+    width = batch[-1] if batch else 1
+    height = math.prod(batch[:-1])
+    return (width, height) if 0 < max(width, height) <= _MAX_SIDE else None
+
+
+def _flatten(given: Argument, batch: tuple[int, ...]) -> Argument:
+    count = math.prod(batch)
+    leaves = tuple(
+        np.broadcast_to(leaf, (*batch, leaf.shape[-1])).reshape(count, leaf.shape[-1])
+        for leaf in given.leaves
+    )
+    return Argument(given.type, (count,), leaves)
+
+
+def _part(given: Argument, some: slice) -> Argument:
+    leaves = tuple(leaf[some] for leaf in given.leaves)
+    return Argument(given.type, (some.stop - some.start,), leaves)
