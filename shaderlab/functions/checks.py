@@ -15,10 +15,10 @@ import numpy as np
 
 from shaderlab.engine.judging.banded import judge_band
 from shaderlab.engine.judging.inputs import Inputs, parameter_name
+from shaderlab.engine.judging.laws import Finding, Law
 from shaderlab.errors import CallError, FormulaError
 from shaderlab.functions.call import Call, Opaque, read_textures
 from shaderlab.functions.declarations import Type
-from shaderlab.engine.judging.laws import Finding, Law
 from shaderlab.functions.laws import CallLaw, judge_law
 from shaderlab.glslmath.arrays import stacked
 from shaderlab.glslmath.choice import where

@@ -15,12 +15,12 @@ from typing import Any
 
 from shaderlab.compiler.sources import LineMap, Shaders, Source
 from shaderlab.compiler.text import EXTENSIONS, version_of
+from shaderlab.engine.judging.laws import Law
 from shaderlab.errors import CallError, ShaderError, ShaderlabError, nearest
 from shaderlab.functions import checks
 from shaderlab.functions.call import Call, bind_arguments, replace_arguments
 from shaderlab.functions.declarations import read_declarations
 from shaderlab.functions.evaluation import evaluate, get_caller
-from shaderlab.engine.judging.laws import Law
 from shaderlab.functions.laws import CallLaw
 from shaderlab.functions.records import Notes, current_notes
 from shaderlab.functions.signatures import Signature, find_signatures
