@@ -14,10 +14,8 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
-from shaderlab.compiler.syntax import Node, Syntax, field
-from shaderlab.errors import ShaderError
+from shaderlab.compiler.syntax import GlslDeclaration, Syntax, TypeSpecifier, check_brackets
 
 _BASIC = re.compile(
     r"(?P<scalar>float|int|uint|bool)|(?P<kind>[iub]?)vec(?P<size>[234])"
@@ -105,59 +103,6 @@ class Type:
 
 
 @dataclass(frozen=True)
-class TypeText:
-    """A type as it is written: its name, and the texts between the brackets of its lengths."""
-
-    name: str
-    lengths: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Variable:
-    """A variable, member or parameter; `default` is the text of its initialiser."""
-
-    name: str
-    type: TypeText
-    qualifiers: frozenset[str] = frozenset()
-    default: str = ""
-
-
-@dataclass(frozen=True)
-class Declaration:
-    """One declaration.
-
-    Attributes:
-        kind: "function", "prototype", "struct", "block" or "variables".
-        start, end: where it is in the text.
-        name: of a function, struct or block.
-        members: a function's parameters, or what a struct, a block or a declaration declares.
-        qualifiers: of the block, or of the variables.
-        result: what a function returns.
-        variables: what is declared after the body of a struct or block.
-        uses: names that occur in it and that it does not declare.
-    """
-
-    kind: str
-    start: int
-    end: int
-    name: str = ""
-    members: tuple[Variable, ...] = ()
-    qualifiers: frozenset[str] = frozenset()
-    result: TypeText = TypeText("void")
-    variables: tuple[Variable, ...] = ()
-    uses: frozenset[str] = frozenset()
-
-    @property
-    def names(self) -> Iterator[str]:
-        """The global names that it declares."""
-        if self.kind == "variables" or (self.kind == "block" and not self.variables):
-            yield from (member.name for member in self.members)
-        if self.name:
-            yield self.name
-        yield from (variable.name for variable in self.variables)
-
-
-@dataclass(frozen=True)
 class Declarations:
     """A file's declarations.
 
@@ -170,26 +115,26 @@ class Declarations:
 
     text: str
     extensions: tuple[str, ...]
-    all: tuple[Declaration, ...]
+    all: tuple[GlslDeclaration, ...]
     constants: Mapping[str, int]
 
     @cached_property
-    def _structs(self) -> dict[str, Declaration]:
+    def _structs(self) -> dict[str, GlslDeclaration]:
         return {one.name: one for one in self.all if one.kind in ("struct", "block")}
 
-    def functions(self) -> dict[str, list[Declaration]]:
+    def functions(self) -> dict[str, list[GlslDeclaration]]:
         """Function definitions by name; several where it is overloaded."""
-        found: dict[str, list[Declaration]] = {}
+        found: dict[str, list[GlslDeclaration]] = {}
         for one in self.all:
             if one.kind == "function":
                 found.setdefault(one.name, []).append(one)
         return found
 
-    def needed_by(self, function: Declaration) -> list[Declaration]:
+    def needed_by(self, function: GlslDeclaration) -> list[GlslDeclaration]:
         """What a function needs, itself included, in order."""
-        by_name: dict[str, list[Declaration]] = {}
+        by_name: dict[str, list[GlslDeclaration]] = {}
         for one in self.all:
-            for name in one.names:
+            for name in one.declares:
                 by_name.setdefault(name, []).append(one)
         found = {function.start}
         open_ends = list(function.uses)
@@ -200,7 +145,7 @@ class Declarations:
                     open_ends += one.uses
         return [one for one in self.all if one.start in found]
 
-    def type_of(self, written: TypeText) -> Type:
+    def type_of(self, written: TypeSpecifier) -> Type:
         """The type that is written so. Raises LookupError, which says what is not known."""
         dims = []
         for length in written.lengths:
@@ -221,215 +166,26 @@ def read_declarations(text: str) -> Declarations:
     Raises:
         ShaderError: brackets do not match; its line is that of the text.
     """
-    rows = text.encode("ascii", "replace").decode().split("\n")
+    rows = text.split("\n")
     extensions = tuple(row.strip() for row in rows if row.lstrip().startswith("#extension"))
     text = "\n".join("" if row.lstrip().startswith("#") else row for row in rows)
-    found = tuple(_Reader(text).declarations())
+    check_brackets(text)
+    found = Syntax(text).declarations
     constants: dict[str, int] = {}
     for one in found:
         if one.kind == "variables" and "const" in one.qualifiers:
             for member in one.members:
-                value = _constant(member.default, constants)
+                value = _constant(member.initialiser, constants)
                 if value is not None:
                     constants[member.name] = value
     return Declarations(text, extensions, found, constants)
 
 
-# What the grammar does not know, and what no function needs: precision, `const in`, layouts of a
-# stage, and lengths that stand behind the type, as in `float[3] weights`.
-_UNPARSED = re.compile(
-    r"\bprecision\s+\w+\s+\w+\s*;|\b(?:highp|mediump|lowp)\b|\bconst(?=\s+in\b)"
-    r"|\blayout\s*\([^()]*\)\s*(?:in|out|uniform|buffer)\s*;"
-    r"|(?<=\w)\s*(?:\[[^][]*\]\s*)+(?=[A-Za-z_])"
-)
-_DECLARATOR = re.compile(r"(\w*)\s*((?:\[[^][]*\]\s*)*)")
-_LENGTH = re.compile(r"\[([^][]*)\]")
-_CLOSING = {"(": ")", "[": "]", "{": "}"}
 _OPERATIONS: Mapping[type[ast.operator], Callable[[int, int], int]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
     ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.LShift: operator.lshift,
     ast.RShift: operator.rshift,
 }  # fmt: skip
-_NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
-# Words after which a name is not one that is declared there.
-_NO_TYPES = frozenset(re.findall(r"\w+",
-    "const uniform in out inout buffer shared varying attribute centroid flat smooth noperspective"
-    " patch sample invariant precise highp mediump lowp coherent volatile restrict readonly"
-    " writeonly subroutine layout return else case default do"
-))  # fmt: skip
-
-
-class _Reader:
-    """Reads the declarations of a text without directives, of ASCII characters only."""
-
-    def __init__(self, text: str) -> None:
-        self._text = text
-        self._root = Syntax(_UNPARSED.sub(_blank, text)).root
-        if self._root.has_error:
-            _check_brackets(text)
-
-    def declarations(self) -> Iterator[Declaration]:
-        nodes = self._root.children
-        for node, after in zip(nodes, [*nodes[1:], None], strict=True):
-            found = None
-            if node.type == "function_definition":
-                found = self._function(node, "function")
-            elif node.type == "struct_specifier":
-                end = after.end_byte if after is not None and after.type == ";" else node.end_byte
-                found = self._struct(node, node, end)
-            elif node.type == "declaration":
-                found = self._declaration(node)
-            if found is not None:
-                yield found
-
-    def _declaration(self, node: Node) -> Declaration | None:
-        body = next((n for n in node.children if n.type == "field_declaration_list"), None)
-        if body is not None:
-            return self._block(node, body)
-        type_ = node.child_by_field_name("type")
-        declarators = node.children_by_field_name("declarator")
-        if type_ is None:  # `invariant gl_Position;`
-            return None
-        if any(n.type == "function_declarator" for n in declarators):
-            return self._function(node, "prototype")
-        if type_.type == "struct_specifier":
-            return self._struct(node, type_, node.end_byte)
-        members = tuple(self._variables(node, type_))
-        qualifiers = self._words(node.start_byte, type_.start_byte)
-        return self._made("variables", node, members=members, qualifiers=qualifiers)
-
-    def _function(self, node: Node, kind: str) -> Declaration | None:
-        type_, declarator = (node.child_by_field_name(name) for name in ("type", "declarator"))
-        if type_ is None or declarator is None or declarator.type != "function_declarator":
-            return None
-        own, listed = field(declarator, "declarator"), field(declarator, "parameters")
-        parameters = []
-        for each in listed.named_children:
-            its = each.child_by_field_name("type")
-            if its is not None and self._of(its) != "void":
-                parameters += [*self._variables(each, its)] or [self._unnamed(each, its)]
-        return self._made(
-            kind,
-            node,
-            name=self._of(own),
-            members=tuple(parameters),
-            result=TypeText(self._of(type_), self._lengths(type_.end_byte, own.start_byte)),
-        )
-
-    def _unnamed(self, parameter: Node, kind: Node) -> Variable:
-        lengths = self._lengths(kind.end_byte, parameter.end_byte)
-        qualifiers = self._words(parameter.start_byte, kind.start_byte)
-        return Variable("", TypeText(self._of(kind), lengths), qualifiers)
-
-    def _struct(self, node: Node, struct: Node, end: int) -> Declaration:
-        named = struct.child_by_field_name("name")
-        name = "" if named is None else self._of(named)
-        return self._made(
-            "struct",
-            node,
-            end=end,
-            name=name,
-            members=self._members(field(struct, "body")),
-            qualifiers=self._words(node.start_byte, struct.start_byte),
-            variables=tuple(self._variables(node, struct, name)),
-        )
-
-    def _block(self, node: Node, body: Node) -> Declaration:
-        """A block: the grammar does not say which of its names is the block's own."""
-        identifiers = [n for n in node.children if n.type in ("identifier", "array_declarator")]
-        own, *others = identifiers
-        name = self._of(own)
-        return self._made(
-            "block",
-            node,
-            name=name,
-            members=self._members(body),
-            qualifiers=self._words(node.start_byte, own.start_byte),
-            variables=tuple(self._variable(one, TypeText(name), frozenset()) for one in others),
-        )
-
-    def _members(self, body: Node) -> tuple[Variable, ...]:
-        found: list[Variable] = []
-        for each in body.named_children:
-            kind = each.child_by_field_name("type")
-            if kind is not None:
-                found += self._variables(each, kind)
-        return tuple(found)
-
-    def _variables(self, node: Node, kind: Node, name: str | None = None) -> Iterator[Variable]:
-        """What a declaration, a member or a parameter declares; `name` is that of its type."""
-        qualifiers = self._words(node.start_byte, kind.start_byte)
-        declarators = node.children_by_field_name("declarator")
-        if declarators:
-            lengths = self._lengths(kind.end_byte, declarators[0].start_byte)
-            type_ = TypeText(self._of(kind) if name is None else name, lengths)
-            yield from (self._variable(each, type_, qualifiers) for each in declarators)
-
-    def _variable(self, declarator: Node, type_: TypeText, qualifiers: frozenset[str]) -> Variable:
-        match = _DECLARATOR.match(self._of(declarator))
-        assert match is not None  # it may be empty
-        value = declarator.child_by_field_name("value")
-        lengths = tuple(text.strip() for text in _LENGTH.findall(match[2]))
-        default = "" if value is None else self._of(value)
-        return Variable(
-            match[1], TypeText(type_.name, lengths + type_.lengths), qualifiers, default
-        )
-
-    def _made(self, kind: str, node: Node, *, end: int | None = None, **fields: Any) -> Declaration:
-        start, end = node.start_byte, node.end_byte if end is None else end
-        uses = _used_names(self._text[start:end])
-        return Declaration(kind, start, end, uses=uses, **fields)
-
-    def _of(self, node: Node) -> str:
-        return self._text[node.start_byte : node.end_byte]
-
-    def _words(self, start: int, end: int) -> frozenset[str]:
-        return frozenset(re.findall(r"\w+", self._text[start:end]))
-
-    def _lengths(self, start: int, end: int) -> tuple[str, ...]:
-        """The array lengths between a type and what it is the type of."""
-        return tuple(text.strip() for text in _LENGTH.findall(self._text[start:end]))
-
-
-def _blank(match: re.Match[str]) -> str:
-    return re.sub(r"\S", " ", match.group())
-
-
-def _used_names(text: str) -> frozenset[str]:
-    """The names in a text, but for members behind a dot and what is declared there."""
-    used: set[str] = set()
-    declared: set[str] = set()
-    called: set[str] = set()
-    before, end = "", 0
-    for match in _NAME.finditer(text):
-        name = match.group()
-        follows = before and not text[end : match.start()].strip()
-        if follows and before not in _NO_TYPES:
-            declared.add(name)
-        elif text[match.end() :].lstrip()[:1] == "(":
-            called.add(name)
-        else:
-            used.add(name)
-        before, end = name, match.end()
-    return frozenset(used - declared | called)
-
-
-def _check_brackets(text: str) -> None:
-    """Raise ShaderError where brackets do not match."""
-    expected: list[tuple[str, re.Match[str]]] = []
-    for match in re.finditer(r"[][(){}]", text):
-        bracket = match.group()
-        if bracket in _CLOSING:
-            expected.append((_CLOSING[bracket], match))
-        elif not expected or expected.pop()[0] != bracket:
-            raise _bracket_error(f"{bracket!r} closes nothing", match)
-    if expected:
-        _, match = expected[0]
-        raise _bracket_error(f"{match.group()!r} is never closed", match)
-
-
-def _bracket_error(message: str, match: re.Match[str]) -> ShaderError:
-    return ShaderError(message, line=match.string.count("\n", 0, match.start()) + 1)
 
 
 def _constant(expression: str, known: Mapping[str, int]) -> int | None:

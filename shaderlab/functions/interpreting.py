@@ -55,7 +55,7 @@ def entry_points(source: Source, preprocessed: str, versions: Sequence[int]) -> 
         ShaderError: its brackets do not match.
     """
     known = read_declarations(preprocessed)
-    taken = {name for one in known.all for name in one.names}
+    taken = {name for one in known.all for name in one.declares}
     own_file = source.parts[0][0] if source.parts else source.path
     found = []
     for overloads in find_signatures(known).values():

@@ -8,13 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from shaderlab.functions.declarations import (
-    Declaration,
-    Declarations,
-    Type,
-    TypeText,
-    Variable,
-)
+from shaderlab.compiler.syntax import Declarator, GlslDeclaration, TypeSpecifier
+from shaderlab.functions.declarations import Declarations, Type
 
 PREFIX = "shaderlab_"
 Direction = Literal["in", "out", "inout"]
@@ -131,12 +126,12 @@ def find_signatures(found: Declarations) -> dict[str, list[Signature]]:
     }
 
 
-def _signature(found: Declarations, own: Declaration) -> Signature:
+def _signature(found: Declarations, own: GlslDeclaration) -> Signature:
     needed = found.needed_by(own)
     used = frozenset[str]().union(*(one.uses for one in needed))
     obstacles: list[str] = []
 
-    def type_of(written: TypeText, what: str) -> Type:
+    def type_of(written: TypeSpecifier, what: str) -> Type:
         try:
             return found.type_of(written)
         except LookupError as error:
@@ -150,7 +145,7 @@ def _signature(found: Declarations, own: Declaration) -> Signature:
     )
     built_in = _built_in_inputs(found, used)
     globals_ = tuple(
-        Input(one.name, type_of(one.type, one.name), optional=bool(one.default))
+        Input(one.name, type_of(one.type, one.name), optional=bool(one.initialiser))
         for one in _variables_to_give(needed)
     ) + tuple(Input(name, type_) for name, type_ in built_in.items())
     obstacles += _obstacles(needed, used, parameters, globals_)
@@ -170,27 +165,27 @@ def _signature(found: Declarations, own: Declaration) -> Signature:
         line=found.text.count("\n", 0, own.start) + 1,
         definition=found.text[own.start : own.end],
         per_pixel=FRAGMENT_ONLY.search(body) is not None,
-        state=tuple((one.name, one.default) for one in _state(needed) if one.default),
+        state=tuple((one.name, one.initialiser) for one in _state(needed) if one.initialiser),
         discards="discard" in used,
         extensions=found.extensions,
         obstacle="; ".join(dict.fromkeys(obstacles)),
     )
 
 
-def _direction(parameter: Variable) -> Direction:
+def _direction(parameter: Declarator) -> Direction:
     words = parameter.qualifiers
     return "inout" if "inout" in words else "out" if "out" in words else "in"
 
 
 def _built_in_inputs(found: Declarations, used: frozenset[str]) -> dict[str, Type]:
     """What a function reads of other stages, and of Shadertoy unless the file declares it."""
-    declared = {name for one in found.all for name in one.names}
+    declared = {name for one in found.all for name in one.declares}
     inputs = {n: Type(t) for n, t in _STAGE_INPUTS.items() if n in used}
     return inputs | {n: t for n, t in _SHADERTOY.items() if n in used and n not in declared}
 
 
 def _obstacles(
-    needed: list[Declaration],
+    needed: list[GlslDeclaration],
     used: frozenset[str],
     parameters: tuple[Input, ...],
     globals_: tuple[Input, ...],
@@ -233,12 +228,12 @@ def _modernise(text: str) -> str:
     return _OLD.sub(r"texture\1\2", _GL.sub(rf"{PREFIX}\1", text))
 
 
-def _redeclares(one: Declaration) -> bool:
+def _redeclares(one: GlslDeclaration) -> bool:
     """Whether it declares anew what GLSL declares itself."""
-    return any(name.startswith("gl_") for name in one.names)
+    return any(name.startswith("gl_") for name in one.declares)
 
 
-def _variables_to_give(needed: list[Declaration]) -> Iterator[Variable]:
+def _variables_to_give(needed: list[GlslDeclaration]) -> Iterator[Declarator]:
     """The variables that somebody else sets; what GLSL declares itself may be declared again."""
     for one in needed:
         if not one.qualifiers & _GIVEN or _redeclares(one):
@@ -246,19 +241,19 @@ def _variables_to_give(needed: list[Declaration]) -> Iterator[Variable]:
         if one.kind == "struct":
             yield from one.variables
         elif one.kind == "block":
-            yield from one.variables or one.members
+            yield from one.members if one.instance is None else [one.instance]
         elif one.kind == "variables":
             yield from one.members
 
 
-def _state(needed: list[Declaration]) -> Iterator[Variable]:
+def _state(needed: list[GlslDeclaration]) -> Iterator[Declarator]:
     """The variables that the file's own functions may change."""
     for one in needed:
         if one.kind in ("struct", "variables") and not one.qualifiers & (_GIVEN | {"const"}):
             yield from one.members if one.kind == "variables" else one.variables
 
 
-def _text_of(found: Declarations, needed: list[Declaration]) -> str:
+def _text_of(found: Declarations, needed: list[GlslDeclaration]) -> str:
     """The file's text with nothing but what is needed, each on its own lines. What other stages and
     callers set becomes plain variables, which a kernel assigns."""
     parts, at = [], 0
@@ -272,15 +267,15 @@ def _text_of(found: Declarations, needed: list[Declaration]) -> str:
     return "".join(parts)
 
 
-def _as_variables(found: Declarations, one: Declaration, whole: str) -> str:
+def _as_variables(found: Declarations, one: GlslDeclaration, whole: str) -> str:
     """A declaration's own text, or plain variables for what other stages and callers set."""
     if _redeclares(one):
         return ""
     if one.kind == "block":
         members = "".join(f"{_written(m)}; " for m in one.members)
-        if not one.variables:
+        if one.instance is None:
             return members
-        return f"struct {one.name} {{ {members}}}; {_written(one.variables[0])};"
+        return f"struct {one.name} {{ {members}}}; {_written(one.instance)};"
     if one.kind == "struct" and one.variables:
         head = whole[whole.index("struct") : whole.rindex("}") + 1]
         return head + "; " + _plain_variables(found, one.variables)
@@ -289,18 +284,18 @@ def _as_variables(found: Declarations, one: Declaration, whole: str) -> str:
     return whole
 
 
-def _plain_variables(found: Declarations, variables: tuple[Variable, ...]) -> str:
+def _plain_variables(found: Declarations, variables: tuple[Declarator, ...]) -> str:
     texts = []
     for one in variables:
         try:
             opaque = found.type_of(one.type).opaque
         except LookupError:
             opaque = False
-        default = " = " + " ".join(one.default.split()) if one.default else ""
+        default = " = " + " ".join(one.initialiser.split()) if one.initialiser else ""
         qualifier = "uniform " if opaque else "const " if "const" in one.qualifiers else ""
         texts.append(f"{qualifier}{_written(one)}{default};")
     return " ".join(texts)
 
 
-def _written(one: Variable) -> str:
+def _written(one: Declarator) -> str:
     return f"{one.type.name} {one.name}" + "".join(f"[{n}]" for n in one.type.lengths)
