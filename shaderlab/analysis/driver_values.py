@@ -154,7 +154,7 @@ class _Drawing:
         assert given.pixels is not None
         outputs = evaluation.programs[key[0]][key[1]].interface.outputs
         self.colors = {name: for_output(variable.type) for name, variable in outputs.items()}
-        self._written = evaluation.session.written
+        self._written = evaluation.session.redraw_with_text
         self._key, self._text = key, text
         self._at = given.pixels[:, 1], given.pixels[:, 0]
         self._plain = self._written(key, text, self.colors)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -21,7 +21,7 @@ from shaderlab.analysis.interpreter.values import Flags
 from shaderlab.bands import Band
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.textures import for_output
-from shaderlab.engine.evaluation import Evaluation, passes_captured
+from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations import judge_rows
 from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.engine.judging.formats import stored
@@ -70,8 +70,8 @@ class SelfCheck:
         of which nothing is: they are captured with those."""
         answers = self._evaluation.answers
         self._captured |= answers.keys()
-        later = passes_captured(needed)
-        ended = passes_captured(self._evaluation.asked) - later
+        later = _passes_captured(needed)
+        ended = _passes_captured(self._evaluation.asked) - later
         for key in self._planned:
             need = CapturedFragments(key)
             if key[0] in ended or (need in answers and need not in needed):
@@ -194,7 +194,7 @@ def _with_written(evaluation: Evaluation, key: PassDraw, given: Invocations) -> 
     assert given.pixels is not None
     draw = evaluation.programs[key[0]][key[1]]
     formats = {name: for_output(one.type) for name, one in draw.interface.outputs.items()}
-    images = evaluation.session.written(key, draw.text("fragment") or "", formats)
+    images = evaluation.session.redraw_with_text(key, draw.text("fragment") or "", formats)
     at = given.pixels[:, 1], given.pixels[:, 0]
     return replace(given, measured={n: v[at] for n, v in images.items()}, formats=formats)
 
@@ -253,3 +253,8 @@ def _message(
         f"draw {key[1]} of pass {key[0]!r} leaves what its shader allows: {name} is {values} at "
         f"pixel ({x}, {y}), " + ("which the shader discards" if gone else f"allowed {allowed}")
     )
+
+
+def _passes_captured(needs: Iterable[Need]) -> set[str]:
+    """The passes of which some needs are captured fragments."""
+    return {need.key[0] for need in needs if isinstance(need, CapturedFragments)}

@@ -12,7 +12,6 @@ from shaderlab.model.case import Scene
 
 from . import Backend, Size
 from .passes import PassSession, ProgramCache
-from .programs import fragment_capture
 from .programs.prepare import Programs
 
 
@@ -24,7 +23,7 @@ class Device(Protocol):
 
 
 class DeviceBackend(Backend):
-    """Draws scenes on one device; keeps programs and captured fragments from one to the next.
+    """Draws scenes on one device; keeps programs from one to the next.
 
     A backend names the classes of its linker and of its sessions.
     """
@@ -35,25 +34,17 @@ class DeviceBackend(Backend):
     def __init__(self, device: Device) -> None:
         self.device: Any = device
         self.info = device.info
-        self.captures = fragment_capture.CaptureCache()
         self._linker = self.linker_class(device)
 
     @contextmanager
     def session(
-        self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
+        self, scene: Scene, programs: Programs, size: Size
     ) -> Iterator[PassSession[Any, Any]]:
         with self.in_use(), ExitStack() as stack:
-            linker = self._linker
-            if temporary_programs:
-                linker = self.linker_class(linker.device, linker)
-                stack.callback(linker.release)
-            session = self.session_class(linker, scene, programs, size, stack)
-            session.cache = self.captures
-            yield session
+            yield self.session_class(self._linker, scene, programs, size, stack)
 
     def release_caches(self) -> None:
         with self.in_use():
-            self.captures.clear()
             self._linker.release()
 
     def in_use(self) -> AbstractContextManager[object]:

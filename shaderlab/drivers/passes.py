@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Container, Hashable, Mapping, Sequence, Set
+from collections.abc import Callable, Container, Hashable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Generic, Protocol, Self, TypeVar
+from typing import Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar
 
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.model.activity import doing
@@ -15,10 +15,9 @@ from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Bindings, Fragments, Image, PassDraw, Samples, leading
 from shaderlab.model.scene import Pass, Target
 from shaderlab.model.state import State
-from shaderlab.model.textures import Output
 
 from . import Drawn, Session, Size
-from .programs import bind, fragment_capture, vertex_capture
+from .programs import bind, vertex_capture
 from .programs.fragment_capture import FragmentProbe, PassCapture, fragment_probe, numbered, refused
 from .programs.prepare import (
     PreparedDraw,
@@ -30,7 +29,8 @@ from .programs.prepare import (
     step,
 )
 from .programs.stages import Piece
-from .programs.textures import COLOR, DEPTH, components_of
+from .programs.textures import DEPTH, components_of
+from .protocol import Answers
 from .scene_textures import SceneTextures
 
 
@@ -136,20 +136,13 @@ class ProgramCache(Generic[Program]):
     megabyte. A program is used before the next one is asked for.
     """
 
-    def __init__(self, device: Any, first: Self | None = None) -> None:
-        """`first` is another cache, whose programs are used where it has them, and which is left
-        as it is."""
+    def __init__(self, device: Any) -> None:
         self.device = device
-        self._first = first
         self._made: dict[Hashable, Program] = {}
 
     def get(self, key: Hashable, make: Callable[[], Program]) -> Program:
         """The program of this key; it is made now if there is none."""
-        program = self._made.pop(key, None)
-        if program is None and self._first is not None and key in self._first._made:
-            return self._first._made[key]
-        if program is None:
-            program = make()
+        program = self._made.pop(key, None) or make()
         self._made[key] = program
         if len(self._made) > CAPACITY:
             self.drop(self._made.pop(next(iter(self._made))))
@@ -183,12 +176,8 @@ class PassSession(Session, Generic[Kind, Made]):
         programs: each pass's draws, compiled.
         size: (width, height) for targets that do not say.
         stack: releases device memory in the end.
-
-    Attributes:
-        cache: what other scenes captured, and this one does.
     """
 
-    cache: fragment_capture.CaptureCache
     _textures: SceneTextures[Any]  # what the scene's samplers read; a backend makes it
 
     def __init__(
@@ -203,18 +192,10 @@ class PassSession(Session, Generic[Kind, Made]):
         self.bindings: dict[PassDraw, Bindings] = {}
         self.images: dict[tuple[str, str], Image] = {}
         self.targets: dict[str, Kind] = {}
-        self._unreleased: dict[str, Kind] = {}
         self._named = scene.outputs_named()
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
         self._sample_positions: dict[str, Array] = {}
-        self._continued = {p.onto for p in scene.passes}
-        self._sampled: dict[str, list[tuple[str, Output]]] = {}  # with the passes that sample them
-        for description in scene.passes:
-            for source in (one for draw in description.draws for one in draw.textures.values()):
-                if isinstance(source, Output):
-                    samplings = self._sampled.setdefault(source.pass_name, [])
-                    samplings.append((description.name, source))
         self._captures: dict[str, PassCapture] = {}
         # They draw by this session: it and all its images would stay until cycles are collected.
         stack.callback(self._captures.clear)
@@ -234,32 +215,28 @@ class PassSession(Session, Generic[Kind, Made]):
     def attachment(self, pass_name: str, name: str) -> Image:
         if (pass_name, name) in self.images:
             return self.images[pass_name, name]
-        description = self.scene.find_pass(pass_name)
-        if not any(self.targets[pass_name] is one for one in self._unreleased.values()):
-            return self._drawn_again(description, name, self.extent(description))
         self.reading()
         return self.targets[pass_name].read(name)
+
+    answers: ClassVar[Answers] = {"attachment": attachment}
 
     def extent(self, description: Pass) -> Size:
         """The size in pixels of a pass's target."""
         return description.target.size or self.size
 
-    def fragments(self, key: PassDraw) -> Fragments:
-        """As `Session.fragments`. Arrays from the cache can't be written to (see
-        `shaderlab.drivers.programs.fragment_capture`)."""
-        same = fragment_capture.identity(self.scene, self.programs, key, self.size)
-        return self.cache.get(same, lambda: self._capture(key[0]).fragments(key[1]))
+    def capture_fragments(self, key: PassDraw) -> Fragments:
+        return self._capture(key[0]).fragments(key[1])
 
-    def release_captures(self, kept: Set[str]) -> None:
-        for name in self._captures.keys() - kept:
-            del self._captures[name]
-
-    def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
+    def redraw_with_text(
+        self, key: PassDraw, text: str, outputs: Mapping[str, str]
+    ) -> Mapping[str, Array]:
         return self._capture(key[0]).written(key[1], text, outputs)
 
     def _capture(self, name: str) -> PassCapture:
-        """The captures of a pass's draws."""
+        """The captures of a pass's draws. Those of one pass are kept: they are as large as
+        pictures."""
         if name not in self._captures:
+            self._captures.clear()
             draws, description = self.programs[name], self.scene.find_pass(name)
 
             def redrawn(texts: Sequence[str], colors: Mapping[str, str]) -> Mapping[str, Array]:
@@ -276,15 +253,27 @@ class PassSession(Session, Generic[Kind, Made]):
         """The attachments of a pass that is drawn once more, each draw with another fragment text
         and in its `plain_state`."""
 
-    def vertices(self, key: PassDraw) -> Samples:
+    def capture_vertices(self, key: PassDraw) -> Samples:
         draw = self.programs[key[0]][key[1]]
         return vertex_capture.vertices(draw, self.bindings[key], self.vertex_outputs)
 
-    def probe_vertices(
-        self, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
-    ) -> Samples:
+    def probe(
+        self,
+        key: PassDraw,
+        stage: Literal["vertex", "fragment"],
+        runs: Sequence[Bindings],
+        inputs: Mapping[str, Array],
+    ) -> list[Samples]:
         draw = self.programs[key[0]][key[1]]
-        return vertex_capture.probe(draw, bindings, inputs, self.vertex_outputs)
+        if stage == "fragment":
+            return self.probe_fragments(draw, runs, inputs)
+        return [vertex_capture.probe(draw, each, inputs, self.vertex_outputs) for each in runs]
+
+    @abstractmethod
+    def probe_fragments(
+        self, draw: PreparedDraw, runs: Sequence[Bindings], inputs: Mapping[str, Array]
+    ) -> list[Samples]:
+        """As `probe`, of the fragment stage."""
 
     @abstractmethod
     def vertex_outputs(
@@ -297,7 +286,7 @@ class PassSession(Session, Generic[Kind, Made]):
     ) -> Mapping[Piece, Array]:
         """As `shaderlab.drivers.programs.vertex_capture.Capture`."""
 
-    def drawn_anew(self, changed: Pass, output: str, largest: int) -> Array:
+    def redraw_pass(self, changed: Pass, output: str, largest: int) -> Array:
         width, height = self.extent(changed)
         share = min(1.0, largest / max(width, height))
         if not any(draw.state.in_pixels for draw in changed.draws):
@@ -369,52 +358,9 @@ class PassSession(Session, Generic[Kind, Made]):
             target.resolve()
             # Drivers draw when they are made to: a program that hangs, hangs here.
             self.finish()
-        if self.uploads_images and not self.keeps_targets:
-            self._release_sampled(description.name)
         with doing("read", f"reading pass {description.name!r}"):
             self.reading()
             self._read(description, target)
-        if self._can_go(description):
-            self._release(description.name)  # targets take as much memory as what is read from them
-
-    def _can_go(self, description: Pass) -> bool:
-        """Whether a pass's target is its own, and neither sampled nor drawn on in by another."""
-        return not (self.keeps_targets or description.onto) and (
-            description.name not in self._continued | self._sampled.keys()
-        )
-
-    def _release_sampled(self, last: str) -> None:
-        """Release the targets that a pass is the last to sample, where their images hold all that a
-        redraw of it samples."""
-        for name, samplings in self._sampled.items():
-            if samplings[-1][0] != last or name in self._continued:
-                continue
-            single = not self.scene.find_pass(name).target.samples
-            if single and all(self._in_images(output) for _, output in samplings):
-                self._release(name)
-
-    def _in_images(self, output: Output) -> bool:
-        """Whether an image holds all that is sampled of an output."""
-        image = self.images.get((output.pass_name, output.name))
-        if image is None or output.mipmaps or image.format not in COLOR:  # depths are rounded
-            return False
-        return bool(image.values.shape[-1] == COLOR[image.format].components)
-
-    def _release(self, name: str) -> None:
-        """Release a pass's own target, once."""
-        target = self._unreleased.pop(name, None)
-        if target is not None:
-            target.release()
-
-    @property
-    def uploads_images(self) -> bool:
-        """Whether a texture can be made of what was read of a target."""
-        return False
-
-    @property
-    def keeps_targets(self) -> bool:
-        """Whether all targets are released at the scene's end only."""
-        return False
 
     def _target(self, description: Pass) -> Kind:
         """A target of the pass's own, cleared, or the one that it goes on in."""
@@ -426,8 +372,7 @@ class PassSession(Session, Generic[Kind, Made]):
             target = self.targets[description.onto]
         else:
             target = self.make_target(description, colors, self.extent(description))
-            self._unreleased[description.name] = target
-            self.stack.callback(self._release, description.name)
+            self.stack.callback(target.release)
             target.clear()
         self.targets[description.name] = target
         if description.target.samples:
@@ -499,9 +444,9 @@ class RedrawingSession(PassSession[Kind, Made], Generic[Kind, Made]):
         self.render(draw, self.bindings[key], target)
 
     def probe_fragments(
-        self, key: PassDraw, runs: Sequence[Bindings], inputs: Mapping[str, Array]
+        self, draw: PreparedDraw, runs: Sequence[Bindings], inputs: Mapping[str, Array]
     ) -> list[Samples]:
-        probe = fragment_probe(self.programs[key[0]][key[1]], inputs)
+        probe = fragment_probe(draw, inputs)
         found = []
         # Where no point is discarded, each run writes all that is read.
         for some in [[run] for run in runs] if probe.discards else [runs]:

@@ -3,27 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Container, Mapping, Sequence, Set
+from collections.abc import Callable, Container, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
+from typing import Any, ClassVar, Literal
 
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import OtherApiError, UnsupportedError
-from shaderlab.model.calls import Call, CallEdit
+from shaderlab.model.calls import CallEdit
 from shaderlab.model.case import Scene
-from shaderlab.model.frame import (
-    Array,
-    AttributeReading,
-    Bindings,
-    BlockReading,
-    Fragments,
-    Image,
-    PassDraw,
-    Reply,
-    Samples,
-    Timing,
-    TracedCall,
-)
+from shaderlab.model.frame import Array, Bindings, Fragments, Image, PassDraw, Samples
 from shaderlab.model.records import Verdict
 from shaderlab.model.scene import Pass
 from shaderlab.model.textures import TextureSource
@@ -31,6 +20,8 @@ from shaderlab.model.textures import TextureSource
 from .programs.prepare import Programs
 
 Size = tuple[int, int]
+Answers = Mapping[str, Callable[..., Any]]
+"""What answers a session's queries, by their names: functions of the session and the arguments."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,19 +60,21 @@ class Evaluation:
 
 
 class Session(ABC):
-    """One scene on a device. `draw` comes first; the rest answers questions about that draw.
+    """One scene on a device. `draw` comes first; the rest is about what it drew.
 
-    A backend overrides what it can answer. All else raises UnsupportedError, as does what its
-    driver can't; what is about OpenGL's own calls raises OtherApiError where others draw.
+    A driver overrides what it can do. All else raises UnsupportedError; what is about OpenGL's own
+    calls raises OtherApiError where another API draws.
 
     Attributes:
         scene: what is drawn.
         programs: each pass's draws, compiled.
         subpixel_step: the grid that corners are moved to before they are rasterised, in pixels.
+        answers: what answers each of QUERIES, as functions of the session and of the arguments.
     """
 
     # Of OpenGL's drivers: Mesa reports the least that is allowed, 4 bits, and has 8.
     subpixel_step: float = 2.0**-8
+    answers: ClassVar[Answers] = {}
 
     def __init__(self, scene: Scene, programs: Programs) -> None:
         self.scene = scene
@@ -96,86 +89,76 @@ class Session(ABC):
             ShaderError: the driver refuses a program.
         """
 
-    def fragments(self, key: PassDraw) -> Fragments:
-        """What the fragment shader of a draw got, at each pixel that it was the last to write."""
-        raise UnsupportedError("capturing fragments: this backend can't")
+    def capture_fragments(self, key: PassDraw) -> Fragments:
+        """Capture what the fragment shader of a draw got, at each pixel that it was the last to
+        write."""
+        raise UnsupportedError("capturing fragments: this driver can't")
 
-    def release_captures(self, kept: Set[str]) -> None:  # noqa: B027
-        """Release what is kept for further fragments of the same passes, but for some passes."""
+    def capture_vertices(self, key: PassDraw) -> Samples:
+        """Capture every vertex that a draw hands to rasterisation: what its last stage got and
+        gave."""
+        raise UnsupportedError("capturing vertices: this driver can't")
 
-    def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
-        """What the fragments that are seen of a draw write to some outputs (format by name), where
-        their shader has another text; (height, width, components), zeros elsewhere."""
-        raise UnsupportedError("drawing with another text: this backend can't")
-
-    def vertices(self, key: PassDraw) -> Samples:
-        """Every vertex that a draw hands to rasterisation: what its last stage got and gave."""
-        raise UnsupportedError("capturing vertices: this backend can't")
-
-    def probe_fragments(
-        self, key: PassDraw, runs: Sequence[Bindings], inputs: Mapping[str, Array]
+    def probe(
+        self,
+        key: PassDraw,
+        stage: Literal["vertex", "fragment"],
+        runs: Sequence[Bindings],
+        inputs: Mapping[str, Array],
     ) -> list[Samples]:
-        """Run a draw's fragment stage once for each row of `inputs`, (count, components), with the
+        """Run a stage of a draw once for each row of `inputs`, (count, components), with the
         uniforms and textures of each of the `runs`."""
-        raise UnsupportedError("running a fragment stage on given inputs: this backend can't")
+        raise UnsupportedError(f"running a {stage} stage on given inputs: this driver can't")
 
-    def probe_vertices(
-        self, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
-    ) -> Samples:
-        """Run a draw's vertex stage once for each row of `inputs`, (count, components)."""
-        raise UnsupportedError("running a vertex stage on given inputs: this backend can't")
+    def redraw_pass(self, changed: Pass, output: str, largest: int) -> Array:
+        """Draw a pass of the scene once more with other target values or states, and read one
+        attachment; it is made smaller, to at most `largest` pixels along the longer side, unless a
+        state counts pixels."""
+        raise UnsupportedError("drawing a pass with other states: this driver can't")
 
-    def drawn_anew(self, changed: Pass, output: str, largest: int) -> Array:
-        """One attachment of a pass of the scene that is drawn once more, other than that in its
-        target's values or its draws' states; made smaller, to so many pixels along the longer side,
-        unless a state counts pixels."""
-        raise UnsupportedError("drawing a pass with other states: this backend can't")
+    def redraw_with_text(
+        self, key: PassDraw, text: str, outputs: Mapping[str, str]
+    ) -> Mapping[str, Array]:
+        """Draw a pass with another fragment shader for one draw, and read some outputs (format by
+        name) of its visible fragments, (height, width, components); zeros elsewhere."""
+        raise UnsupportedError("drawing with another text: this driver can't")
 
-    def count(self, key: PassDraw, counter: str) -> int:
-        """What a draw makes the driver count; `counter` as in `shaderlab.query`."""
-        raise UnsupportedError(f"counting {counter}: this backend can't")
+    def query(self, name: str, *arguments: Any) -> Any:
+        """Answer one of QUERIES about what was drawn."""
+        answer = self.answers.get(name)
+        if answer is not None:
+            return answer(self, *arguments)
+        if name in OPENGL_QUERIES:
+            raise OtherApiError(f"{QUERIES[name]}: this driver draws by another API than OpenGL")
+        raise UnsupportedError(f"{QUERIES[name].format(*arguments)}: this driver can't")
 
-    def time(self, pass_name: str, repeats: int) -> Timing:
-        """How long a pass takes to draw, each of so many times."""
-        raise UnsupportedError("timing a pass: this backend can't")
 
-    def attributes(self, key: PassDraw) -> Mapping[str, AttributeReading]:
-        """Where the API reads each attribute of a draw."""
-        raise UnsupportedError("reading where attributes lie: this backend can't")
+QUERIES: Mapping[str, str] = {
+    "count": "counting {1}",
+    "time": "timing a pass",
+    "attributes": "reading where attributes lie",
+    "blocks": "reading where the members of blocks lie",
+    "attachment": "reading an attachment once more",
+    "locations": "locations of uniforms",
+    "gl_errors": "errors of OpenGL",
+    "trace": "calls of OpenGL",
+    "call": "calls of OpenGL",
+}
+"""What a session can be asked, and how errors name it.
 
-    def blocks(self, key: PassDraw) -> Mapping[str, BlockReading]:
-        """Where the driver has the members of each uniform block of a draw's program."""
-        raise UnsupportedError("reading where the members of blocks lie: this backend can't")
-
-    def locations(self, key: PassDraw) -> Mapping[str, int]:
-        """Where the driver put each declared uniform; −1 for one without any effect."""
-        raise OtherApiError("locations of uniforms: this driver's API has none")
-
-    def attachment(self, pass_name: str, name: str) -> Image:
-        """What is in an attachment of a pass: a colour, "depth" or "stencil"."""
-        raise UnsupportedError("reading an attachment once more: this backend can't")
-
-    def gl_errors(self, key: PassDraw) -> Sequence[int]:
-        """The errors that a draw raised."""
-        raise OtherApiError("errors of OpenGL: this driver draws by another API")
-
-    def trace(self) -> Sequence[TracedCall]:
-        """The calls of the API that drawing the scene takes, in order; the lab's own questions
-        apart."""
-        raise OtherApiError("calls of OpenGL are recorded on OpenGL's drivers only")
-
-    def call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
-        """What the API itself answers to the last of some calls. OpenGL alone has an answer.
-
-        Args:
-            made: one after the other in a context of their own, up to the first that raises
-                an error.
-            returns: the values that the last one should return or write.
-
-        Raises:
-            CaseError: a function, a constant, an argument or a pass does not exist.
-        """
-        raise OtherApiError("calls of OpenGL are answered by OpenGL's drivers only")
+| query | arguments | answer |
+|---|---|---|
+| count | draw, counter as in `shaderlab.query` | what the draw makes the driver count |
+| time | pass, repeats | `Timing` |
+| attributes | draw | `AttributeReading` of each attribute |
+| blocks | draw | `BlockReading` of each uniform block |
+| attachment | pass, name | the `Image` of a colour, "depth" or "stencil" |
+| locations | draw | the location of each declared uniform; −1 for one without any effect |
+| gl_errors | draw | the errors that it raised |
+| trace | | a `TracedCall` for each call that drawing takes, without the lab's own reading |
+| call | calls, expected values | the `Reply` to the last one, or the first that raises an error |
+"""
+OPENGL_QUERIES = ("locations", "gl_errors", "trace", "call")
 
 
 class Backend(ABC):
@@ -190,7 +173,7 @@ class Backend(ABC):
 
     @abstractmethod
     def session(
-        self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
+        self, scene: Scene, programs: Programs, size: Size
     ) -> AbstractContextManager[Session]:
         """A scene to draw and to ask about; its device memory is released at the end.
 
@@ -198,8 +181,6 @@ class Backend(ABC):
             scene: what to draw.
             programs: each pass's draws, compiled.
             size: (width, height) in pixels of targets that do not say.
-            temporary_programs: release what is linked for this session at its end too, as of
-                shaders that are drawn only once.
         """
 
     def edited_session(
@@ -225,11 +206,6 @@ class Backend(ABC):
         Raises:
             DriverError: the driver has no such stage.
         """
-
-    def verdict_before_draw(self, sources: Sequence[Source]) -> Verdict:
-        """As `driver_verdict`, of a program that compiles and is drawn next: what is linked for the
-        verdict may be kept for the draw."""
-        return self.driver_verdict(sources)
 
     def require_compute(self) -> None:
         """Raise UnsupportedError where there are no compute passes."""

@@ -125,17 +125,14 @@ class SceneDrawer:
         Args:
             scene: what to draw.
             programs: its compiled draws.
-            like: see `Evaluation`. Programs that are linked for a scene like another one are not
-                kept.
+            like: see `Evaluation`.
 
         Raises:
             ShaderError, UnsupportedError, CaseError: it can't be drawn.
         """
         preparer = self._preparer(_folder(scene))
         size = (self.options.size,) * 2
-        with self.backend.session(
-            scene, programs, size, temporary_programs=like is not None
-        ) as session:
+        with self.backend.session(scene, programs, size) as session:
             yield Evaluation(session, self.backend, preparer, like)
 
     @contextmanager
@@ -157,7 +154,7 @@ class SceneDrawer:
     def driver_verdict(self, sources: tuple[Source, ...]) -> Verdict:
         """The driver's own verdict on a program that compiles, asked for once."""
         if sources not in self._verdicts:
-            self._verdicts[sources] = self.backend.verdict_before_draw(sources)
+            self._verdicts[sources] = self.backend.driver_verdict(sources)
         return self._verdicts[sources]
 
     def _new_preparer(self, folder: str) -> Preparer:

@@ -110,7 +110,6 @@ class Evaluation:
             if before_release is not None:
                 before_release(needed)
             self.forget([need for need in self.answers if need not in needed])
-            self.session.release_captures(passes_captured(needed))
 
     @functools.cached_property
     def _last(self) -> tuple[dict[Need, int], dict[CapturedFragments, int]]:
@@ -176,8 +175,3 @@ class Evaluation:
         ):
             return like.answers[need]
         return need.answer(self._context)
-
-
-def passes_captured(needs: Iterable[Need]) -> set[str]:
-    """The passes of which some needs are captured fragments."""
-    return {need.key[0] for need in needs if isinstance(need, CapturedFragments)}

@@ -34,13 +34,13 @@ def _outputs(evaluation: Evaluation, given: Round, passes: Collection[str]) -> _
         return found
     bindings = drawn.bindings[key]
     with suppress(UnsupportedError):  # stages that can't be run on given inputs
-        made = session.probe_fragments(key, [bindings], given.fragments)[0].outputs
+        made = session.probe(key, "fragment", [bindings], given.fragments)[0].outputs
         for name, values in made.items():
             image = drawn.images.get((key[0], name))
             kept = values if image is None else _stored(values, image.format)
             found[(key[0], name), "fragment"] = kept
         if given.vertices:
-            made = session.probe_vertices(key, bindings, given.vertices).outputs
+            made = session.probe(key, "vertex", [bindings], given.vertices)[0].outputs
             found |= {((key[0], name), "vertex"): values for name, values in made.items()}
     return found
 

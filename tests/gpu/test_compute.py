@@ -356,7 +356,7 @@ def test_kinds_that_need_a_fragment_stage_say_so(lab: Lab, tmp_path: Path) -> No
         with pytest.raises(NotInterpretedError, match="not interpreted: compute stage"):
             fragments(evaluation, ("main", 0))
         with pytest.raises(UnsupportedError, match="it is a dispatch"):
-            evaluation.session.time("main", 1)
+            evaluation.session.query("time", "main", 1)
         (row,) = SelfCheck(evaluation, every=True).judgement()[1].outcome.rows
         assert row.measured == "not interpreted: compute stage"
 

@@ -79,27 +79,6 @@ def test_nothing_is_left_in_the_context(device: Backend) -> None:
     assert GL.glGetError() == 0
 
 
-@pytest.mark.parametrize("stages", [
-    {"vertex": VERTEX, "fragment": FRAGMENT}, {"vertex": VERTEX, "fragment": BROKEN},
-    {"vertex": VERTEX, "fragment": FRAGMENT.replace("vec3 n", "vec4 n").replace("n, 1.0", "n")},
-    {"fragment": FRAGMENT}, {"compute": COMPUTE},
-])  # fmt: skip
-def test_a_program_that_the_driver_takes_is_linked_once(
-    device: Backend, stages: dict[str, str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert isinstance(device, OpenGLBackend)
-    made = program(**stages)
-    # Mesa's own warnings come only where its shader cache has nothing yet.
-    monkeypatch.setattr(GL, "glGetShaderInfoLog", lambda shader: b"0:2(1): warning: said\n")
-    asked = device.driver_verdict(made)
-    assert len(asked.diagnostics) >= len(stages)
-    assert device.verdict_before_draw(made) == asked
-    if asked.ok and len(stages) > 1:
-        monkeypatch.setattr(device._linker, "_new", None)
-        with device.device.in_use():
-            device._linker.link(stages)
-
-
 def test_a_stage_that_the_driver_lacks_is_no_verdict() -> None:
     class Old(nullcontext[None]):
         version_code = 330

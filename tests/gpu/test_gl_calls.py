@@ -84,7 +84,7 @@ def test_recording_changes_nothing_that_is_drawn(tmp_path: Path) -> None:
     one = scene(tmp_path, RIGHT["once"])
     with Lab() as lab, lab.evaluation(one, lab.prepare_for_opengl(one)) as evaluation:
         before = evaluation.session.draw().images["main", "FragColor"].values
-        calls = [str(call) for call in evaluation.session.trace() if call.effective]
+        calls = [str(call) for call in evaluation.session.query("trace") if call.effective]
         again = evaluation.session.draw().images["main", "FragColor"].values
     assert before.tobytes() == again.tobytes()
     assert calls.count("glEnable(GL_DEPTH_TEST)") == 1
@@ -107,7 +107,7 @@ def test_making_mipmaps_makes_no_object() -> None:
     """Where a case has them made by the driver."""
     one = next(shipped()["mipmap-chain"].scenes())
     with Lab() as lab, lab.evaluation(one, lab.prepare_for_opengl(one)) as evaluation:
-        calls = {str(call) for call in evaluation.session.trace()}
+        calls = {str(call) for call in evaluation.session.query("trace")}
     assert "glGenerateMipmap(GL_TEXTURE_2D)" in calls
 
 

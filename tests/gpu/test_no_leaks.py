@@ -40,9 +40,8 @@ from shaderlab.model.mesh import Mesh
 from shaderlab.model.options import RunOptions
 from shaderlab.model.passes import mesh_pass
 from shaderlab.model.records import Record
-from shaderlab.model.scene import Draw, Pass, Target
-from shaderlab.model.state import Depth, State
-from shaderlab.model.textures import Output
+from shaderlab.model.scene import Pass, Target
+from shaderlab.model.state import State
 from tests.catalogue import shipped
 
 SEED = 1
@@ -207,7 +206,7 @@ def test_a_scene_is_gone_when_its_session_ends(tmp_path: Path) -> None:
     try:
         with Lab() as lab, lab.evaluation(scene, lab.prepare(scene)) as evaluation:
             key = next(iter(evaluation.session.programs)), 0
-            assert evaluation.session.fragments(key).covered.any()
+            assert evaluation.session.capture_fragments(key).covered.any()
             session = weakref.ref(evaluation.session)
         del evaluation
         assert session() is None
@@ -259,41 +258,14 @@ def test_captures_are_held_for_one_pass_at_a_time_and_drawn_once(
         redraws.append(description.name)
         return drawn(session, description, *rest)
 
-    captured, drawn = OpenGLSession.fragments, OpenGLSession.redrawn
-    monkeypatch.setattr(OpenGLSession, "fragments", fragments)
+    captured, drawn = OpenGLSession.capture_fragments, OpenGLSession.redrawn
+    monkeypatch.setattr(OpenGLSession, "capture_fragments", fragments)
     monkeypatch.setattr(OpenGLSession, "redrawn", redrawn)
     with Lab() as lab:
         record = lab.run(replace(scene, passes=passes, expect=checks))
     assert [o.status for o in record.expectations] == ["pass"] * 6, record.message
     assert record.modules is not None and record.modules.judged > 0
     assert others == [0, 0, 0] and redraws == [*"aabbcc"]
-
-
-def test_a_target_that_no_later_pass_reads_is_released(tmp_path: Path) -> None:
-    scene = triangle(tmp_path, "targets", State(depth=Depth()))
-    (tmp_path / "copy.frag").write_text(
-        "#version 330 core\nuniform sampler2D image;\nout vec4 FragColor;\n"
-        "void main() { FragColor = texelFetch(image, ivec2(gl_FragCoord.xy), 0); }\n"
-    )
-    (drawn,) = scene.passes
-    deep = replace(drawn, target=replace(drawn.target, depth="depth24"))
-    copy = Draw(fragment="copy.frag", domain={}, textures={"image": Output("read.FragColor")})
-    passes = (
-        replace(drawn, name="first"),
-        replace(drawn, name="onto", onto="first"),
-        replace(deep, name="alone"),
-        replace(deep, name="read"),
-        Pass(name="copy", target=Target(), draws=(copy,)),
-    )
-    scene = replace(scene, passes=passes, expect=())
-    with Lab() as lab, lab.evaluation(scene, lab.prepare(scene)) as evaluation:
-        session = evaluation.session
-        assert isinstance(session, OpenGLSession)
-        assert sorted(session._unreleased) == ["first"]
-        depths = [session.attachment(name, "depth").values for name in ("read", "alone")]
-        assert np.array_equal(*depths) and depths[0].min() < 1.0
-        assert sorted(session._unreleased) == ["first"]
-    assert not session._unreleased
 
 
 @pytest.mark.parametrize("leak", [None, *LEAKS])

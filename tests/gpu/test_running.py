@@ -488,7 +488,7 @@ def test_a_driver_that_disagrees_with_the_compiler_is_told_on(
     def refusing(backend: Any, sources: Any) -> Verdict:
         return Verdict(target="driver", ok=False, diagnostics=(said,))
 
-    monkeypatch.setattr(OpenGLBackend, "verdict_before_draw", refusing)
+    monkeypatch.setattr(OpenGLBackend, "driver_verdict", refusing)
     with Lab(RunOptions(size=16)) as lab:
         record = run(lab, folder, ramp(), formula("product", product))
     assert record.status == "fail"

@@ -49,7 +49,6 @@ def matrix(labs: tuple[Lab, ...], made: Any, plant: Plant | None) -> dict[str, D
         if plant is not None:
             plant(patch)
             labs[1].backend._linker.release()  # type: ignore[attr-defined]
-            labs[1].backend.captures.__init__()  # type: ignore[attr-defined]
         records.append(replace(labs[1].run(made), driver_name=PATHS[1]))
         assert [r.message for r in records] == ["", ""]
     labs[1].backend._linker.release()  # type: ignore[attr-defined]

@@ -64,9 +64,7 @@ class ConstantBackend(Backend):
         self.info = {"renderer": "constant", "vendor": "tests", "version": "1", "glsl": "3.30"}
 
     @contextmanager
-    def session(
-        self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
-    ) -> Iterator[ConstantSession]:
+    def session(self, scene: Scene, programs: Programs, size: Size) -> Iterator[ConstantSession]:
         yield ConstantSession(scene, programs, size)
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:

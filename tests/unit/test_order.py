@@ -82,7 +82,8 @@ class Shown:
         self.scene = case.scene("default")
         self._attachments = attachments
 
-    def attachment(self, pass_name: str, name: str) -> Image:
+    def query(self, question: str, pass_name: str, name: str) -> Image:
+        assert question == "attachment"
         which = name + ("_backwards" if "backwards" in pass_name else "")
         return Image(self._attachments[which], "r32f")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
+from typing import ClassVar
 
 import numpy as np
 
@@ -16,9 +17,9 @@ from shaderlab.model.records import Verdict
 
 from .. import Evaluation, Size
 from ..device import DeviceBackend
-from ..programs import fragment_capture
 from ..programs.prepare import Programs
 from ..programs.storage import captured
+from ..protocol import Answers
 from . import calls, drawing, linking, queries, tracing
 from .device import GL, Device
 from .drawing import Drawing, Evaluator
@@ -29,32 +30,38 @@ class OpenGLSession(Drawing):
     """One scene on an OpenGL device."""
 
     vertex_outputs = drawing.vertex_outputs
-    count = queries.counted
-    time = queries.timed
-    attributes = queries.attributes
-    blocks = queries.block_readings
-    locations = queries.locations
-    trace = tracing.trace
 
-    def fragments(self, key: PassDraw) -> Fragments:
+    def capture_fragments(self, key: PassDraw) -> Fragments:
         draw = self.programs[key[0]][key[1]]
         if draw.draw.compute:
             return captured(draw.draw, draw.interface, self.bindings[key])
-        return super().fragments(key)
+        return super().capture_fragments(key)
 
-    def call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
+    def _call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
         def texts(program: Program) -> dict[str, str]:
             name, index = self.scene.draw_key(program.pass_name, program.draw)
             return self.programs[name][index].texts
 
         return calls.answer(self.device, made, returns, texts)
 
-    def gl_errors(self, key: PassDraw) -> Sequence[int]:
+    def _errors(self, key: PassDraw) -> Sequence[int]:
         return self._gl_errors.get(key, ())
+
+    answers: ClassVar[Answers] = {
+        **Drawing.answers,
+        "count": queries.counted,
+        "time": queries.timed,
+        "attributes": queries.attributes,
+        "blocks": queries.block_readings,
+        "locations": queries.locations,
+        "trace": tracing.trace,
+        "call": _call,
+        "gl_errors": _errors,
+    }
 
 
 class OpenGLBackend(DeviceBackend):
-    """Draws scenes on one device; caches linked programs and captured fragments across scenes."""
+    """Draws scenes on one device; keeps linked programs from one to the next."""
 
     linker_class = Linker
     session_class = OpenGLSession
@@ -77,18 +84,11 @@ class OpenGLBackend(DeviceBackend):
             tracing.recording_device(self.device, edit) as device,
             ExitStack() as stack,
         ):
-            session = OpenGLSession(Linker(device), scene, programs, size, stack)
-            session.cache = fragment_capture.CaptureCache()
-            yield session
+            yield OpenGLSession(Linker(device), scene, programs, size, stack)
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
         with self.device.in_use():
             return linking.driver_verdict(self.device, sources)
-
-    def verdict_before_draw(self, sources: Sequence[Source]) -> Verdict:
-        with self.device.in_use():
-            found = linking.verdict_of_linked(self._linker, sources)
-        return found or self.driver_verdict(sources)
 
     def require_compute(self) -> None:
         if not drawing.has_compute(self.device):

@@ -59,7 +59,6 @@ class BoundTextures(SceneTextures[RenderTarget]):
     _stack: ExitStack
     _levels: dict[tuple[str, str], tuple[Array, ...]] = field(default_factory=dict, init=False)
     _samples: dict[tuple[str, str], Array] = field(default_factory=dict, init=False)
-    _again: dict[tuple[str, str], DeviceTexture] = field(default_factory=dict, init=False)
     # A sampler keeps filters and wraps apart from the images: one attachment can have several.
     _samplers: dict[tuple[Any, ...], int] = field(default_factory=dict, init=False)
 
@@ -82,11 +81,6 @@ class BoundTextures(SceneTextures[RenderTarget]):
     def attachment(self, source: Output, kind: str) -> DeviceTexels:
         image = find_image(source, self.images)
         target, key = self.targets[source.pass_name], (source.pass_name, source.name)
-        if target.released:
-            if key not in self._again:
-                self._again[key] = upload(self._device, "2D", image.format, layers_of(image))
-                self._stack.callback(self._again[key].release)
-            return DeviceTexels(source, self._again[key], image.format, image.values)
         texture = target.texture(source.name, sampled=kind == "2DMS")
         if kind == "2DMS":
             if key not in self._samples:

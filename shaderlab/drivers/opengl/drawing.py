@@ -63,14 +63,6 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
     def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
         return RenderTarget(self.device, target, colors, size)
 
-    @property
-    def uploads_images(self) -> bool:
-        return True
-
-    @property
-    def keeps_targets(self) -> bool:
-        return self.device.recorder is not None  # each object keeps a number of its own
-
     def at(self, pass_name: str, draw: int | None = None) -> None:
         self.device.at(pass_name, draw)
 

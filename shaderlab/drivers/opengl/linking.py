@@ -404,42 +404,6 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
             pass
 
 
-def verdict_of_linked(linker: Linker, sources: Sequence[Source]) -> Verdict | None:
-    """The verdict on a program that the linker links, and keeps, as `driver_verdict` has it; None
-    where that is not the same: of a program that is refused, of modules, of some stages only.
-
-    Args:
-        linker: of an open device, current in this thread.
-        sources: the stages, each once.
-
-    Raises:
-        UnsupportedError: as `driver_verdict`.
-    """
-    _require_stages(linker.device, sources)
-    texts = {source.stage: source.text for source in sources}
-    if "compute" not in texts and not {"vertex", "fragment"} <= texts.keys():
-        return None
-    try:
-        program = linker.link(texts)
-    except ShaderError:
-        return None
-    if not has_names(program):
-        return None
-    own = {shader: GL.glGetShaderInfoLog(shader) for shader in GL.glGetAttachedShaders(program.glo)}
-    whole = GL.glGetProgramInfoLog(program.glo)
-    if not (whole or any(own.values())):  # most often a driver has nothing to say
-        return Verdict(target=DRIVER, ok=True)
-    by_stage = {GL.glGetShaderiv(shader, GL.GL_SHADER_TYPE): log for shader, log in own.items()}
-    logs = [by_stage[named(f"{source.stage}_shader")] for source in sources]
-    logs.append(whole)
-    found = [
-        diagnostic
-        for log, source in zip(logs, (*sources, sources[-1]), strict=True)
-        for diagnostic in parse_driver_log(_text_verdict(log), source, ok=True)
-    ]
-    return Verdict(target=DRIVER, ok=True, diagnostics=tuple(dict.fromkeys(found)))
-
-
 def _require_stages(device: Device, sources: Sequence[Source]) -> None:
     for source in sources:
         if device.version < _NEEDS.get(source.stage, 0):

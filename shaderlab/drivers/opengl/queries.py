@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
-from functools import partial
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import AttributeReading, BlockReading, PassDraw, Timing
 
-from ..programs.prepare import PreparedDraw
 from ..programs.stages import PREFIX
 from . import state
 from .bindings import read_block
 from .device import GL, named
 from .drawing import Drawing, drain_errors, read_storage, submit
 from .linking import output_locations, uniform_location
-from .target import RenderTarget
 from .vertices import read_layout
 
 # Source: OpenGL 4.6 core profile specification, tables 4.1 and 4.2; ARB_pipeline_statistics_query.
@@ -56,29 +52,28 @@ def counted(drawing: Drawing, key: PassDraw, counter: str) -> int:
 def timed(drawing: Drawing, pass_name: str, repeats: int) -> Timing:
     """How long a pass takes to draw, from its first call until the driver has finished.
 
-    Programs, buffers and targets are made beforehand; between two draws only what differs is set
-    again, as a program would do it. The first time through, when drivers compile, does not count.
+    Programs, buffers and targets are made beforehand. The first time through, when drivers compile,
+    does not count.
     """
     prepared = drawing.programs[pass_name]
     context = drawing.device.context
     seconds = []
     with drawing.fresh_target(pass_name) as target:
-        calls = []
-        vertices = 0
-        before: PreparedDraw | None = None
-        for index, draw in enumerate(prepared):
-            key = (pass_name, index)
-            program, vao = drawing.ready(draw, drawing.bindings[key], target)
-            vertices += vao.count * draw.draw.instances
-            calls += _settings(drawing, key, draw, before, program, target)
-            calls.append(partial(submit, vao, program, draw))
-            before = draw
+        ready = [
+            (draw, *drawing.ready(draw, drawing.bindings[pass_name, index], target))
+            for index, draw in enumerate(prepared)
+        ]
+        locations = [output_locations(program, target.colors) for _, program, _ in ready]
+        vertices = sum(vao.count * draw.draw.instances for draw, _, vao in ready)
         for turn in range(repeats + 1):
             target.clear()
             context.finish()
             start = time.perf_counter()
-            for call in calls:
-                call()
+            for index, (draw, program, vao) in enumerate(ready):
+                target.bind(locations[index])
+                state.apply(draw.draw.state, target.size, drawing.device.version)
+                drawing.use(program, draw, drawing.bindings[pass_name, index])
+                submit(vao, program, draw)
             context.finish()
             if turn:
                 seconds.append(time.perf_counter() - start)
@@ -116,39 +111,3 @@ def locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
         for name in draw.interface.uniforms
         if not name.startswith(PREFIX)
     }
-
-
-def _settings(
-    drawing: Drawing,
-    key: PassDraw,
-    draw: PreparedDraw,
-    before: PreparedDraw | None,
-    program: Any,
-    target: RenderTarget,
-) -> list[Callable[[], object]]:
-    """What has to be set before a draw, the one before it given."""
-    calls: list[Callable[[], object]] = []
-    own = draw.draw
-    if before is None or before.sources != draw.sources:
-        locations = output_locations(program, target.colors)
-        calls.append(lambda: target.bind(locations))
-    if before is None or before.draw.state != own.state:
-        calls.append(lambda: state.apply(own.state, target.size, drawing.device.version))
-    same = before is not None and before.sources == draw.sources
-    if not (same and before is not None and _alike(before, draw)):
-        bindings = drawing.bindings[key]
-        calls.append(lambda: drawing.use(program, draw, bindings))
-    return calls
-
-
-def _alike(one: PreparedDraw, other: PreparedDraw) -> bool:
-    """Whether two draws of one program bind the very same things."""
-    mine, theirs = one.draw, other.draw
-    return all(
-        left.keys() == right.keys() and all(left[name] is right[name] for name in left)
-        for left, right in (
-            (mine.uniforms, theirs.uniforms),
-            (mine.textures, theirs.textures),
-            (mine.blocks, theirs.blocks),
-        )
-    )

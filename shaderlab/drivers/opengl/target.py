@@ -38,7 +38,6 @@ class RenderTarget(Attachments):
             )
         super().__init__(target, colors, size)
         self._device = device
-        self.released = False
         self.textures = {name: self._texture(word) for name, word in colors.items()}
         self._sampled = [
             self._texture(w, target.samples) for w in colors.values() if target.samples
@@ -56,7 +55,6 @@ class RenderTarget(Attachments):
             texture.release()
         if self._depth is not None:
             self._depth.release()
-        self.released = True
 
     @property
     def samples(self) -> int:

@@ -17,7 +17,6 @@ from shaderlab.model.scene import Draw, Pass
 from shaderlab.model.textures import outputs_read
 
 from . import bind, stages, storage, textures
-from .stages import Declared
 
 # Files and programs of one folder that are not read and compiled once more.
 _KEPT = 512
@@ -126,7 +125,7 @@ class Preparer:
             draw = replace(draw, mesh=draw.mesh.made())
         _check_patches(draw)
         authored = tuple(self._load(name) for name in draw.shaders)
-        sources = authored if draw.domain is None else self._with_domain(draw, authored, targets)
+        sources = authored if draw.domain is None else self._with_domain(draw, authored)
         compiled = self._compile(sources, targets)
         if compiled.interface is None and sources is not authored:
             raise UnsupportedError(
@@ -144,31 +143,16 @@ class Preparer:
             compiling=self._compiling,
         )
 
-    def _with_domain(
-        self, draw: Draw, authored: tuple[Source, ...], targets: tuple[str, ...]
-    ) -> tuple[Source, ...]:
+    def _with_domain(self, draw: Draw, authored: tuple[Source, ...]) -> tuple[Source, ...]:
         """The stages with one that lays the domain over the screen, or the authored ones alone if
         what they declare is not known."""
-        fragment = authored[0].text
-
-        def with_vertex(inputs: Iterable[Variable]) -> tuple[Source, ...]:
-            text = stages.domain_vertex(fragment, inputs)
-            return self._shaders.from_text(text, "vertex", "<domain>"), *authored
-
-        # As a rule the text says what the compiler would, which need not be asked beforehand.
-        read = Declared(fragment).plain_inputs()
-        if read is not None:
-            sources = with_vertex(read)
-            interface = self._compile(sources, targets).interface
-            if interface is not None and _declared(interface.varyings.values()) == _declared(read):
-                bind.check_domain(draw, interface.varyings)
-                return sources
         # One target is enough to read what the files of a program declare.
         interface = self._compile(authored, ("glsl", "opengl")).interface
         if interface is None:
             return authored
         bind.check_domain(draw, interface.varyings)
-        return with_vertex(interface.varyings.values())
+        text = stages.domain_vertex(authored[0].text, interface.varyings.values())
+        return self._shaders.from_text(text, "vertex", "<domain>"), *authored
 
     def source(self, name: str) -> Source:
         """One shader file with its includes. Raises ShaderError if it can't be read."""
@@ -178,11 +162,6 @@ class Preparer:
         """Some shader files as one program, and what the plain GLSL compiler says of it."""
         sources = tuple(self._load(name) for name in names)
         return sources, self._compiling(sources, ("glsl",))
-
-
-def _declared(inputs: Iterable[Variable]) -> set[tuple[object, ...]]:
-    """What a vertex stage has to know of a fragment stage's inputs."""
-    return {(v.name, v.type, v.array, v.interpolation) for v in inputs}
 
 
 def _check_patches(draw: Draw) -> None:

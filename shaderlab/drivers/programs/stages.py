@@ -25,12 +25,6 @@ _BLOCK = re.compile(
     r"\b(?P<direction>in|out)\s+(\w+)\s*\{([^{}]*)\}\s*(\w*)\s*((?:\[[^\]]*\]\s*)*);"
 )
 _STRUCT = re.compile(r"\bstruct\s+(\w+)\s*\{[^{}]*\}\s*;")
-_INPUT = re.compile(
-    r"^[ \t]*(?:(flat|smooth|noperspective)[ \t]+)?in[ \t]+"
-    r"(float|u?int|[iu]?vec[234]|mat[234](?:x[234])?)[ \t]+(\w+)[ \t]*;",
-    re.MULTILINE,
-)
-_IN = re.compile(r"\bin\b")
 _QUALIFIERS = r"(?:layout\s*\([^)]*\)\s*|flat\s+|smooth\s+|noperspective\s+|centroid\s+|sample\s+)*"
 
 
@@ -109,18 +103,6 @@ class Declared:
     def structs(self) -> list[str]:
         """All struct declarations, as written."""
         return [found.group(0) for found in _STRUCT.finditer(self._text)]
-
-    def plain_inputs(self) -> tuple[Variable, ...] | None:
-        """The inputs, if each is written in a line of its own and none is an array or a member.
-        What macros and `#if` make of them is not known.
-
-        >>> [(v.name, v.type) for v in Declared("in vec2 uv;\\nflat in int id;").plain_inputs()]
-        [('uv', 'vec2'), ('id', 'int')]
-        """
-        found = _INPUT.findall(self._text)
-        if len(found) != len(_IN.findall(self._text)):
-            return None
-        return tuple(Variable(name=n, type=t, interpolation=i or "smooth") for i, t, n in found)
 
     def qualifiers(self, name: str) -> str:
         """What stands before `in` in the declaration of a plain input: `flat`, `centroid`, …"""

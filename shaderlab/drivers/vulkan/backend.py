@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 from shaderlab.compiler.driver_verdict import DRIVER
 from shaderlab.compiler.sources import Source
@@ -12,6 +13,7 @@ from shaderlab.model.records import Verdict
 
 from .. import Evaluation
 from ..device import DeviceBackend
+from ..protocol import Answers
 from . import drawing, queries
 from .device import Device
 from .drawing import Drawing, evaluate
@@ -22,14 +24,17 @@ class VulkanSession(Drawing):
     """One scene on a Vulkan device."""
 
     vertex_outputs = drawing.vertex_outputs
-    count = queries.counted
-    time = queries.timed
-    attributes = queries.attributes
-    blocks = queries.block_readings
+    answers: ClassVar[Answers] = {
+        **Drawing.answers,
+        "count": queries.counted,
+        "time": queries.timed,
+        "attributes": queries.attributes,
+        "blocks": queries.block_readings,
+    }
 
 
 class VulkanBackend(DeviceBackend):
-    """Draws scenes on one device; caches programs and captured fragments across scenes."""
+    """Draws scenes on one device; keeps programs from one to the next."""
 
     linker_class = Linker
     session_class = VulkanSession

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
+from typing import ClassVar
 
 from shaderlab.compiler.driver_verdict import DRIVER
 from shaderlab.compiler.sources import Source
@@ -13,6 +14,7 @@ from shaderlab.model.records import Verdict
 
 from ..device import DeviceBackend
 from ..programs.module_texts import as_drawn
+from ..protocol import Answers
 from . import drawing, queries
 from .device import Device, Objects
 from .drawing import Drawing
@@ -24,15 +26,12 @@ class WebGLSession(Drawing):
     """One scene in a browser."""
 
     vertex_outputs = drawing.vertex_outputs
-    attributes = queries.attributes
-    blocks = queries.block_readings
-    time = queries.timed
 
-    def count(self, key: PassDraw, counter: str) -> int:
+    def _count(self, key: PassDraw, counter: str) -> int:
         raise UnsupportedError(f"counting {counter}: WebGL2 only says whether there was any")
 
-    def locations(self, key: PassDraw) -> Mapping[str, int]:
-        """As `Session.locations`: WebGL2 only says whether there is one, so they are counted."""
+    def _locations(self, key: PassDraw) -> Mapping[str, int]:
+        """Number the uniforms: WebGL2 only says whether there is one."""
         draw = self.programs[key[0]][key[1]]
         program = self.linker.link(as_drawn(draw.draw, draw.texts), draw.sources)
         active = list(program.locations)
@@ -40,12 +39,22 @@ class WebGLSession(Drawing):
             name: active.index(name) if name in active else -1 for name in draw.interface.uniforms
         }
 
-    def gl_errors(self, key: PassDraw) -> Sequence[int]:
+    def _errors(self, key: PassDraw) -> Sequence[int]:
         return self._gl_errors.get(key, ())
+
+    answers: ClassVar[Answers] = {
+        **Drawing.answers,
+        "count": _count,
+        "time": queries.timed,
+        "attributes": queries.attributes,
+        "blocks": queries.block_readings,
+        "locations": _locations,
+        "gl_errors": _errors,
+    }
 
 
 class WebGLBackend(DeviceBackend):
-    """Draws scenes in one browser; caches programs and captured fragments across scenes."""
+    """Draws scenes in one browser; keeps programs from one to the next."""
 
     linker_class = Linker
     session_class = WebGLSession

@@ -67,14 +67,18 @@ class Backwards(Need):
 
     def answer(self, context: Context) -> Array:
         session, names = context.session, (self.pass_name, self.pass_name + _SUFFIX)
-        values, others = (session.attachment(name, self.output).values for name in names)
+
+        def read(attachment: str) -> list[Array]:
+            return [session.query("attachment", name, attachment).values for name in names]
+
+        values, others = read(self.output)
         apart = ~every_component(bits_of(values) == bits_of(others))
         if not apart.any():
             return values
         target = session.scene.find_pass(self.pass_name).target
         if self.output == "depth" or target.depth is None or target.samples:
             return others
-        depth, backwards = (session.attachment(name, "depth").values[..., 0] for name in names)
+        depth, backwards = (each[..., 0] for each in read("depth"))
         met = apart & (depth == backwards) & ~_areas(apart)
         return np.where(met[..., None], values, others)
 
@@ -169,7 +173,7 @@ class DrawnAnew(Need):
             draws=tuple(self._changed(draw) for draw in description.draws),
         )
         with doing("draw", f"drawing pass {self.pass_name!r} with other depth tests"):
-            return context.session.drawn_anew(other, self.output, _LARGEST)
+            return context.session.redraw_pass(other, self.output, _LARGEST)
 
     def _changed(self, draw: Draw) -> Draw:
         test = Depth(func=self.test) if self.test else _depth(draw, turned=self.turned)

@@ -56,14 +56,14 @@ class Context:
 
 @dataclass(frozen=True)
 class Asked(Need):
-    """What the session answers to a question: the name of a method of `shaderlab.drivers.Session`,
+    """What the session answers to a question: one of `shaderlab.drivers.protocol.QUERIES`,
     and its arguments."""
 
     question: str
     about: tuple[Hashable, ...]
 
     def answer(self, context: Context) -> Any:
-        return getattr(context.session, self.question)(*self.about)
+        return context.session.query(self.question, *self.about)
 
 
 @dataclass(frozen=True, kw_only=True)

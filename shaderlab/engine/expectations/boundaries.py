@@ -100,7 +100,7 @@ class BesideBoundaries(Need):
         expectation, session = self._expectation, context.session
         key = expectation.key(session.scene)
         with doing("draw", f"sampling for {expectation.name!r}"):
-            captured, bindings = session.fragments(key), context.bindings[key]
+            captured, bindings = session.capture_fragments(key), context.bindings[key]
             each = {name: v[captured.covered] for name, v in captured.inputs.items()}
 
             def values(some: Mapping[str, Array]) -> Array:
@@ -118,7 +118,7 @@ class BesideBoundaries(Need):
                     remedy="value judges the output of a shader that gives one colour",
                 )
             given = beside_boundaries(each, values)
-            return session.probe_fragments(key, [bindings], given)[0]
+            return session.probe(key, "fragment", [bindings], given)[0]
 
 
 def beside_boundaries(

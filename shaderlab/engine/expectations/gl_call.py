@@ -43,7 +43,8 @@ class Answered(Need):
 
     def answer(self, context: Context) -> Reply:
         with doing("draw", f"calling {self.calls[-1]}"):
-            return context.session.call(self.calls, self.returns)
+            reply: Reply = context.session.query("call", self.calls, self.returns)
+            return reply
 
 
 @dataclass(frozen=True, kw_only=True)

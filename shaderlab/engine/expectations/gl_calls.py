@@ -23,7 +23,8 @@ class Traced(Need):
 
     def answer(self, context: Context) -> Sequence[TracedCall]:
         with doing("draw", "recording calls of OpenGL"):
-            return context.session.trace()
+            calls: Sequence[TracedCall] = context.session.query("trace")
+            return calls
 
 
 @dataclass(frozen=True, kw_only=True)

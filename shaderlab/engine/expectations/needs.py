@@ -30,7 +30,7 @@ class CapturedFragments(Need):
 
     def answer(self, context: Context) -> Fragments:
         with doing("draw", f"capturing the inputs of {context.draw_in_words(self.key)}"):
-            return context.session.fragments(self.key)
+            return context.session.capture_fragments(self.key)
 
     def misplaced(self, found: Fragments, programs: Programs) -> str:
         """As `Fragments.misplaced`; "" where the shader may count from elsewhere."""
@@ -61,7 +61,7 @@ class CapturedVertices(Need):
 
     def answer(self, context: Context) -> Samples:
         with doing("draw", f"capturing the inputs of {context.draw_in_words(self.key)}"):
-            return context.session.vertices(self.key)
+            return context.session.capture_vertices(self.key)
 
     def has_same_answer(self, programs: Programs, others: Programs) -> bool:
         name, index = self.key
@@ -121,8 +121,8 @@ class Probe(Need):
 
         def run(runs: Sequence[Bindings], given: Mapping[str, Array]) -> list[Samples]:
             if not of_vertex:
-                return session.probe_fragments(key, runs, given)
-            found = [session.probe_vertices(key, each, given) for each in runs]
+                return session.probe(key, "fragment", runs, given)
+            found = session.probe(key, "vertex", runs, given)
             if expectation.own_name(scene) not in found[0].outputs:
                 raise UnsupportedError(
                     f"running {draw.draw.geometry or draw.draw.tess_evaluation} on given inputs: "
