@@ -80,7 +80,8 @@ class Case(Checked):
     lesson: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "passes", tuple(self.passes))
+        for name in ("passes", "expect", "variants"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
         _check_unique("passes", [p.name for p in self.passes])
         _check_unique("variants", [v.name for v in self.variants])
         if not self.passes:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
-from shaderlab.model.checked import checked_arguments
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.scene import (
     UNIT_SQUARE,
@@ -20,7 +20,6 @@ from shaderlab.model.state import State
 from shaderlab.model.textures import ImageValue, TextureSource
 
 
-@checked_arguments
 def fullscreen(
     fragment: str,
     *,
@@ -40,15 +39,11 @@ def fullscreen(
     draw = Draw(
         fragment=fragment,
         domain=UNIT_SQUARE if domain is None else domain,
-        uniforms=uniforms or {},
-        textures=textures or {},
-        blocks=blocks or {},
-        state=state or State(),
+        **_present(uniforms=uniforms, textures=textures, blocks=blocks, state=state),
     )
-    return (Pass(name=name, target=target or Target(), draws=(draw,)),)
+    return (Pass(name=name, draws=(draw,), **_present(target=target)),)
 
 
-@checked_arguments
 def mesh_pass(
     vertex: str,
     fragment: str,
@@ -73,16 +68,12 @@ def mesh_pass(
         tess_evaluation=tess_evaluation,
         fragment=fragment,
         mesh=mesh,
-        uniforms=uniforms or {},
-        textures=textures or {},
-        blocks=blocks or {},
-        state=state or State(),
         instances=instances,
+        **_present(uniforms=uniforms, textures=textures, blocks=blocks, state=state),
     )
-    return (Pass(name=name, target=target or Target(), draws=(draw,)),)
+    return (Pass(name=name, draws=(draw,), **_present(target=target)),)
 
 
-@checked_arguments
 def compute(
     shader: str,
     *,
@@ -115,10 +106,12 @@ def compute(
     draw = Draw(
         compute=shader,
         groups=groups,
-        buffers=buffers or {},
-        images=images or {},
-        uniforms=uniforms or {},
-        textures=textures or {},
-        blocks=blocks or {},
+        **_present(buffers=buffers, images=images),
+        **_present(uniforms=uniforms, textures=textures, blocks=blocks),
     )
     return (Pass(name=name, draws=(draw,)),)
+
+
+def _present(**arguments: Any) -> dict[str, Any]:
+    """Those arguments that are given."""
+    return {name: value for name, value in arguments.items() if value is not None}

@@ -89,7 +89,7 @@ def test_every_part_of_the_lab_s_own_error_counts(change: dict[str, Any]) -> Non
 
 
 def test_only_a_name_or_a_function_can_be_refused() -> None:
-    with pytest.raises(CaseError, match="what is 3, which is no word or function"):
+    with pytest.raises(CaseError, match="what is 3; expected str or function"):
         refused(3, message="no")  # type: ignore[arg-type]
 
 

@@ -4,23 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Self, TypedDict
+from typing import Self
 
 from shaderlab.errors import CaseError
-
-
-class Bounds(TypedDict, total=False):
-    """How a case says where a figure must lie, in one of three ways.
-
-    `equals` with `digits`: it rounds to `equals` at so many decimals. `at_most` and `at_least`,
-    one or both. `between` two ends.
-    """
-
-    equals: float | None
-    digits: int | None
-    at_most: float | None
-    at_least: float | None
-    between: tuple[float, float] | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,26 +19,36 @@ class Bound:
     digits: int | None = None
 
     @classmethod
-    def of(cls, label: str, given: Bounds) -> Self | None:
-        """The bound that a case gives for the measure `label`; None where it gives none.
+    def of(
+        cls,
+        label: str,
+        *,
+        equals: float | None = None,
+        digits: int | None = None,
+        at_most: float | None = None,
+        at_least: float | None = None,
+        between: tuple[float, float] | None = None,
+    ) -> Self | None:
+        """Return the bound that a case gives for the measure `label`; None where it gives none.
+
+        It says so in one of three ways: the figure rounds to `equals` at so many `digits`; it is
+        `at_most` so much, or `at_least`, or both; or it lies `between` two ends.
 
         Raises:
             CaseError: it says two things, or holds no number, or all.
         """
-        said = {name: value for name, value in given.items() if value is not None}
-        ways = [{"equals", "digits"}, {"at_most", "at_least"}, {"between"}]
-        if sum(bool(way & said.keys()) for way in ways) > 1:
+        ways = [(equals, digits), (at_most, at_least), (between,)]
+        given = sum(any(part is not None for part in way) for way in ways)
+        if given > 1:
             raise CaseError(f"measure {label!r}: give equals, or between, or at_most and at_least")
-        if ("equals" in said) != ("digits" in said):
+        if (equals is None) != (digits is None):
             raise CaseError(f"measure {label!r}: equals and digits go together")
-        if not said:
+        if not given:
             return None
-        equals, digits = given.get("equals"), given.get("digits")
         if equals is not None and digits is not None:
             half = 0.5 * 10.0**-digits * (1.0 + 1e-6)
             return cls(low=equals - half, high=equals + half, digits=digits)
-        at_least, at_most = given.get("at_least"), given.get("at_most")
-        low, high = given.get("between") or (
+        low, high = between or (
             -math.inf if at_least is None else at_least,
             math.inf if at_most is None else at_most,
         )

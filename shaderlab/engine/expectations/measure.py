@@ -12,7 +12,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Unpack
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from shaderlab.model.scene import UniformValue
 from ..judging.formats import located, source_of
 from ..judging.inputs import parameter_name
 from .base import OfDraw
-from .bound import Bound, Bounds
+from .bound import Bound
 from .readings import Reading, check_readings, reading
 from .subject import find_image
 
@@ -231,7 +231,11 @@ def measure(
     log_y: bool = False,
     own_types: bool = False,
     note: str = "",
-    **bound: Unpack[Bounds],
+    equals: float | None = None,
+    digits: int | None = None,
+    at_most: float | None = None,
+    at_least: float | None = None,
+    between: tuple[float, float] | None = None,
 ) -> Measure:
     """A figure that `statistic` computes from the frame lies within its bound.
 
@@ -253,12 +257,15 @@ def measure(
         own_types: outputs come in the types that they were read back in, read-only, where a copy of
             a large picture in float64 would take too much memory.
         note: a remark in the table, where there is one row.
-        bound: that of the rows that have none, as in `reading`.
+        equals, digits, at_most, at_least, between: the bound of the rows that have none, as in
+            `reading`.
 
     Raises:
         CaseError: there is no bound at all, or two rows are alike.
     """
-    common = Bound.of(label, bound)
+    common = Bound.of(
+        label, equals=equals, digits=digits, at_most=at_most, at_least=at_least, between=between
+    )
     rows = tuple(
         replace(
             row,

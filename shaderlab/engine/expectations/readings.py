@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Unpack
 
 from shaderlab.errors import CaseError
 from shaderlab.model.checked import checked_arguments
 from shaderlab.model.records import Row
 from shaderlab.model.scene import UniformValue
 
-from .bound import Bound, Bounds
+from .bound import Bound
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +47,11 @@ def reading(
     given: Mapping[str, UniformValue] | None = None,
     series: str = "",
     note: str = "",
-    **bound: Unpack[Bounds],
+    equals: float | None = None,
+    digits: int | None = None,
+    at_most: float | None = None,
+    at_least: float | None = None,
+    between: tuple[float, float] | None = None,
 ) -> Reading:
     """One row of a `measure`: what it reads and is given, and where the figure must lie.
 
@@ -58,8 +61,8 @@ def reading(
         given: constants by parameter.
         series: the curve that the point belongs to, where there are several.
         note: a remark in the table.
-        bound: `equals` with `digits`: the figure rounds to `equals` at that many decimals; or
-            `at_most` and `at_least`, one or both; or `between=(low, high)`. Without any the row is
+        equals, digits: the figure rounds to `equals` at that many decimals.
+        at_most, at_least, between: the figure lies in these bounds. Without any bound the row is
             only shown.
 
     Raises:
@@ -69,7 +72,14 @@ def reading(
     return Reading(
         label=f"{label:g}" if numeric else str(label),
         x=float(label) if numeric else None,
-        bound=Bound.of(str(label), bound),
+        bound=Bound.of(
+            str(label),
+            equals=equals,
+            digits=digits,
+            at_most=at_most,
+            at_least=at_least,
+            between=between,
+        ),
         reads=reads or {},
         given=given or {},
         series=series,
