@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from benchmarks import running_programs
-from benchmarks.beside import PAGE, measured
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 HEAD = (
@@ -62,7 +61,7 @@ def grown(folder: Path, count: int, size: int) -> None:
     cases, report = folder / f"cases-{count}", folder / f"report-{count}"
     running_programs.write(cases, count, size)
     taken = lab(folder, "run", str(cases), "--no-pictures", "--report", str(report))
-    (page,) = measured(PAGE, folder, [str(report)])
+    page = lab(folder, "report", str(report)).processors
     front, run = ((report / file).stat().st_size for file in ("index.html", "run.json"))
     print(
         f"{count:>7} {taken.clock:>9.1f} {count / taken.clock:>10.1f} "
