@@ -35,7 +35,7 @@ from shaderlab.engine.lab import Lab
 from shaderlab.model.case import Case
 from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.mutants import Mutant
-from shaderlab.mutation.subjects import glsl_mutants
+from shaderlab.mutation.shader_mutants import mutate_case
 
 DRIVERS = ("llvmpipe", "softpipe")
 Rule = Callable[[Banded], bool]
@@ -95,10 +95,10 @@ def recorded() -> Iterator[list[Banded]]:
 def noticed(own: Judge, mutant: Mutant) -> set[str]:
     """The rules by which some expectation fails."""
     found: set[str] = set()
-    for task in own.tasks(mutant):
-        if not task.about or len(found) == len(RULES):
+    for trial in own.trials(mutant):
+        if not trial.expect or len(found) == len(RULES):
             continue
-        with own.evaluation(task) as (mutated, _):
+        with own.evaluation(trial) as (mutated, _):
             for expectation in mutated.scene.expect:
                 with recorded() as seen:
                     status = mutated.judge(expectation).outcome.status
@@ -116,8 +116,8 @@ def mutation(cases: Sequence[Case]) -> dict[str, dict[str, int]]:
         for case in cases:
             own = Judge(lab, case)
             counts = dict.fromkeys(("mutants", *RULES), 0)
-            for mutant in glsl_mutants(case):
-                fate = own.fate(mutant)
+            for mutant in mutate_case(case):
+                fate = own.judge(mutant)
                 if fate.status not in ("killed", "survived") or fate.unread:
                     continue
                 try:

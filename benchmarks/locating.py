@@ -28,9 +28,9 @@ from shaderlab.engine.lab import Lab
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.case import Case
 from shaderlab.model.options import RunOptions
-from shaderlab.mutation import glsl_mutants
-from shaderlab.mutation.locating import Traces, first_traced, traces_of
-from shaderlab.mutation.mutants import ShaderMutant
+from shaderlab.mutation import mutate_case
+from shaderlab.mutation.locating import Traces, find_first_wrong, trace_draws
+from shaderlab.mutation.shader_mutants import ShaderMutant
 
 # Mistakes where nothing is stored.
 LEFT_OUT = ("removed", "return", "discarded", "halved", "never written", "else")
@@ -68,13 +68,13 @@ def located(lab: Lab, case: Case, most: int, seed: int) -> Iterator[tuple[Any, s
     try:
         programs = lab.prepare_for_opengl(scene)
         with lab.evaluation(scene, programs) as right:
-            traces = traces_of(right)
+            traces = trace_draws(right)
             images = right.drawn.images
     except ShaderlabError:
         return
     mutants = [
         mutant
-        for mutant in glsl_mutants(case)
+        for mutant in mutate_case(case)
         if mutant.stage == "fragment" and not any(word in mutant.operator for word in LEFT_OUT)
     ]
     random.Random(seed).shuffle(mutants)
@@ -105,7 +105,7 @@ def named(
     mutant: ShaderMutant,
 ) -> str | None:
     """What the first value outside says of a mistake; None where no output leaves its band."""
-    found = first_traced(wrong, right, traces)
+    found = find_first_wrong(wrong, right, traces)
     if found is None:
         return None
     given, trace, first = found

@@ -5,7 +5,7 @@ program of the shipped cases, as `shaderlab mutate` does:
 
 - every second pixel is discarded, as on a chess board;
 - pixels where an output is above a quarter are discarded;
-- one output is halved.
+- one output is halve_outputs.
 
 Each is judged by all expectations of all variants. It prints what goes unnoticed, and the sums.
 What changes nothing that the case draws, such as half of 0, and what changes only what no
@@ -21,9 +21,9 @@ from collections import Counter
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.lab import Lab
-from shaderlab.mutation import glsl_mutants
-from shaderlab.mutation.coverage import covered, halved
+from shaderlab.mutation import mutate_case
 from shaderlab.mutation.judging import Judge
+from shaderlab.mutation.operators import discard_pixels, halve_outputs
 
 
 def main(words: list[str] | None = None) -> int:
@@ -35,8 +35,8 @@ def main(words: list[str] | None = None) -> int:
     with Lab() as lab:
         for case in [catalogue[name] for name in given.cases] or catalogue.values():
             judge = Judge(lab, case)
-            for mutant in glsl_mutants(case, operators=(covered, halved)):
-                fate = judge.fate(mutant)
+            for mutant in mutate_case(case, operators=(discard_pixels, halve_outputs)):
+                fate = judge.judge(mutant)
                 how = fate.status if fate.status != "survived" else "unnoticed"
                 if fate.unread:
                     how = "unread"

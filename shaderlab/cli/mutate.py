@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from shaderlab.cli.showing import Show
-    from shaderlab.mutation import Campaign, CaseResult, MutationPlan, Subject
+    from shaderlab.mutation import CaseResult, MutationPlan, MutationRun, MutationTarget
     from shaderlab.workers.executor import LocalExecutor
 
 
@@ -106,7 +106,7 @@ def command(
     130 interrupted.
     """
     from shaderlab.cli.showing import Show
-    from shaderlab.mutation import Campaign, MutationPlan, as_json, score
+    from shaderlab.mutation import MutationPlan, MutationRun, results_to_json, score
 
     if api and folder is not None:
         raise UsageError(
@@ -121,17 +121,17 @@ def command(
     if not console.is_terminal:
         console.width = 120  # a file has no width, and cut numbers are of no use
     with contextlib.closing(make_local_executor(None, limits, workers, early=False)) as executor:
-        campaign = Campaign(_subjects(targets, every, plan, executor), executor)
-        stopped = not _judge(campaign, shown)
-    results = campaign.whole_results() if stopped else campaign.results()
+        run = MutationRun(_targets(targets, every, plan, executor), executor)
+        stopped = not _judge(run, shown)
+    results = run.results(complete=stopped)
     if locate:
         _show_traced(console, results)
     _show(console, results, "calls of OpenGL" if api else "shaders")
-    data = {**as_json(results), "api": api, "limit": limit, "seed": seed}
+    data = {**results_to_json(results), "api": api, "limit": limit, "seed": seed}
     if stopped:
         data["interrupted"] = True
         console.print(
-            f"interrupted: {campaign.judged} of {campaign.total} mutants were judged; "
+            f"interrupted: {run.judged} of {run.total} mutants were judged; "
             "the cases above are those with all of theirs"
         )
     try:
@@ -150,7 +150,7 @@ def command(
 
 
 def _into_report(data: Mapping[str, Any], folder: Path) -> None:
-    """Put the results beside those of earlier campaigns, and into the page if a run is there."""
+    """Put the results beside those of earlier runs, and into the page if a run is there."""
     from shaderlab.model import store
     from shaderlab.report import html, mutants
 
@@ -162,28 +162,28 @@ def _into_report(data: Mapping[str, Any], folder: Path) -> None:
         click.echo(f"report: {html.write(store.load(folder), folder)}", err=True)
 
 
-def _subjects(
+def _targets(
     targets: Sequence[str], every: bool, plan: MutationPlan, executor: LocalExecutor
-) -> list[Subject]:
+) -> list[MutationTarget]:
     """The cases that are named, and the files of tests. Raises UsageError, CaseError."""
     from shaderlab.cli.selecting import test_files, without_test_files
-    from shaderlab.mutation import CaseSubject
+    from shaderlab.mutation import CaseTarget
 
     files = test_files(targets)
     rest = without_test_files(targets, files)
-    found: list[Subject] = []
+    found: list[MutationTarget] = []
     if rest or every or not files:
         cases = _cases(rest, every, plan.variants, executor)
-        found += [CaseSubject(file, case_id, plan) for file, case_id in cases.items()]
+        found += [CaseTarget(file, case_id, plan) for file, case_id in cases.items()]
     if files:
-        from shaderlab.mutation.function_tests.mutants import TestSubject
+        from shaderlab.mutation.function_tests import TestFileTarget
 
         if plan.api:
             raise UsageError(f"--api is about cases, and {display_path(files[0])} has tests")
         stems = Counter(file.stem for file in files)
         for file in files:  # on a page a file of tests goes by its stem
             test_id = file.stem if stems[file.stem] == 1 else display_path(file)
-            found.append(TestSubject(file, test_id, plan))
+            found.append(TestFileTarget(file, test_id, plan))
     return found
 
 
@@ -203,15 +203,15 @@ def _cases(
     return {Path(job.file): job.id for job in jobs}
 
 
-def _judge(campaign: Campaign, show: Show) -> bool:
+def _judge(run: MutationRun, show: Show) -> bool:
     """Judge all mutants; on a terminal with a bar, and with what has survived so far. False where
     Ctrl-C came before the last one."""
     with show.bar() as progress:
-        task = progress.add_task("", total=campaign.total)
+        task = progress.add_task("", total=run.total)
         survived = 0
         try:
-            for case_id, fate in campaign.judge():
-                survived += fate is not None and fate.status == "survived"
+            for case_id, result in run.judge():
+                survived += result is not None and result.status == "survived"
                 progress.update(task, description=f"{case_id:<24} {survived} survived", advance=1)
         except KeyboardInterrupt:
             return False
@@ -228,7 +228,7 @@ def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None
     for result in results:
         table.add_row(
             result.id,
-            str(len(result.tried)),
+            str(len(result.runs)),
             str(result.count("killed")),
             str(result.count("survived")),
             _percent(result.score),
@@ -243,8 +243,8 @@ def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None
             console.print(f"\n{result.id}: {result.message}", style="red")
         if result.survivors:
             console.print(f"\nsurvived in {result.id}:", style="bold")
-        for tried in result.survivors:
-            console.print(f"  {tried.mutant}\n      {tried.fate.by}")
+        for run in result.survivors:
+            console.print(f"  {run.mutant}\n      {run.result.by}")
         if result.noticed:
             console.print(f"\nnoticed in {result.id}, by test:", style="bold")
         for name, count in result.noticed.items():
@@ -259,11 +259,11 @@ def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None
 
 def _show_traced(console: Console, results: Sequence[CaseResult]) -> None:
     for result in results:
-        traced = [tried for tried in result.with_status("killed") if tried.fate.traced]
+        traced = [run for run in result.with_status("killed") if run.result.traced]
         if traced:
             console.print(f"traced in {result.id}:", style="bold")
-        for tried in traced:
-            console.print(f"  {tried.mutant}\n      to {tried.fate.traced}")
+        for run in traced:
+            console.print(f"  {run.mutant}\n      to {run.result.traced}")
 
 
 def _percent(share: float | None) -> str:

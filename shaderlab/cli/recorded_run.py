@@ -154,7 +154,7 @@ def with_coverage(
     recorded: RecordedRun, executor: Executor, plan: RunPlan, show: Show
 ) -> RecordedRun:
     """The run with the code coverage of its cases that passed, measured now."""
-    from shaderlab.mutation.code_coverage.requests import CoverCase
+    from shaderlab.mutation.code_coverage import CoverCase
     from shaderlab.workers.executor import LocalExecutor, error_text
 
     assert isinstance(executor, LocalExecutor)

@@ -17,7 +17,6 @@ import click
 from shaderlab.cli.case_index import kept_facts
 from shaderlab.engine.discovery import case_files, data_folder, is_case_file, place, shipped_cases
 from shaderlab.errors import CaseError, UsageError, nearest
-from shaderlab.mutation.function_tests.finding import function_tests, is_function_test
 from shaderlab.workers.jobs import CaseFacts, Job, jobs_of
 
 Load = Callable[[Sequence[Path]], list[CaseFacts]]
@@ -95,11 +94,13 @@ def files_of(targets: Sequence[str]) -> list[Path]:
 
 def test_files(targets: Sequence[str]) -> list[Path]:
     """The files among these targets, and in the folders, with tests of GLSL functions; absolute."""
+    from shaderlab.mutation.function_tests import find_function_tests, is_function_test
+
     found: list[Path] = []
     for target in targets:
         path = Path(target)
         if path.is_dir():
-            found += function_tests(path)
+            found += find_function_tests(path)
         elif is_function_test(path) and not is_case_file(path):
             found.append(path)
     return list(dict.fromkeys(Path(os.path.abspath(path)) for path in found))

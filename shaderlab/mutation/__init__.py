@@ -1,27 +1,23 @@
 """Mutation: realistic mistakes made on purpose, to measure what a case's expectations notice."""
 
-from shaderlab.mutation.api_mutants import ApiMutant as ApiMutant, api_mutants as api_mutants
 from shaderlab.mutation.campaign import (
-    Campaign as Campaign,
-    CaseSubject as CaseSubject,
-    Subject as Subject,
-)
-from shaderlab.mutation.mutants import (
-    Mutant as Mutant,
-    ShaderMutant as ShaderMutant,
-    mutants_of as mutants_of,
-)
-from shaderlab.mutation.requests import (
+    CaseTarget as CaseTarget,
     MutationPlan as MutationPlan,
-    chosen as chosen,
-    mutants_of_case as mutants_of_case,
+    MutationRun as MutationRun,
+    MutationTarget as MutationTarget,
+    make_mutants as make_mutants,
 )
-from shaderlab.mutation.results import (
+from shaderlab.mutation.judging import Judge as Judge
+from shaderlab.mutation.mutants import (
     CaseResult as CaseResult,
-    Fate as Fate,
-    Tried as Tried,
-    as_json as as_json,
+    Mutant as Mutant,
+    MutantResult as MutantResult,
+    MutantRun as MutantRun,
+    results_to_json as results_to_json,
     score as score,
 )
-from shaderlab.mutation.states import StateMutant as StateMutant, state_mutants as state_mutants
-from shaderlab.mutation.subjects import glsl_mutants as glsl_mutants
+from shaderlab.mutation.shader_mutants import (
+    ShaderMutant as ShaderMutant,
+    mutate_case as mutate_case,
+    mutate_stage as mutate_stage,
+)

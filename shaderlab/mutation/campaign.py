@@ -1,23 +1,66 @@
-"""All mutants of some cases: made and judged by an executor, and their fates put together."""
+"""A mutation run: the mutants of some cases, made and judged by worker processes.
+
+Mutants may loop for ever or take the driver down, so they are judged where that costs one process.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import random
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.mutation.mutants import Mutant
-from shaderlab.mutation.requests import OPENING, JudgeMutant, MakeMutants, MutationPlan
-from shaderlab.mutation.results import CaseResult, Fate, Tried
+from shaderlab.model.case import Case
+from shaderlab.model.options import RunOptions
+from shaderlab.mutation.call_mutants import mutate_calls
+from shaderlab.mutation.judging import Judge
+from shaderlab.mutation.mutants import CaseResult, Mutant, MutantResult, MutantRun
+from shaderlab.mutation.shader_mutants import mutate_case
+from shaderlab.mutation.state_mutants import mutate_state
 from shaderlab.workers.executor import LocalExecutor, error_text
 from shaderlab.workers.jobs import Request
 from shaderlab.workers.pool import ItemResult
 
+if TYPE_CHECKING:
+    from shaderlab.workers.lab_worker import LabWorker
 
-class Subject(Protocol):
+_OPENING = "running the case as it is"
+"""The step that a worker notes while it opens a case."""
+OPENING_SECONDS = 120.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class MutationPlan:
+    """Which mutants are made, and what they are judged by.
+
+    Attributes:
+        variants: names of the only variants to judge by; all of them if empty.
+        state: mutate the cases' fixed-function state as well.
+        api: mutate the calls of OpenGL that drawing takes, and nothing else.
+        limit: the most mutants of a case, drawn at random by `seed`; 0 for all.
+        seed: selects the mutants that `limit` draws.
+        locate: find the statement that each killed mutant is traced to.
+    """
+
+    variants: tuple[str, ...] = ()
+    state: bool = True
+    api: bool = False
+    limit: int = 0
+    seed: int = 0
+    locate: bool = False
+
+    def sample(self, mutants: Sequence[Mutant]) -> list[Mutant]:
+        """Return as many of these, in their order, as the limit allows."""
+        if not self.limit or self.limit >= len(mutants):
+            return list(mutants)
+        numbers = random.Random(self.seed).sample(range(len(mutants)), self.limit)
+        return [mutants[i] for i in sorted(numbers)]
+
+
+class MutationTarget(Protocol):
     """What mistakes are made in, and what judges them: a case, say."""
 
     @property
@@ -29,15 +72,15 @@ class Subject(Protocol):
         """What results call it."""
 
     def make(self) -> Request:
-        """The request for its mutants."""
+        """Return the request for its mutants."""
 
     def judge(self, mutant: Mutant) -> Request:
-        """The request for a mutant's `Fate`."""
+        """Return the request for a mutant's `MutantResult`."""
 
 
 @dataclass(frozen=True)
-class CaseSubject:
-    """A case as a subject."""
+class CaseTarget:
+    """A case as a target of mutation."""
 
     file: Path
     id: str
@@ -50,107 +93,158 @@ class CaseSubject:
         return JudgeMutant(self.file, self.plan.variants, mutant, self.plan.locate)
 
 
-@dataclass
-class _CaseCampaign:
-    """The mutants of one subject, and the fates of those that were judged."""
+@dataclass(frozen=True)
+class MakeMutants:
+    """Requests a case's mutants. Raises ShaderError if a shader can't be read; for mutants of calls
+    the case is drawn, and whatever is wrong with that is raised."""
 
-    subject: Subject
+    file: Path
+    plan: MutationPlan
+
+    def perform(self, worker: LabWorker) -> list[Mutant]:
+        case, plan = worker.case(str(self.file)), self.plan
+        if not plan.api:
+            return make_mutants(case, plan)
+        lab = worker.lab(RunOptions())
+        return plan.sample(mutate_calls(lab, case, plan.seed, plan.variants))
+
+
+@dataclass(frozen=True)
+class JudgeMutant:
+    """Requests a mutant's `MutantResult`.
+
+    The worker keeps one case open, with what it draws unmutated. Where this mutant is of another
+    case, it opens that one, with a time limit of its own.
+    """
+
+    file: Path
+    variants: tuple[str, ...]
+    mutant: Mutant
+    locate: bool = False
+
+    def perform(self, worker: LabWorker) -> MutantResult:
+        judge: Judge = worker.keep(
+            "judge", (self.file, self.variants, self.locate), lambda: self._open(worker)
+        )
+        return judge.judge(self.mutant)
+
+    def _open(self, worker: LabWorker) -> Judge:
+        worker.note(_OPENING)
+        worker.restart_limit(OPENING_SECONDS)
+        lab, case = worker.lab(RunOptions()), worker.case(str(self.file))
+        judge = Judge(lab, case, self.variants, locate=self.locate)
+        worker.note("")
+        worker.restart_limit()
+        return judge
+
+
+def make_mutants(case: Case, plan: MutationPlan) -> list[Mutant]:
+    """Return the mutants of a case's shaders and state, as many as the plan's limit allows."""
+    mutants: list[Mutant] = [*mutate_case(case, plan.variants)]
+    if plan.state:
+        mutants += mutate_state(case, plan.seed, plan.variants)
+    return plan.sample(mutants)
+
+
+@dataclass
+class _TargetRun:
+    """The mutants of one target, and the results of those that were judged."""
+
+    target: MutationTarget
     mutants: Sequence[Mutant] = ()
-    fates: dict[int, Fate] = field(default_factory=dict)
+    results: dict[int, MutantResult] = field(default_factory=dict)
     seconds: float = 0.0
     message: str = ""
 
     def result(self) -> CaseResult:
-        tried = tuple(Tried(self.mutants[i], fate) for i, fate in sorted(self.fates.items()))
         return CaseResult(
-            id=self.subject.id, tried=tried, seconds=self.seconds, message=self.message
+            id=self.target.id,
+            runs=tuple(MutantRun(self.mutants[i], self.results[i]) for i in sorted(self.results)),
+            seconds=self.seconds,
+            message=self.message,
         )
 
 
-class Campaign:
-    """Makes the mutants of some cases, or other subjects, then judges them.
+class MutationRun:
+    """Makes the mutants of some cases, or other targets, then judges them.
 
     Args:
-        subjects: the cases.
+        targets: the cases.
         executor: performs everything; its time limit is that of one mutant.
 
     Raises:
         ShaderlabError: the mutants of a case can't be made, as a shader can't be read.
     """
 
-    def __init__(self, subjects: Sequence[Subject], executor: LocalExecutor) -> None:
+    def __init__(self, targets: Sequence[MutationTarget], executor: LocalExecutor) -> None:
         self._executor = executor
-        self._cases = [_CaseCampaign(subject) for subject in subjects]
-        for result in executor.perform([subject.make() for subject in subjects]):
+        self._runs = [_TargetRun(target) for target in targets]
+        for result in executor.perform([target.make() for target in targets]):
             if result.status != "done":
                 if isinstance(result.value, ShaderlabError):
                     raise result.value
                 raise ShaderlabError(
-                    f"making the mutants: {error_text(result)}", file=subjects[result.number].file
+                    f"making the mutants: {error_text(result)}", file=targets[result.number].file
                 )
-            self._cases[result.number].mutants = result.value
-        self.total = sum(len(case.mutants) for case in self._cases)
+            self._runs[result.number].mutants = result.value
+        self.total = sum(len(run.mutants) for run in self._runs)
 
-    def judge(self) -> Iterator[tuple[str, Fate | None]]:
-        """The id of a case and the fate of one of its mutants, for each as it is judged; None for
-        those that are left out because the case does not pass unmutated."""
+    def judge(self) -> Iterator[tuple[str, MutantResult | None]]:
+        """Yield a case's id and the result of one of its mutants, for each as it is judged; None
+        for those that are left out because the case does not pass unmutated."""
         waiting = {
-            (case.subject.file, index): (case, index)
-            for case in self._cases
-            for index in range(len(case.mutants))
+            (run.target.file, index): (run, index)
+            for run in self._runs
+            for index in range(len(run.mutants))
         }
         while waiting:
             batch = list(waiting.values())
-            requests = [case.subject.judge(case.mutants[index]) for case, index in batch]
+            requests = [run.target.judge(run.mutants[index]) for run, index in batch]
             results = self._executor.perform(requests, key=lambda request: request.file)
             with contextlib.closing(results):
-                for result in results:
-                    case, index = batch[result.number]
-                    case.seconds += result.seconds
-                    fate = _fate(result)
-                    if fate is None:
-                        case.message = _broken(result)
-                        for key in [key for key in waiting if key[0] == case.subject.file]:
+                for item in results:
+                    run, index = batch[item.number]
+                    run.seconds += item.seconds
+                    result = _mutant_result(item)
+                    if result is None:
+                        run.message = _describe_failure(item)
+                        for key in [key for key in waiting if key[0] == run.target.file]:
                             del waiting[key]
-                            yield case.subject.id, None
+                            yield run.target.id, None
                         break  # no other worker shall open it
-                    case.fates[index] = fate
-                    del waiting[case.subject.file, index]
-                    yield case.subject.id, fate
+                    run.results[index] = result
+                    del waiting[run.target.file, index]
+                    yield run.target.id, result
 
     @property
     def judged(self) -> int:
         """How many mutants were judged so far."""
-        return sum(len(case.fates) for case in self._cases)
+        return sum(len(run.results) for run in self._runs)
 
-    def results(self) -> list[CaseResult]:
-        """What was found so far, a result for each case."""
-        return [case.result() for case in self._cases]
-
-    def whole_results(self) -> list[CaseResult]:
-        """The results of those cases that are done with."""
+    def results(self, complete: bool = False) -> list[CaseResult]:
+        """Return a result for each case, or for those that are `complete`."""
         return [
-            case.result()
-            for case in self._cases
-            if case.message or len(case.fates) == len(case.mutants)
+            run.result()
+            for run in self._runs
+            if not complete or run.message or len(run.results) == len(run.mutants)
         ]
 
 
-def _fate(result: ItemResult) -> Fate | None:
-    """A mutant's fate: one that hangs or crashes is killed. None if the case is at fault."""
-    if result.status == "done":
-        fate: Fate = result.value
-        return fate
-    if result.status == "error" or result.step == OPENING:
+def _mutant_result(item: ItemResult) -> MutantResult | None:
+    """What came of a mutant: one that hangs or crashes is killed. None if the case is at fault."""
+    if item.status == "done":
+        result: MutantResult = item.value
+        return result
+    if item.status == "error" or item.step == _OPENING:
         return None
-    how = "timeout" if result.status == "timeout" else f"crash ({result.message})"
-    return Fate(status="killed", by=how)
+    how = "timeout" if item.status == "timeout" else f"crash ({item.message})"
+    return MutantResult(status="killed", by=how)
 
 
-def _broken(result: ItemResult) -> str:
+def _describe_failure(item: ItemResult) -> str:
     """Why a case can't be measured."""
-    if result.status != "error":
-        return f"the case itself does not run to its end: {result.message}"
-    if isinstance(result.value, ShaderlabError):
-        return error_text(result)
-    return f"unforeseen {type(result.value).__name__}: {error_text(result)}"
+    if item.status != "error":
+        return f"the case itself does not run to its end: {item.message}"
+    if isinstance(item.value, ShaderlabError):
+        return error_text(item)
+    return f"unforeseen {type(item.value).__name__}: {error_text(item)}"

@@ -2,34 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+import functools
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
+from shaderlab.compiler.compile import compile_program
+from shaderlab.compiler.library import SPIRV_TOOLS_WHEEL, find
+from shaderlab.compiler.sources import Source
+from shaderlab.compiler.verdicts import with_interface
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.gl_calls import Traced
+from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.engine.expectations.reads import Named, judged_outputs
 from shaderlab.engine.judging.reference_bands import RememberedBands
 from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError, ShaderError
 from shaderlab.model.case import Case, Scene
-from shaderlab.model.frame import TracedCall
-from shaderlab.model.scene import Draw
-from shaderlab.mutation import compare, proof
-from shaderlab.mutation.api_judging import fate_of_unseen
-from shaderlab.mutation.mutants import Mutant
-from shaderlab.mutation.results import Fate
-from shaderlab.mutation.subjects import downstream, scenes_of
-from shaderlab.mutation.tasks import PartError, Task, part_of, sound_part
-from shaderlab.mutation.wider import WiderInputs
-
-if TYPE_CHECKING:
-    from shaderlab.mutation.locating import Traces
+from shaderlab.model.frame import TracedCall, differ
+from shaderlab.model.scene import Draw, Pixel
+from shaderlab.mutation.call_mutants import judge_unseen_call
+from shaderlab.mutation.locating import Traces, locate_mistake, trace_draws
+from shaderlab.mutation.mutants import (
+    Mutant,
+    MutantResult,
+    PartError,
+    Trial,
+    part_of,
+    running_unmutated,
+    select_scenes,
+    with_readers,
+)
+from shaderlab.mutation.other_inputs import WiderInputs
 
 Pair = tuple[Evaluation, Evaluation]
 """The evaluation of a mutant's scene, and that of the same scene unmutated."""
+Judged = Mapping[Named, "frozenset[Pixel] | None"]
+"""What expectations read of each output: some pixels, or all of it (None)."""
+_OPTIMISE = ("--strip-debug", "-O", "--compact-ids")
 
 
 class Judge:
@@ -39,7 +54,7 @@ class Judge:
         lab: the open device.
         case: the case.
         variants: names of the only variants to judge by; all of them if empty.
-        locate: whether it is asked which statement a killed mutant is traced to.
+        locate: find the statement that a killed mutant is traced to.
 
     Raises:
         CaseError: an expectation fails with the case's own shaders: there is nothing to measure.
@@ -49,58 +64,61 @@ class Judge:
         self, lab: Lab, case: Case, variants: tuple[str, ...] = (), *, locate: bool = False
     ) -> None:
         self._lab = lab
-        self._located: dict[str, Traces] | None = {} if locate else None
+        self._locate = locate
+        self._draw_traces: dict[str, Traces] = {}
         self._bands = RememberedBands()
-        self._scenes = scenes_of(case, variants)
-        self._judged = judged_outputs(self._scenes)
-        self._originals = {s.variant: self._original(s) for s in self._scenes}
+        self._scenes = select_scenes(case, variants)
+        self._judged: Judged = judged_outputs(self._scenes)
+        self._originals = {s.variant: self._evaluate_original(s) for s in self._scenes}
         self._wider = WiderInputs(lab, self._originals)
-        self._traces: dict[str, Sequence[TracedCall]] = {}
+        self._call_traces: dict[str, Sequence[TracedCall]] = {}
         self._sound: set[tuple[str, tuple[str, ...], tuple[int, ...]]] = set()
 
-    def fate(self, mutant: Mutant) -> Fate:
-        """The fate of one mutant.
+    def judge(self, mutant: Mutant) -> MutantResult:
+        """Return what came of one mutant.
 
         Raises:
             PartError: it ended in an error, and so does the same part of the case without it.
         """
-        tasks: list[Task] = []
+        trials: list[Trial] = []
         try:
-            tasks = self.tasks(mutant)
+            trials = self.trials(mutant)
             with self._bands.in_use():
-                return self._fate_of(tasks)
+                if trials and trials[0].effect.edit is not None:
+                    return self._judge_call(trials[0])
+                return self._judge_trials(trials)
         except PartError:
             raise
         except ShaderError as error:
-            return Fate(status="invalid", by=error.message)
+            return MutantResult(status="invalid", by=error.message)
         except Exception as error:
-            for task in tasks:
-                self._require_sound(task)
+            for trial in trials:
+                self._require_sound(trial)
             # Running the case would end in an error, which does not pass.
-            return Fate(status="killed", by=f"{type(error).__name__}: {error}")
+            return MutantResult(status="killed", by=f"{type(error).__name__}: {error}")
 
-    def tasks(self, mutant: Mutant) -> list[Task]:
-        """The scenes that a mutant changes, and the expectations that may fail there."""
-        tasks = []
+    def trials(self, mutant: Mutant) -> list[Trial]:
+        """Return the scenes that a mutant changes, and the expectations that may fail there."""
+        trials = []
         for scene in self._scenes:
             effect = mutant.effect(scene)
             if effect is not None:
-                touched = downstream(scene, effect.passes)
-                about = self._concerned(scene, touched, effect.vertex_passes)
-                tasks.append(Task(scene, effect, touched, about))
-        return tasks
+                touched = with_readers(scene, effect.passes)
+                expect = self._concerned(scene, touched, effect.vertex_passes)
+                trials.append(Trial(scene, effect, touched, expect))
+        return trials
 
     @contextmanager
-    def evaluation(self, task: Task, *, everything: bool = False) -> Iterator[Pair]:
-        """Draw a task's scene; gives its evaluation and that of the same scene unmutated.
+    def evaluation(self, trial: Trial, *, everything: bool = False) -> Iterator[Pair]:
+        """Draw a trial's scene; gives its evaluation and that of the same scene unmutated.
 
         Raises:
             ShaderError: the mutant does not compile.
         """
-        part = task.part(everything)
+        part = trial.part(everything)
         original = self._originals[part.variant]
-        programs = self._prepared(task, part)
-        edit = task.effect.edit
+        programs = self._prepare(trial, part)
+        edit = trial.effect.edit
         if edit is None:
             run = self._lab.evaluation(part, programs, like=original)
         else:
@@ -108,42 +126,48 @@ class Judge:
         with run as mutant:
             yield mutant, original
 
-    def _fate_of_call(self, task: Task) -> Fate:
-        with self.evaluation(task, everything=True) as (mutant, original):
-            seen = self._killed(mutant, original) or self._seen(mutant, original)
-            if seen is not None:
-                return seen
+    def _judge_call(self, trial: Trial) -> MutantResult:
+        with self.evaluation(trial, everything=True) as (mutant, original):
+            result = self._find_killer(mutant, original) or self._find_change(mutant, original)
+            if result is not None:
+                return result
             trace = mutant.answer(Traced())
-        return fate_of_unseen(task.scene, trace, self._trace(task.scene))
+        return judge_unseen_call(trial.scene, trace, self._trace_calls(trial.scene))
 
-    def _trace(self, scene: Scene) -> Sequence[TracedCall]:
+    def _trace_calls(self, scene: Scene) -> Sequence[TracedCall]:
         """The calls that drawing a scene takes unmutated."""
-        if scene.variant not in self._traces:
+        if scene.variant not in self._call_traces:
             programs = self._originals[scene.variant].programs
             with self._lab.edited_evaluation(scene, programs, None) as evaluation:
-                self._traces[scene.variant] = evaluation.answer(Traced())
-        return self._traces[scene.variant]
+                self._call_traces[scene.variant] = evaluation.answer(Traced())
+        return self._call_traces[scene.variant]
 
-    def _fate_of(self, tasks: list[Task]) -> Fate:
-        if tasks and tasks[0].effect.edit is not None:
-            return self._fate_of_call(tasks[0])
-        seen: Fate | None = None
-        for task in tasks:
-            if task.about:
-                fate = self._noticed(task)
-                if fate is not None and fate.status == "killed":
-                    return fate
-                seen = fate if seen is None or (fate is not None and seen.unread) else seen
-        if seen is None and tasks:
-            if self._is_proved_same(tasks[0]):
-                return Fate(status="equivalent", by="its optimised SPIR-V is the original's")
-            with self.evaluation(tasks[0], everything=True) as (mutant, original):
-                seen = self._seen(mutant, original)
-        if seen is not None:
-            return seen
-        output, tried = self._wider.difference(tasks, self._prepared)
+    def _judge_trials(self, trials: list[Trial]) -> MutantResult:
+        """Killed in the first scene where an expectation fails; else survived where anything
+        changes, be it on other inputs."""
+        change: MutantResult | None = None
+        for trial in trials:
+            if not trial.expect:
+                continue
+            with self.evaluation(trial) as (mutant, original):
+                killed = self._find_killer(mutant, original)
+                if killed is not None:
+                    return killed
+                seen = self._find_change(mutant, original)
+            if change is None or (seen is not None and change.unread):
+                change = seen
+        if change is None and trials:
+            if self._is_same_program(trials[0]):
+                return MutantResult(
+                    status="equivalent", by="its optimised SPIR-V is the original's"
+                )
+            with self.evaluation(trials[0], everything=True) as (mutant, original):
+                change = self._find_change(mutant, original)
+        if change is not None:
+            return change
+        output, tried = self._wider.find_difference(trials, self._prepare)
         if output is None:
-            return Fate(status="no difference", by=f"no difference found in {tried} inputs")
+            return MutantResult(status="no difference", by=f"no difference found in {tried} inputs")
         return _survived("only on other inputs", output, unread=output not in self._judged)
 
     def _concerned(self, scene: Scene, touched: set[str], vertex: Collection[str]) -> list[int]:
@@ -157,72 +181,59 @@ class Judge:
             & set(vertex if expectation.judges_vertices(scene, programs) else touched)
         ]
 
-    def _noticed(self, task: Task) -> Fate | None:
-        """Killed by the first expectation that fails, else survived if anything has changed."""
-        with self.evaluation(task) as (mutant, original):
-            return self._killed(mutant, original) or self._seen(mutant, original)
-
-    def _killed(self, mutant: Evaluation, original: Evaluation) -> Fate | None:
+    def _find_killer(self, mutant: Evaluation, original: Evaluation) -> MutantResult | None:
         """Killed by another GL error, or by the first expectation that fails."""
         part = mutant.scene
         drawn = {p.name for p in part.passes}
         errors = {k: v for k, v in original.drawn.gl_errors.items() if k[0] in drawn}
         if mutant.drawn.gl_errors != errors:
-            return Fate(status="killed", by=f"{part.variant} · another GL error")
+            return MutantResult(status="killed", by=f"{part.variant} · another GL error")
         for expectation in part.expect:
             if mutant.judge(expectation).outcome.status != "pass":
-                return Fate(
-                    status="killed",
-                    by=f"{part.variant} · {expectation.name}",
-                    traced=self._traced(mutant, original),
-                )
+                traced = ""
+                if self._locate:
+                    traced = locate_mistake(mutant, original, self._draw_traces[part.variant])
+                by = f"{part.variant} · {expectation.name}"
+                return MutantResult(status="killed", by=by, traced=traced)
         return None
 
-    def _traced(self, mutant: Evaluation, original: Evaluation) -> str:
-        """The statement that a killed mutant is traced to, if that is asked for."""
-        if self._located is None:
-            return ""
-        from shaderlab.mutation.locating import traced_to
-
-        return traced_to(mutant, original, self._located[mutant.scene.variant])
-
-    def _seen(self, mutant: Evaluation, original: Evaluation) -> Fate | None:
+    def _find_change(self, mutant: Evaluation, original: Evaluation) -> MutantResult | None:
         """Survived if any bit differs of all that a mutant drew and captured; what expectations
         read comes first."""
-        found = sorted(compare.changed(mutant, original))
-        read = [each for each in found if compare.is_read(each, mutant, original, self._judged)]
+        changed = sorted(find_changed_outputs(mutant, original))
+        read = [each for each in changed if _is_read(each, mutant, original, self._judged)]
         where = f"seen in {mutant.scene.variant}"
-        return _survived(where, (read or found)[0], unread=not read) if found else None
+        return _survived(where, (read or changed)[0], unread=not read) if changed else None
 
-    def _is_proved_same(self, task: Task) -> bool:
+    def _is_same_program(self, trial: Trial) -> bool:
         """Whether the compiler makes the same modules of a mutant and the original."""
-        effect = task.effect
+        effect = trial.effect
         if not effect.program:
             return False
-        part = part_of(effect.scene, set(effect.passes), [])
-        programs, original = self._prepared(task, part), self._originals[part.variant].programs
+        part = part_of(effect.scene, effect.passes)
+        programs, original = self._prepare(trial, part), self._originals[part.variant].programs
         name, index = next(
             (name, index)
             for name, draws in programs.items()
             for index, draw in enumerate(draws)
             if draw.draw.shaders == effect.program
         )
-        return proof.same_program(programs[name][index].sources, original[name][index].sources)
+        return is_same_program(programs[name][index].sources, original[name][index].sources)
 
-    def _require_sound(self, task: Task) -> None:
-        """Run the parts of the scene that a task may need as they are, once each."""
+    def _require_sound(self, trial: Trial) -> None:
+        """Run the parts of the scene that a trial may need as they are, once each."""
         for everything in (False, True):
-            part = task.unmutated.part(everything)
-            key = (part.variant, tuple(p.name for p in part.passes), tuple(task.about))
+            part = trial.unmutated.part(everything)
+            key = (part.variant, tuple(p.name for p in part.passes), tuple(trial.expect))
             if key in self._sound:
                 continue
-            run = self.evaluation(task.unmutated, everything=everything)
-            with sound_part(part), run as (evaluation, _):
+            run = self.evaluation(trial.unmutated, everything=everything)
+            with running_unmutated(part), run as (evaluation, _):
                 for expectation in part.expect:
                     evaluation.judge(expectation)
             self._sound.add(key)
 
-    def _original(self, scene: Scene) -> Evaluation:
+    def _evaluate_original(self, scene: Scene) -> Evaluation:
         programs = self._lab.prepare_for_opengl(scene)
         with self._lab.evaluation(scene, programs) as evaluation, self._bands.in_use():
             for expectation in scene.expect:
@@ -236,35 +247,110 @@ class Judge:
                         file=scene.case.file or None,
                         remedy="mend the case first; then its power can be measured",
                     )
-            if self._located is not None:
-                from shaderlab.mutation.locating import traces_of
-
-                self._located[scene.variant] = traces_of(evaluation)
+            if self._locate:
+                self._draw_traces[scene.variant] = trace_draws(evaluation)
         return evaluation
 
-    def _prepared(self, task: Task, part: Scene) -> Programs:
-        """The draws of a part that the mutant changes, made anew; all others as they are."""
+    def _prepare(self, trial: Trial, part: Scene) -> Programs:
+        """Prepare the draws of a part that the mutant changes; take all others as they are."""
         known = self._originals[part.variant].programs
 
         def is_changed(draw: Draw, before: PreparedDraw) -> bool:
-            return draw.shaders == task.effect.program or draw.state != before.draw.state
+            return draw.shaders == trial.effect.program or draw.state != before.draw.state
 
         pairs = {p.name: list(zip(p.draws, known[p.name], strict=True)) for p in part.passes}
-        anew = {
+        changed = {
             name: tuple(replace(b.draw, state=d.state) for d, b in both if is_changed(d, b))
             for name, both in pairs.items()
         }
-        scene = replace(
-            part, passes=tuple(replace(p, draws=anew[p.name]) for p in part.passes if anew[p.name])
+        passes = (replace(p, draws=changed[p.name]) for p in part.passes if changed[p.name])
+        programs = self._lab.prepare_for_opengl(
+            replace(part, passes=tuple(passes)), trial.effect.texts
         )
-        programs = self._lab.prepare_for_opengl(scene, task.effect.texts)
-        made = {name: iter(draws) for name, draws in programs.items()}
+        prepared = {name: iter(draws) for name, draws in programs.items()}
         return {
-            name: tuple(next(made[name]) if is_changed(d, b) else b for d, b in both)
+            name: tuple(next(prepared[name]) if is_changed(d, b) else b for d, b in both)
             for name, both in pairs.items()
         }
 
 
-def _survived(where: str, output: Named, *, unread: bool) -> Fate:
+def _survived(where: str, output: Named, *, unread: bool) -> MutantResult:
     note = f"{where}: {'.'.join(output)}" + (", which no expectation reads" if unread else "")
-    return Fate(status="survived", by=note, unread=unread)
+    return MutantResult(status="survived", by=note, unread=unread)
+
+
+def _is_read(output: Named, mutant: Evaluation, original: Evaluation, judged: Judged) -> bool:
+    """Whether a change of this output lies where an expectation looks."""
+    pixels = judged.get(output, frozenset())
+    images = mutant.drawn.images
+    if pixels is None or output not in images:
+        return pixels is None
+    values, before = images[output].values, original.drawn.images[output].values
+    return any(differ(values[p.y, p.x], before[p.y, p.x]) for p in pixels)
+
+
+def find_changed_outputs(mutant: Evaluation, original: Evaluation) -> set[Named]:
+    """Return the outputs that differ in any bit: of the passes drawn, and of what was captured."""
+    images = original.drawn.images
+    found = {
+        key
+        for key, image in mutant.drawn.images.items()
+        if differ(image.values, images[key].values)
+    }
+    for need, answer in mutant.answers.items():
+        other = original.answers.get(need)
+        if other is None:
+            continue
+        if isinstance(need, CapturedVertices):
+            found |= {
+                (need.key[0], name)
+                for now, before in ((answer, other), (answer.entering, other.entering))
+                if now is not None
+                for name, values in now.outputs.items()
+                if differ(values, before.outputs[name])
+            }
+        elif isinstance(need, CapturedFragments) and differ(answer.covered, other.covered):
+            found.add((need.key[0], "coverage"))
+    return found
+
+
+def is_same_program(mutant: Sequence[Source], original: Sequence[Source]) -> bool:
+    """Whether the optimiser makes the same modules of both programs' stages. False where there is
+    no optimiser and the modules differ."""
+    modules, before = _compile_modules(mutant), _compile_modules(original)
+    return modules.keys() == before.keys() and all(
+        modules[stage] == before[stage]
+        or _optimise(modules[stage]) == _optimise(before[stage]) != b""
+        for stage in modules
+    )
+
+
+def _compile_modules(stages: Sequence[Source]) -> Mapping[str, bytes]:
+    """Each stage's SPIR-V for OpenGL."""
+    newer = [with_interface(stage) for stage in stages]
+    return compile_program(newer, ("glsl", "opengl")).spirv["opengl"]
+
+
+@functools.lru_cache(maxsize=64)
+def _optimise(module: bytes) -> bytes:
+    """The module after spirv-opt; nothing if that can't be run or refuses it."""
+    command = find_optimiser()
+    if command is None:
+        return b""
+    with tempfile.TemporaryDirectory() as folder:
+        before, after = Path(folder, "before.spv"), Path(folder, "after.spv")
+        before.write_bytes(module)
+        run = subprocess.run(
+            [command, *_OPTIMISE, str(before), "-o", str(after)],
+            capture_output=True, timeout=20.0, check=False,
+        )  # fmt: skip
+        return after.read_bytes() if run.returncode == 0 else b""
+
+
+@functools.cache
+def find_optimiser() -> str | None:
+    """Return the path of spirv-opt: the wheel's, or the one on the PATH; None without one."""
+    try:
+        return str(find(SPIRV_TOOLS_WHEEL, "spirv-opt", "bin"))
+    except ShaderError:
+        return shutil.which("spirv-opt")

@@ -16,30 +16,30 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path
 from shaderlab.model.frame import PassDraw
 
-MOST = 1024
-"""Pixels of a draw that are looked at."""
+_MOST_PIXELS = 1024
 Traces = Mapping[PassDraw, tuple[Invocations, Trace] | None]
 
 
-def traces_of(right: Evaluation) -> Traces:
-    """What each draw's fragments store in bands, while the scene is on the device; None of those
-    that can't be interpreted."""
+def trace_draws(right: Evaluation) -> Traces:
+    """Return what each draw's fragments store in bands, while the scene is on the device; None for
+    those that can't be interpreted."""
     return {key: _trace_of(right, key) for key in right.drawn.bindings}
 
 
 def _trace_of(evaluation: Evaluation, key: PassDraw) -> tuple[Invocations, Trace] | None:
     try:
-        given = fragments(evaluation, key, MOST)
+        given = fragments(evaluation, key, _MOST_PIXELS)
         return (given, traced(given, Bands())) if given.count else None
     except ShaderlabError:
         return None
 
 
-def first_traced(
+def find_first_wrong(
     wrong: Evaluation, right: Evaluation, traces: Traces
 ) -> tuple[Invocations, Trace, Stored | None] | None:
-    """The first value that a wrong shader stores and the right one does not allow, of the draws
-    whose fragment shader differs; None if no output leaves its band.
+    """Return the first value that a wrong shader stores and the right one does not allow.
+
+    Looks at the draws whose fragment shader differs; None if no output leaves its band.
 
     Raises:
         ShaderlabError: the driver can't draw the shader's statements.
@@ -55,11 +55,11 @@ def first_traced(
     return None
 
 
-def traced_to(wrong: Evaluation, right: Evaluation, traces: Traces) -> str:
-    """The place and the name of the first value that is wrong: "lamp.frag:12: diffuse"; "" where
+def locate_mistake(wrong: Evaluation, right: Evaluation, traces: Traces) -> str:
+    """Return the place and name of the first value that is wrong, "lamp.frag:12: diffuse"; "" where
     none is found."""
     try:
-        found = first_traced(wrong, right, traces)
+        found = find_first_wrong(wrong, right, traces)
     except ShaderlabError:
         return ""
     if found is None or found[2] is None:

@@ -1,31 +1,21 @@
-"""A mutant: one small, realistic mistake; and all those of a shader."""
+"""A mutant: what it changes in a scene, what has to be drawn to judge it, and what came of it."""
 
 from __future__ import annotations
 
-import re
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
 
-from tree_sitter import Node
-
-from shaderlab.compiler.sources import Source
-from shaderlab.compiler.syntax import Syntax, name_of, reachable, walk
+from shaderlab.errors import CaseError, UnsupportedError
 from shaderlab.files import display_path
 from shaderlab.model.calls import CallEdit
-from shaderlab.model.case import Scene
-from shaderlab.mutation.names import Names, names_of
+from shaderlab.model.case import Case, Scene
+from shaderlab.model.scene import Pass
 
-Change = tuple[str, Node, Node, str]
-"""What an operator proposes: its name, the node to show, the node to replace, the new text."""
-
-Operator = Callable[[Node, Syntax, Names], Iterator[Change]]
-
-_SHOWN = 72
-_CONDITIONAL = ("preproc_if", "preproc_ifdef", "preproc_elif", "preproc_else")
-_CONDITION = ("condition", "name")  # the fields of #if, and of #ifdef
-# An initialised array's declarator holds its size alone: `float w[3]`.
-_NO_CODE = ("layout_specification", "struct_specifier", "array_declarator")
+STATE = "state"
+"""The operator of mutants of fixed-function state."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +41,7 @@ class Effect:
 
 @dataclass(frozen=True, kw_only=True)
 class Mutant(ABC):
-    """One mistake.
+    """One small, realistic mistake.
 
     Attributes:
         file, line: the place in the author's file, the line counted from 1; 0 for none.
@@ -69,7 +59,7 @@ class Mutant(ABC):
 
     @abstractmethod
     def effect(self, scene: Scene) -> Effect | None:
-        """What it changes in a scene; None for nothing."""
+        """Return what it changes in a scene; None for nothing."""
 
     def __str__(self) -> str:
         place = display_path(self.file, self.line or None)
@@ -78,110 +68,215 @@ class Mutant(ABC):
         return f"{place}  {self.operator}: {self.before} → {self.after}{where}"
 
 
+def select_scenes(case: Case, variants: Collection[str] = ()) -> list[Scene]:
+    """Return the case's scenes: those of the named `variants`, or all."""
+    return [s for s in case.scenes() if not variants or s.variant in variants]
+
+
+def with_readers(scene: Scene, passes: Collection[str]) -> set[str]:
+    """Return the names of these passes and of all that read what they draw."""
+    touched = set(passes)
+    for description in scene.passes:
+        if _inputs_of(description) & touched:
+            touched.add(description.name)
+    return touched
+
+
+def with_inputs(scene: Scene, passes: Iterable[str]) -> set[str]:
+    """Return the names of these passes and of all earlier ones that they read."""
+    wanted = set(passes)
+    for description in reversed(scene.passes):
+        if description.name in wanted:
+            wanted |= _inputs_of(description)
+    return wanted
+
+
+def _inputs_of(description: Pass) -> set[str]:
+    """The passes whose outputs a pass reads as textures or in buffers, or that it draws onto."""
+    found = {output.pass_name for draw in description.draws for output in draw.outputs_read()}
+    return found | ({description.onto} if description.onto else set())
+
+
+def part_of(scene: Scene, passes: Collection[str], expect: Iterable[int] = ()) -> Scene:
+    """Return the scene with some of its passes and expectations."""
+    return replace(
+        scene,
+        passes=tuple(p for p in scene.passes if p.name in passes),
+        expect=tuple(scene.expect[i] for i in expect),
+    )
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One scene to try a mutant on.
+
+    Attributes:
+        scene: the scene as it is.
+        effect: what the mutant changes in it.
+        touched: passes that may draw something else.
+        expect: the indices of the expectations that may fail.
+    """
+
+    scene: Scene
+    effect: Effect
+    touched: set[str]
+    expect: list[int]
+
+    def part(self, everything: bool = False) -> Scene:
+        """Return as much of the changed scene as the expectations need, or all that is touched."""
+        names = {name for i in self.expect for name in self.scene.expect[i].passes(self.scene)}
+        names |= self.touched if everything else set()
+        return part_of(self.effect.scene, with_inputs(self.scene, names), self.expect)
+
+    @property
+    def unmutated(self) -> Trial:
+        """The same trial without the mutant."""
+        return replace(self, effect=Effect(self.scene, self.effect.passes))
+
+
+class PartError(CaseError):
+    """A part of a case that mutants are judged by does not run unmutated."""
+
+
+@contextmanager
+def running_unmutated(part: Scene) -> Iterator[None]:
+    """Raise what goes wrong in the block as a PartError: no mutant is to blame for it."""
+    try:
+        yield
+    except UnsupportedError:
+        raise
+    except Exception as error:
+        raise PartError(
+            f"{part.case.id}[{part.variant}]: the passes "
+            f"{', '.join(p.name for p in part.passes)} do not run by themselves "
+            f"({type(error).__name__}: {error}), so their mutants can't be judged",
+            file=part.case.file or None,
+            remedy="this is a fault of shaderlab, not of the case: please report it",
+        ) from error
+
+
+Status = Literal["killed", "survived", "equivalent", "no difference", "invalid"]
+
+
 @dataclass(frozen=True, kw_only=True)
-class ShaderMutant(Mutant):
-    """A mistake in one stage of one program: `shader` is the stage's name inside the shader roots,
-    `text` its whole text with includes expanded and with the mistake."""
+class MutantResult:
+    """What came of one mutant.
 
-    shader: str
-    stage: str
-    text: str
+    Attributes:
+        status: "killed" by an expectation, a crash or a time limit; "survived" where an output
+            changes, be it on other inputs than the case's, and every expectation passes;
+            "equivalent" where the compiler makes the same program of it; "no difference" where no
+            input was found that tells it from the original; "invalid" where a compiler refuses it.
+        by: the variant and expectation that killed it, or what else there is to say.
+        unread: whether it survived because no expectation reads what changes.
+        noticed: for a file of tests, whether each test notices it.
+        traced: where a killed one was traced to, "lamp.frag:12: diffuse"; "" if that was not
+            requested, or not found.
+    """
 
-    def effect(self, scene: Scene) -> Effect | None:
-        passes = frozenset(
-            description.name
-            for description in scene.passes
-            if any(draw.shaders == self.program for draw in description.draws)
-        )
-        if not passes:
-            return None
-        before = frozenset[str]() if self.stage == "fragment" else passes
-        return Effect(scene, passes, before, self.program, {self.shader: self.text})
+    status: Status
+    by: str = ""
+    unread: bool = False
+    noticed: Mapping[str, bool] = field(default_factory=dict)
+    traced: str = ""
 
 
-def mutants_of(
-    source: Source,
-    program: tuple[str, ...],
-    operators: Iterable[Operator] | None = None,
-    functions: Iterable[str] = ("main",),
-) -> list[ShaderMutant]:
-    """Every mutant of one stage of a program, in the order of its text; two ways to the same text
-    count once. Functions that its `main` does not reach are left alone.
+@dataclass(frozen=True)
+class MutantRun:
+    """A mutant with its result."""
+
+    mutant: Mutant
+    result: MutantResult
+
+    @property
+    def is_state(self) -> bool:
+        """Whether it is a mistake in the case's fixed-function state and not in a shader."""
+        return self.mutant.operator == STATE
+
+
+@dataclass(frozen=True, kw_only=True)
+class CaseResult:
+    """All mutants of one case; `message` says why there are none where the case itself fails."""
+
+    id: str
+    runs: tuple[MutantRun, ...]
+    seconds: float
+    message: str = ""
+
+    def count(self, status: Status) -> int:
+        """Return how many mutants ended like this."""
+        return len(self.with_status(status))
+
+    def with_status(self, status: Status) -> list[MutantRun]:
+        """Return the mutants that ended like this."""
+        return [run for run in self.runs if run.result.status == status]
+
+    @property
+    def survivors(self) -> list[MutantRun]:
+        """The mutants that changed an output while everything passed."""
+        return self.with_status("survived")
+
+    @property
+    def noticed(self) -> dict[str, int]:
+        """For a file of tests, how many mutants each test notices."""
+        found: dict[str, int] = {}
+        for run in self.runs:
+            for name, failed in run.result.noticed.items():
+                found[name] = found.get(name, 0) + failed
+        return found
+
+    @property
+    def score(self) -> float | None:
+        """The share of shader mutants killed, of those killed and survived; None of nothing."""
+        return score([self])
+
+
+def score(results: Iterable[CaseResult], *, state: bool = False) -> float | None:
+    """Return the share of mutants killed, of those killed and survived; None of nothing.
 
     Args:
-        source: the stage, with includes expanded.
-        program: the names of the program's shaders.
-        operators: kinds of mistakes; all of `shaderlab.mutation.operators.all_operators` by
-            default.
-        functions: the names of those that are called from outside, in place of `main`.
+        results: of one case or several.
+        state: take the mutants of fixed-function state, in place of those of shaders.
     """
-    if operators is None:
-        from shaderlab.mutation.operators import all_operators
-
-        operators = all_operators()
-    file = Syntax(source.text, source.stage)
-    names, reached, chosen = names_of(file), reachable(file, functions), tuple(operators)
-    found: dict[str, ShaderMutant] = {}
-    for node in walk(file.root):
-        if _is_left_alone(node, file, reached):
-            continue
-        for operator in chosen:
-            for kind, shown, old, new in operator(node, file, names):
-                text = _with(file, old, new)
-                if text == file.text or text in found:
-                    continue
-                left = file.bytes[shown.start_byte : old.start_byte].decode()
-                right = file.bytes[old.end_byte : shown.end_byte].decode()
-                path, line = source.place(old.start_point[0] + 1)
-                found[text] = ShaderMutant(
-                    file=path,
-                    line=line,
-                    operator=kind,
-                    before=_short(left, file.of(old), right),
-                    after=_short(left, new, right) or "nothing",
-                    program=program,
-                    shader=source.name,
-                    stage=source.stage,
-                    text=text,
-                )
-    return list(found.values())
+    statuses = [run.result.status for r in results for run in r.runs if run.is_state == state]
+    killed, survived = statuses.count("killed"), statuses.count("survived")
+    return killed / (killed + survived) if killed + survived else None
 
 
-def _with(file: Syntax, node: Node, text: str) -> str:
-    head, tail = file.bytes[: node.start_byte], file.bytes[node.end_byte :]
-    return (head + text.encode() + tail).decode()
+def results_to_json(results: Sequence[CaseResult]) -> dict[str, Any]:
+    """Return the results as plain data; docs/guide/mutation.md describes the fields."""
+    return {
+        "cases": [_case_to_json(result) for result in results],
+        "score": score(results),
+        "state_score": score(results, state=True),
+    }
 
 
-def _is_left_alone(node: Node, file: Syntax, functions: set[str]) -> bool:
-    """Whether a node is no code that runs: layouts, array sizes, directives, unused functions."""
-    inner, around = node, node.parent
-    while True:
-        if inner.type == "function_definition" and file.of(name_of(inner)) not in functions:
-            return True
-        directive = inner.type.startswith("preproc") and inner.type not in _CONDITIONAL
-        if directive or inner.type in _NO_CODE:
-            return True
-        if around is None:
-            return False
-        # What stands between #if and #endif is code.
-        if around.type in _CONDITIONAL and inner in map(around.child_by_field_name, _CONDITION):
-            return True
-        inner, around = around, around.parent
+def _case_to_json(result: CaseResult) -> dict[str, Any]:
+    killed = result.with_status("killed")
+    traced = [{**_run_to_json(r), "traced": r.result.traced} for r in killed if r.result.traced]
+    return {
+        "id": result.id,
+        "killed": len(killed),
+        "survived": [_run_to_json(run) for run in result.survivors],
+        "invalid": result.count("invalid"),
+        "equivalent": result.count("equivalent"),
+        "no_difference": [_run_to_json(run) for run in result.with_status("no difference")],
+        "score": result.score,
+        "state_score": score([result], state=True),
+        "killed_in_state": sum(run.is_state for run in killed),
+        **({"traced": traced} if traced else {}),
+        **({"noticed": result.noticed} if result.noticed else {}),
+        "seconds": round(result.seconds, 3),
+        **({"message": result.message} if result.message else {}),
+    }
 
 
-def _short(left: str, middle: str, right: str) -> str:
-    """One line, cut where it is long, but not where the change is.
-
-    >>> _short("a + ", "b", " + c")
-    'a + b + c'
-    >>> _short("", "x" * 99, "")[-3:]
-    'xx…'
-    """
-    left, middle, right = (re.sub(r"\s+", " ", part) for part in (left, middle, right))
-    if len(middle) > _SHOWN:
-        middle = middle[: _SHOWN - 1] + "…"
-    room = (_SHOWN - len(middle)) // 2
-    if len(left) + len(middle) + len(right) > _SHOWN:
-        left = left if len(left) <= room else "…" + left[len(left) - room :]
-        right = right if len(right) <= room else right[:room] + "…"
-    return (left + middle + right).strip()
+def _run_to_json(run: MutantRun) -> dict[str, Any]:
+    placed = ("file", "line", "operator", "before", "after")
+    return {
+        **{name: getattr(run.mutant, name) for name in placed},
+        "program": list(run.mutant.program),
+        **({"note": run.result.by} if run.result.by else {}),
+        **({"unread": True} if run.result.unread else {}),
+    }

@@ -1,20 +1,26 @@
-"""What a shader's names stand for: enough of GLSL's types to swap like for like."""
+"""What operators work with: the changes they propose, and what a shader's names stand for.
+
+Enough of GLSL's types is known here to swap like for like.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from tree_sitter import Node
 
 from shaderlab.compiler.syntax import Syntax, field, name_of, walk
 
+Change = tuple[str, Node, Node, str]
+"""What an operator proposes: its name, the node to show, the node to replace, the new text."""
+
 _QUALIFIERS = ("uniform", "in", "out", "inout", "const")
 
 
 @dataclass(frozen=True)
-class Name:
-    """A declared variable: its type, where it may be used (in bytes), whether it only reads."""
+class Variable:
+    """A declared variable: its type, where it may be used (in bytes), whether it can be read."""
 
     name: str
     type: str
@@ -27,46 +33,50 @@ class Name:
 class Names:
     """All variables of one shader, its outputs (type by name), and the members of its structs."""
 
-    variables: tuple[Name, ...]
+    variables: tuple[Variable, ...]
     outputs: Mapping[str, str]
     members: Mapping[str, tuple[tuple[str, str], ...]]
 
-    def like(self, name: str, at: int) -> list[str]:
-        """Other variables of the same type that may be read at byte `at`, nearest first."""
-        visible = {n.name: n for n in self.variables if n.start <= at < n.end}
+    def of_same_type(self, name: str, at: int) -> list[str]:
+        """Return other variables of the same type that can be read at byte `at`, nearest first."""
+        visible = {v.name: v for v in self.variables if v.start <= at < v.end}
         own = visible.get(name)
         if own is None:
             return []
-        others = [n for n in visible.values() if n.type == own.type and n.name != name]
-        others = [n for n in others if n.readable]
-        return [n.name for n in sorted(others, key=lambda n: abs(n.start - own.start))]
+        others = [
+            v for v in visible.values() if v.type == own.type and v.name != name and v.readable
+        ]
+        return [v.name for v in sorted(others, key=lambda v: abs(v.start - own.start))]
 
     def has_matrix(self, words: Iterable[str], at: int) -> bool:
         """Whether one of these names is a matrix at byte `at`."""
-        kinds = {n.name: n.type for n in self.variables if n.start <= at < n.end}
-        return any(kinds.get(word, "").startswith("mat") for word in words)
+        types = {v.name: v.type for v in self.variables if v.start <= at < v.end}
+        return any(types.get(word, "").startswith("mat") for word in words)
 
     def siblings(self, member: str) -> list[str]:
-        """Other members of the same type in the structs that have this member."""
+        """Return other members of the same type in the structs that have this member."""
         found: dict[str, None] = {}
         for members in self.members.values():
-            kinds = dict(members)
-            if member in kinds:
-                same = (n for n, kind in members if kind == kinds[member] and n != member)
+            types = dict(members)
+            if member in types:
+                same = (n for n, type in members if type == types[member] and n != member)
                 found.update(dict.fromkeys(same))
         return list(found)
 
 
-def names_of(file: Syntax) -> Names:
-    """The variables, outputs and structs of a shader with its includes expanded."""
+Operator = Callable[[Node, Syntax, Names], Iterator[Change]]
+
+
+def collect_names(file: Syntax) -> Names:
+    """Return the variables, outputs and structs of a shader with its includes expanded."""
     members = {
         file.of(field(node, "name")): tuple(_members(file, node))
         for node in walk(file.root)
         if node.type == "struct_specifier" and node.child_by_field_name("name") is not None
     }
-    variables = tuple(found for node in walk(file.root) for found in _declared(file, node))
+    variables = tuple(found for node in walk(file.root) for found in _declarations(file, node))
     end = file.root.end_byte
-    outputs = {n.name: n.type for n in variables if n.end == end and not n.readable}
+    outputs = {v.name: v.type for v in variables if v.end == end and not v.readable}
     return Names(variables, outputs, members)
 
 
@@ -80,7 +90,7 @@ def _members(file: Syntax, struct: Node) -> list[tuple[str, str]]:
     return found
 
 
-def _declared(file: Syntax, node: Node) -> list[Name]:
+def _declarations(file: Syntax, node: Node) -> list[Variable]:
     if node.type not in ("declaration", "parameter_declaration"):
         return []
     kind = node.child_by_field_name("type")
@@ -95,7 +105,7 @@ def _declared(file: Syntax, node: Node) -> list[Name]:
         if declarator.type == "function_declarator":
             continue
         found.append(
-            Name(
+            Variable(
                 name=file.of(name_of(declarator)),
                 type=file.of(kind) + _array(file, declarator),
                 # Readable from its own declaration's end on, to the end of the block around it.

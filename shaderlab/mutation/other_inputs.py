@@ -1,4 +1,6 @@
-"""Inputs far beyond a case's own: textures (every channel random, beyond 0…1 where the format
+"""Tells mutants that change nothing from those that nobody saw: draws them with other inputs.
+
+These go far beyond a case's own: textures (every channel random, beyond 0…1 where the format
 allows), clear colours, sizes, ramps and uniforms of every draw, buffers of every dispatch, and
 numbers for a program's stages: around zero, of every size, and those at which formulas turn: 0, ±1
 and each constant of the shader.
@@ -7,7 +9,8 @@ and each constant of the shader.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -18,8 +21,11 @@ from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.drivers.programs.stages import elements
 from shaderlab.drivers.programs.textures import format_of, shape_of
 from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.expectations.reads import Named
+from shaderlab.engine.lab import Lab
+from shaderlab.errors import ShaderlabError, UnsupportedError
 from shaderlab.model.case import Scene
-from shaderlab.model.frame import Array, PassDraw, Texels
+from shaderlab.model.frame import Array, PassDraw, Texels, differ
 from shaderlab.model.scene import UNIT_SQUARE, Ramp, Target, UniformBuffer
 from shaderlab.model.textures import (
     TEXTURE_FORMATS,
@@ -31,14 +37,20 @@ from shaderlab.model.textures import (
     TextureArray,
     TextureSource,
 )
+from shaderlab.mutation.mutants import Trial, part_of, running_unmutated, with_inputs
 
-SAMPLES = 1024
+_ROUNDS = 6
+_MOST_KEPT = 48  # rounds, each with the pictures of a scene
+_SAMPLES = 1024
 _SIZES = ((48, 80), (96, 40), (64, 64), (40, 96), (80, 48), (57, 71))
 _NUMBER = re.compile(r"(?<![\w.])\d+\.\d*(?:e[-+]?\d+)?", re.IGNORECASE)
 
+_Values = Mapping[tuple[Named, str], Array]
+"""What was "drawn" and what the "fragment" and "vertex" stage made of numbers, by output."""
+
 
 @dataclass(frozen=True)
-class Round:
+class InputRound:
     """Other inputs of a scene: what is replaced in each draw, and each pass's target; and, if a
     program is to be run on numbers, a draw of it and its stages' inputs."""
 
@@ -48,8 +60,8 @@ class Round:
     fragments: Mapping[str, Array]
     vertices: Mapping[str, Array]
 
-    def applied(self, scene: Scene, programs: Programs) -> tuple[Scene, Programs]:
-        """A scene, mutated or not, and its programs with these inputs in place of its own."""
+    def apply(self, scene: Scene, programs: Programs) -> tuple[Scene, Programs]:
+        """Return a scene, mutated or not, and its programs with these inputs instead of its own."""
         prepared = {
             name: tuple(
                 replace(draw, draw=replace(draw.draw, **self.draws[name, index]))
@@ -64,30 +76,134 @@ class Round:
         return replace(scene, passes=passes, expect=()), prepared
 
 
-def other_inputs(
+def _make_round(
     original: Evaluation, names: Collection[str], program: tuple[str, ...], number: int
-) -> Round:
-    """Round `number` of other inputs of the passes `names`; the first one keeps uniforms and ramps.
+) -> InputRound:
+    """Make round `number` of other inputs of some passes; the first keeps uniforms and ramps.
 
     They follow from the unmutated scene, so that every mutant of `program` gets the same ones.
     """
-    maker = _Maker(original, number)
+    maker = _InputMaker(original, number)
     draws = {
         (p.name, index): draw
         for p in original.scene.passes
         if p.name in names
         for index, draw in enumerate(original.programs[p.name])
     }
-    changes = {key: maker.draw(key, draw) for key, draw in draws.items()}
+    changes = {key: maker.replace_fields(key, draw) for key, draw in draws.items()}
     targets = maker.targets()
     probed = next((key for key, draw in draws.items() if draw.draw.shaders == program), None)
     if probed is not None and draws[probed].draw.compute:
         probed = None  # its invocations belong together
     stages = maker.stages(draws[probed]) if probed else ({}, {})
-    return Round(changes, targets, probed, *stages)
+    return InputRound(changes, targets, probed, *stages)
 
 
-class _Maker:
+_Known = tuple[InputRound, set[str], _Values]
+"""Other inputs, the passes that are drawn with them, and what the case's own shaders make of it."""
+
+
+class WiderInputs:
+    """Other inputs for the scenes of a case, with what its own shaders make of them.
+
+    Args:
+        lab: the open device.
+        originals: each scene's evaluation unmutated, by variant.
+    """
+
+    def __init__(self, lab: Lab, originals: Mapping[str, Evaluation]) -> None:
+        self._lab, self._originals = lab, originals
+        self._rounds: dict[tuple[str, frozenset[str], tuple[str, ...], int], _Known | None] = {}
+
+    def find_difference(
+        self, trials: list[Trial], prepare: Callable[[Trial, Scene], Programs]
+    ) -> tuple[Named | None, int]:
+        """Return an output that a mutant changes, if one is found, and how many inputs were tried.
+
+        `prepare` compiles the draws of a part of a scene, with the mutant's in them.
+        """
+        tried = 0
+        for number in range(_ROUNDS if trials else 0):
+            trial = trials[number % len(trials)]
+            known = self._round(trial, number)
+            if known is None:
+                continue
+            inputs, names, expected = known
+            part = part_of(trial.effect.scene, names)
+            scene, programs = inputs.apply(part, prepare(trial, part))
+            run = self._lab.evaluation(scene, programs, like=self._originals[scene.variant])
+            with run as mutant:  # what goes wrong is the mutant's: the part ran unmutated
+                got = _outputs(mutant, inputs, trial.effect.passes)
+            for (output, kind), values in expected.items():
+                if (output, kind) not in got or differ(values, got[output, kind]):
+                    return output, tried
+            tried += _count(expected)
+        return None, tried
+
+    def _round(self, trial: Trial, number: int) -> _Known | None:
+        """Other inputs for what a mutant changes; None where it can't be drawn with them."""
+        key = (trial.scene.variant, trial.effect.passes, trial.effect.program, number)
+        if key not in self._rounds:
+            if len(self._rounds) >= _MOST_KEPT:
+                del self._rounds[next(iter(self._rounds))]
+            self._rounds[key] = self._new_round(*key)
+        return self._rounds[key]
+
+    def _new_round(
+        self, variant: str, passes: frozenset[str], program: tuple[str, ...], number: int
+    ) -> _Known | None:
+        original = self._originals[variant]
+        needed = with_inputs(original.scene, passes)
+        inputs = _make_round(original, needed, program, number)
+        part = part_of(original.scene, needed)
+        scene, programs = inputs.apply(part, {n: original.programs[n] for n in needed})
+        names = with_inputs(scene, passes)
+        programs = {name: programs[name] for name in names}
+        with running_unmutated(part):
+            try:
+                run = self._lab.evaluation(part_of(scene, names), programs, like=original)
+                with run as unmutated:
+                    return inputs, names, _outputs(unmutated, inputs, passes)
+            except ShaderlabError:
+                return None
+
+
+def _outputs(evaluation: Evaluation, inputs: InputRound, passes: Collection[str]) -> _Values:
+    """What some passes draw, and what the stages of the round's program make of its numbers, as the
+    target stores it."""
+    session, drawn, key = evaluation.session, evaluation.drawn, inputs.probed
+    found = {(o, "drawn"): image.values for o, image in drawn.images.items() if o[0] in passes}
+    if key is None:
+        return found
+    bindings = drawn.bindings[key]
+    with suppress(UnsupportedError):  # stages that can't be run on given inputs
+        made = session.probe(key, "fragment", [bindings], inputs.fragments)[0].outputs
+        for name, values in made.items():
+            image = drawn.images.get((key[0], name))
+            kept = values if image is None else _stored(values, image.format)
+            found[(key[0], name), "fragment"] = kept
+        if inputs.vertices:
+            made = session.probe(key, "vertex", [bindings], inputs.vertices)[0].outputs
+            found |= {((key[0], name), "vertex"): values for name, values in made.items()}
+    return found
+
+
+def _count(values: _Values) -> int:
+    """How many inputs gave these values: pixels, and runs of a stage."""
+    runs = {(name, kind): v[..., 0].size for ((name, _), kind), v in values.items()}
+    return sum(runs.values())
+
+
+def _stored(values: Array, format: str) -> Array:
+    """What is left of float outputs in an attachment: 8-bit formats clamp, and keep 256 codes."""
+    if format.endswith("8") and values.dtype.kind == "f":
+        codes = 65535.0 if format.startswith("srgb") else 255.0  # sRGB has finer steps in the dark
+        rounded: Array = np.rint(np.nan_to_num(np.clip(values, 0.0, 1.0)) * codes)
+        return rounded
+    return values.astype(np.float16) if format.endswith("16f") else values
+
+
+class _InputMaker:
     """Makes the other inputs of one round. What draws share, they go on sharing."""
 
     def __init__(self, original: Evaluation, number: int) -> None:
@@ -116,7 +232,7 @@ class _Maker:
     def _images(self, name: str) -> list[Any]:
         return [i for (owner, _), i in self._original.drawn.images.items() if owner == name]
 
-    def draw(self, key: PassDraw, prepared: PreparedDraw) -> Mapping[str, Any]:
+    def replace_fields(self, key: PassDraw, prepared: PreparedDraw) -> Mapping[str, Any]:
         """The fields of a draw that are replaced."""
         draw, bindings = prepared.draw, self._original.drawn.bindings[key]
         texels = bindings.textures
@@ -157,7 +273,7 @@ class _Maker:
         return self._inputs(varyings), self._inputs(attributes)
 
     def _inputs(self, variables: Mapping[str, tuple[tuple[int, ...], str]]) -> dict[str, Array]:
-        return {n: self._spread((SAMPLES, *s), kind) for n, (s, kind) in variables.items()}
+        return {n: self._spread((_SAMPLES, *s), kind) for n, (s, kind) in variables.items()}
 
     def _once(self, thing: Any, make: Any, *more: Any) -> Any:
         """What stands for a thing that several draws may share; kept alive with its identity."""
@@ -210,9 +326,9 @@ class _Maker:
         numbers = (ramp.origin, ramp.dx, ramp.dy)
         return Ramp(*(self._number(number, "float").tolist() for number in numbers))
 
-    def _number(self, given: Any, kind: str) -> Array:
+    def _number(self, before: Any, kind: str) -> Array:
         """Another value: often the same one, or it times a factor, sometimes another altogether."""
-        value = np.asarray(given)
+        value = np.asarray(before)
         whole = kind[:1] in ("i", "u", "b") if kind else value.dtype.kind in "iub"
         choice = self._random.random()
         if choice < 0.25:

@@ -17,7 +17,7 @@ from shaderlab.engine.expectations.gl_calls import Traced
 from shaderlab.engine.lab import Lab
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
-from shaderlab.mutation import ApiMutant, api_mutants
+from shaderlab.mutation.call_mutants import CallMutant, mutate_calls
 from shaderlab.mutation.judging import Judge
 
 VERTEX = """#version 330 core
@@ -61,10 +61,10 @@ def case(tmp_path: Path) -> Case:
 
 
 def fate(lab: Lab, case: Case, edit: CallEdit) -> tuple[str, str]:
-    mutant = ApiMutant(
+    mutant = CallMutant(
         file=case.file, line=0, operator="", before="", after="", variant="default", edit=edit
     )
-    found = Judge(lab, case).fate(mutant)
+    found = Judge(lab, case).judge(mutant)
     return found.status, found.by
 
 
@@ -147,7 +147,7 @@ def test_a_call_that_does_not_come_is_a_defect(lab: Lab, case: Case) -> None:
 
 
 def test_mutants_of_a_case(lab: Lab, case: Case) -> None:
-    mutants = api_mutants(lab, case)
+    mutants = mutate_calls(lab, case)
     kinds = Counter(mutant.operator for mutant in mutants)
     assert set(kinds) == {"argument", "call dropped", "call repeated", "calls reordered"}
     told = [str(mutant) for mutant in mutants]

@@ -27,7 +27,7 @@ from shaderlab import (
 )
 from shaderlab.cli import cli
 from shaderlab.engine.lab import Lab
-from shaderlab.mutation.code_coverage.measure import code_coverage
+from shaderlab.mutation.code_coverage import measure_coverage
 
 Gaps = Callable[..., list[str]]
 
@@ -69,7 +69,7 @@ def gaps(lab: Lab, tmp_path: Path) -> Gaps:
             "passes": passes, "variants": variants, "expect": [formula("color", anything)],
         }  # fmt: skip
         whole = Case(title="t", id="t", file=str(tmp_path / "t.py"), **(fields | case))
-        found = code_coverage(lab, whole.scenes())
+        found = measure_coverage(lab, whole.scenes())
         return [f"{gap.text} {gap.what}" for gap in found.gaps]
 
     return find

@@ -35,7 +35,7 @@ from shaderlab.errors import CaseError, NotInterpretedError, UnsupportedError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 from shaderlab.mutation.judging import Judge
-from shaderlab.mutation.subjects import glsl_mutants
+from shaderlab.mutation.shader_mutants import mutate_case
 from tests.meta.examples import File, examples
 
 SUM = """#version 430 core
@@ -171,7 +171,7 @@ def test_mistakes_in_a_shader_are_noticed(
 def test_mutants_of_a_compute_stage_are_judged(lab: Lab, guide: Path) -> None:
     case = load_case(guide / "smooth.py")
     judge = Judge(lab, case)
-    fates = [judge.fate(mutant).status for mutant in glsl_mutants(case)]
+    fates = [judge.judge(mutant).status for mutant in mutate_case(case)]
     assert fates.count("killed") > 8 and "survived" not in fates
 
 
@@ -196,9 +196,9 @@ def test_a_later_pass_is_judged_by_what_a_mutant_of_an_earlier_one_left(
     case = case_of(tmp_path, text, formula("values", doubled), passes=passes)
     lab.forget_shaders()
     judge = Judge(lab, case)
-    fates = {m.after: judge.fate(m).status for m in glsl_mutants(case) if m.shader == "first.comp"}
+    fates = {m.after: judge.judge(m).status for m in mutate_case(case) if m.shader == "first.comp"}
     assert "survived" in fates.values() and "killed" not in fates.values(), fates
-    assert "killed" in [judge.fate(m).status for m in glsl_mutants(case) if m.shader == "t.comp"]
+    assert "killed" in [judge.judge(m).status for m in mutate_case(case) if m.shader == "t.comp"]
 
 
 # Groups and barriers ------------------------------------------------------------------------

@@ -13,13 +13,13 @@ from shaderlab.cli import cli, selecting
 from shaderlab.compiler.sources import Shaders
 from shaderlab.errors import CaseError
 from shaderlab.mutation import MutationPlan
-from shaderlab.mutation.function_tests.comparing import difference
-from shaderlab.mutation.function_tests.mutants import (
+from shaderlab.mutation.function_tests import (
     FunctionMutant,
     JudgeFunctionMutant,
     MakeFunctionMutants,
+    RunTestFile,
+    compare_texts,
 )
-from shaderlab.mutation.function_tests.running import RunTestFile
 from shaderlab.workers.lab_worker import LabWorker
 
 GLSL = """\
@@ -147,7 +147,7 @@ def test_structures_and_textures_are_asked_for_other_values(worker: LabWorker) -
     ]:
         changed = text.replace(before, after)
         assert changed != text
-        found = difference(worker, source, changed, [name])
+        found = compare_texts(worker, source, changed, [name])
         assert found.differs is expected, (name, after, found.said)
 
 

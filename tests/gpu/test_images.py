@@ -31,7 +31,7 @@ from shaderlab.glslmath.sampling import imageLoad, imageSize, texture
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 from shaderlab.mutation.judging import Judge
-from shaderlab.mutation.subjects import glsl_mutants
+from shaderlab.mutation.shader_mutants import mutate_case
 from tests.meta.examples import File, examples
 
 HEAD = "#version 430 core\nlayout (local_size_x = 4, local_size_y = 2) in;\n"
@@ -140,8 +140,8 @@ def test_mutants_of_a_shader_of_images_are_judged(lab: Lab, guide: Path) -> None
     lab.forget_shaders()
     case = load_case(guide / "relief.py")
     judge = Judge(lab, case)
-    mutants = [m for m in glsl_mutants(case) if m.shader == "relief.comp"]
-    fates = {f"{m.line}: {m.after}": judge.fate(m).status for m in mutants}
+    mutants = [m for m in mutate_case(case) if m.shader == "relief.comp"]
+    fates = {f"{m.line}: {m.after}": judge.judge(m).status for m in mutants}
     survivors = [m for m, fate in fates.items() if fate == "survived"]
     assert list(fates.values()).count("killed") > 40
     assert survivors == ["15: right - here >= 0.02"]  # no slope is that to the last bit

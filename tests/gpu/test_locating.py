@@ -12,7 +12,7 @@ from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.lab import Lab
 from shaderlab.glslmath import vec4
 from shaderlab.model.options import RunOptions
-from shaderlab.mutation.locating import Traces, first_traced, traces_of
+from shaderlab.mutation.locating import Traces, find_first_wrong, trace_draws
 
 SHADER = """#version 330 core
 in vec2 at;
@@ -109,7 +109,7 @@ def right(
     case = Case(title="t", id="t", file=str(folder / "t.py"), passes=passes, expect=[judged])
     scene = case.scene("default")
     with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
-        traces = traces_of(evaluation)
+        traces = trace_draws(evaluation)
     yield evaluation, traces
 
 
@@ -118,7 +118,7 @@ def named(lab: Lab, right: tuple[Evaluation, Traces], text: str) -> tuple[int, s
     evaluation, traces = right
     changed = lab.prepare_for_opengl(evaluation.scene, {"lit.frag": text})
     with lab.evaluation(evaluation.scene, changed, like=evaluation) as wrong:
-        found = first_traced(wrong, evaluation, traces)
+        found = find_first_wrong(wrong, evaluation, traces)
     if found is None:
         return None
     assert found[2] is not None

@@ -13,7 +13,7 @@ from shaderlab import Case, Output, across, formula, fullscreen, measure, readin
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.lab import Lab
 from shaderlab.model.options import RunOptions
-from shaderlab.mutation import MutationPlan, mutants_of_case
+from shaderlab.mutation import MutationPlan, make_mutants
 from shaderlab.mutation.judging import Judge
 
 STEP = """\
@@ -126,7 +126,7 @@ def test_a_mutant_that_breaks_a_bound_is_killed(folder: Path) -> None:
     case = load_case(folder / "step.py")
     with Lab(RunOptions(size=16)) as lab:
         judge = Judge(lab, case)
-        fates = {m.text: judge.fate(m) for m in mutants_of_case(case, MutationPlan(state=False))}
+        fates = {m.text: judge.judge(m) for m in make_mutants(case, MutationPlan(state=False))}
     turned = [fate for text, fate in fates.items() if "x > edge" in text or "x >= edge" in text]
     assert turned and all(fate.status == "killed" and "lit" in fate.by for fate in turned)
     # What only the second pass draws, no expectation reads.

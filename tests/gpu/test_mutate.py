@@ -18,16 +18,16 @@ from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.lab import Lab
 from shaderlab.model.options import Limits
 from shaderlab.mutation import (
-    Campaign,
-    CaseSubject,
-    Fate,
+    CaseTarget,
+    MutantResult,
     MutationPlan,
+    MutationRun,
     ShaderMutant,
-    mutants_of_case,
-    state_mutants,
+    make_mutants,
 )
-from shaderlab.mutation.judging import Judge, PartError
-from shaderlab.mutation.mutants import Effect
+from shaderlab.mutation.judging import Judge
+from shaderlab.mutation.mutants import Effect, PartError
+from shaderlab.mutation.state_mutants import mutate_state
 from shaderlab.workers import ProcessExecutor
 
 SHADER = """\
@@ -138,8 +138,8 @@ def fates(file: Path, kind: str = "") -> dict[tuple[str, str, str], str]:
     with Lab() as lab:
         judge = Judge(lab, case)
         return {
-            (m.operator, m.before, m.after): judge.fate(m).status
-            for m in mutants_of_case(case, MutationPlan(state=False))
+            (m.operator, m.before, m.after): judge.judge(m).status
+            for m in make_mutants(case, MutationPlan(state=False))
             if isinstance(m, ShaderMutant) and kind in m.operator
         }
 
@@ -183,7 +183,7 @@ def by_hand(text: str, right: str, wrong: str) -> ShaderMutant:
 def test_a_mutant_of_every_fate(folder: Path, right: str, wrong: str, status: str) -> None:
     flat = SHADER.replace('#include "law.glsl"\n', LAW)
     with Lab() as lab:
-        fate = Judge(lab, load_case(folder / "law.py")).fate(by_hand(flat, right, wrong))
+        fate = Judge(lab, load_case(folder / "law.py")).judge(by_hand(flat, right, wrong))
     assert fate.status == status
     if status == "no difference":
         assert re.fullmatch(r"no difference found in \d{5} inputs", fate.by)
@@ -194,8 +194,8 @@ def test_a_killed_mutant_is_traced_to_its_statement(folder: Path) -> None:
     wrong = by_hand(flat, "+ 0.5", "+ 0.505")
     with Lab() as lab:
         case = load_case(folder / "law.py")
-        fate = Judge(lab, case, locate=True).fate(wrong)
-        assert Judge(lab, case).fate(wrong).traced == ""
+        fate = Judge(lab, case, locate=True).judge(wrong)
+        assert Judge(lab, case).judge(wrong).traced == ""
     place = next(i for i, line in enumerate(LAW.splitlines(), 1) if "+ 0.5" in line)
     assert fate.status == "killed"
     assert re.search(rf"law\.glsl:{place}: ", fate.traced), fate.traced
@@ -265,10 +265,10 @@ def test_what_no_input_of_the_case_shows_is_not_called_equivalent(
     file.write_text(GREY_CASE.replace("FIRST", first).replace("SOURCE", image))
     with Lab() as lab:
         judge = Judge(lab, load_case(file))
-        found = {right: judge.fate(by_hand(GREY, right, wrong)) for right, wrong in UNSEEN.items()}
+        found = {right: judge.judge(by_hand(GREY, right, wrong)) for right, wrong in UNSEEN.items()}
     if source == "8 bits":  # which hold nothing above 1
         assert found.pop("min(texel.b, 4.0)").status == "no difference"
-    missed = Fate(status="survived", by="only on other inputs: main.FragColor")
+    missed = MutantResult(status="survived", by="only on other inputs: main.FragColor")
     assert found == dict.fromkeys(found, missed)
 
 
@@ -289,10 +289,10 @@ def test_a_black_ground_hides_a_mistake_in_blending(tmp_path: Path) -> None:
     (tmp_path / "flat.frag").write_text(FLAT)
     (tmp_path / "blended.py").write_text(BLENDED_CASE)
     case = load_case(tmp_path / "blended.py")
-    (wrong,) = (m for m in state_mutants(case) if (m.path, m.new) == ("blend.destination", "zero"))
+    (wrong,) = (m for m in mutate_state(case) if (m.path, m.new) == ("blend.destination", "zero"))
     with Lab() as lab:
-        fate = Judge(lab, case).fate(wrong)
-    assert fate == Fate(status="survived", by="only on other inputs: main.grey")
+        fate = Judge(lab, case).judge(wrong)
+    assert fate == MutantResult(status="survived", by="only on other inputs: main.grey")
 
 
 UNREAD = """\
@@ -365,10 +365,10 @@ def test_a_mutant_is_one_place_in_one_program(folder: Path) -> None:
     with Lab() as lab:
         case = load_case(folder / "twice.py")
         judge = Judge(lab, case)
-        for m in mutants_of_case(case, MutationPlan(state=False)):
+        for m in make_mutants(case, MutationPlan(state=False)):
             if (m.before, m.after) == ("gain * 0.25", "gain * 0.2525"):
                 assert (m.file, m.line) == (str(folder / "law.glsl"), 6)
-                found[m.program] = judge.fate(m).status
+                found[m.program] = judge.judge(m).status
     assert found == {("law.frag",): "killed", ("again.frag",): "survived"}
 
 
@@ -376,7 +376,7 @@ def test_state_is_mutated_too(folder: Path) -> None:
     case = load_case(folder / "quad.py")
     with Lab() as lab:
         judge = Judge(lab, case)
-        found = {(m.path, m.new): judge.fate(m).status for m in state_mutants(case)}
+        found = {(m.path, m.new): judge.judge(m).status for m in mutate_state(case)}
     assert found == {
         ("depth", None): "no difference",  # nothing is there to be hidden by
         ("depth.write", False): "no difference",
@@ -389,9 +389,9 @@ def test_what_is_compared_with_another_pass_is_drawn_with_it(folder: Path) -> No
     case = load_case(folder / "compared.py")
     with Lab() as lab:
         judge = Judge(lab, case)
-        shaders = [judge.fate(m) for m in mutants_of_case(case, MutationPlan(state=False))]
+        shaders = [judge.judge(m) for m in make_mutants(case, MutationPlan(state=False))]
         # Of the near quad and of the far one; each is a mistake in both passes.
-        state = {m: judge.fate(m) for m in state_mutants(case)}
+        state = {m: judge.judge(m) for m in mutate_state(case)}
     hidden = list(state.values())
     # Both passes are drawn with the same mistake: a comparison of them can't tell.
     assert "survived" in {f.status for f in shaders}
@@ -426,8 +426,8 @@ def test_an_output_that_a_mutant_never_writes_is_captured_nevertheless(folder: P
     with Lab() as lab:
         judge = Judge(lab, case)
         found = {
-            m.after: judge.fate(m).by
-            for m in mutants_of_case(case, MutationPlan(state=False))
+            m.after: judge.judge(m).by
+            for m in make_mutants(case, MutationPlan(state=False))
             if isinstance(m, ShaderMutant) and m.operator == "statement removed"
             and "place" in m.before
         }  # fmt: skip
@@ -442,11 +442,11 @@ def test_a_part_that_does_not_run_unmutated_kills_nobody(
     case = load_case(folder / "compared.py")
     with Lab() as lab:
         judge = Judge(lab, case)
-        mutant = next(m for m in mutants_of_case(case, MutationPlan(state=False)))
-        assert judge.fate(mutant).status != "invalid"
-        monkeypatch.setattr("shaderlab.mutation.tasks.with_what_they_read", lambda *_: {"quads"})
+        mutant = next(m for m in make_mutants(case, MutationPlan(state=False)))
+        assert judge.judge(mutant).status != "invalid"
+        monkeypatch.setattr("shaderlab.mutation.mutants.with_inputs", lambda *_: {"quads"})
         with pytest.raises(PartError, match="the passes quads do not run by themselves") as caught:
-            judge.fate(mutant)
+            judge.judge(mutant)
     assert caught.value.file == str(folder / "compared.py")
 
 
@@ -456,11 +456,11 @@ def test_an_error_of_the_mutant_alone_kills_it(
     case = load_case(folder / "quad.py")
     with Lab() as lab:
         judge = Judge(lab, case)
-        mutant = next(m for m in state_mutants(case))
+        mutant = next(m for m in mutate_state(case))
         wrong = replace(next(case.scenes()), passes=())
         effect = Effect(wrong, frozenset({mutant.draws[0][0]}))
         monkeypatch.setattr(type(mutant), "effect", lambda *_: effect)
-        fate = judge.fate(mutant)
+        fate = judge.judge(mutant)
     assert fate.status == "killed" and "Error" in fate.by
 
 
@@ -468,7 +468,7 @@ TROUBLE = """
 import os, signal, time
 from shaderlab.mutation import judging
 
-right = judging.Judge.fate
+right = judging.Judge.judge
 
 def fate(self, mutant):
     if mutant.after == "(sum * x)":
@@ -480,7 +480,7 @@ def fate(self, mutant):
         return bytearray(64 << 30)
     return right(self, mutant)
 
-judging.Judge.fate = fate
+judging.Judge.judge = fate
 """
 
 
@@ -491,18 +491,18 @@ def test_what_hangs_or_crashes_is_killed_and_the_rest_goes_on(folder: Path) -> N
     file.write_text(file.read_text() + TROUBLE)
     plan = MutationPlan(state=False)
     with contextlib.closing(ProcessExecutor(limits=Limits(seconds=60.0), workers=2)) as executor:
-        campaign = Campaign([CaseSubject(file, "law", plan)], executor)
+        campaign = MutationRun([CaseTarget(file, "law", plan)], executor)
         told = list(campaign.judge())
     (result,) = campaign.results()
-    assert len(told) == campaign.total == len(result.tried) == len(expected)
+    assert len(told) == campaign.total == len(result.runs) >= len(expected)
     causes = {"(sum * x)": "timeout", "i <= 4": "SIGABRT", "sum / x": "SIGABRT"}
-    for tried in result.tried:
-        mutant, fate = tried.mutant, tried.fate
+    for tried in result.runs:
+        mutant, fate = tried.mutant, tried.result
         if mutant.after in causes:
             assert fate.status == "killed" and causes[mutant.after] in fate.by
         else:
             assert fate.status == expected[mutant.operator, mutant.before, mutant.after], mutant
-    assert set(causes) <= {tried.mutant.after for tried in result.tried}
+    assert set(causes) <= {tried.mutant.after for tried in result.runs}
 
 
 def test_a_case_that_dies_unmutated_is_not_opened_for_each_mutant(folder: Path) -> None:
@@ -517,11 +517,11 @@ def test_a_case_that_dies_unmutated_is_not_opened_for_each_mutant(folder: Path) 
     with contextlib.closing(ProcessExecutor(workers=1)) as executor:
         files = {folder / "dies.py": "dies", folder / "law.py": "law"}
         plan = MutationPlan(limit=5)
-        campaign = Campaign([CaseSubject(f, i, plan) for f, i in files.items()], executor)
+        campaign = MutationRun([CaseTarget(f, i, plan) for f, i in files.items()], executor)
         told = list(campaign.judge())
     broken, good = campaign.results()
     assert "does not run to its end: the process died: exit status 3" in broken.message
-    assert broken.tried == () and len(good.tried) == 5 and not good.message
+    assert broken.runs == () and len(good.runs) == 5 and not good.message
     assert [fate is None for _, fate in told] == [True] * 5 + [False] * 5
     # Once, once more in a fresh process, and where a worker was quicker than the news.
     assert 2 <= len(opened.read_text()) <= 3
@@ -578,15 +578,15 @@ def test_ctrl_c_keeps_the_cases_that_are_done(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(folder)
-    judge = Campaign.judge
+    judge = MutationRun.judge
 
-    def until_the_second_case(self: Campaign) -> Iterator[tuple[str, Fate | None]]:
+    def until_the_second_case(self: MutationRun) -> Iterator[tuple[str, MutantResult | None]]:
         for case_id, fate in judge(self):
             yield case_id, fate
-            if len(self.whole_results()) == 1:
+            if len(self.results(complete=True)) == 1:
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(Campaign, "judge", until_the_second_case)
+    monkeypatch.setattr(MutationRun, "judge", until_the_second_case)
     words = ("./weak.py", "./law.py", "--no-state", "--limit", 3, "--json", "a.json", "--jobs", 1)
     code, output = mutate(*words)
     assert code == 130

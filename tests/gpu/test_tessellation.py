@@ -20,7 +20,7 @@ from shaderlab.glslmath import vec4
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 from shaderlab.mutation.judging import Judge
-from shaderlab.mutation.subjects import glsl_mutants
+from shaderlab.mutation.shader_mutants import mutate_case
 from tests.meta.examples import File, examples
 
 VERTEX = """#version 430 core
@@ -150,9 +150,9 @@ def test_mutants_of_both_stages_are_judged(lab: Lab, guide: Path) -> None:
     case = load_case(guide / "sheet.py")
     judge = Judge(lab, case)
     killed = {"sheet.tesc": 0, "sheet.tese": 0}
-    for mutant in glsl_mutants(case)[::2]:
+    for mutant in mutate_case(case)[::2]:
         if mutant.shader in killed:
-            status = judge.fate(mutant).status
+            status = judge.judge(mutant).status
             killed[mutant.shader] += status == "killed"
             assert status != "survived", mutant
     assert min(killed.values()) > 4, killed

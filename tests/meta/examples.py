@@ -23,6 +23,8 @@ from shaderlab.cli import cli
 
 _BLOCK = re.compile(r"^```(\w+)(?: title=\"([^\"]+)\")?\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _STATUS = re.compile(r"\[exit (\d+)\]")
+# A row of the table of `shaderlab mutate`, and the line below it.
+_MUTANTS = re.compile(r"^\S+( +\d+){3} +\S+ % |^mistakes in \w+ noticed: ")
 _SECONDS = 600  # a machine may be busy; no command takes 30 s on a free one
 
 
@@ -81,7 +83,8 @@ def missing(shown: tuple[str, ...], printed: str) -> list[str]:
     """The lines of a page that are not printed, or not in this order.
 
     Equal are lines that differ in spaces, times, the run's folder, the driver's version, or beyond
-    the fourth digit of a long number: those depend on the machine.
+    the fourth digit of a long number: those depend on the machine. So are counts of mutants, but
+    for none and all of them: they depend on the kinds of mistakes that there are.
     """
     lines = iter([_plain(line) for line in printed.splitlines()])
     return [line for line in shown if not any(_plain(line) == other for other in lines)]
@@ -94,4 +97,6 @@ def _plain(line: str) -> str:
     line = re.sub(r"\b\d+\.\d s\b", "SECONDS", line)
     if line.startswith(("✓", "✗")) or re.search(r"\d+\.\d$", line):
         line = re.sub(r"\d+\.\d+(?=\s+\d/\d$|$)", "SECONDS", line.rstrip())
+    if _MUTANTS.search(line):
+        line = re.sub(r"\b(?!100 %)[1-9]\d*(\.\d+)?\b", "N", line)
     return " ".join(line.split())

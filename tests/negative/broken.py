@@ -12,7 +12,7 @@ from shaderlab.engine.discovery import data_folder
 from shaderlab.engine.lab import Lab
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Outcome
-from shaderlab.mutation.subjects import downstream, with_what_they_read
+from shaderlab.mutation.mutants import with_inputs, with_readers
 
 if TYPE_CHECKING:
     from shaderlab.drivers.programs.prepare import Programs
@@ -48,7 +48,7 @@ def failures(
     programs = lab.prepare_for_opengl(scene, texts or {})
     about = list(range(len(scene.expect)))
     if texts:
-        touched = downstream(scene, _changed(scene, programs))
+        touched = with_readers(scene, _changed(scene, programs))
         about = [i for i in about if scene.expect[i].passes(scene) & touched or not touched]
     if only:
         about = [i for i in about if scene.expect[i].name in only]
@@ -81,7 +81,7 @@ def _changed(scene: Scene, programs: Programs) -> set[str]:
 def _passes(scene: Scene, index: int) -> frozenset[str]:
     """What has to be drawn for one of a scene's expectations: all of it if none is named."""
     read = scene.expect[index].passes(scene) or {one.name for one in scene.passes}
-    return frozenset(with_what_they_read(scene, read))
+    return frozenset(with_inputs(scene, read))
 
 
 def failing(scene: Scene, texts: Mapping[str, str] | None = None) -> set[str]:

@@ -8,7 +8,7 @@ import pytest
 
 from shaderlab.drivers.opengl.tracing import StateTracker
 from shaderlab.model.frame import TracedCall
-from shaderlab.mutation.call_arguments import other_arguments
+from shaderlab.mutation.call_mutants import vary_arguments
 
 Called = tuple[str, Mapping[str, str]]
 
@@ -44,7 +44,7 @@ def states(*calls: Called) -> list[str]:
 def test_what_an_argument_is_mistaken_for(called: Called, others: set[tuple[str, object]]) -> None:
     function, arguments = called
     traced = TracedCall(pass_name="main", draw=0, function=function, arguments=arguments)
-    assert set(other_arguments(traced)) == others
+    assert set(vary_arguments(traced)) == others
 
 
 DRAW = call("glDrawArrays", mode="GL_POINTS", first="0", count="1")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from shaderlab.mutation.code_coverage.points import wrapped
+from shaderlab.mutation.code_coverage import wrap_points
 
 SHADER = """\
 #version 330 core
@@ -22,7 +22,7 @@ void main() {
 
 def points(code: str) -> list[tuple[str, str]]:
     """Kind and text of each point in the body of main."""
-    return [(point.kind, point.text) for point in wrapped(SHADER.replace("CODE", code))[1]]
+    return [(point.kind, point.text) for point in wrap_points(SHADER.replace("CODE", code))[1]]
 
 
 @pytest.mark.parametrize(
@@ -50,13 +50,13 @@ def test_what_is_watched(code: str, found: list[tuple[str, str]]) -> None:
 
 def test_constants_macros_and_functions_that_are_never_called_are_left_alone() -> None:
     shader = SHADER.replace("CODE", "color = vec4(a);")
-    text, found = wrapped(shader)
+    text, found = wrap_points(shader)
     assert found == [] and text == shader.replace("main", "shaderlab_body")
 
 
 def test_each_point_has_bits_of_its_own_and_its_place() -> None:
     code = "float x = clamp(a, 0.0, 1.0) * a;\n    if (x > 0.5) discard;"
-    text, found = wrapped(SHADER.replace("CODE", code))
+    text, found = wrap_points(SHADER.replace("CODE", code))
     assert sorted((p.bit, p.kind, p.line) for p in found) == [
         (0, "factor", 9), (2, "clamp", 9), (5, "factor", 9), (7, "condition", 10),
     ]  # fmt: skip

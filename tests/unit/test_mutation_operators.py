@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import runpy
+from pathlib import Path
+from textwrap import dedent
+
 import pytest
 
 from shaderlab.compiler.sources import LineMap, Source
-from shaderlab.mutation.coverage import ALL as COVERAGE
-from shaderlab.mutation.mutants import Operator, ShaderMutant, mutants_of
-from shaderlab.mutation.operators import all_operators
+from shaderlab.mutation.names import Operator
+from shaderlab.mutation.operators import OPERATORS, OUTPUT_OPERATORS, change_constant
+from shaderlab.mutation.shader_mutants import ShaderMutant, mutate_stage
 
 LAW = """\
 struct Light { vec3 position; float linear; float quadratic; };
@@ -23,18 +27,20 @@ void main()
 """
 
 
-def made(body: str, kind: str | None = None) -> list[tuple[str, str, str]]:
-    found = mutants(LAW.replace("BODY", body))
+def made(
+    body: str, kind: str | None = None, operators: tuple[Operator, ...] = ()
+) -> list[tuple[str, str, str]]:
+    found = mutants(LAW.replace("BODY", body), operators=operators)
     return [(m.operator, m.before, m.after) for m in found if kind is None or m.operator == kind]
 
 
 def mutants(
     text: str, *, stage: str = "fragment", operators: tuple[Operator, ...] = ()
 ) -> list[ShaderMutant]:
-    """The mutants of a text by some kinds of mistakes; by all but those in coverage by default."""
+    """The mutants of a text by some kinds of mistakes; by all but those in outputs by default."""
     source = Source("law.frag", "/lab/law.frag", stage, text, LineMap(), ())
-    chosen = operators or tuple(o for o in all_operators() if o not in COVERAGE)
-    return mutants_of(source, ("law.vert", "law.frag"), chosen)
+    chosen = operators or tuple(o for o in OPERATORS if o not in OUTPUT_OPERATORS)
+    return mutate_stage(source, ("law.vert", "law.frag"), chosen)
 
 
 @pytest.mark.parametrize(
@@ -77,14 +83,17 @@ def test_a_kind_of_mistake(body: str, kind: str, pairs: list[tuple[str, str]]) -
 
 
 def test_constants_are_off_by_one_per_cent() -> None:
-    assert made("f(0.5);")[1:] == [
+    def constants(body: str) -> list[str]:
+        return [after for _, _, after in made(body, operators=(change_constant,))]
+
+    assert made("f(0.5);", operators=(change_constant,)) == [
         ("constant + 1 %", "f(0.5)", "f(0.505)"),
         ("constant − 1 %", "f(0.5)", "f(0.495)"),
     ]
-    assert [after for _, _, after in made("f(0.0);")][1:] == ["f(1.0)", "f(0.01)"]
-    assert [after for _, _, after in made("f(1.0);")][1:] == ["f(1.01)", "f(0.99)", "f(0.0)"]
-    assert [after for _, _, after in made("f(3);")][1:] == ["f(4)", "f(2)"]
-    assert [after for _, _, after in made("f(100.f);")][1:] == ["f(101.0f)", "f(99.0f)"]
+    assert constants("f(0.0);") == ["f(1.0)", "f(0.01)"]
+    assert constants("f(1.0);") == ["f(1.01)", "f(0.99)", "f(0.0)"]
+    assert constants("f(3);") == ["f(4)", "f(2)"]
+    assert constants("f(100.f);") == ["f(101.0f)", "f(99.0f)"]
 
 
 def test_variables_are_swapped_for_ones_of_the_same_type_in_scope() -> None:
@@ -148,7 +157,7 @@ def test_a_place_in_an_included_file_is_named_by_that_file() -> None:
     text = "float law(float x) { return -x; }\nvoid main() { color = law(d); }\n"
     lines = LineMap.of([("/lab/lib/law.glsl", 7, 1), ("/lab/law.frag", 2, 1)])
     source = Source("law.frag", "/lab/law.frag", "fragment", text, lines, ())
-    found = {m.operator: m for m in mutants_of(source, ("law.vert", "law.frag"))}
+    found = {m.operator: m for m in mutate_stage(source, ("law.vert", "law.frag"))}
     dropped = found["minus dropped"]
     assert (dropped.file, dropped.line) == ("/lab/lib/law.glsl", 7)
     assert str(dropped) == "/lab/lib/law.glsl:7  minus dropped: -x → x  in law.vert + law.frag"
@@ -171,13 +180,13 @@ void main()
 """
 
 
-def coverage_of(text: str, stage: str = "fragment") -> list[tuple[str, int, str]]:
-    found = mutants(text, stage=stage, operators=COVERAGE)
+def output_mistakes(text: str, stage: str = "fragment") -> list[tuple[str, int, str]]:
+    found = mutants(text, stage=stage, operators=OUTPUT_OPERATORS)
     return [(m.operator, m.line, m.after) for m in found]
 
 
 def test_mistakes_in_what_is_written_at_all() -> None:
-    assert coverage_of(OUTPUTS) == [
+    assert output_mistakes(OUTPUTS) == [
         (
             "every second pixel discarded", 13,
             "if ((int(gl_FragCoord.x) + int(gl_FragCoord.y)) % 2 == 1) discard; }",
@@ -196,19 +205,19 @@ def test_mistakes_in_what_is_written_at_all() -> None:
 
 def test_a_vertex_stage_discards_nothing_and_a_geometry_stage_is_left_out() -> None:
     text = "in vec3 aPos; out vec3 place; void main() { place = aPos; gl_PointSize = 2.0; }"
-    assert coverage_of(text, "vertex") == [
+    assert output_mistakes(text, "vertex") == [
         ("early return", 1, "{ return;"),
         ("output halved", 1, "place *= 0.5; }"),
         ("output halved", 1, "gl_PointSize *= 0.5; }"),
     ]
-    assert coverage_of(text, "geometry") == []
+    assert output_mistakes(text, "geometry") == []
 
 
 def test_a_return_before_a_last_statement_that_can_t_be_removed() -> None:
     text = "out vec4 c; void main() { c = vec4(1.0); { c.x = 0.0; } }"
-    returns = [after for kind, _, after in coverage_of(text) if kind == "early return"]
+    returns = [after for kind, _, after in output_mistakes(text) if kind == "early return"]
     assert returns == ["{ return;", "return; { c.x = 0.0; }"]
-    assert coverage_of("void main() {}") == [
+    assert output_mistakes("void main() {}") == [
         (
             "every second pixel discarded", 1,
             "if ((int(gl_FragCoord.x) + int(gl_FragCoord.y)) % 2 == 1) discard; }",
@@ -218,7 +227,21 @@ def test_a_return_before_a_last_statement_that_can_t_be_removed() -> None:
 
 def test_an_output_that_a_function_writes_too_is_not_shadowed() -> None:
     text = "out vec4 c; void more() { c.x = 0.0; } void main() { c = vec4(1.0); more(); c.y = 0.; }"
-    assert "output never written" not in [kind for kind, _, _ in coverage_of(text)]
+    assert "output never written" not in [kind for kind, _, _ in output_mistakes(text)]
+
+
+def test_a_new_kind_is_a_file_and_a_line(repository: Path, tmp_path: Path) -> None:
+    """CONTRIBUTING's recipe, as it stands there."""
+    page = (repository / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    recipe = page[page.index("## Add a mutation operator") :]
+    block = recipe[recipe.index("```python") : recipe.index("## Add a reference")].split("```")[1]
+    file = tmp_path / "negation.py"
+    file.write_text(dedent(block.removeprefix("python")), encoding="utf-8")
+    negate_number = runpy.run_path(str(file))["negate_number"]
+    text = LAW.replace("BODY", "f(d + 1.5);")
+    usual = mutants(text, operators=OPERATORS)
+    (new,) = set(mutants(text, operators=(*OPERATORS, negate_number))) - set(usual)
+    assert (new.operator, new.after) == ("constant negated", "(-1.5)")
 
 
 def test_a_broken_text_is_no_obstacle() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from shaderlab.compiler.sources import Shaders, Source
-from shaderlab.mutation import proof
+from shaderlab.mutation import judging
 
 TEXT = """\
 #version 330 core
@@ -29,7 +29,7 @@ def source(text: str) -> tuple[Source]:
 
 def same(right: str, wrong: str) -> bool:
     assert right in TEXT
-    return proof.same_program(source(TEXT.replace(right, wrong)), source(TEXT))
+    return judging.is_same_program(source(TEXT.replace(right, wrong)), source(TEXT))
 
 
 @pytest.mark.parametrize(
@@ -55,8 +55,8 @@ def test_another_program(right: str, wrong: str) -> None:
 def test_without_an_optimiser_only_equal_modules_are_the_same(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(proof, "_optimiser", lambda: None)
-    proof._optimised.cache_clear()
+    monkeypatch.setattr(judging, "find_optimiser", lambda: None)
+    judging._optimise.cache_clear()
     assert same("0.5 + 0.25", "0.25 + 0.5")  # the front end folds both
     assert not same("0.5 + 0.25;", "0.75; float same = sum; sum = same;")
-    proof._optimised.cache_clear()
+    judging._optimise.cache_clear()

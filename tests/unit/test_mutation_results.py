@@ -16,28 +16,26 @@ from shaderlab.model.state import Blend, Depth, State, Stencil
 from shaderlab.model.textures import CubeTexture, Output, TextureArray
 from shaderlab.mutation import (
     CaseResult,
-    Fate,
+    MutantResult,
+    MutantRun,
     ShaderMutant,
-    Tried,
-    as_json,
+    results_to_json,
     score,
-    state_mutants,
 )
-from shaderlab.mutation.results import Status
-from shaderlab.mutation.states import STATE
-from shaderlab.mutation.subjects import downstream, with_what_they_read
+from shaderlab.mutation.mutants import STATE, Status, with_inputs, with_readers
+from shaderlab.mutation.state_mutants import mutate_state
 
 
-def tried(status: Status, operator: str = "operator", line: int = 7) -> Tried:
+def tried(status: Status, operator: str = "operator", line: int = 7) -> MutantRun:
     mutant = ShaderMutant(
         file="shaders/lamp.frag", line=line, operator=operator, before="a + b", after="a - b",
         program=("lamp.frag",), shader="lamp.frag", stage="fragment", text="",
     )  # fmt: skip
-    return Tried(mutant, Fate(status=status, by="default · factor"))
+    return MutantRun(mutant, MutantResult(status=status, by="default · factor"))
 
 
 def result(*statuses: Status) -> CaseResult:
-    return CaseResult(id="lamp", tried=tuple(tried(s) for s in statuses), seconds=1.5)
+    return CaseResult(id="lamp", runs=tuple(tried(s) for s in statuses), seconds=1.5)
 
 
 def test_the_score_leaves_out_what_nobody_could_notice() -> None:
@@ -49,14 +47,14 @@ def test_the_score_leaves_out_what_nobody_could_notice() -> None:
 
 def test_state_has_a_score_of_its_own() -> None:
     one = CaseResult(
-        id="lamp", tried=(tried("killed"), tried("survived", operator=STATE)), seconds=0.0
+        id="lamp", runs=(tried("killed"), tried("survived", operator=STATE)), seconds=0.0
     )
     assert (one.score, score([one], state=True)) == (1.0, 0.0)
 
 
 def test_json_names_each_survivor_s_place() -> None:
     one = result("killed", "survived", "no difference", "invalid")
-    data = json.loads(json.dumps(as_json([one])))
+    data = json.loads(json.dumps(results_to_json([one])))
     assert data["score"] == 0.5
     (case,) = data["cases"]
     assert {k: case[k] for k in ("id", "killed", "invalid", "equivalent", "score")} == {
@@ -76,7 +74,7 @@ def case_of(state: State, draws: int = 1) -> Case:
 
 
 def changes(state: State) -> set[tuple[str, object]]:
-    return {(m.path, m.new) for m in state_mutants(case_of(state))}
+    return {(m.path, m.new) for m in mutate_state(case_of(state))}
 
 
 def test_mistakes_in_state() -> None:
@@ -120,14 +118,14 @@ def test_mistakes_in_what_covers_which_pixels() -> None:
     (draw,) = mesh_pass("a.vert", "a.frag", Mesh(attributes={"aPos": [[0.0]]}),
                         target=Target(size=(8, 8)), state=boxed)  # fmt: skip
     made = Case(title="t", passes=[draw], expect=[exact("c", 1.0)])
-    assert [m.new for m in state_mutants(made) if m.path == "viewport"] == [
+    assert [m.new for m in mutate_state(made) if m.path == "viewport"] == [
         None, (2, 2, 3, 4), (1, 3, 3, 4), (1, 2, 4, 4), (1, 2, 3, 5),
     ]  # fmt: skip
 
 
 def test_a_state_mutant_changes_its_own_draw_alone() -> None:
     case = case_of(State(depth=Depth()), draws=3)
-    mutant = next(m for m in state_mutants(case) if m.before == "main[1] depth.func='less'")
+    mutant = next(m for m in mutate_state(case) if m.before == "main[1] depth.func='less'")
     (scene,) = case.scenes()
     effect = mutant.effect(scene)
     assert effect is not None and effect.passes == {"main"}
@@ -143,7 +141,7 @@ def test_a_state_that_draws_share_is_mutated_in_all_of_them() -> None:
     )
     passes = (one, replace(one, name="again"))
     case = Case(title="t", passes=passes, expect=[exact("again.c", 1.0)])
-    mutants = state_mutants(case)
+    mutants = mutate_state(case)
     assert len({(m.path, str(m.new)) for m in mutants}) == len(mutants) == 4
     effect = mutants[0].effect(next(case.scenes()))
     assert effect is not None and effect.passes == {"main", "again"}
@@ -152,10 +150,10 @@ def test_a_state_that_draws_share_is_mutated_in_all_of_them() -> None:
 
 def test_of_many_draws_alike_a_few_are_tried_and_the_seed_says_which() -> None:
     case = case_of(State(depth=Depth()), draws=40)
-    some = [m.draws[0][1] for m in state_mutants(case, seed=1) if m.path == "depth.write"]
+    some = [m.draws[0][1] for m in mutate_state(case, seed=1) if m.path == "depth.write"]
     assert len(some) == 4 and some == sorted(some)
-    assert some == [m.draws[0][1] for m in state_mutants(case, seed=1) if m.path == "depth.write"]
-    assert some != [m.draws[0][1] for m in state_mutants(case, seed=2) if m.path == "depth.write"]
+    assert some == [m.draws[0][1] for m in mutate_state(case, seed=1) if m.path == "depth.write"]
+    assert some != [m.draws[0][1] for m in mutate_state(case, seed=2) if m.path == "depth.write"]
 
 
 @pytest.mark.parametrize("kind", ["faces", "layers"])
@@ -169,5 +167,5 @@ def test_passes_read_as_faces_or_layers_are_drawn_with_their_reader(kind: str) -
     reader = Pass(name="reader", target=Target(), draws=(draw,))
     case = Case(title="Maps", passes=(*maps, reader), expect=[exact("reader.FragColor", 1.0)])
     scene = next(iter(case.scenes()))
-    assert with_what_they_read(scene, {"reader"}) == {p.name for p in scene.passes}
-    assert downstream(scene, {"map 3"}) == {"map 3", "reader"}
+    assert with_inputs(scene, {"reader"}) == {p.name for p in scene.passes}
+    assert with_readers(scene, {"map 3"}) == {"map 3", "reader"}

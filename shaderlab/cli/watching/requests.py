@@ -18,7 +18,7 @@ from shaderlab.errors import CaseError, ShaderlabError
 from shaderlab.functions.evaluation import use_worker
 from shaderlab.functions.library import load
 from shaderlab.model.options import RunOptions
-from shaderlab.mutation.function_tests.running import RunTestFile
+from shaderlab.mutation.function_tests import RunTestFile
 from shaderlab.workers.jobs import CaseFacts, Job
 
 if TYPE_CHECKING:

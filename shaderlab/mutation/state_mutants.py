@@ -12,10 +12,10 @@ from typing import Any
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.frame import PassDraw
 from shaderlab.model.state import Blend, State, Stencil
-from shaderlab.mutation.mutants import Effect, Mutant
-from shaderlab.mutation.subjects import scenes_of
+from shaderlab.mutation.mutants import STATE, Effect, Mutant, select_scenes
 
-MOST_ALIKE = 4  # of many draws with the very same change, so many are tried
+MOST_ALIKE = 4
+"""Of many draws with the same change, so many are tried."""
 
 _FUNCTION = {
     "never": ("always",), "always": ("never",),
@@ -33,10 +33,6 @@ _EQUATION = {
     "reverse_subtract": ("add", "subtract"), "min": ("max", "add"), "max": ("min", "add"),
 }  # fmt: skip
 _FACE = {"front": ("back", None), "back": ("front", None), "front_and_back": (None,)}
-
-
-STATE = "state"
-"""The operator of mutants of state."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,22 +63,25 @@ class StateMutant(Mutant):
         return Effect(replace(scene, passes=tuple(passes)), frozenset(changed))
 
 
-def state_mutants(case: Case, seed: int = 0, variants: Collection[str] = ()) -> list[StateMutant]:
-    """The case's state mutants, or those in some of its variants. A `State` that several draws
-    have counts once, as when a pass is drawn large as well, or backwards. Where many draws of a
-    pass have a change alike, as in a table of draws, a few of them stand for all."""
+def mutate_state(case: Case, seed: int = 0, variants: Collection[str] = ()) -> list[StateMutant]:
+    """Return the case's state mutants, or those in some of its variants.
+
+    A `State` that several draws share counts once, as when a pass is drawn large as well, or
+    backwards. Where many draws of a pass have a change alike, as in a table of draws, a few of them
+    stand for all.
+    """
     alike: dict[tuple[Any, ...], list[StateMutant]] = {}
     for state, draws in _states(case, variants):
         name, index = draws[0]
         where = f"{name}[{index}]" + (f" and {len(draws) - 1} more" if draws[1:] else "")
-        for path, old, new in _fields(state):
+        for path, old, new in _changes(state):
             if old != new:
                 mutant = StateMutant(
                     file=case.file,
                     line=0,
                     operator=STATE,
-                    before=f"{where} {path}={_spelt(old)}",
-                    after=_spelt(new),
+                    before=f"{where} {path}={_format(old)}",
+                    after=_format(new),
                     draws=draws,
                     path=path,
                     old=old,
@@ -101,7 +100,7 @@ def state_mutants(case: Case, seed: int = 0, variants: Collection[str] = ()) -> 
 def _states(case: Case, variants: Collection[str]) -> list[tuple[State, tuple[PassDraw, ...]]]:
     """The states of a case, each with the draws that have this very one."""
     found: dict[int, tuple[State, dict[PassDraw, None]]] = {}
-    for scene in scenes_of(case, variants):
+    for scene in select_scenes(case, variants):
         for description in scene.passes:
             for index, draw in enumerate(description.draws):
                 _, draws = found.setdefault(id(draw.state), (draw.state, {}))
@@ -109,27 +108,27 @@ def _states(case: Case, variants: Collection[str]) -> list[tuple[State, tuple[Pa
     return [(state, tuple(draws)) for state, draws in found.values()]
 
 
-def _fields(state: State) -> Iterator[tuple[str, Any, Any]]:
+def _changes(state: State) -> Iterator[tuple[str, Any, Any]]:
     if state.depth is not None:
         yield "depth", state.depth, None
         yield "depth.write", state.depth.write, not state.depth.write
-        yield from _each("depth.func", state.depth.func, _FUNCTION)
+        yield from _from_table("depth.func", state.depth.func, _FUNCTION)
     for path, stencil in (("stencil", state.stencil), ("stencil_back", state.stencil_back)):
         if stencil is not None:
-            yield from _of_stencil(path, stencil, alone=state.stencil_back is None)
+            yield from _stencil_changes(path, stencil, alone=state.stencil_back is None)
     if state.blend is not None:
         blend = state.blend
         yield "blend", blend, None
         for name in ("source", "destination", "source_alpha", "destination_alpha"):
-            for other in _factors(getattr(blend, name)):
+            for other in _other_factors(getattr(blend, name)):
                 yield f"blend.{name}", getattr(blend, name), other
         for name in ("equation", "equation_alpha"):
             if getattr(blend, name) is not None:
-                yield from _each(f"blend.{name}", getattr(blend, name), _EQUATION)
-        if any("constant" in factor for factor in _all_factors(blend)):
+                yield from _from_table(f"blend.{name}", getattr(blend, name), _EQUATION)
+        if any("constant" in factor for factor in _used_factors(blend)):
             yield "blend.constant", blend.constant, tuple(reversed(blend.constant))
     if state.cull is not None:
-        yield from _each("cull", state.cull, _FACE)
+        yield from _from_table("cull", state.cull, _FACE)
     if state.cull is not None or state.stencil_back is not None:
         yield "front_face", state.front_face, "cw" if state.front_face == "ccw" else "ccw"
     if state.srgb:
@@ -138,15 +137,15 @@ def _fields(state: State) -> Iterator[tuple[str, Any, Any]]:
         for index in range(4):
             mask = tuple(not c if i == index else c for i, c in enumerate(state.color_mask))
             yield "color_mask", state.color_mask, mask
-    yield from _of_rasterizing(state)
+    yield from _rasterizing_changes(state)
 
 
-def _of_stencil(path: str, stencil: Stencil, *, alone: bool) -> Iterator[tuple[str, Any, Any]]:
+def _stencil_changes(path: str, stencil: Stencil, *, alone: bool) -> Iterator[tuple[str, Any, Any]]:
     if alone or path == "stencil_back":
         yield path, stencil, None
-    yield from _each(f"{path}.func", stencil.func, _FUNCTION)
+    yield from _from_table(f"{path}.func", stencil.func, _FUNCTION)
     for name in ("fail", "depth_fail", "depth_pass"):
-        yield from _each(f"{path}.{name}", getattr(stencil, name), _OPERATION)
+        yield from _from_table(f"{path}.{name}", getattr(stencil, name), _OPERATION)
     yield f"{path}.reference", stencil.reference, (stencil.reference + 1) & 0xFF
     for name in ("mask", "write_mask"):
         value = getattr(stencil, name)
@@ -154,7 +153,7 @@ def _of_stencil(path: str, stencil: Stencil, *, alone: bool) -> Iterator[tuple[s
         yield f"{path}.{name}", value, value ^ 1
 
 
-def _of_rasterizing(state: State) -> Iterator[tuple[str, Any, Any]]:
+def _rasterizing_changes(state: State) -> Iterator[tuple[str, Any, Any]]:
     """Where triangles land, and which samples they cover: forgotten, shifted, swapped."""
     for name in ("viewport", "scissor"):
         box = getattr(state, name)
@@ -186,17 +185,17 @@ def _of_rasterizing(state: State) -> Iterator[tuple[str, Any, Any]]:
         yield "alpha_to_coverage", True, False
 
 
-def _all_factors(blend: Blend) -> tuple[str, ...]:
+def _used_factors(blend: Blend) -> tuple[str, ...]:
     every = (blend.source, blend.destination, blend.source_alpha, blend.destination_alpha)
     return tuple(factor for factor in every if factor is not None)
 
 
-def _each(path: str, before: Any, table: dict[Any, tuple[Any, ...]]) -> Iterator[Any]:
+def _from_table(path: str, before: Any, table: dict[Any, tuple[Any, ...]]) -> Iterator[Any]:
     for after in table[before]:
         yield path, before, after
 
 
-def _factors(factor: str | None) -> tuple[str, ...]:
+def _other_factors(factor: str | None) -> tuple[str, ...]:
     """What a blend factor is mistaken for: its complement, the other side's, one, zero."""
     if factor is None:
         return ()
@@ -226,7 +225,7 @@ def _set(state: State, path: str, value: Any) -> State:
     return replace(state, **{first: replace(getattr(state, first), **{rest: value})})
 
 
-def _spelt(value: Any) -> str:
+def _format(value: Any) -> str:
     if value is None or isinstance(value, bool | float | int | str | tuple):
         return repr(value)
     return "on"

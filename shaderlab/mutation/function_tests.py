@@ -1,0 +1,393 @@
+"""Files of tests of GLSL functions: run by pytest inside warm workers, for `watch` and `mutate`;
+and mistakes in the functions that they load.
+
+pytest is called in the worker's process, which keeps its device.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import io
+import linecache
+import os
+import re
+import sys
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, redirect_stdout
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.compiler.sources import Source
+from shaderlab.engine.discovery import files_below, is_own
+from shaderlab.errors import CaseError, ShaderError, ShaderlabError, extra
+from shaderlab.files import display_path
+from shaderlab.functions.declarations import Type
+from shaderlab.functions.domains import Domain, bools, floats, hints_of, ints
+from shaderlab.functions.evaluation import use_worker
+from shaderlab.functions.library import Function, Library, Loads, record_loads
+from shaderlab.functions.signatures import Signature
+from shaderlab.model.frame import Array
+from shaderlab.mutation.campaign import OPENING_SECONDS, MutationPlan
+from shaderlab.mutation.mutants import Mutant, MutantResult
+from shaderlab.mutation.shader_mutants import ShaderMutant, mutate_stage
+from shaderlab.report.plain_text import failed
+
+if TYPE_CHECKING:
+    import pytest
+
+    from shaderlab.model.records import Record
+    from shaderlab.workers.lab_worker import LabWorker
+
+_NAME = re.compile(r"test_.*\.py|.*_test\.py")
+_LOADS = re.compile(rb"\bshaderlab\b.*\bglsl\b", re.DOTALL)
+_TESTS = re.compile(rb"^\s*(?:async\s+)?def test", re.MULTILINE)
+_PROFILE = "shaderlab-in-worker"
+_SAMPLES = 4096
+"""Inputs of each round in which two texts of a function are compared."""
+_RANGES = (1.0, 8.0, 1000.0)
+"""How far from 0 the numbers of a round go."""
+
+
+def is_function_test(path: Path) -> bool:
+    """Whether pytest would run tests of a file that uses `shaderlab.glsl`; never raises."""
+    if not _NAME.fullmatch(path.name):
+        return False
+    try:
+        text = path.read_bytes()
+    except OSError:
+        return False
+    return bool(_LOADS.search(text) and _TESTS.search(text))
+
+
+def find_function_tests(folder: Path) -> Iterator[Path]:
+    """Return the files of such tests below a folder, sorted. Raises UsageError."""
+    return filter(is_function_test, files_below(folder))
+
+
+@dataclass(frozen=True)
+class TestFileResult:
+    """What running a file of tests gave.
+
+    Attributes:
+        records: one for each test, in their order; one, in error, where none could be collected.
+        loads: the GLSL that was loaded, and the functions of it that were asked for.
+        refused: whether some GLSL did not compile.
+    """
+
+    __test__ = False  # pytest takes it for no test
+
+    records: tuple[Record, ...]
+    loads: Loads
+    refused: bool
+
+
+@dataclass(frozen=True)
+class RunTestFile:
+    """Requests the result of a file's tests.
+
+    Attributes:
+        file: with the tests.
+        texts: what to take in place of GLSL that is loaded, by its text with includes expanded.
+        only: the names of the only tests to run; all of them if empty.
+        alike: whether properties try the same samples each time, and leave no trace in Hypothesis'
+            database.
+    """
+
+    __test__ = False
+
+    file: Path
+    texts: Mapping[str, str] = field(default_factory=dict)
+    only: frozenset[str] = frozenset()
+    alike: bool = False
+
+    def perform(self, worker: LabWorker) -> TestFileResult:
+        """See `shaderlab.workers.jobs.Request`. Raises UsageError: pytest is not installed."""
+        with extra("pytest", "running tests of functions"):
+            import pytest
+
+        linecache.checkcache()
+        importlib.invalidate_caches()
+        with ExitStack() as stack:
+            stack.enter_context(_forgetting_own_modules())
+            stack.enter_context(use_worker(worker))
+            loads = stack.enter_context(record_loads(self.texts))
+            session = _Session(worker, self.file, self.only)
+            stack.enter_context(redirect_stdout(io.StringIO()))
+            pytest.main(self._arguments(), plugins=session.plugins())
+        return TestFileResult(tuple(session.records), loads, session.refused)
+
+    def _arguments(self) -> list[str]:
+        words = [str(self.file), "-q", "--color=no", "-p", "no:cacheprovider"]
+        words += ["--shaderlab-report=", "-p", "no:unraisableexception"]  # which collects garbage
+        if importlib.util.find_spec("xdist") is not None:
+            words += ["-n", "0"]
+        if self.alike and importlib.util.find_spec("hypothesis") is not None:
+            import hypothesis
+
+            hypothesis.settings.register_profile(_PROFILE, database=None, derandomize=True)
+            words.append(f"--hypothesis-profile={_PROFILE}")
+        return words
+
+
+class _Session:
+    """One session of pytest: what it collects, what it finds, and how far it is."""
+
+    def __init__(self, worker: LabWorker, file: Path, only: Collection[str]) -> None:
+        self._worker = worker
+        self._file = file
+        self._only = only
+        self.records: list[Record] = []
+        self.refused = False
+
+    def plugins(self) -> list[object]:
+        """What pytest is called with."""
+        from shaderlab.pytest_plugin.report import Recorder
+
+        return [self, Recorder(lambda _, record: self.records.append(record), every=True)]
+
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Keep Python's tests: variants of cases have records of their own."""
+        items[:] = [
+            item
+            for item in items
+            if hasattr(item, "function") and (not self._only or item.name in self._only)
+        ]
+
+    def pytest_runtest_logstart(self, nodeid: str) -> None:
+        """Each test has the time of a variant."""
+        self._worker.note(nodeid)
+        self._worker.restart_limit()
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        """A file that can't be imported is a record in error."""
+        if report.failed:
+            from shaderlab.functions.records import record_of_test
+
+            self.records.append(
+                record_of_test(
+                    str(self._file), "collection", 1, status="error", message=report.longreprtext
+                )
+            )
+
+    def pytest_exception_interact(self, call: pytest.CallInfo[Any]) -> None:
+        """Note whether a compiler is to blame."""
+        if call.excinfo is not None and isinstance(call.excinfo.value, ShaderError):
+            self.refused = True
+
+
+@contextmanager
+def _forgetting_own_modules() -> Iterator[None]:
+    """Modules of a project that the block imports are imported anew by the next one: they may have
+    loaded GLSL that has changed."""
+    before = set(sys.modules)
+    try:
+        yield
+    finally:
+        for name in set(sys.modules) - before:
+            file = getattr(sys.modules[name], "__file__", None)
+            if file and is_own(Path(os.path.abspath(file))):
+                del sys.modules[name]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FunctionMutant(ShaderMutant):
+    """A mistake in a file that tests load: `source` is the file as it is, `used` are the functions
+    of it that they ask for, `tests` the names of those that call one; all of them if empty."""
+
+    source: Source
+    used: frozenset[str]
+    tests: frozenset[str]
+
+
+@dataclass(frozen=True)
+class TestFileTarget:
+    """A file of tests as a target of mutation; see `campaign.MutationTarget`."""
+
+    __test__ = False  # pytest takes it for no test
+
+    file: Path
+    id: str
+    plan: MutationPlan
+
+    def make(self) -> MakeFunctionMutants:
+        """Return the request for its mutants."""
+        return MakeFunctionMutants(self.file, self.plan)
+
+    def judge(self, mutant: Mutant) -> JudgeFunctionMutant:
+        """Return the request for a mutant's result."""
+        assert isinstance(mutant, FunctionMutant)
+        return JudgeFunctionMutant(self.file, mutant)
+
+
+@dataclass(frozen=True)
+class MakeFunctionMutants:
+    """Requests the mutants of the functions that tests load.
+
+    Raises CaseError: a test fails as it is, or none loads any function.
+    """
+
+    file: Path
+    plan: MutationPlan
+
+    def perform(self, worker: LabWorker) -> list[Mutant]:
+        worker.restart_limit(OPENING_SECONDS)
+        result = RunTestFile(self.file, alike=True).perform(worker)
+        names = ", ".join(r.variant for r in result.records if failed(r))
+        if names:
+            raise CaseError(f"fails as it is: {names}", file=self.file, remedy="run it with pytest")
+        found: list[Mutant] = []
+        for text, source in result.loads.sources.items():
+            used = frozenset(result.loads.used.get(text, ()))
+            tests = _callers(source, result)
+            for mutant in mutate_stage(source, (source.name,), functions=used):
+                given = {**vars(mutant), "source": source, "used": used, "tests": tests}
+                found.append(FunctionMutant(**given))
+        if not found:
+            raise CaseError(
+                "no test of this file asks for a function of GLSL",
+                file=self.file,
+                remedy='load one: glsl.load("lighting.glsl").attenuation',
+            )
+        return self.plan.sample(found)
+
+
+@dataclass(frozen=True)
+class JudgeFunctionMutant:
+    """Requests a mutant's `MutantResult`: killed where a test fails that passes without it."""
+
+    file: Path
+    mutant: FunctionMutant
+
+    def perform(self, worker: LabWorker) -> MutantResult:
+        mutant = self.mutant
+        texts = {mutant.source.text: mutant.text}
+        result = RunTestFile(self.file, texts, mutant.tests, alike=True).perform(worker)
+        if result.refused:
+            return MutantResult(
+                status="invalid", by=f"{display_path(mutant.file)} does not compile"
+            )
+        noticed = {record.variant: failed(record) for record in result.records}
+        names = [name for name, fails in noticed.items() if fails]
+        if names:
+            return MutantResult(status="killed", by=", ".join(names), noticed=noticed)
+        worker.restart_limit()
+        found = compare_texts(worker, mutant.source, mutant.text, mutant.used)
+        if found.differs is False:
+            return MutantResult(status="no difference", by=found.note, noticed=noticed)
+        return MutantResult(status="survived", by=found.note, noticed=noticed)
+
+
+def _callers(source: Source, result: TestFileResult) -> frozenset[str]:
+    """The tests that call a function of a source; none, for all, where others may depend on it."""
+    if source.path in result.loads.called_outside:
+        return frozenset()
+    path = display_path(source.path)
+    return frozenset(
+        record.variant
+        for record in result.records
+        if any(path in program.files[:1] for program in record.programs)
+    )
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Whether two texts of a file differ, None where that is undetermined, and why."""
+
+    differs: bool | None
+    note: str
+
+
+def compare_texts(
+    worker: LabWorker, source: Source, text: str, names: Collection[str]
+) -> Comparison:
+    """Compare these functions of a source and of another text for it, bit by bit.
+
+    A function that reads other samplers than a `sampler2D` can't be called at random arguments.
+    """
+    other = replace(source, text=text, stripped=None)
+    count, untested = 0, []
+    with use_worker(worker):
+        before, after = (Library(one, "", {}) for one in (source, other))
+        for name in sorted(names):
+            for signature in before[name].signatures:
+                if not all(map(_is_sampled, _inputs(signature).values())):
+                    untested.append(name)
+                    continue
+                types = ", ".join(str(p.type) for p in signature.parameters)
+                pair = before[name][types], after[name][types]
+                for arguments in _arguments(signature, source.text + text):
+                    count += _SAMPLES
+                    if not _same(*pair, arguments):
+                        return Comparison(True, f"{name} gives other values elsewhere")
+    if untested:
+        return Comparison(
+            None, f"{', '.join(dict.fromkeys(untested))} is not called at other values"
+        )
+    return Comparison(False, f"in {count} inputs of {', '.join(sorted(names))}")
+
+
+def _inputs(signature: Signature) -> dict[str, Type]:
+    return {one.name: one.type for one in (*signature.given, *signature.globals)}
+
+
+def _is_sampled(kind: Type) -> bool:
+    if kind.members:
+        return all(_is_sampled(its) for _, its in kind.members)
+    return bool(kind.kind) or kind.name == "sampler2D"
+
+
+def _arguments(signature: Signature, text: str) -> Iterator[dict[str, Any]]:
+    rng, hints = np.random.default_rng(0), hints_of(text)
+    # What is in a struct with samplers has one value for a call.
+    for bound in _RANGES:
+        yield {
+            name: _sample(kind, bound, () if kind.opaque else (_SAMPLES,), rng, hints)
+            for name, kind in _inputs(signature).items()
+        }
+
+
+def _sample(
+    kind: Type, bound: float, batch: tuple[int, ...], rng: np.random.Generator, hints: Array
+) -> Any:
+    """Random values of a type, for each element of a batch; an image for a sampler."""
+    if kind.dims and not kind.kind:
+        return [_sample(kind.element, bound, batch, rng, hints) for _ in range(kind.dims[0])]
+    if kind.members:
+        return {name: _sample(its, bound, batch, rng, hints) for name, its in kind.members}
+    if kind.opaque:
+        return rng.random((4, 4, 4), np.float32)
+    found = _domain(kind, bound).sample(rng, (*(batch or (8,)), *kind.shape), hints)
+    return found if batch else found[-1]
+
+
+def _domain(kind: Type, bound: float) -> Domain:
+    if kind.kind == "bool":
+        return bools()
+    if kind.kind == "float":
+        return floats(-bound, bound)
+    return ints(0 if kind.kind == "uint" else -int(bound), int(bound))
+
+
+def _same(before: Function, after: Function, arguments: dict[str, Array]) -> bool:
+    try:
+        pair = [_parts(function(**arguments)) for function in (before, after)]
+    except ShaderlabError:
+        return False  # only one of them gives a value at all
+    return all(
+        np.array_equal(np.ma.getmaskarray(a), np.ma.getmaskarray(b))
+        and np.array_equal(np.ma.filled(a, 0), np.ma.filled(b, 0), equal_nan=a.dtype.kind == "f")
+        for a, b in zip(*pair, strict=True)
+    )
+
+
+def _parts(result: Any) -> list[Array]:
+    """The arrays of a result: one, or each that is written; of structs, those of its members."""
+    if isinstance(result, dict):
+        return [part for value in result.values() for part in _parts(value)]
+    if isinstance(result, list | tuple):
+        return [part for value in result for part in _parts(value)]
+    return [result if isinstance(result, np.ma.MaskedArray) else np.asarray(result)]
