@@ -32,7 +32,7 @@ from shaderlab.analysis.interpreter import (
     Stored,
     interpret,
 )
-from shaderlab.analysis.interpreter.stored import is_vector, lost, row_of, width
+from shaderlab.analysis.interpreter.running import is_vector, precision_loss, row_of, width
 from shaderlab.bands import Band, Integer, Truth
 from shaderlab.bands.rounding import ulp
 from shaderlab.engine.evaluation import Evaluation
@@ -86,7 +86,7 @@ def traced(given: Invocations, arithmetic: Arithmetic) -> Trace:
         given.bindings,
         arithmetic,
         count=given.count,
-        blocks=_MOST_BLOCKS,
+        max_blocks=_MOST_BLOCKS,
         trace=events.append,
         flow=events.append,
     )
@@ -191,7 +191,7 @@ def _step(
         high=tuple(map(float, high)),
         off=float(off),
         width=width(event.value, row) if is_vector(event.value) else 0.0,
-        lost=lost(event, row) if is_vector(event.value) else 0.0,
+        lost=precision_loss(event, row) if is_vector(event.value) else 0.0,
     )
 
 
@@ -241,7 +241,12 @@ def _as_invocations(program: Program, given: Given) -> Invocations:
 def _widest(given: Invocations) -> int:
     """The invocation whose outputs' bands are widest in ULP, of those that are bounded."""
     result = interpret(
-        given.program, given.each, given.bindings, Bands(), count=given.count, blocks=_MOST_BLOCKS
+        given.program,
+        given.each,
+        given.bindings,
+        Bands(),
+        count=given.count,
+        max_blocks=_MOST_BLOCKS,
     )
     widths = np.zeros(given.count)
     for band in result.outputs.values():

@@ -16,9 +16,9 @@ from shaderlab.errors import NotInterpretedError, UsageError
 from shaderlab.model.frame import Array, Bindings, Fragments, Samples, Texels
 
 from .interpreter import Program
-from .interpreter.interpret import called
+from .interpreter.interpret import interface_name
 from .interpreter.program import INPUTS
-from .interpreter.values import NUMBERS, numbered
+from .interpreter.values import NUMBERS, number_invocations
 
 _RANGE = re.compile(r"//.*?\brange:\s*(\S+)\s*\.\.\s*(\S+)")
 _UNIT = re.compile(r"//.*?\brange:\s*unit\b")
@@ -56,13 +56,13 @@ def inputs_of(program: Program) -> dict[str, Input]:
     for id_, (pointee, storage) in module.variables.items():
         if storage not in INPUTS:
             continue
-        name = called(program, id_)
+        name = interface_name(program, id_)
         for leaf in leaves(module, pointee, name):
             if not is_used(paths.get(id_, ()), leaf.path):
                 continue
             type_, uniform = type_name(module, leaf.type), storage != StorageClass.Input
             for each in _elements(unwrap(module, leaf.type)[0], leaf.name):
-                size = program.workgroup if each in NUMBERS else None
+                size = program.local_size if each in NUMBERS else None
                 found[each] = Input(each, type_, uniform, size)
     return found
 
@@ -473,7 +473,7 @@ def drawn(inputs: Mapping[str, Input], roles: Mapping[str, Role], count: int, se
             each[name] = _numbers(one.type, role, count, rng)
     if size is not None:
         groups = rng.integers(0, WORKGROUPS, (count, 3))
-        each |= numbered(size, groups, rng.integers(0, size, (count, 3)))
+        each |= number_invocations(size, groups, rng.integers(0, size, (count, 3)))
     keep_in_order(each, roles)
     if "gl_FragCoord" not in each:
         each["gl_FragCoord"] = _places(count, rng)  # of derivatives' neighbours

@@ -172,7 +172,7 @@ def _run(
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         return given, interpret(
-            program, given.each, given.bindings, Bands(), count=given.count, blocks=blocks
+            program, given.each, given.bindings, Bands(), count=given.count, max_blocks=blocks
         )
 
 

@@ -78,6 +78,7 @@ class Op(IntEnum):
     AtomicUMax, AtomicAnd, AtomicOr, AtomicXor = range(239, 243)
     Phi, LoopMerge, SelectionMerge, Label, Branch, BranchConditional, Switch = range(245, 252)
     Kill, Return, ReturnValue, Unreachable = range(252, 256)
+    NoLine = 317
 
 
 class Glsl450(IntEnum):

@@ -336,7 +336,9 @@ def test_draws_are_compared_together_where_pixels_do_not_depend_on_each_other() 
 
 
 def test_a_loop_that_does_not_end_is_not_interpreted() -> None:
-    with pytest.raises(NotInterpretedError, match="a loop that goes on after 4096 turns at line 3"):
+    with pytest.raises(
+        NotInterpretedError, match="a loop that goes on after 4096 iterations at line 3"
+    ):
         compared(
             "in float x; out float o;\nvoid main() { o = x; while (o < 9.0) o -= 1.0; }",
             "in float x; out float o; void main() { o = x; }",

@@ -474,8 +474,8 @@ def test_a_loop_without_an_end_is_refused() -> None:
         color = vec4(x);
     }"""
     )
-    with pytest.raises(NotInterpretedError, match="goes on after 100 turns at line 6"):
-        run(text, turns=100)
+    with pytest.raises(NotInterpretedError, match="goes on after 100 iterations at line 6"):
+        run(text, max_loop_iterations=100)
 
 
 def test_wrong_bytes_and_wrong_shaders() -> None:

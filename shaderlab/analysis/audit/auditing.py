@@ -68,7 +68,7 @@ def audit_program(
         tried, roles = sum(given.count for given in captured), {}
         sets = list(captured)
     else:
-        if program.lanes > 1:
+        if program.workgroup_size > 1:
             inputs = _of_workgroups(inputs)
         roles = roles_of(inputs.values(), declared_ranges(program), plan.ranges)
         hunt = Hunt(program, inputs, roles, plan.count)
@@ -167,7 +167,7 @@ def _hazards(program: Program, witness: Witness, inputs: Mapping[str, Input]) ->
             evident=witness.origin == DRAWN and not one.check.possible,
             inputs=example(witness.given, witness.row, inputs),
             outputs={}
-            if program.lanes > 1
+            if program.workgroup_size > 1
             else {name: tuple(map(float, value)) for name, value in outputs.items()},
             calls=tuple(program.place(call)[1] for call in place.calls),
         ),

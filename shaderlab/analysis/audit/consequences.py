@@ -16,7 +16,7 @@ from ..inputs import Given
 from ..interpreter import Program
 from ..interpreter.program import Instruction
 from ..interpreter.running import Run, Watch
-from ..interpreter.values import World
+from ..interpreter.values import PathState
 from .watching import FLOATS, Place, arguments_of, run_watched
 
 _VALUES = (None, 0.37, 41.0, -2.6, 7.5e3)
@@ -33,7 +33,7 @@ class _Replacing:
     place: Place
     value: float | None
 
-    def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         if at.id == self.place.id and tuple(run.calls) == self.place.calls:
             return result if self.value is None else _other(result, self.value)
         if isinstance(result, np.ndarray) and at.op in FLOATS and not np.isfinite(result).all():
@@ -55,7 +55,7 @@ class _Zeroing:
     number: float
     reached: bool = False
 
-    def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         if at.id == self.place.id and tuple(run.calls) == self.place.calls:
             self.reached = True
         if isinstance(result, np.ndarray):

@@ -23,10 +23,10 @@ from ..equivalence.comparing import flattened, steps
 from ..equivalence.comparison import example
 from ..inputs import Given, Input
 from ..interpreter import FLOAT16, FLOAT32, FLOAT64, Arithmetic, Numbers, Program
-from ..interpreter.instructions import HANDLERS
+from ..interpreter.flow import HANDLERS
 from ..interpreter.program import Instruction
 from ..interpreter.running import Run, Watch
-from ..interpreter.values import World
+from ..interpreter.values import PathState
 from .portability import CODES, Spread
 from .watching import run_watched
 
@@ -102,13 +102,13 @@ class _Relaxed:
 
     device: Arithmetic
 
-    def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         if not isinstance(result, np.ndarray) or not _is_relaxed(run.program, at.id):
             return result
         if at.op != Op.Load and at.op in HANDLERS:
             own, run.arithmetic = run.arithmetic, self.device
             try:
-                result = HANDLERS[at.op](run, at, world)
+                result = HANDLERS[at.op](run, at, state)
             finally:
                 run.arithmetic = own
         return _half(result).astype(np.float32)

@@ -18,7 +18,7 @@ from ..equivalence.answer import shown
 from ..equivalence.comparison import example
 from ..inputs import Given, Input
 from ..interpreter import Bands, Program, Stored, interpret
-from ..interpreter.stored import is_vector, lost
+from ..interpreter.running import is_vector, precision_loss
 from .consequences import alone
 from .watching import run_watched
 
@@ -115,7 +115,7 @@ def portability(program: Program, given: Given, inputs: Mapping[str, Input]) -> 
 
 
 def _lost(event: Stored, row: int) -> float:
-    return lost(event, row) if is_vector(event.value) else 0.0
+    return precision_loss(event, row) if is_vector(event.value) else 0.0
 
 
 def _costliest(

@@ -207,7 +207,7 @@ class Witness:
 
 def watched(program: Program, given: Given) -> dict[Place, Watched]:
     """How far each instruction is from going wrong on some invocations."""
-    watcher = Watcher(given.count, program.lanes)
+    watcher = Watcher(given.count, program.workgroup_size)
     run_watched(program, given, watcher)
     return watcher.found
 
@@ -243,8 +243,8 @@ class Hunt:
     ) -> None:
         self._program = program
         self._search = Search(inputs, roles)
-        lanes = program.lanes
-        self._most, count = max(_MOST // lanes, _LEAST), max(count // lanes, _LEAST)
+        size = program.workgroup_size
+        self._most, count = max(_MOST // size, _LEAST), max(count // size, _LEAST)
         self._inputs, self._roles = inputs, roles
         first = first_ones(inputs, roles, count)
         self.drawn = first.part(np.arange(count))

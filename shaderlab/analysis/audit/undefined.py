@@ -20,10 +20,10 @@ from ..equivalence.comparing import flattened
 from ..equivalence.comparison import example
 from ..inputs import Given, Input, cells_of
 from ..interpreter import Interpreted, Numbers, Program
-from ..interpreter.instructions import HANDLERS
-from ..interpreter.program import BARRIER, Instruction, Type
+from ..interpreter.flow import HANDLERS
+from ..interpreter.program import Instruction, Type
 from ..interpreter.running import Run
-from ..interpreter.values import Flags, Pointer, World, fetch, null, spelt
+from ..interpreter.values import Flags, PathState, Pointer, fetch, format_place, null
 from .consequences import alone, depending
 from .hazard import Hazard
 from .watching import Place, run_watched
@@ -58,25 +58,25 @@ class _Filling:
     filled: dict[int, None] = field(default_factory=dict)
     began: bool = False
 
-    def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         if not self.began:
             self.began = True
-            if self._fill_globals(run, world) and at.op == Op.Load:  # it may be of one of them
-                result = HANDLERS[Op.Load](run, at, world)
+            if self._fill_globals(run, state) and at.op == Op.Load:  # it may be of one of them
+                result = HANDLERS[Op.Load](run, at, state)
         if at.op == Op.Variable and len(at.operands) == 1:
             self.filled[at.id] = None
             type_, _ = run.program.variables[at.id]
-            world.memory[at.id] = _stand_in(null(type_, run.arithmetic), self._value(at.id))
+            state.memory[at.id] = _stand_in(null(type_, run.arithmetic), self._value(at.id))
         elif at.op == Op.Undef:
             self.filled[at.id] = None
             result = _stand_in(result, self._value(at.id))
-        elif at.op == Op.Load and self.rows is not None and world.mask[self.rows].any():
-            self._keep(run, at, world, result)
+        elif at.op == Op.Load and self.rows is not None and state.mask[self.rows].any():
+            self._keep(run, at, state, result)
         return result
 
-    def _fill_globals(self, run: Run, world: World) -> bool:
+    def _fill_globals(self, run: Run, state: PathState) -> bool:
         memories: dict[int, dict[int, Any]] = {
-            StorageClass.Private: world.memory,
+            StorageClass.Private: state.memory,
             StorageClass.Workgroup: run.shared,
         }
         before = len(self.filled)
@@ -90,13 +90,13 @@ class _Filling:
     def _value(self, id_: int) -> float:
         return self.value if self.only in (None, id_) else _VALUES[0]
 
-    def _keep(self, run: Run, at: Instruction, world: World, result: Any) -> None:
+    def _keep(self, run: Run, at: Instruction, state: PathState, result: Any) -> None:
         pointer = run.value(at.operands[0])
         assert isinstance(pointer, Pointer) and self.rows is not None
         type_, _ = run.program.variables[pointer.variable]
-        name = spelt(run.program.name(pointer.variable), type_, pointer.path)
+        name = format_place(run.program.name(pointer.variable), type_, pointer.path)
         parts = [v for _, v in flattened({"": result})] if _has_numbers(result) else []
-        here = world.mask[self.rows]
+        here = state.mask[self.rows]
         values = [(v[self.rows][here] if len(v) > 1 else v).ravel() for v in parts]
         self.loads.append((at.line, name, np.concatenate(values) if values else np.zeros(0)))
 
@@ -171,8 +171,8 @@ def _read(
 ) -> Hazard:
     """The hazard of a variable's value that nobody stored: at the first line that loads it."""
     some, own = alone(program, given, row)
-    lanes = program.lanes
-    rows = slice(own * lanes, (own + 1) * lanes)
+    size = program.workgroup_size
+    rows = slice(own * size, (own + 1) * size)
     watches = [_Filling(value, id_, rows) for value in _VALUES]
     for watch in watches:
         _run(program, some, watch)
@@ -228,11 +228,11 @@ class _Divergent:
     quads: Array
     found: dict[Place, tuple[int, Instruction, bool]] = field(default_factory=dict)
 
-    def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         sampled = at.op in _SAMPLES
         if not sampled and at.op not in _DERIVATIVES:
             return result
-        here = world.mask
+        here = state.mask
         if here.all():
             return result
         count = int(self.quads.max()) + 1
@@ -329,25 +329,25 @@ class _Accesses:
         found: by kind and line, the workgroup, and what happens in words.
     """
 
-    lanes: int
+    workgroup_size: int
     found: dict[tuple[str, int], tuple[int, str]] = field(default_factory=dict)
     wrote: dict[int, Array] = field(default_factory=dict)
     read: dict[int, Array] = field(default_factory=dict)
     values: dict[int, Array] = field(default_factory=dict)
 
-    def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
-        if at.op == BARRIER:
-            self._barrier(at, world)
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
+        if at.op == Op.ControlBarrier:
+            self._barrier(at, state)
         elif at.op in (Op.Load, Op.Store):
             pointer = run.value(at.operands[0])
             if isinstance(pointer, Pointer):
                 type_, storage = run.program.variables[pointer.variable]
                 if storage == StorageClass.Workgroup:
-                    self._access(run, at, world, pointer, type_)
+                    self._access(run, at, state, pointer, type_)
         return result
 
-    def _barrier(self, at: Instruction, world: World) -> None:
-        here = world.mask.reshape(-1, self.lanes)
+    def _barrier(self, at: Instruction, state: PathState) -> None:
+        here = state.mask.reshape(-1, self.workgroup_size)
         split = here.any(axis=1) & ~here.all(axis=1)
         if split.any():
             words = "not all invocations of the workgroup come here"
@@ -357,44 +357,44 @@ class _Accesses:
                 accesses[here.any(axis=1)] = _NOBODY
 
     def _access(
-        self, run: Run, at: Instruction, world: World, pointer: Pointer, type_: Type
+        self, run: Run, at: Instruction, state: PathState, pointer: Pointer, type_: Type
     ) -> None:
         element, size, inside = _element(pointer, type_, run.count)
-        groups, lanes = np.divmod(np.arange(run.count), self.lanes)
+        groups, members = np.divmod(np.arange(run.count), self.workgroup_size)
         wrote, read = (
             table.setdefault(pointer.variable, np.full((groups[-1] + 1, size), _NOBODY))
             for table in (self.wrote, self.read)
         )
-        rows = np.flatnonzero(world.mask & inside)
+        rows = np.flatnonzero(state.mask & inside)
         place = (groups[rows], element[rows])
         name = run.program.name(pointer.variable)
         if at.op == Op.Load:
-            other = (wrote[place] != _NOBODY) & (wrote[place] != lanes[rows])
+            other = (wrote[place] != _NOBODY) & (wrote[place] != members[rows])
             words = f"{name} is read that another invocation wrote without a barrier between"
             self._note(at, groups[rows], other, words)
-            _mark(read, place, lanes[rows])
+            _mark(read, place, members[rows])
             return
-        before = (read[place] != _NOBODY) & (read[place] != lanes[rows])
+        before = (read[place] != _NOBODY) & (read[place] != members[rows])
         words = f"{name} is written that another invocation reads without a barrier between"
         self._note(at, groups[rows], before, words)
         # What the store left behind is the last invocation's value; others' are lost.
         value = _numbers(run.value(at.operands[1]), run.count)[rows]
-        kept = _numbers(fetch(run.shared[pointer.variable], pointer.path, world.mask), run.count)
+        kept = _numbers(fetch(run.shared[pointer.variable], pointer.path, state.mask), run.count)
         lost = (value != kept[rows]).any(axis=1)
         words = f"several invocations write to the same element of {name}"
         self._note(at, groups[rows], lost, words)
-        _mark(wrote, place, lanes[rows])
+        _mark(wrote, place, members[rows])
 
     def _note(self, at: Instruction, groups: Array, flags: Flags, words: str) -> None:
         if flags.any():
             self.found.setdefault((RACE, at.line), (int(groups[flags.argmax()]), words))
 
 
-def _mark(table: Array, place: tuple[Array, Array], lanes: Array) -> None:
+def _mark(table: Array, place: tuple[Array, Array], members: Array) -> None:
     """Note who came to each element of each workgroup."""
     before = table[place]
-    table[place] = lanes
-    alone = ((before == _NOBODY) | (before == lanes)) & (table[place] == lanes)
+    table[place] = members
+    alone = ((before == _NOBODY) | (before == members)) & (table[place] == members)
     table[place[0][~alone], place[1][~alone]] = _SEVERAL
 
 
@@ -423,10 +423,9 @@ def between_invocations(
 ) -> Iterator[Hazard]:
     """Races for shared variables, barriers that not all come to, and more vertices than a geometry
     stage declares."""
-    lanes = program.lanes
-    if lanes > 1:
+    if program.workgroup_size > 1:
         given = given.part(np.arange(min(given.count, _MOST)))
-        watch = _Accesses(lanes)
+        watch = _Accesses(program.workgroup_size)
         run_watched(program, given, watch)
         for (kind, line), (row, words) in watch.found.items():
             yield _hazard(program, kind, line, words, example(given, row, inputs))

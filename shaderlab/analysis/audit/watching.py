@@ -19,7 +19,7 @@ from ..inputs import Given
 from ..interpreter import FLOAT32, Arithmetic, Interpreted, Program, interpret
 from ..interpreter.program import Instruction
 from ..interpreter.running import Run, Watch
-from ..interpreter.values import Flags, Pointer, World, numbered, places_in
+from ..interpreter.values import Flags, PathState, Pointer, local_ids, number_invocations
 
 _ACCESS = (Op.AccessChain, Op.InBoundsAccessChain)
 # Which operand the index is.
@@ -63,12 +63,12 @@ class Watcher:
         found: what may go wrong, by place.
     """
 
-    def __init__(self, count: int, lanes: int = 1) -> None:
+    def __init__(self, count: int, workgroup_size: int = 1) -> None:
         self.count = count
-        self.lanes = lanes
+        self.workgroup_size = workgroup_size
         self.found: dict[Place, Watched] = {}
 
-    def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         checks = CHECKS.get(number_of(at.op, at.operands), ())
         if at.op in _WRAPPING and isinstance(result, Integer) and result.unsigned:
             checks = ()  # hashes wrap around on purpose
@@ -77,25 +77,25 @@ class Watcher:
             if all(v is not None for v in values):
                 known = np.zeros(1, np.bool_)
                 for check in checks:
-                    known = known | self._look(run, at, world, check, values)
-                self._overflow(run, at, world, values, result, known)
+                    known = known | self._look(run, at, state, check, values)
+                self._overflow(run, at, state, values, result, known)
         elif at.op in _ACCESS or at.op in _DYNAMIC:
             for index, size in indices_of(run, at):
-                self._look(run, at, world, INDEX, [index, np.full((1, 1), float(size))])
+                self._look(run, at, state, INDEX, [index, np.full((1, 1), float(size))])
         return result
 
     def _look(
-        self, run: Run, at: Instruction, world: World, check: Check, values: list[Any]
+        self, run: Run, at: Instruction, state: PathState, check: Check, values: list[Any]
     ) -> Flags:
         with np.errstate(all="ignore"):
             margin = np.asarray(check.margin(*values), np.float64)
-        return self._note(run, at, world, check, values, margin)
+        return self._note(run, at, state, check, values, margin)
 
     def _overflow(
         self,
         run: Run,
         at: Instruction,
-        world: World,
+        state: PathState,
         values: list[Any],
         result: Any,
         known_bad: Flags,
@@ -113,20 +113,20 @@ class Watcher:
                 known = known & np.isfinite(_rows(operand)).all(axis=1, keepdims=True)
             worst = np.where(known, np.where(np.isfinite(peak), peak, np.nan), 0.0)
             margin = np.where(np.isnan(worst), -2.0, np.asarray(OVERFLOW.margin(worst)))
-        self._note(run, at, world, OVERFLOW, [peak], margin)
+        self._note(run, at, state, OVERFLOW, [peak], margin)
 
     def _note(
         self,
         run: Run,
         at: Instruction,
-        world: World,
+        state: PathState,
         check: Check,
         values: list[Any],
         margin: Array,
     ) -> Flags:
         """Note the margin where it is less than before; the invocations that go wrong."""
         place = Place(at.id, tuple(run.calls), check.kind)
-        here = world.mask[:, None]
+        here = state.mask[:, None]
         with np.errstate(all="ignore"):
             bad = np.asarray(check.bad(margin)) & ~np.isnan(margin)
         size = np.where(np.isnan(margin), np.inf, np.abs(margin))
@@ -135,11 +135,11 @@ class Watcher:
         least = (
             np.take_along_axis(own, nearest, -1) if check.crosses else own.min(-1, keepdims=True)
         )
-        least = np.where(here, least, np.inf)[:, 0].reshape(-1, self.lanes)
+        least = np.where(here, least, np.inf)[:, 0].reshape(-1, self.workgroup_size)
         closest = np.abs(least).argmin(axis=1) if check.crosses else least.argmin(axis=1)
         least = least[np.arange(self.count), closest]
         flags: Flags = np.asarray((here & bad).any(axis=-1))
-        groups = flags.reshape(-1, self.lanes)
+        groups = flags.reshape(-1, self.workgroup_size)
         fails = groups.any(axis=1)
         lane = np.where(fails, groups.argmax(axis=1), closest)
         known = self.found.get(place)
@@ -152,7 +152,7 @@ class Watcher:
         if check.crosses and not fails.any():
             rows = [row for row in (int(np.abs(least).argmin()),) if row not in known.operands]
         for row in rows:
-            one = row * self.lanes + int(lane[row])
+            one = row * self.workgroup_size + int(lane[row])
             known.operands[row] = _component(values, margin, bad, one)
         known.bad = known.bad | fails
         return flags
@@ -166,27 +166,27 @@ def run_watched(
 ) -> Interpreted:
     """Run a program on some invocations; on whole workgroups where those share variables or wait:
     an output then holds what all of one gave, and is as wide. Raises as `interpret` does."""
-    lanes, count = program.lanes, given.count
-    each = given.each if lanes == 1 else _with_lanes(program, given, lanes)
+    size, count = program.workgroup_size, given.count
+    each = given.each if size == 1 else _each_of_workgroups(program, given)
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         found = interpret(
             program, each, given.bindings, arithmetic,
-            count=count * lanes, lanes=lanes, watch=watch, unwritten=True,
+            count=count * size, workgroup_size=size, watch=watch, unwritten=True,
         )  # fmt: skip
-    if lanes == 1:
+    if size == 1:
         return found
     outputs = {name: v.reshape(count, -1) for name, v in flattened(found.outputs)}
     return replace(found, outputs=outputs, discarded=Truth.known(np.zeros(count, np.bool_)))
 
 
-def _with_lanes(program: Program, given: Given, lanes: int) -> dict[str, Array]:
+def _each_of_workgroups(program: Program, given: Given) -> dict[str, Array]:
     """What each invocation of workgroups gets."""
-    each = {n: v if len(v) == 1 else np.repeat(v, lanes, axis=0) for n, v in given.each.items()}
+    size, shape = program.workgroup_size, program.local_size
+    each = {n: v if len(v) == 1 else np.repeat(v, size, axis=0) for n, v in given.each.items()}
     groups = given.each.get("gl_WorkGroupID", np.zeros((given.count, 3), np.int64))
-    size = program.workgroup
-    local = np.tile(places_in(size), (given.count, 1))
-    return each | numbered(size, np.repeat(groups, lanes, axis=0), local)
+    local = np.tile(local_ids(shape), (given.count, 1))
+    return each | number_invocations(shape, np.repeat(groups, size, axis=0), local)
 
 
 def _component(values: list[Any], margin: Array, bad: Flags, row: int) -> tuple[float, ...]:

@@ -19,4 +19,4 @@ from .arithmetic import (
 )
 from .interpret import Interpreted as Interpreted, interpret as interpret
 from .program import Program as Program, load as load, read as read
-from .stored import Stored as Stored
+from .running import Stored as Stored

@@ -14,15 +14,14 @@ import numpy as np
 
 from shaderlab.bands import Integer, Truth
 from shaderlab.compiler.reflection import leaves
-from shaderlab.compiler.spirv import Decoration, StorageClass, unwrap
+from shaderlab.compiler.spirv import Decoration, Op, StorageClass, unwrap
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array, Bindings
 
 from .arithmetic import Arithmetic
-from .program import BARRIER, INPUTS, Program, Type
-from .running import BLOCKS, TURNS, Run, Watch
-from .stored import Trace
-from .values import Flags, Missing, Value, World, broadcast, component, undefined
+from .program import INPUTS, Program, Type
+from .running import MAX_BLOCKS, MAX_LOOP_ITERATIONS, Run, Trace, Watch
+from .values import Flags, Missing, PathState, Value, broadcast, component, undefined
 
 
 def memory_of(
@@ -32,11 +31,11 @@ def memory_of(
 
     What nothing is given for is `Missing`, which only reading makes an error.
     """
-    giver = _Giver(each, bindings, arithmetic)
+    reader = _InputReader(each, bindings, arithmetic)
     memory: dict[int, Value] = {}
     for id_, (type_, storage) in program.variables.items():
         if storage in INPUTS:
-            memory[id_] = giver.value(type_, called(program, id_))
+            memory[id_] = reader.value(type_, interface_name(program, id_))
     return memory
 
 
@@ -55,7 +54,7 @@ def outputs_of(program: Program, memory: Mapping[int, Value], count: int) -> dic
     for id_, (pointee, storage) in program.module.variables.items():
         if storage != StorageClass.Output or memory.get(id_) is None:
             continue
-        for leaf in leaves(program.module, pointee, called(program, id_)):
+        for leaf in leaves(program.module, pointee, interface_name(program, id_)):
             value = memory[id_]
             for index in leaf.path:
                 value = None if value is None else component(value, index)
@@ -71,7 +70,7 @@ def buffers_of(program: Program, memory: Mapping[int, Value], count: int) -> dic
     for id_, (pointee, storage) in program.module.variables.items():
         if is_buffer(program, id_) and storage in INPUTS:
             value, type_ = memory[id_], program.types[pointee]
-            name = called(program, id_)
+            name = interface_name(program, id_)
             for (member, _), part in zip(type_.members, value, strict=True):
                 if not _is_missing(part):
                     found[f"{name}.{member}" if name else member] = broadcast(part, count)
@@ -91,7 +90,7 @@ def _is_missing(value: Value) -> bool:
     return isinstance(value, Missing)
 
 
-def called(program: Program, id_: int) -> str:
+def interface_name(program: Program, id_: int) -> str:
     """What a variable's parts are called by: a block's own name, which counts only where it has
     an instance name; else the variable's."""
     module = program.module
@@ -106,7 +105,7 @@ def called(program: Program, id_: int) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class _Giver:
+class _InputReader:
     """Finds values by name and turns them into an arithmetic's."""
 
     _each: Mapping[str, Array]
@@ -187,9 +186,9 @@ def interpret(
     *,
     count: int | None = None,
     places: Array | None = None,
-    lanes: int = 1,
-    turns: int = TURNS,
-    blocks: int = BLOCKS,
+    workgroup_size: int = 1,
+    max_loop_iterations: int = MAX_LOOP_ITERATIONS,
+    max_blocks: int = MAX_BLOCKS,
     trace: Trace | None = None,
     flow: Trace | None = None,
     watch: Watch | None = None,
@@ -207,9 +206,9 @@ def interpret(
         arithmetic: `FLOAT32` by default.
         count: the number of invocations; by default that of the rows of `each`, or 1.
         places: where each invocation's pixel is, (count, 2 or more); by default its gl_FragCoord.
-        lanes: how many invocations after each other are one workgroup, which share variables.
-        turns: how often a loop may turn each time that it is entered.
-        blocks: how many blocks may be run in all.
+        workgroup_size: how many invocations in a row are one workgroup and share variables.
+        max_loop_iterations: of a loop, each time that it is entered.
+        max_blocks: how many blocks may be run in all.
         trace: is called with each value that a variable, or a part of one, is given.
         flow: is called with each argument of a function, and with what each branch is taken by.
         watch: is called after each instruction, and may change its result.
@@ -228,12 +227,14 @@ def interpret(
     for name, values in each.items():
         if len(values) not in (1, count):
             raise FormulaError(f"{name!r} has {len(values)} rows, others {count}")
-    if lanes != program.lanes:
-        raise program.not_interpreted("what a workgroup shares", program.line_of(BARRIER))
+    if workgroup_size != program.workgroup_size:
+        line = program.line_of(Op.ControlBarrier)
+        raise program.not_interpreted("what a workgroup shares", line)
     places = each.get("gl_FragCoord") if places is None else places
     run = Run(
         program, arithmetic, count,
-        places=places, lanes=lanes, turns=turns, blocks=blocks,
+        places=places, workgroup_size=workgroup_size,
+        max_loop_iterations=max_loop_iterations, max_blocks=max_blocks,
         trace=trace, flow=flow, watch=watch,
     )  # fmt: skip
     with np.errstate(all="ignore"):  # what is no number is a result like any other
@@ -243,7 +244,7 @@ def interpret(
         for id_, constant in program.module.initialisers.items():
             if isinstance(memory.get(id_), Missing | None):
                 memory[id_] = run.value(constant)
-        end = run.call(program.main, World(np.ones(count, np.bool_), memory))
+        end = run.call(program.main, PathState(np.ones(count, np.bool_), memory))
     survivors = np.zeros(count, np.bool_) if end is None else end.mask
     return Interpreted(
         outputs={} if end is None else _outputs(run, end.memory),

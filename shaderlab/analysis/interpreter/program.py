@@ -82,7 +82,7 @@ class Types(Mapping[int, Type]):
 
     def __getitem__(self, id_: int) -> Type:
         if id_ not in self._known:
-            self._known[id_] = self._made(id_)
+            self._known[id_] = self._make(id_)
         return self._known[id_]
 
     def __iter__(self) -> Iterator[int]:
@@ -91,7 +91,7 @@ class Types(Mapping[int, Type]):
     def __len__(self) -> int:
         return len(self._module.types)
 
-    def _made(self, id_: int) -> Type:
+    def _make(self, id_: int) -> Type:
         if id_ in self._module.pointers:
             return Type("pointer")
         declared = self._module.types[id_]
@@ -154,8 +154,6 @@ _MAKERS: Mapping[int, _Maker] = {
 }
 
 
-_PARAMETER, _FUNCTION_END, _LABEL, _NO_LINE = 55, 56, 248, 317
-BARRIER = 224
 INPUTS = (
     StorageClass.Input,
     StorageClass.UniformConstant,
@@ -234,17 +232,17 @@ class Program:
         }
 
     @functools.cached_property
-    def workgroup(self) -> tuple[int, int, int]:
+    def local_size(self) -> tuple[int, int, int]:
         """A compute stage's workgroup in x, y and z; one invocation of other stages."""
         x, y, z = (*self.module.modes.get(ExecutionMode.LocalSize, ()), 1, 1, 1)[:3]
         return x, y, z
 
     @functools.cached_property
-    def lanes(self) -> int:
+    def workgroup_size(self) -> int:
         """How many invocations are to be run together: a workgroup where it shares variables or
         waits, else one."""
         shares = any(storage == StorageClass.Workgroup for _, storage in self.variables.values())
-        return math.prod(self.workgroup) if shares or self.line_of(BARRIER) else 1
+        return math.prod(self.local_size) if shares or self.line_of(Op.ControlBarrier) else 1
 
     def line_of(self, op: int) -> int:
         """The first line that has an instruction of this opcode, 0 if none does."""
@@ -302,12 +300,12 @@ def read(data: bytes, source: Source | None = None) -> Program:
             line = words[1]
         elif op == Op.Function:
             function = program.functions[words[1]] = Function(words[1], words[0])
-        elif op == _PARAMETER:
+        elif op == Op.FunctionParameter:
             function.parameters[words[1]] = words[0]
-        elif op == _LABEL:
+        elif op == Op.Label:
             block = function.blocks[words[0]] = []
-        elif op not in (_FUNCTION_END, _NO_LINE):
-            instruction = _decoded(module, raw, line)
+        elif op not in (Op.FunctionEnd, Op.NoLine):
+            instruction = _decode(module, raw, line)
             block.append(instruction)
             if op == Op.Variable:
                 pointee, storage = module.pointers[words[0]]
@@ -316,7 +314,7 @@ def read(data: bytes, source: Source | None = None) -> Program:
     return program
 
 
-def _decoded(module: Module, raw: Raw, line: int) -> Instruction:
+def _decode(module: Module, raw: Raw, line: int) -> Instruction:
     # A type's id is never an operand in the first place, so it tells what has a result.
     words = raw.words
     if words and (words[0] in module.types or words[0] in module.pointers):

@@ -1,35 +1,33 @@
-"""A module's constants as values."""
+"""One run of a program: its constants, its functions block by block, and what it stores."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
 
 from shaderlab.bands import Band, Integer, Truth
-from shaderlab.bands.truth import as_truth
+from shaderlab.bands.rounding import ulp
 from shaderlab.compiler.spirv import Op, StorageClass
-from shaderlab.errors import FormulaError, NotInterpretedError
+from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
 
 from .arithmetic import Arithmetic
-from .instructions import HANDLERS, NAMES
-from .instructions.arithmetic import Handler
+from .flow import HANDLERS, Leaving, Steps, steps_of
 from .program import Function, Instruction, Kind, Program, Type
-from .stored import Stored, Trace
 from .values import (
     Flags,
     Missing,
     NotGivenError,
+    PathState,
     Pointer,
     UnchoosableError,
     Value,
-    World,
     broadcast,
     component,
-    composed,
+    compose,
     fetch,
     join,
     null,
@@ -38,8 +36,90 @@ from .values import (
     undefined,
 )
 
-_TRUE, _FALSE = (41, 48), (42, 49)
-_SCALAR, _COMPOSITE, _NULL, _OPERATION = (43, 50), (44, 51), 46, 52
+_FLOW = (Op.FunctionCall, Op.BranchConditional, Op.Switch)
+
+
+@dataclass(frozen=True, eq=False)
+class Stored:
+    """One value stored by one path through a program, or one that its flow depends on.
+
+    Attributes:
+        at: the instruction. Of an argument that is the call, of a condition the branch.
+        name: the variable, or the part of it, as GLSL writes it; "f()" is the result of f, "f(x)"
+            what f is passed as x, "condition" what a branch goes by, "selector" a switch.
+        type: the value's type.
+        value: floats of the arithmetic, an `Integer`, a `Truth`, or a tuple of such, with one row
+            or as many as there are invocations.
+        mask: the invocations that were here; the value means nothing to others.
+        calls: the lines of the calls that led here, the outermost first.
+        reads: what was loaded, and what functions gave, since the value that was stored before.
+    """
+
+    at: Instruction
+    name: str
+    type: Type
+    value: Any
+    mask: Flags
+    calls: tuple[int, ...]
+    reads: tuple[Any, ...]
+
+    @property
+    def line(self) -> int:
+        """The line of the program's text, counted from 1; see `Program.place`."""
+        return self.at.line
+
+    @property
+    def is_flow(self) -> bool:
+        """Whether it is an argument or a condition."""
+        return self.at.op in _FLOW
+
+
+Trace = Callable[[Stored], object]
+
+
+def is_vector(value: Any) -> bool:
+    """Whether a value is a band of scalars or of vectors."""
+    return isinstance(value, Band) and value.ndim == 2
+
+
+def row_of(values: Any, row: int) -> Any:
+    """One row of what has a row for each invocation, or one for all."""
+    array = np.asarray(values, np.float64)
+    return array[row if len(array) > 1 else 0]
+
+
+def width(band: Band, row: int, scale: float = 0.0) -> float:
+    """A band's width in ULP of its larger bound, or of `scale` where it holds 0 and that is larger;
+    in the component where that is most."""
+    low, high = row_of(band.lo, row), row_of(band.hi, row)
+    with np.errstate(all="ignore"):
+        size = np.maximum(np.abs(low), np.abs(high))
+        unit = ulp(np.where((low <= 0.0) & (high >= 0.0), np.maximum(size, scale), size))
+        found = np.where(high == low, 0.0, (high - low) / unit)
+    return float(np.nan_to_num(found, nan=np.inf).max())
+
+
+def precision_loss(event: Stored, row: int) -> float:
+    """How many ULP wider the band is that one invocation stores than the widest that it read."""
+    reads = [value for value in event.reads if is_vector(value)]
+    # 1 - x that may be 0 has no size of its own: what it is made of has.
+    scale = max((_size(value, row) for value in reads), default=0.0)
+    own = width(event.value, row)
+    if not np.isfinite(own):
+        return own
+    before = max((width(value, row) for value in reads), default=0.0)
+    return max(width(event.value, row, scale) - before, 0.0)
+
+
+def _size(band: Band, row: int) -> float:
+    """The largest absolute value that a band allows."""
+    return float(np.maximum(np.abs(row_of(band.lo, row)), np.abs(row_of(band.hi, row))).max())
+
+
+_TRUE = (Op.ConstantTrue, Op.SpecConstantTrue)
+_FALSE = (Op.ConstantFalse, Op.SpecConstantFalse)
+_SCALAR = (Op.Constant, Op.SpecConstant)
+_COMPOSITE = (Op.ConstantComposite, Op.SpecConstantComposite)
 
 
 def value(run: Run, id_: int) -> Value:
@@ -59,188 +139,16 @@ def value(run: Run, id_: int) -> Value:
         number = word.view(np.int32) if type_.signed else word
         return Integer(number, unsigned=not type_.signed, rules=run.arithmetic.rules)
     if op in _COMPOSITE:
-        return composed(type_, run.values(words[2:]))
-    if op == _NULL:
+        return compose(type_, run.values(words[2:]))
+    if op == Op.ConstantNull:
         return null(type_, run.arithmetic)
     if op == Op.Undef:
         return undefined(type_, run.arithmetic)
-    handler = HANDLERS.get(words[2]) if op == _OPERATION else None
+    handler = HANDLERS.get(words[2]) if op == Op.SpecConstantOp else None
     if handler is None:
         raise program.not_interpreted(f"a constant of SPIR-V's opcode {op}", 0)
-    everywhere = World(np.ones(run.count, np.bool_), {})
+    everywhere = PathState(np.ones(run.count, np.bool_), {})
     return handler(run, Instruction(words[2], words[0], id_, words[3:], 0), everywhere)
-
-
-_PHI = 245
-Leaving = list[tuple[int | None, World]]
-"""Worlds, each with the label of the block that it goes to; None for one that returns."""
-
-
-def _branch(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
-    return [_to(run, function, label, at.operands[0], world)]
-
-
-def _conditional(
-    run: Run, function: Function, label: int, at: Instruction, world: World
-) -> Leaving:
-    condition, then, otherwise = at.operands[:3]
-    truth = as_truth(run.value(condition))
-    run.branched(at, truth, world)
-    if truth.all_true.size == 1 and run.count:  # all go the same way, as loops mostly do
-        for target, is_sure in ((then, truth.all_true), (otherwise, truth.all_false)):
-            if is_sure.item():
-                return [_to(run, function, label, target, world)]
-    yes, no = (
-        world.mask & ~np.broadcast_to(side[:, 0], world.mask.shape)
-        for side in (truth.all_false, truth.all_true)
-    )
-    leaving = _split(run, function, label, [(then, yes), (otherwise, no)], world)
-    if (both := yes & no).any():
-        run.note_undecided(at.line, both)
-        for (_, side), holds in zip(leaving, (True, False), strict=True):
-            narrow(run, condition, holds, side)
-    return leaving
-
-
-def _switch(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
-    selector, default = run.value(at.operands[0]), at.operands[1]
-    run.branched(at, selector, world)
-    bits = np.dtype(np.uint32 if selector.unsigned else np.int32)
-    going: dict[int, Any] = {}
-    elsewhere = world.mask
-    for literal, target in zip(at.operands[2::2], at.operands[3::2], strict=True):
-        same = as_truth(selector == int(np.uint32(literal).astype(bits)))
-        may, sure = (
-            np.broadcast_to(side[:, 0], world.mask.shape)
-            for side in (~same.all_false, same.all_true)
-        )
-        going[target] = going.get(target, False) | (world.mask & may)
-        elsewhere = elsewhere & ~sure
-    going[default] = going.get(default, False) | elsewhere
-    several = np.sum([flags for flags in going.values()], axis=0) > 1
-    if several.any():
-        run.note_undecided(at.line, several)
-    return _split(run, function, label, list(going.items()), world)
-
-
-def _split(
-    run: Run, function: Function, label: int, sides: list[tuple[int, Flags]], world: World
-) -> Leaving:
-    taken = [(target, mask) for target, mask in sides if mask.any()]
-    if len(taken) == 1:
-        return [_to(run, function, label, taken[0][0], world)]
-    return [_to(run, function, label, target, world.split(mask)) for target, mask in taken]
-
-
-def _to(run: Run, function: Function, label: int, target: int, world: World) -> tuple[int, World]:
-    """The world on its way to a block, whose phis take the values of the block that it leaves."""
-    for phi in function.blocks[target]:
-        if phi.op != _PHI:
-            break
-        pairs = zip(phi.operands[::2], phi.operands[1::2], strict=True)
-        world.memory[phi.id] = run.value(next(value for value, of in pairs if of == label))
-    return target, world
-
-
-def _return(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
-    return [(None, world)]
-
-
-def _return_value(
-    run: Run, function: Function, label: int, at: Instruction, world: World
-) -> Leaving:
-    value = run.value(at.operands[0])
-    if run.trace is not None:
-        name = run.program.name(function.id).partition("(")[0]
-        run.stored(at, f"{name}()", run.program.types[function.result], value, world)
-    world.memory[function.id] = value
-    return [(None, world)]
-
-
-def _kill(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
-    run.killed = run.killed | world.mask
-    return []
-
-
-def _unreachable(
-    run: Run, function: Function, label: int, at: Instruction, world: World
-) -> Leaving:
-    return []
-
-
-Branch = Callable[["Run", Function, int, Instruction, World], Leaving]
-"""Ends a block, in a run, of a function, with its label."""
-
-BRANCHES: Mapping[int, Branch] = {
-    Op.Branch: _branch,
-    Op.BranchConditional: _conditional,
-    Op.Switch: _switch,
-    Op.Kill: _kill,
-    Op.Return: _return,
-    Op.ReturnValue: _return_value,
-    Op.Unreachable: _unreachable,
-}
-
-
-_LESS = (Op.FOrdLessThan, Op.FOrdLessThanEqual)
-_GREATER = (Op.FOrdGreaterThan, Op.FOrdGreaterThanEqual)
-
-
-def narrow(run: Run, condition: int, holds: bool, world: World) -> None:
-    """Bound the variables of a world in which the condition of this id holds, or does not."""
-    at = run.program.definitions.get(condition)
-    if at is None:
-        return
-    if at.op == Op.LogicalNot:
-        narrow(run, at.operands[0], not holds, world)
-    elif at.op == (Op.LogicalAnd if holds else Op.LogicalOr):
-        for part in at.operands:
-            narrow(run, part, holds, world)
-    elif at.op in _LESS or at.op in _GREATER:
-        smaller, larger = at.operands if (at.op in _LESS) == holds else at.operands[::-1]
-        values = run.value(smaller), run.value(larger)
-        if all(isinstance(value, Band) for value in values):
-            (least, _), (_, most) = (value.settled() for value in values)
-            _bound(run, smaller, world, -np.inf, most)
-            _bound(run, larger, world, least, np.inf)
-
-
-def _bound(run: Run, operand: int, world: World, low: Any, high: Any) -> None:
-    """Bound the variable that an operand was loaded from, if it still holds that value."""
-    at: Instruction | None = run.program.definitions.get(operand)
-    pointer = run.value(at.operands[0]) if at is not None and at.op == Op.Load else None
-    if not isinstance(pointer, Pointer) or pointer.path:
-        return
-    band: Band = run.value(operand)
-    if world.memory.get(pointer.variable) is not band:
-        return
-    lo, hi = np.maximum(band.lo, low), np.minimum(band.hi, high)
-    crossed = lo > hi  # of other invocations
-    lo, hi = np.where(crossed, band.lo, lo), np.where(crossed, band.hi, hi)
-    world.memory[pointer.variable] = Band(lo, hi, band.rules, band.flags, band.terms)
-
-
-Steps = tuple[list[tuple[Handler, Instruction, bool]], Branch, Instruction]
-"""A block's instructions, each with its handler and whether it is a call; and how it ends."""
-
-
-def steps_of(block: list[Instruction]) -> Steps:
-    """A block as it is run. What has no handler is refused where it is reached.
-
-    Raises:
-        NotInterpretedError: no branch ends it.
-    """
-    steps: list[tuple[Handler, Instruction, bool]] = []
-    for at in block:
-        if at.op in BRANCHES:
-            return steps, BRANCHES[at.op], at
-        steps.append((HANDLERS.get(at.op, _unknown), at, at.op == Op.FunctionCall))
-    raise NotInterpretedError("not interpreted: a block without an end")
-
-
-def _unknown(run: Run, at: Instruction, world: World) -> Value:
-    name = NAMES.get(at.op, f"SPIR-V's opcode {at.op}")
-    raise run.program.not_interpreted(name, at.line)
 
 
 class Emission:
@@ -258,13 +166,13 @@ class Emission:
         self.emitted = np.zeros(count, np.int64)
         self.strips = np.zeros(count, np.int64)
 
-    def emit(self, run: Run, at: Instruction, world: World) -> None:
+    def emit(self, run: Run, at: Instruction, state: PathState) -> None:
         """Keep what the outputs hold, which are undefined from here on."""
-        if any((flags & world.mask).any() for flags in run.undecided.values()):
+        if any((flags & state.mask).any() for flags in run.undecided.values()):
             raise run.program.not_interpreted("EmitVertex behind an open branch", at.line)
-        held = dict(_outputs(run, world))
-        for number in np.unique(self.emitted[world.mask]):
-            here = world.mask & (self.emitted == number)
+        held = dict(_outputs(run, state))
+        for number in np.unique(self.emitted[state.mask]):
+            here = state.mask & (self.emitted == number)
             if number == len(self.vertices):
                 self.vertices.append(held)
                 self.strip_of.append(self.strips)
@@ -272,14 +180,14 @@ class Emission:
             before, own = self.vertices[number], Truth.known(here[:, None])
             self.vertices[number] = {id_: select(own, held[id_], before[id_]) for id_ in held}
             self.strip_of[number] = np.where(here, self.strips, self.strip_of[number])
-        self.emitted = self.emitted + world.mask
+        self.emitted = self.emitted + state.mask
         for id_ in held:
             type_, _ = run.program.variables[id_]
-            world.memory[id_] = undefined(type_, run.arithmetic)
+            state.memory[id_] = undefined(type_, run.arithmetic)
 
-    def end(self, world: World) -> None:
+    def end(self, state: PathState) -> None:
         """Begin another strip."""
-        self.strips = self.strips + world.mask
+        self.strips = self.strips + state.mask
 
     def memories(self, run: Run) -> Iterator[dict[int, Value]]:
         """What each vertex' outputs hold by id, 0 of the invocations that emitted fewer."""
@@ -301,10 +209,10 @@ class Emission:
         }
 
 
-def _outputs(run: Run, world: World) -> Iterator[tuple[int, Value]]:
+def _outputs(run: Run, state: PathState) -> Iterator[tuple[int, Value]]:
     for id_, (type_, storage) in run.program.variables.items():
         if storage == StorageClass.Output:
-            value = world.memory.get(id_)
+            value = state.memory.get(id_)
             yield id_, undefined(type_, run.arithmetic) if value is None else value
 
 
@@ -312,15 +220,15 @@ def _nothing(run: Run, id_: int) -> Value:
     return null(run.program.variables[id_][0], run.arithmetic)
 
 
-TURNS = 4096
-"""How often a loop may turn each time that it is entered, unless a caller says otherwise."""
-BLOCKS = 200_000
+MAX_LOOP_ITERATIONS = 4096
+"""Of a loop each time that it is entered, unless a caller says otherwise."""
+MAX_BLOCKS = 200_000
 """How many blocks a program may run, likewise."""
-_MOST_WORLDS = 8  # that wait at one block before they are joined
+_MAX_STATES = 8  # that wait at one block before they are joined
 _MOST_PARTS = 256  # parts of values that are remembered
 
 
-Watch = Callable[["Run", Instruction, World, Value], Value]
+Watch = Callable[["Run", Instruction, PathState, Value], Value]
 """Is told of each instruction that was run, the last of a block left out, and of its result; gives
 the result that counts."""
 
@@ -332,8 +240,8 @@ class Run:
     Attributes:
         program, arithmetic, count: what is run, in what, for how many invocations.
         places: gl_FragCoord of each invocation, if it is given.
-        lanes: how many invocations share variables, those of a workgroup one after the other.
-        turns, blocks, trace, flow, watch: as of `interpret`.
+        workgroup_size: how many invocations in a row share variables.
+        max_loop_iterations, max_blocks, trace, flow, watch: as of `interpret`.
         shared: what variables of workgroups hold by id, on whatever path an invocation is.
         emission: the vertices that a geometry stage emitted.
         results: each instruction's result by id, as of its last execution, and each constant.
@@ -347,9 +255,9 @@ class Run:
     count: int
     _: KW_ONLY
     places: Array | None = None
-    lanes: int = 1
-    turns: int = TURNS
-    blocks: int = BLOCKS
+    workgroup_size: int = 1
+    max_loop_iterations: int = MAX_LOOP_ITERATIONS
+    max_blocks: int = MAX_BLOCKS
     trace: Trace | None = None
     flow: Trace | None = None
     watch: Watch | None = None
@@ -366,7 +274,7 @@ class Run:
         self._reads: list[Value] = []
         self._steps: dict[int, Steps] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
-        self._repeated: dict[int, tuple[list[int], list[Value], Value]] = {}
+        self._calls_known: dict[int, tuple[list[int], list[Value], Value]] = {}
 
     def value(self, id_: int) -> Value:
         """What an operand's id stands for."""
@@ -387,9 +295,9 @@ class Run:
         square."""
         if isinstance(value, tuple):
             return value[index]
-        return self.remembered(value, index, lambda: component(value, index))
+        return self.cache_part(value, index, lambda: component(value, index))
 
-    def remembered(self, value: Value, how: Any, make: Callable[[], Value]) -> Value:
+    def cache_part(self, value: Value, how: Any, make: Callable[[], Value]) -> Value:
         """What `make` gives, or gave for this very value before."""
         key = (id(value), how)
         known = self._parts.get(key)
@@ -399,16 +307,20 @@ class Run:
             known = self._parts[key] = (value, make())  # kept, or its id might be another's
         return known[1]
 
-    def repeated(self, at: Instruction, function: str) -> Value:
+    def call_once(self, at: Instruction, function: str) -> Value:
         """A function of an instruction's operands; what it gave, if it is run again for the very
         same values, as what does not change in a loop is. For numbers alone: of a band, the same
         object would mean that a device rounds alike each time."""
         values = self.values(at.operands)
         key = [*map(id, values)]
-        known = self._repeated.get(at.id)
+        known = self._calls_known.get(at.id)
         if known is None or known[0] != key:
             found = self.arithmetic.call(function, *values)
-            known = self._repeated[at.id] = key, values, found  # kept, or an id might be another's
+            known = self._calls_known[at.id] = (
+                key,
+                values,
+                found,
+            )  # kept, or an id might be another's
         return known[2]
 
     def note_unit(self, value: Value, unit: float) -> None:
@@ -417,20 +329,22 @@ class Run:
             self.units.clear()
         self.units[id(value)] = value, unit
 
-    def stored(self, at: Instruction, name: str, type_: Type, value: Value, world: World) -> None:
+    def trace_stored(
+        self, at: Instruction, name: str, type_: Type, value: Value, state: PathState
+    ) -> None:
         """Tell the trace of a value that was stored; "param" is what glslang calls an argument."""
         if self.trace is not None and name not in ("", "param"):
-            self.trace(self._event(at, name, type_, value, world))
+            self.trace(self._event(at, name, type_, value, state))
             self._reads.clear()
 
-    def branched(self, at: Instruction, value: Value, world: World) -> None:
+    def trace_branch(self, at: Instruction, value: Value, state: PathState) -> None:
         """Tell who asked of what a branch is taken by."""
         if self.flow is not None:
             kind: Kind = "bool" if isinstance(value, Truth) else "int"
             name = "condition" if kind == "bool" else "selector"
-            self.flow(self._event(at, name, Type(kind), value, world))
+            self.flow(self._event(at, name, Type(kind), value, state))
 
-    def passed(self, at: Instruction, function: Function, world: World) -> None:
+    def trace_arguments(self, at: Instruction, function: Function, state: PathState) -> None:
         """Tell who asked of what a function is passed; it was not given anything for `out`."""
         if self.flow is None:
             return
@@ -440,16 +354,18 @@ class Run:
             type_ = self.program.types[of]
             if isinstance(value, Pointer):
                 type_ = part_type(self.program.variables[value.variable][0], value.path)
-                value = fetch(world.memory.get(value.variable), value.path, world.mask)
+                value = fetch(state.memory.get(value.variable), value.path, state.mask)
             if type_.kind != "image" and not isinstance(value, Missing | None):
                 name = f"{called}({self.program.name(id_)})"
-                self.flow(self._event(at, name, type_, value, world))
+                self.flow(self._event(at, name, type_, value, state))
 
-    def _event(self, at: Instruction, name: str, type_: Type, value: Value, world: World) -> Stored:
+    def _event(
+        self, at: Instruction, name: str, type_: Type, value: Value, state: PathState
+    ) -> Stored:
         calls, reads = tuple(self.calls), tuple(self._reads)
-        return Stored(at, name, type_, value, world.mask, calls, reads)
+        return Stored(at, name, type_, value, state.mask, calls, reads)
 
-    def loaded(self, value: Value) -> None:
+    def note_read(self, value: Value) -> None:
         """Note for the trace what the next value may be computed of."""
         if self.trace is not None:
             self._reads.append(value)
@@ -458,27 +374,27 @@ class Run:
         """Note that invocations took both sides of a branch."""
         self.undecided[line] = self.undecided.get(line, False) | invocations
 
-    def call(self, function: Function, world: World) -> World | None:
-        """Run a function; the world in which it returns, None if it returns nowhere."""
+    def call(self, function: Function, state: PathState) -> PathState | None:
+        """Run a function; the state in which it returns, None if it returns nowhere."""
         order = function.order
-        waiting = {next(iter(function.blocks)): [world]}
-        returned: list[World] = []
+        waiting = {next(iter(function.blocks)): [state]}
+        returned: list[PathState] = []
         visits: dict[int, int] = {}
         while waiting:
             label = min(waiting, key=order.__getitem__) if len(waiting) > 1 else next(iter(waiting))
             arrived = join(waiting.pop(label))
             self._count(visits, label, function.blocks[label][0].line)
-            for target, next_world in self._block(function, label, arrived):
+            for target, next_state in self._block(function, label, arrived):
                 if target is None:
-                    returned.append(next_world)
+                    returned.append(next_state)
                     continue
                 place = order[target]
                 if place <= order[label]:  # a loop turns, those inside of it begin anew
                     visits = {of: n for of, n in visits.items() if order[of] <= place}
-                worlds = waiting.setdefault(target, [])
-                worlds.append(next_world)
-                if len(worlds) > _MOST_WORLDS:
-                    waiting[target] = [join(worlds)]
+                states = waiting.setdefault(target, [])
+                states.append(next_state)
+                if len(states) > _MAX_STATES:
+                    waiting[target] = [join(states)]
         if not returned:
             return None
         end = join(returned)
@@ -490,16 +406,16 @@ class Run:
         """Count a block's run, and give up where there are too many."""
         visits[label] = visits.get(label, 0) + 1
         self._blocks += 1
-        if visits[label] > self.turns + 1:
-            what = f"a loop that goes on after {self.turns} turns"
-        elif self._blocks > self.blocks:
-            what = f"a program that goes on after {self.blocks} blocks"
+        if visits[label] > self.max_loop_iterations + 1:
+            what = f"a loop that goes on after {self.max_loop_iterations} iterations"
+        elif self._blocks > self.max_blocks:
+            what = f"a program that goes on after {self.max_blocks} blocks"
         else:
             return
         raise self.program.not_interpreted(what, line)
 
-    def _block(self, function: Function, label: int, world: World) -> Leaving:
-        """Run a block; the worlds that leave it, each with the block that it goes to, None for
+    def _block(self, function: Function, label: int, state: PathState) -> Leaving:
+        """Run a block; the states that leave it, each with the block that it goes to, None for
         one that returns."""
         if label not in self._steps:
             self._steps[label] = steps_of(function.blocks[label])
@@ -507,7 +423,7 @@ class Run:
         results, watch = self.results, self.watch
         for handler, at, is_call in steps:
             try:
-                result = handler(self, at, world)
+                result = handler(self, at, state)
             except UnchoosableError:
                 raise self.program.not_interpreted("a choice between samplers", at.line) from None
             except NotGivenError:
@@ -517,9 +433,9 @@ class Run:
             if type(result) is Missing:
                 raise NotGivenError.of(result)
             if watch is not None:
-                result = watch(self, at, world, result)
+                result = watch(self, at, state, result)
             if at.id:
                 results[at.id] = result
-            if is_call and not world.mask.any():
+            if is_call and not state.mask.any():
                 return []  # all were discarded in it
-        return branch(self, function, label, last, world)
+        return branch(self, function, label, last, state)

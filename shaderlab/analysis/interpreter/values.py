@@ -49,35 +49,35 @@ class UnchoosableError(Exception):
 
 def undefined(type_: Type, arithmetic: Arithmetic) -> Value:
     """What a variable holds before anything is stored: any float, 0 and false of other types."""
-    return _filled(type_, arithmetic, arithmetic.undefined())
+    return _fill(type_, arithmetic, arithmetic.undefined())
 
 
 def null(type_: Type, arithmetic: Arithmetic) -> Value:
     """Zero, false, or a composite of those."""
-    return _filled(type_, arithmetic, arithmetic.exact(np.zeros((1, 1))))
+    return _fill(type_, arithmetic, arithmetic.exact(np.zeros((1, 1))))
 
 
-def _filled(type_: Type, arithmetic: Arithmetic, number: Floats) -> Value:
+def _fill(type_: Type, arithmetic: Arithmetic, number: Floats) -> Value:
     """A value of a type all of whose floats are this one."""
     if type_.kind == "struct":
-        return tuple(_filled(member, arithmetic, number) for _, member in type_.members)
+        return tuple(_fill(member, arithmetic, number) for _, member in type_.members)
     if type_.of is not None:
-        return composed(type_, [_filled(type_.of, arithmetic, number)] * type_.count)
+        return compose(type_, [_fill(type_.of, arithmetic, number)] * type_.count)
     if type_.kind == "int":
         return Integer(np.zeros((1, 1)), unsigned=not type_.signed, rules=arithmetic.rules)
     return number if type_.kind == "float" else Truth.known(np.zeros((1, 1), np.bool_))
 
 
-def composed(type_: Type, parts: Sequence[Value]) -> Value:
+def compose(type_: Type, parts: Sequence[Value]) -> Value:
     """A value of a type out of its parts; a vector's may be vectors themselves."""
     if type_.kind in ("array", "struct"):
         return tuple(parts)
     if type_.kind == "matrix":
-        return _stacked([part[..., :, None] for part in parts])
-    return parts[0] if len(parts) == 1 else _stacked(parts)
+        return _stack([part[..., :, None] for part in parts])
+    return parts[0] if len(parts) == 1 else _stack(parts)
 
 
-def _stacked(parts: Sequence[Value]) -> Value:
+def _stack(parts: Sequence[Value]) -> Value:
     first = parts[0]
     if isinstance(first, Band):
         return joined(parts, -1)
@@ -117,7 +117,7 @@ def select(condition: Truth, a: Value, b: Value) -> Value:
     if isinstance(a, tuple) and isinstance(b, tuple):
         return tuple(select(condition, x, y) for x, y in zip(a, b, strict=True))
     if isinstance(a, Truth):
-        return _either(condition, a, b)
+        return _select_truth(condition, a, b)
     if isinstance(a, Integer):
         return glslmath.where(condition, a, b)
     if not isinstance(a, Band | np.ndarray):
@@ -131,7 +131,7 @@ def select(condition: Truth, a: Value, b: Value) -> Value:
     return np.where(condition.all_true, a, b)
 
 
-def _either(condition: Truth, a: Truth, b: Truth) -> Truth:
+def _select_truth(condition: Truth, a: Truth, b: Truth) -> Truth:
     yes, no = condition.all_true, condition.all_false
 
     def known(of_a: Any, of_b: Any) -> Any:
@@ -162,11 +162,11 @@ class Pointer:
     path: tuple[int | Integer, ...] = ()
 
 
-class World:
+class PathState:
     """The invocations on one path, and what each variable, phi and function's result is to them.
 
-    A branch makes a world for each side. An invocation whose condition a band leaves open is in
-    both; where the paths meet, the worlds are joined.
+    A branch makes a state for each side. An invocation whose condition a band leaves open is in
+    both; where the paths meet, the states are joined.
 
     Attributes:
         mask: which invocations are here, (count,).
@@ -179,18 +179,18 @@ class World:
         self.mask = mask
         self.memory = memory
 
-    def split(self, mask: Flags) -> World:
+    def split(self, mask: Flags) -> PathState:
         """Some of its invocations, with a memory of their own."""
-        return World(mask, dict(self.memory))
+        return PathState(mask, dict(self.memory))
 
 
-def join(worlds: Sequence[World]) -> World:
-    """One world of several: for each invocation the values of the world that it is in, the hull
+def join(states: Sequence[PathState]) -> PathState:
+    """One state of several: for each invocation the values of the state that it is in, the hull
     of both for one that is in two."""
-    if len(worlds) == 1:
-        return worlds[0]
-    mask, memory = worlds[0].mask, worlds[0].memory
-    for other in worlds[1:]:
+    if len(states) == 1:
+        return states[0]
+    mask, memory = states[0].mask, states[0].memory
+    for other in states[1:]:
         both = mask & other.mask
         here = Truth(((mask | ~other.mask) & ~both)[:, None], (other.mask & ~mask)[:, None])
         memory = dict(memory)
@@ -199,7 +199,7 @@ def join(worlds: Sequence[World]) -> World:
             if own is not value:
                 memory[key] = select(here, own, value)
         mask = mask | other.mask
-    return World(mask, memory)
+    return PathState(mask, memory)
 
 
 def indices(index: Integer, size: int, mask: Flags) -> range:
@@ -217,13 +217,13 @@ def fetch(value: Value, path: Sequence[int | Integer], mask: Flags) -> Value:
         if value is None:
             return None
         if isinstance(index, Integer):
-            value = _picked(value, _size(value), index, mask)
+            value = _pick(value, _size(value), index, mask)
         else:
             value = component(value, min(max(index, 0), _size(value) - 1))
     return value
 
 
-def _clamped(index: int | Integer, size: int) -> int | Integer:
+def _clamp_index(index: int | Integer, size: int) -> int | Integer:
     if isinstance(index, int):
         return min(max(index, 0), size - 1)
     low, high = (np.clip(end, 0, size - 1) for end in (index.lo, index.hi))
@@ -234,7 +234,7 @@ def _size(value: Value) -> int:
     return len(value) if isinstance(value, tuple) else int(value.shape[-1])
 
 
-def _picked(value: Value, size: int, index: Integer, mask: Flags) -> Value:
+def _pick(value: Value, size: int, index: Integer, mask: Flags) -> Value:
     few = indices(index, size, mask)
     found = component(value, few[0])
     for k in few[1:]:
@@ -246,7 +246,7 @@ def _is(index: Integer, number: int) -> Truth:
     return as_truth(index == number)  # type: ignore[comparison-overlap]
 
 
-def changed(
+def replace_part(
     old: Value, type_: Type, path: Sequence[int | Integer], new: Value, mask: Flags
 ) -> Value:
     """The value with the part at the end of a path replaced. An index beyond the ends means no
@@ -256,17 +256,17 @@ def changed(
     index, rest = path[0], path[1:]
     parts: list[Value] = [component(old, k) for k in range(_size(old))]
     if type_.kind == "array" and not type_.count:
-        index = _clamped(index, len(parts))
+        index = _clamp_index(index, len(parts))
     if isinstance(index, Integer):
         for k in indices(index, len(parts), mask):
-            inner = changed(parts[k], type_.part(k), rest, new, mask)
+            inner = replace_part(parts[k], type_.part(k), rest, new, mask)
             parts[k] = select(_is(index, k), inner, parts[k])
     elif 0 <= index < len(parts):  # GLSL does not say what is stored elsewhere
-        parts[index] = changed(parts[index], type_.part(index), rest, new, mask)
-    return composed(type_, parts)
+        parts[index] = replace_part(parts[index], type_.part(index), rest, new, mask)
+    return compose(type_, parts)
 
 
-def spelt(name: str, type_: Type, path: Sequence[int | Integer]) -> str:
+def format_place(name: str, type_: Type, path: Sequence[int | Integer]) -> str:
     """A place's name as GLSL writes it; "[?]" where an index differs between invocations."""
     for index in path:
         name += type_.step("?" if isinstance(index, Integer) else index)
@@ -295,7 +295,7 @@ NUMBERS = (
 Size = tuple[int, int, int]
 
 
-def numbered(size: Size, groups: Array, local: Array) -> dict[str, Array]:
+def number_invocations(size: Size, groups: Array, local: Array) -> dict[str, Array]:
     """`NUMBERS` of invocations by their workgroups and their places in these, (count, 3) each."""
     x, y, _ = size
     each = groups * np.array(size) + local
@@ -303,19 +303,19 @@ def numbered(size: Size, groups: Array, local: Array) -> dict[str, Array]:
     return dict(zip(NUMBERS, (groups, local, each, index), strict=True))
 
 
-def places_in(size: Size) -> Array:
+def local_ids(size: Size) -> Array:
     """Each invocation's gl_LocalInvocationID in a workgroup, by gl_LocalInvocationIndex, (n, 3)."""
     z, y, x = (axis.ravel() for axis in np.indices(size[::-1]))
     return np.stack([x, y, z], axis=1)
 
 
-def shared(
-    old: Value, type_: Type, path: Sequence[int | Integer], new: Value, mask: Flags, lanes: int
+def store_shared(
+    old: Value, type_: Type, path: Sequence[int | Integer], new: Value, mask: Flags, group: int
 ) -> Value:
     """A variable of whole workgroups after a store, the same for all of each: of several that store
     to one element the last counts."""
     if not path:
-        return _last(old, new, mask, lanes)
+        return _last(old, new, mask, group)
     index, rest = path[0], path[1:]
     size = len(old) if isinstance(old, tuple) else old.shape[-1]
     parts = [component(old, k) for k in range(size)]
@@ -324,15 +324,15 @@ def shared(
         at_k = index.lo[:, 0] == k if isinstance(index, Integer) else index == k
         stores = mask & at_k
         if stores.any():
-            parts[k] = shared(parts[k], type_.part(k), rest, new, stores, lanes)
-    return composed(type_, parts)
+            parts[k] = store_shared(parts[k], type_.part(k), rest, new, stores, group)
+    return compose(type_, parts)
 
 
-def _last(old: Value, new: Value, mask: Flags, lanes: int) -> Value:
+def _last(old: Value, new: Value, mask: Flags, group: int) -> Value:
     if isinstance(old, tuple):
-        return tuple(_last(a, b, mask, lanes) for a, b in zip(old, new, strict=True))
-    stores = mask.reshape(-1, lanes)
-    last = lanes - 1 - stores[:, ::-1].argmax(axis=1)
-    rows = np.repeat(np.arange(len(stores)) * lanes + last, lanes)
-    wrote = np.repeat(stores.any(axis=1), lanes)[:, None]
+        return tuple(_last(a, b, mask, group) for a, b in zip(old, new, strict=True))
+    stores = mask.reshape(-1, group)
+    last = group - 1 - stores[:, ::-1].argmax(axis=1)
+    rows = np.repeat(np.arange(len(stores)) * group + last, group)
+    wrote = np.repeat(stores.any(axis=1), group)[:, None]
     return select(Truth.known(wrote), broadcast(new, len(mask))[rows], old)

@@ -26,12 +26,12 @@ from shaderlab.glslmath.sampling.reading import (
 )
 from shaderlab.model.frame import Texels
 
-from ..program import Instruction, Type
-from ..values import Flags, World, component, composed, select
-from .arithmetic import Handler, derivative
+from .operations import Handler, derivative
+from .program import Instruction, Type
+from .values import Flags, PathState, component, compose, select
 
 if TYPE_CHECKING:
-    from ..running import Run
+    from .running import Run
 
 _CODE = 1.0 / 255.0
 # Half a code off (Direct3D 11.3, functional specification, 3.2.3.7), where the curve is steepest.
@@ -51,13 +51,13 @@ class Lookup:
     offset: tuple[int, int]
 
 
-def answer(run: Run, lookup: Lookup, mask: Flags) -> Any:
+def sample_texture(run: Run, lookup: Lookup, mask: Flags) -> Any:
     """The texture function's value for the invocations of a mask; others may be anywhere."""
-    lookup, give = _decoded(lookup)
+    lookup, give = _decode(lookup)
     rules = lookup.sampler.rules
     ignored = np.zeros(1, np.bool_) if mask.all() else ~mask
-    wide = ignored if rules is None else ignored | _wide(lookup)
-    found = run.arithmetic.rounded(_sampled(run, lookup, wide))
+    wide = ignored if rules is None else ignored | _find_wide(lookup)
+    found = run.arithmetic.rounded(_sample_here(run, lookup, wide))
     if rules is None or not isinstance(found, Band):
         return found
     if give:
@@ -70,7 +70,7 @@ def answer(run: Run, lookup: Lookup, mask: Flags) -> Any:
     return found
 
 
-def _decoded(lookup: Lookup) -> tuple[Lookup, float]:
+def _decode(lookup: Lookup) -> tuple[Lookup, float]:
     """The lookup in linear texels, and what OpenGL leaves open about them besides: how precisely
     texels of 8 bits are filtered (llvmpipe does that in 8 bits, too), and sRGB decoded."""
     texels = lookup.sampler.texels
@@ -81,14 +81,14 @@ def _decoded(lookup: Lookup) -> tuple[Lookup, float]:
         return lookup, give
     linear = replace(
         texels,
-        values=_linear(texels.values),
-        smaller=tuple(map(_linear, texels.smaller)),
+        values=_to_linear(texels.values),
+        smaller=tuple(map(_to_linear, texels.smaller)),
         format="rgba32f",
     )
     return replace(lookup, sampler=replace(lookup.sampler, texels=linear)), give + _SRGB
 
 
-def _linear(codes: Any) -> Any:
+def _to_linear(codes: Any) -> Any:
     """sRGB codes as linear values; alpha is linear (OpenGL 4.5, §8.24)."""
     c = codes / 255.0
     decoded = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
@@ -96,7 +96,7 @@ def _linear(codes: Any) -> Any:
     return decoded.astype(np.float32)
 
 
-def _sampled(run: Run, lookup: Lookup, elsewhere: Flags) -> Any:
+def _sample_here(run: Run, lookup: Lookup, elsewhere: Flags) -> Any:
     """The sample, taken in the middle for the invocations that are left out."""
     place, level = lookup.place, lookup.level
     if elsewhere.any():
@@ -110,7 +110,7 @@ def _sampled(run: Run, lookup: Lookup, elsewhere: Flags) -> Any:
     return sampled(lookup.sampler, place, level, lookup.offset)
 
 
-def _wide(lookup: Lookup) -> Flags:
+def _find_wide(lookup: Lookup) -> Flags:
     """Which places or levels are known to less than a texel or a level."""
     low, high = span_of(lookup.place)
     texels = lookup.sampler.texels
@@ -176,7 +176,7 @@ def _image_operands(run: Run, words: tuple[int, ...]) -> dict[int, list[Any]]:
 
 
 def _sample(*, compared: bool = False, projected: bool = False) -> Handler:
-    def handler(run: Run, at: Instruction, world: World) -> Any:
+    def handler(run: Run, at: Instruction, state: PathState) -> Any:
         texels: Texels = run.value(at.operands[0])
         p = run.value(at.operands[1])
         size = COORDINATES[texels.kind]
@@ -189,15 +189,15 @@ def _sample(*, compared: bool = False, projected: bool = False) -> Handler:
         rest = _image_operands(run, at.operands[2 + compared :])
         sampler = Sampler(texels, run.arithmetic.rules)
         level, unknown = _level(run, sampler, place, rest)
-        lookup = Lookup(sampler, _joined([place, *last]), level, unknown, _offset(rest))
-        return answer(run, lookup, world.mask)
+        lookup = Lookup(sampler, _join([place, *last]), level, unknown, _offset(rest))
+        return sample_texture(run, lookup, state.mask)
 
     return handler
 
 
-def _joined(parts: list[Any]) -> Any:
+def _join(parts: list[Any]) -> Any:
     """Floats one after the other, as a vector."""
-    return composed(Type("vector", Type("float")), parts)
+    return compose(Type("vector", Type("float")), parts)
 
 
 def _level(
@@ -240,7 +240,7 @@ def _offset(rest: Mapping[int, list[Any]]) -> tuple[int, int]:
     return 0, 0
 
 
-def _fetch(run: Run, at: Instruction, world: World) -> Any:
+def _fetch(run: Run, at: Instruction, state: PathState) -> Any:
     texels: Texels = run.value(at.operands[0])
     place: Integer = run.value(at.operands[1])
     rest = _image_operands(run, at.operands[2:])
@@ -259,7 +259,7 @@ def _fetch(run: Run, at: Instruction, world: World) -> Any:
     inside = np.clip(low, 0, most)
     sampler = Sampler(texels, run.arithmetic.rules)
     found = sampling.texelFetch(sampler, inside, number.lo.flat[0])
-    if not (outside & world.mask).any():
+    if not (outside & state.mask).any():
         return run.arithmetic.rounded(found)
     # What lies outside is undefined; a robust device gives 0.
     if isinstance(found, Band):
@@ -270,16 +270,16 @@ def _fetch(run: Run, at: Instruction, world: World) -> Any:
 
 
 def _gather(*, compared: bool) -> Handler:
-    def handler(run: Run, at: Instruction, world: World) -> Any:
+    def handler(run: Run, at: Instruction, state: PathState) -> Any:
         texels: Texels = run.value(at.operands[0])
         p, last = run.values(at.operands[1:3])
         rest = _image_operands(run, at.operands[3:])
-        if not world.mask.all() and p.shape[0] > 1:
+        if not state.mask.all() and p.shape[0] > 1:
             middle = run.arithmetic.exact(np.full((1, p.shape[-1]), 0.25))
-            p = select(Truth.known(world.mask[:, None]), p, middle)
+            p = select(Truth.known(state.mask[:, None]), p, middle)
         sampler = Sampler(texels, run.arithmetic.rules)
         part = 0 if compared else int(last.lo.flat[0])
-        place = _joined([p[..., :2], last]) if compared else p
+        place = _join([p[..., :2], last]) if compared else p
         if _OFFSETS in rest:
             offsets = [tuple(map(int, part.lo[0])) for part in rest[_OFFSETS][0]]
             found = sampling.textureGatherOffsets(sampler, place, offsets, part)  # type: ignore[arg-type]
@@ -290,7 +290,7 @@ def _gather(*, compared: bool) -> Handler:
     return handler
 
 
-def _size(run: Run, at: Instruction, world: World) -> Any:
+def _size(run: Run, at: Instruction, state: PathState) -> Any:
     texels: Texels = run.value(at.operands[0])
     level = int(run.value(at.operands[1]).lo.flat[0]) if len(at.operands) > 1 else 0
     if not 0 <= level <= len(texels.smaller):
@@ -299,17 +299,17 @@ def _size(run: Run, at: Instruction, world: World) -> Any:
     return Integer(found.lo[None], rules=run.arithmetic.rules)
 
 
-def _levels(run: Run, at: Instruction, world: World) -> Any:
+def _levels(run: Run, at: Instruction, state: PathState) -> Any:
     count = sampling.textureQueryLevels(Sampler(run.value(at.operands[0])))
     return Integer([[count]], rules=run.arithmetic.rules)
 
 
-def _samples(run: Run, at: Instruction, world: World) -> Any:
+def _samples(run: Run, at: Instruction, state: PathState) -> Any:
     found = sampling.textureSamples(Sampler(run.value(at.operands[0])))
     return Integer(np.reshape(found.lo, (1, 1)), rules=run.arithmetic.rules)
 
 
-def _query_lod(run: Run, at: Instruction, world: World) -> Any:
+def _query_lod(run: Run, at: Instruction, state: PathState) -> Any:
     texels, place = run.values(at.operands)
     if run.places is None:
         raise FormulaError("textureQueryLod without gl_FragCoord of each pixel")
@@ -317,7 +317,7 @@ def _query_lod(run: Run, at: Instruction, world: World) -> Any:
     return run.arithmetic.rounded(sampling.textureQueryLod(sampler, place, run.places))
 
 
-def _image(run: Run, at: Instruction, world: World) -> Any:
+def _image(run: Run, at: Instruction, state: PathState) -> Any:
     """A sampler's image, or an image with a sampler: the texture is all there is here."""
     return run.value(at.operands[0])
 

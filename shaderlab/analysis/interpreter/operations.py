@@ -18,30 +18,30 @@ from shaderlab.bands.truth import as_truth
 from shaderlab.compiler.spirv import Glsl450 as G, Op
 from shaderlab.errors import FormulaError
 
-from ..program import Instruction, Type
-from ..values import World, changed, composed, fetch, known_index, select
+from .program import Instruction, Type
+from .values import PathState, compose, fetch, known_index, replace_part, select
 
 if TYPE_CHECKING:
-    from ..running import Run
+    from .running import Run
 
-Handler = Callable[["Run", Instruction, World], Any]
+Handler = Callable[["Run", Instruction, PathState], Any]
 
 
-def calling(function: str) -> Handler:
+def call_function(function: str) -> Handler:
     """A handler that calls a function of the arithmetic on the operands' values."""
 
-    def handler(run: Run, at: Instruction, world: World) -> Any:
+    def handler(run: Run, at: Instruction, state: PathState) -> Any:
         if run.arithmetic.rules is None:
-            return run.repeated(at, function)
+            return run.call_once(at, function)
         return run.arithmetic.call(function, *run.values(at.operands))
 
     return handler
 
 
-def of_values(function: Callable[..., Any]) -> Handler:
+def apply(function: Callable[..., Any]) -> Handler:
     """A handler that calls a Python function on the operands' values."""
 
-    def handler(run: Run, at: Instruction, world: World) -> Any:
+    def handler(run: Run, at: Instruction, state: PathState) -> Any:
         return function(*run.values(at.operands))
 
     return handler
@@ -75,18 +75,18 @@ def _unit(values: Any) -> float:
     return min((float(n & -n) / d for n, d in ratios), default=1.0)
 
 
-def exactly(function: str) -> Handler:
+def call_exactly(function: str) -> Handler:
     """A handler of an operation: exact where it can't be rounded, else as the arithmetic has it."""
 
-    def handler(run: Run, at: Instruction, world: World) -> Any:
+    def handler(run: Run, at: Instruction, state: PathState) -> Any:
         if run.arithmetic.rules is None:
-            return run.repeated(at, function)
-        return computed(run, function, run.values(at.operands))
+            return run.call_once(at, function)
+        return compute(run, function, run.values(at.operands))
 
     return handler
 
 
-def computed(run: Run, function: str, values: list[Any]) -> Any:
+def compute(run: Run, function: str, values: list[Any]) -> Any:
     """A function of values, exact where all of them have a unit and it can't be rounded."""
     found = run.arithmetic.call(function, *values)
     if run.arithmetic.rules is None:
@@ -114,7 +114,7 @@ Found = tuple[Band, float] | None
 
 
 def _add(a: Band, b: Band, of_a: float, of_b: float) -> Found:
-    return _made(a, b, a.lo + b.lo, a.hi + b.hi, a.mag + b.mag, a.count + b.count, min(of_a, of_b))
+    return _make(a, b, a.lo + b.lo, a.hi + b.hi, a.mag + b.mag, a.count + b.count, min(of_a, of_b))
 
 
 def _subtract(a: Band, b: Band, of_a: float, of_b: float) -> Found:
@@ -123,10 +123,10 @@ def _subtract(a: Band, b: Band, of_a: float, of_b: float) -> Found:
 
 def _multiply(a: Band, b: Band, of_a: float, of_b: float) -> Found:
     bounds = product_bounds(a.lo, a.hi, b.lo, b.hi)
-    return _made(a, b, *bounds, a.mag * b.mag, a.count * b.count, of_a * of_b)
+    return _make(a, b, *bounds, a.mag * b.mag, a.count * b.count, of_a * of_b)
 
 
-def _made(a: Band, b: Band, lo: Any, hi: Any, mag: Any, count: int, unit: float) -> Found:
+def _make(a: Band, b: Band, lo: Any, hi: Any, mag: Any, count: int, unit: float) -> Found:
     """The result of two bands, if none of its terms together are too large to be exact. What is no
     multiple may be added between them later, so each sum's rounding stays pending."""
     if not np.max(mag) < _UNITS * unit:
@@ -168,41 +168,41 @@ _EXACT: Mapping[str, Callable[..., Found]] = {
 _NOTHING = 0xFFFFFFFF
 
 
-def _construct(run: Run, at: Instruction, world: World) -> Any:
-    return composed(run.program.types[at.type], run.values(at.operands))
+def _construct(run: Run, at: Instruction, state: PathState) -> Any:
+    return compose(run.program.types[at.type], run.values(at.operands))
 
 
-def _extract(run: Run, at: Instruction, world: World) -> Any:
+def _extract(run: Run, at: Instruction, state: PathState) -> Any:
     value = run.value(at.operands[0])
     for index in at.operands[1:]:
         value = run.part(value, index)
     return value
 
 
-def _insert(run: Run, at: Instruction, world: World) -> Any:
+def _insert(run: Run, at: Instruction, state: PathState) -> Any:
     new, whole = run.values(at.operands[:2])
-    return changed(whole, run.program.types[at.type], at.operands[2:], new, world.mask)
+    return replace_part(whole, run.program.types[at.type], at.operands[2:], new, state.mask)
 
 
-def _extract_dynamic(run: Run, at: Instruction, world: World) -> Any:
+def _extract_dynamic(run: Run, at: Instruction, state: PathState) -> Any:
     vector, index = run.values(at.operands)
-    return fetch(vector, [known_index(index)], world.mask)
+    return fetch(vector, [known_index(index)], state.mask)
 
 
-def _insert_dynamic(run: Run, at: Instruction, world: World) -> Any:
+def _insert_dynamic(run: Run, at: Instruction, state: PathState) -> Any:
     vector, new, index = run.values(at.operands)
     type_: Type = run.program.types[at.type]
-    return changed(vector, type_, [known_index(index)], new, world.mask)
+    return replace_part(vector, type_, [known_index(index)], new, state.mask)
 
 
-def _shuffle(run: Run, at: Instruction, world: World) -> Any:
+def _shuffle(run: Run, at: Instruction, state: PathState) -> Any:
     first, second = run.values(at.operands[:2])
     size = first.shape[-1]
     picks = [0 if i == _NOTHING else i for i in at.operands[2:]]
     if all(i < size for i in picks):
-        return run.remembered(first, tuple(picks), lambda: first[..., picks])
+        return run.cache_part(first, tuple(picks), lambda: first[..., picks])
     parts = [run.part(first, i) if i < size else run.part(second, i - size) for i in picks]
-    return composed(run.program.types[at.type], parts)
+    return compose(run.program.types[at.type], parts)
 
 
 COMPOSITES: Mapping[int, Handler] = {
@@ -212,12 +212,12 @@ COMPOSITES: Mapping[int, Handler] = {
     Op.CompositeConstruct: _construct,
     Op.CompositeExtract: _extract,
     Op.CompositeInsert: _insert,
-    Op.Transpose: calling("transpose"),
+    Op.Transpose: call_function("transpose"),
 }
 
 
-def _comparing(function: Any) -> Handler:
-    return of_values(lambda *values: as_truth(function(*values)))
+def _compare(function: Any) -> Handler:
+    return apply(lambda *values: as_truth(function(*values)))
 
 
 def _different(a: Truth, b: Truth) -> Truth:
@@ -225,39 +225,39 @@ def _different(a: Truth, b: Truth) -> Truth:
 
 
 LOGIC: Mapping[int, Handler] = {
-    Op.Any: of_values(Truth.any),
-    Op.All: of_values(Truth.all),
-    Op.IsNan: _comparing(glslmath.isnan),
-    Op.IsInf: _comparing(glslmath.isinf),
-    Op.LogicalEqual: of_values(lambda a, b: ~_different(a, b)),
-    Op.LogicalNotEqual: of_values(_different),
-    Op.LogicalOr: of_values(operator.or_),
-    Op.LogicalAnd: of_values(operator.and_),
-    Op.LogicalNot: of_values(operator.invert),
-    Op.Select: of_values(select),
-    Op.FOrdEqual: _comparing(operator.eq),
-    Op.FOrdNotEqual: _comparing(operator.ne),
-    Op.FUnordNotEqual: _comparing(operator.ne),
-    Op.FOrdLessThan: _comparing(operator.lt),
-    Op.FOrdGreaterThan: _comparing(operator.gt),
-    Op.FOrdLessThanEqual: _comparing(operator.le),
-    Op.FOrdGreaterThanEqual: _comparing(operator.ge),
+    Op.Any: apply(Truth.any),
+    Op.All: apply(Truth.all),
+    Op.IsNan: _compare(glslmath.isnan),
+    Op.IsInf: _compare(glslmath.isinf),
+    Op.LogicalEqual: apply(lambda a, b: ~_different(a, b)),
+    Op.LogicalNotEqual: apply(_different),
+    Op.LogicalOr: apply(operator.or_),
+    Op.LogicalAnd: apply(operator.and_),
+    Op.LogicalNot: apply(operator.invert),
+    Op.Select: apply(select),
+    Op.FOrdEqual: _compare(operator.eq),
+    Op.FOrdNotEqual: _compare(operator.ne),
+    Op.FUnordNotEqual: _compare(operator.ne),
+    Op.FOrdLessThan: _compare(operator.lt),
+    Op.FOrdGreaterThan: _compare(operator.gt),
+    Op.FOrdLessThanEqual: _compare(operator.le),
+    Op.FOrdGreaterThanEqual: _compare(operator.ge),
 }
 """The comparisons are those that glslang writes: ordered ones, and != that holds for NaN."""
 
 
-def _matrix_times_scalar(run: Run, at: Instruction, world: World) -> Any:
+def _matrix_times_scalar(run: Run, at: Instruction, state: PathState) -> Any:
     matrix, scalar = run.values(at.operands)
     return run.arithmetic.call("multiply", matrix, scalar[..., None])
 
 
-def _vector_times_matrix(run: Run, at: Instruction, world: World) -> Any:
+def _vector_times_matrix(run: Run, at: Instruction, state: PathState) -> Any:
     vector, matrix = run.values(at.operands)
     call = run.arithmetic.call
     return call("mul", call("transpose", matrix), vector)
 
 
-def _from_integer(run: Run, at: Instruction, world: World) -> Any:
+def _from_integer(run: Run, at: Instruction, state: PathState) -> Any:
     whole: Integer = run.value(at.operands[0])
     if run.arithmetic.rules is None:
         return run.arithmetic.rounded(whole.lo)
@@ -266,7 +266,7 @@ def _from_integer(run: Run, at: Instruction, world: World) -> Any:
     return band
 
 
-def _bitcast(run: Run, at: Instruction, world: World) -> Any:
+def _bitcast(run: Run, at: Instruction, state: PathState) -> Any:
     value, to = run.value(at.operands[0]), run.program.types[at.type].base
     if to.kind == "float":
         return run.arithmetic.call("uintBitsToFloat", value.converted(True))
@@ -276,25 +276,25 @@ def _bitcast(run: Run, at: Instruction, world: World) -> Any:
 
 
 FLOATS: Mapping[int, Handler] = {
-    Op.ConvertFToU: calling("uint"),
-    Op.ConvertFToS: calling("int"),
+    Op.ConvertFToU: call_function("uint"),
+    Op.ConvertFToS: call_function("int"),
     Op.ConvertSToF: _from_integer,
     Op.ConvertUToF: _from_integer,
     Op.Bitcast: _bitcast,
-    Op.FNegate: exactly("negate"),
-    Op.FAdd: exactly("add"),
-    Op.FSub: exactly("subtract"),
-    Op.FMul: exactly("multiply"),
-    Op.FDiv: calling("divide"),
-    Op.FRem: calling("remainder"),
-    Op.FMod: exactly("mod"),
-    Op.VectorTimesScalar: exactly("multiply"),
+    Op.FNegate: call_exactly("negate"),
+    Op.FAdd: call_exactly("add"),
+    Op.FSub: call_exactly("subtract"),
+    Op.FMul: call_exactly("multiply"),
+    Op.FDiv: call_function("divide"),
+    Op.FRem: call_function("remainder"),
+    Op.FMod: call_exactly("mod"),
+    Op.VectorTimesScalar: call_exactly("multiply"),
     Op.MatrixTimesScalar: _matrix_times_scalar,
     Op.VectorTimesMatrix: _vector_times_matrix,
-    Op.MatrixTimesVector: calling("mul"),
-    Op.MatrixTimesMatrix: calling("matmul"),
-    Op.OuterProduct: calling("outerProduct"),
-    Op.Dot: calling("dot"),
+    Op.MatrixTimesVector: call_function("mul"),
+    Op.MatrixTimesMatrix: call_function("matmul"),
+    Op.OuterProduct: call_function("outerProduct"),
+    Op.Dot: call_function("dot"),
 }
 
 
@@ -312,7 +312,7 @@ def derivative(run: Run, function: str, value: Any) -> Any:
 
 
 def _derivative(function: str) -> Handler:
-    def handler(run: Run, at: Instruction, world: World) -> Any:
+    def handler(run: Run, at: Instruction, state: PathState) -> Any:
         return derivative(run, function, run.value(at.operands[0]))
 
     return handler
@@ -365,11 +365,11 @@ _UNKNOWN: Mapping[int, str] = {
 }  # fmt: skip
 
 
-def _extended(run: Run, at: Instruction, world: World) -> Any:
+def _extended(run: Run, at: Instruction, state: PathState) -> Any:
     number, operands = at.operands[1], at.operands[2:]
     name = _FLOATS.get(number) or _PACKING.get(number)
     if name is not None:
-        return _kept(run, computed(run, name, run.values(operands)), world)
+        return _settle_parts(run, compute(run, name, run.values(operands)), state)
     if number in _INTEGERS:
         function, unsigned = _INTEGERS[number]
         values: list[Integer] = run.values(operands)
@@ -377,31 +377,31 @@ def _extended(run: Run, at: Instruction, world: World) -> Any:
             values = [value.converted(unsigned) for value in values]
         result: Integer = run.arithmetic.call(function, *values)
         to = run.program.types[at.type].base
-        return settled(run, result.converted(not to.signed), world)
+        return settle(run, result.converted(not to.signed), state)
     raise run.program.not_interpreted(
         _UNKNOWN.get(number, f"GLSL.std.450's instruction {number}"), at.line
     )
 
 
-def _kept(run: Run, value: Any, world: World) -> Any:
+def _settle_parts(run: Run, value: Any, state: PathState) -> Any:
     """The result; integers in it only as far as they concern the invocations that are here."""
     if isinstance(value, tuple):
-        return tuple(_kept(run, part, world) for part in value)
+        return tuple(_settle_parts(run, part, state) for part in value)
     if isinstance(value, Integer):
-        return settled(run, value, world)
+        return settle(run, value, state)
     return value
 
 
 EXTENDED: Mapping[int, Handler] = {Op.ExtInst: _extended}
 
 
-def whole_numbers(
+def call_integers(
     function: Callable[..., Any], *, unsigned: bool | None = None, bits: bool = False
 ) -> Handler:
     """A handler of a function of integers; `unsigned` is how it reads its operands, None as they
     are. With `bits` the last operands are a field's offset and size, and stay as they are."""
 
-    def handler(run: Run, at: Instruction, world: World) -> Any:
+    def handler(run: Run, at: Instruction, state: PathState) -> Any:
         values: list[Integer] = run.values(at.operands)
         if unsigned is not None:
             values = [value.converted(unsigned) for value in values]
@@ -410,22 +410,22 @@ def whole_numbers(
         result = function(*values)
         type_ = run.program.types[at.type]
         if type_.kind == "struct":
-            return tuple(settled(run, part, world) for part in result)
-        return settled(run, result.converted(not type_.base.signed), world)
+            return tuple(settle(run, part, state) for part in result)
+        return settle(run, result.converted(not type_.base.signed), state)
 
     return handler
 
 
-def settled(run: Run, value: Integer, world: World) -> Integer:
+def settle(run: Run, value: Integer, state: PathState) -> Integer:
     """The integer without what it may be for invocations that are not here: one number, so that
     the value counts as known where it is so for all that are."""
     if run.arithmetic.rules is None:
         rounded: Integer = run.arithmetic.rounded(value)
         return rounded
-    if value.known or value.shape[0] != world.mask.size:
+    if value.known or value.shape[0] != state.mask.size:
         return value
-    high = np.where(world.mask[:, None], value.hi, value.lo)
-    anything = value.anything & (world.mask[:, None] if value.anything.ndim else True)
+    high = np.where(state.mask[:, None], value.hi, value.lo)
+    anything = value.anything & (state.mask[:, None] if value.anything.ndim else True)
     return Integer(
         value.lo,
         None if np.array_equal(high, value.lo) else high,
@@ -438,10 +438,8 @@ def settled(run: Run, value: Integer, world: World) -> Integer:
 _YES, _NO = (Truth.known([[holds]]) for holds in (True, False))
 
 
-def _comparing_integers(
-    function: Callable[[Any, Any], Any], unsigned: bool | None = None
-) -> Handler:
-    def handler(run: Run, at: Instruction, world: World) -> Any:
+def _compare_integers(function: Callable[[Any, Any], Any], unsigned: bool | None = None) -> Handler:
+    def handler(run: Run, at: Instruction, state: PathState) -> Any:
         a, b = run.values(at.operands)
         kind = a.unsigned if unsigned is None else unsigned
         a, b = a.converted(kind), b.converted(kind)
@@ -453,39 +451,39 @@ def _comparing_integers(
 
 
 INTEGERS: Mapping[int, Handler] = {
-    Op.SNegate: whole_numbers(operator.neg),
-    Op.IAdd: whole_numbers(operator.add),
-    Op.ISub: whole_numbers(operator.sub),
-    Op.IMul: whole_numbers(operator.mul),
-    Op.UDiv: whole_numbers(operator.truediv, unsigned=True),
-    Op.SDiv: whole_numbers(operator.truediv, unsigned=False),
-    Op.UMod: whole_numbers(operator.mod, unsigned=True),
-    Op.SRem: whole_numbers(operator.mod, unsigned=False),
-    Op.SMod: whole_numbers(operator.mod, unsigned=False),
-    Op.IAddCarry: whole_numbers(glslmath.uaddCarry, unsigned=True),
-    Op.ISubBorrow: whole_numbers(glslmath.usubBorrow, unsigned=True),
-    Op.UMulExtended: whole_numbers(lambda a, b: glslmath.umulExtended(a, b)[::-1], unsigned=True),
-    Op.SMulExtended: whole_numbers(lambda a, b: glslmath.imulExtended(a, b)[::-1], unsigned=False),
-    Op.IEqual: _comparing_integers(operator.eq),
-    Op.INotEqual: _comparing_integers(operator.ne),
-    Op.UGreaterThan: _comparing_integers(operator.gt, unsigned=True),
-    Op.SGreaterThan: _comparing_integers(operator.gt, unsigned=False),
-    Op.UGreaterThanEqual: _comparing_integers(operator.ge, unsigned=True),
-    Op.SGreaterThanEqual: _comparing_integers(operator.ge, unsigned=False),
-    Op.ULessThan: _comparing_integers(operator.lt, unsigned=True),
-    Op.SLessThan: _comparing_integers(operator.lt, unsigned=False),
-    Op.ULessThanEqual: _comparing_integers(operator.le, unsigned=True),
-    Op.SLessThanEqual: _comparing_integers(operator.le, unsigned=False),
-    Op.ShiftRightLogical: whole_numbers(operator.rshift, unsigned=True),
-    Op.ShiftRightArithmetic: whole_numbers(operator.rshift, unsigned=False),
-    Op.ShiftLeftLogical: whole_numbers(operator.lshift),
-    Op.BitwiseOr: whole_numbers(operator.or_),
-    Op.BitwiseXor: whole_numbers(operator.xor),
-    Op.BitwiseAnd: whole_numbers(operator.and_),
-    Op.Not: whole_numbers(operator.invert),
-    Op.BitFieldInsert: whole_numbers(glslmath.bitfieldInsert, bits=True),
-    Op.BitFieldSExtract: whole_numbers(glslmath.bitfieldExtract, bits=True),
-    Op.BitFieldUExtract: whole_numbers(glslmath.bitfieldExtract, bits=True),
-    Op.BitReverse: whole_numbers(glslmath.bitfieldReverse),
-    Op.BitCount: whole_numbers(glslmath.bitCount),
+    Op.SNegate: call_integers(operator.neg),
+    Op.IAdd: call_integers(operator.add),
+    Op.ISub: call_integers(operator.sub),
+    Op.IMul: call_integers(operator.mul),
+    Op.UDiv: call_integers(operator.truediv, unsigned=True),
+    Op.SDiv: call_integers(operator.truediv, unsigned=False),
+    Op.UMod: call_integers(operator.mod, unsigned=True),
+    Op.SRem: call_integers(operator.mod, unsigned=False),
+    Op.SMod: call_integers(operator.mod, unsigned=False),
+    Op.IAddCarry: call_integers(glslmath.uaddCarry, unsigned=True),
+    Op.ISubBorrow: call_integers(glslmath.usubBorrow, unsigned=True),
+    Op.UMulExtended: call_integers(lambda a, b: glslmath.umulExtended(a, b)[::-1], unsigned=True),
+    Op.SMulExtended: call_integers(lambda a, b: glslmath.imulExtended(a, b)[::-1], unsigned=False),
+    Op.IEqual: _compare_integers(operator.eq),
+    Op.INotEqual: _compare_integers(operator.ne),
+    Op.UGreaterThan: _compare_integers(operator.gt, unsigned=True),
+    Op.SGreaterThan: _compare_integers(operator.gt, unsigned=False),
+    Op.UGreaterThanEqual: _compare_integers(operator.ge, unsigned=True),
+    Op.SGreaterThanEqual: _compare_integers(operator.ge, unsigned=False),
+    Op.ULessThan: _compare_integers(operator.lt, unsigned=True),
+    Op.SLessThan: _compare_integers(operator.lt, unsigned=False),
+    Op.ULessThanEqual: _compare_integers(operator.le, unsigned=True),
+    Op.SLessThanEqual: _compare_integers(operator.le, unsigned=False),
+    Op.ShiftRightLogical: call_integers(operator.rshift, unsigned=True),
+    Op.ShiftRightArithmetic: call_integers(operator.rshift, unsigned=False),
+    Op.ShiftLeftLogical: call_integers(operator.lshift),
+    Op.BitwiseOr: call_integers(operator.or_),
+    Op.BitwiseXor: call_integers(operator.xor),
+    Op.BitwiseAnd: call_integers(operator.and_),
+    Op.Not: call_integers(operator.invert),
+    Op.BitFieldInsert: call_integers(glslmath.bitfieldInsert, bits=True),
+    Op.BitFieldSExtract: call_integers(glslmath.bitfieldExtract, bits=True),
+    Op.BitFieldUExtract: call_integers(glslmath.bitfieldExtract, bits=True),
+    Op.BitReverse: call_integers(glslmath.bitfieldReverse),
+    Op.BitCount: call_integers(glslmath.bitCount),
 }

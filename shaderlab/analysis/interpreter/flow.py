@@ -1,0 +1,362 @@
+"""Instructions that move values and choose the way: variables, calls, branches; and the table of
+all handlers.
+
+A handler takes the run, the instruction and the path's state, and returns the result. Opcodes are
+those of Khronos, SPIR-V Specification 1.6, section 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.bands import Band
+from shaderlab.bands.truth import as_truth
+from shaderlab.compiler.spirv import Op, StorageClass
+from shaderlab.errors import NotInterpretedError
+
+from .operations import COMPOSITES, DERIVATIVES, EXTENDED, FLOATS, INTEGERS, LOGIC, Handler
+from .program import Function, Instruction
+from .textures import TEXTURES
+from .values import (
+    Flags,
+    Missing,
+    NotGivenError,
+    PathState,
+    Pointer,
+    Value,
+    fetch,
+    format_place,
+    known_index,
+    part_type,
+    replace_part,
+    store_shared,
+    undefined,
+)
+
+if TYPE_CHECKING:
+    from .running import Run
+
+
+def _variable(run: Run, at: Instruction, state: PathState) -> Pointer:
+    initial = at.operands[1:]
+    state.memory[at.id] = run.value(initial[0]) if initial else None
+    return run.results.get(at.id) or Pointer(at.id)
+
+
+def _access_chain(run: Run, at: Instruction, state: PathState) -> Pointer:
+    base, *steps = at.operands
+    pointer: Pointer = run.value(base)
+    path = (*pointer.path, *(known_index(run.value(step)) for step in steps))
+    return Pointer(pointer.variable, path)
+
+
+def _load(run: Run, at: Instruction, state: PathState) -> Any:
+    pointer: Pointer = run.value(at.operands[0])
+    value = state.memory.get(pointer.variable)
+    if value is None:
+        value = run.shared.get(pointer.variable)
+    if value is not None and pointer.path:
+        whole, path = value, pointer.path
+        if all(isinstance(index, int) for index in path):
+            value = run.cache_part(whole, path, lambda: fetch(whole, path, state.mask))
+        else:
+            value = fetch(whole, path, state.mask)
+    if type(value) is Missing:
+        if run.program.module.types[at.type].op == Op.TypeImage:
+            raise run.program.not_interpreted(f"image {value.name}", at.line)
+        raise NotGivenError.of(value)
+    if value is None:
+        value = undefined(run.program.types[at.type], run.arithmetic)
+    run.note_read(value)
+    return value
+
+
+def _store(run: Run, at: Instruction, state: PathState) -> None:
+    pointer: Pointer = run.value(at.operands[0])
+    value = run.value(at.operands[1])
+    type_, storage = run.program.variables[pointer.variable]
+    is_shared = storage == StorageClass.Workgroup
+    memory = run.shared if is_shared else state.memory
+    stored = value
+    if pointer.path or is_shared:
+        old = memory.get(pointer.variable)
+        if old is None:
+            old = undefined(type_, run.arithmetic)
+        if is_shared:
+            stored = store_shared(old, type_, pointer.path, value, state.mask, run.workgroup_size)
+        else:
+            stored = replace_part(old, type_, pointer.path, value, state.mask)
+    memory[pointer.variable] = stored
+    name = run.program.name(pointer.variable) if run.trace is not None else ""
+    if name:
+        part = part_type(type_, pointer.path)
+        run.trace_stored(at, format_place(name, type_, pointer.path), part, value, state)
+
+
+def _copy(run: Run, at: Instruction, state: PathState) -> Any:
+    return run.value(at.operands[0])
+
+
+def _call(run: Run, at: Instruction, state: PathState) -> Any:
+    function = run.program.functions[at.operands[0]]
+    for parameter, argument in zip(function.parameters, at.operands[1:], strict=True):
+        run.results[parameter] = run.value(argument)
+    run.trace_arguments(at, function, state)
+    run.calls.append(at.line)
+    end = run.call(function, state)
+    run.calls.pop()
+    if end is None:
+        state.mask = np.zeros_like(state.mask)
+        return None
+    state.mask, state.memory = end.mask, end.memory
+    result = state.memory.pop(function.id, None)
+    if result is not None:
+        run.note_read(result)
+    return result
+
+
+def _phi(run: Run, at: Instruction, state: PathState) -> Any:
+    return state.memory.pop(at.id)
+
+
+def _undefined(run: Run, at: Instruction, state: PathState) -> Any:
+    return undefined(run.program.types[at.type], run.arithmetic)
+
+
+def _merge(run: Run, at: Instruction, state: PathState) -> None:
+    """Where paths meet again follows from the order of blocks."""
+
+
+VARIABLES: Mapping[int, Handler] = {
+    Op.Undef: _undefined,
+    Op.FunctionCall: _call,
+    Op.Variable: _variable,
+    Op.Load: _load,
+    Op.Store: _store,
+    Op.AccessChain: _access_chain,
+    Op.InBoundsAccessChain: _access_chain,
+    Op.CopyObject: _copy,
+    Op.Phi: _phi,
+    Op.LoopMerge: _merge,
+    Op.SelectionMerge: _merge,
+}
+
+
+def _emit_vertex(run: Run, at: Instruction, state: PathState) -> None:
+    run.emission.emit(run, at, state)
+
+
+def _end_primitive(run: Run, at: Instruction, state: PathState) -> None:
+    run.emission.end(state)
+
+
+def _wait(run: Run, at: Instruction, state: PathState) -> None:
+    """All invocations of a workgroup take each step together."""
+
+
+STAGES: Mapping[int, Handler] = {
+    Op.EmitVertex: _emit_vertex,
+    Op.EndPrimitive: _end_primitive,
+    Op.ControlBarrier: _wait,
+    Op.MemoryBarrier: _wait,
+}
+
+
+HANDLERS: Mapping[int, Handler] = {
+    **VARIABLES,
+    **COMPOSITES,
+    **FLOATS,
+    **INTEGERS,
+    **LOGIC,
+    **DERIVATIVES,
+    **TEXTURES,
+    **EXTENDED,
+    **STAGES,
+}
+
+NAMES: Mapping[int, str] = {
+    Op.ImageTexelPointer: "an atomic operation on an image",
+    Op.CopyMemory: "CopyMemory",
+    Op.FConvert: "a double",
+    Op.ImageRead: "imageLoad",
+    Op.ImageWrite: "imageStore",
+    **dict.fromkeys(range(Op.AtomicLoad, Op.AtomicXor + 1), "an atomic operation"),
+    Op.EmitStreamVertex: "EmitStreamVertex",
+    Op.EndStreamPrimitive: "EndStreamPrimitive",
+}
+"""What GLSL calls those that have no handler."""
+
+Leaving = list[tuple[int | None, PathState]]
+"""States, each with the label of the block that it goes to; None for one that returns."""
+
+
+def _branch(run: Run, function: Function, label: int, at: Instruction, state: PathState) -> Leaving:
+    return [_to(run, function, label, at.operands[0], state)]
+
+
+def _conditional(
+    run: Run, function: Function, label: int, at: Instruction, state: PathState
+) -> Leaving:
+    condition, then, otherwise = at.operands[:3]
+    truth = as_truth(run.value(condition))
+    run.trace_branch(at, truth, state)
+    if truth.all_true.size == 1 and run.count:  # all go the same way, as loops mostly do
+        for target, is_sure in ((then, truth.all_true), (otherwise, truth.all_false)):
+            if is_sure.item():
+                return [_to(run, function, label, target, state)]
+    yes, no = (
+        state.mask & ~np.broadcast_to(side[:, 0], state.mask.shape)
+        for side in (truth.all_false, truth.all_true)
+    )
+    leaving = _split(run, function, label, [(then, yes), (otherwise, no)], state)
+    if (both := yes & no).any():
+        run.note_undecided(at.line, both)
+        for (_, side), holds in zip(leaving, (True, False), strict=True):
+            narrow(run, condition, holds, side)
+    return leaving
+
+
+def _switch(run: Run, function: Function, label: int, at: Instruction, state: PathState) -> Leaving:
+    selector, default = run.value(at.operands[0]), at.operands[1]
+    run.trace_branch(at, selector, state)
+    bits = np.dtype(np.uint32 if selector.unsigned else np.int32)
+    going: dict[int, Any] = {}
+    elsewhere = state.mask
+    for literal, target in zip(at.operands[2::2], at.operands[3::2], strict=True):
+        same = as_truth(selector == int(np.uint32(literal).astype(bits)))
+        may, sure = (
+            np.broadcast_to(side[:, 0], state.mask.shape)
+            for side in (~same.all_false, same.all_true)
+        )
+        going[target] = going.get(target, False) | (state.mask & may)
+        elsewhere = elsewhere & ~sure
+    going[default] = going.get(default, False) | elsewhere
+    several = np.sum([flags for flags in going.values()], axis=0) > 1
+    if several.any():
+        run.note_undecided(at.line, several)
+    return _split(run, function, label, list(going.items()), state)
+
+
+def _split(
+    run: Run, function: Function, label: int, sides: list[tuple[int, Flags]], state: PathState
+) -> Leaving:
+    taken = [(target, mask) for target, mask in sides if mask.any()]
+    if len(taken) == 1:
+        return [_to(run, function, label, taken[0][0], state)]
+    return [_to(run, function, label, target, state.split(mask)) for target, mask in taken]
+
+
+def _to(
+    run: Run, function: Function, label: int, target: int, state: PathState
+) -> tuple[int, PathState]:
+    """The state on its way to a block, whose phis take the values of the block that it leaves."""
+    for phi in function.blocks[target]:
+        if phi.op != Op.Phi:
+            break
+        pairs = zip(phi.operands[::2], phi.operands[1::2], strict=True)
+        state.memory[phi.id] = run.value(next(value for value, of in pairs if of == label))
+    return target, state
+
+
+def _return(run: Run, function: Function, label: int, at: Instruction, state: PathState) -> Leaving:
+    return [(None, state)]
+
+
+def _return_value(
+    run: Run, function: Function, label: int, at: Instruction, state: PathState
+) -> Leaving:
+    value = run.value(at.operands[0])
+    if run.trace is not None:
+        name = run.program.name(function.id).partition("(")[0]
+        run.trace_stored(at, f"{name}()", run.program.types[function.result], value, state)
+    state.memory[function.id] = value
+    return [(None, state)]
+
+
+def _kill(run: Run, function: Function, label: int, at: Instruction, state: PathState) -> Leaving:
+    run.killed = run.killed | state.mask
+    return []
+
+
+def _unreachable(
+    run: Run, function: Function, label: int, at: Instruction, state: PathState
+) -> Leaving:
+    return []
+
+
+Branch = Callable[["Run", Function, int, Instruction, PathState], Leaving]
+"""Ends a block, in a run, of a function, with its label."""
+
+BRANCHES: Mapping[int, Branch] = {
+    Op.Branch: _branch,
+    Op.BranchConditional: _conditional,
+    Op.Switch: _switch,
+    Op.Kill: _kill,
+    Op.Return: _return,
+    Op.ReturnValue: _return_value,
+    Op.Unreachable: _unreachable,
+}
+
+
+_LESS = (Op.FOrdLessThan, Op.FOrdLessThanEqual)
+_GREATER = (Op.FOrdGreaterThan, Op.FOrdGreaterThanEqual)
+
+
+def narrow(run: Run, condition: int, holds: bool, state: PathState) -> None:
+    """Bound the variables of a state in which the condition of this id holds, or does not."""
+    at = run.program.definitions.get(condition)
+    if at is None:
+        return
+    if at.op == Op.LogicalNot:
+        narrow(run, at.operands[0], not holds, state)
+    elif at.op == (Op.LogicalAnd if holds else Op.LogicalOr):
+        for part in at.operands:
+            narrow(run, part, holds, state)
+    elif at.op in _LESS or at.op in _GREATER:
+        smaller, larger = at.operands if (at.op in _LESS) == holds else at.operands[::-1]
+        values = run.value(smaller), run.value(larger)
+        if all(isinstance(value, Band) for value in values):
+            (least, _), (_, most) = (value.settled() for value in values)
+            _bound(run, smaller, state, -np.inf, most)
+            _bound(run, larger, state, least, np.inf)
+
+
+def _bound(run: Run, operand: int, state: PathState, low: Any, high: Any) -> None:
+    """Bound the variable that an operand was loaded from, if it still holds that value."""
+    at: Instruction | None = run.program.definitions.get(operand)
+    pointer = run.value(at.operands[0]) if at is not None and at.op == Op.Load else None
+    if not isinstance(pointer, Pointer) or pointer.path:
+        return
+    band: Band = run.value(operand)
+    if state.memory.get(pointer.variable) is not band:
+        return
+    lo, hi = np.maximum(band.lo, low), np.minimum(band.hi, high)
+    crossed = lo > hi  # of other invocations
+    lo, hi = np.where(crossed, band.lo, lo), np.where(crossed, band.hi, hi)
+    state.memory[pointer.variable] = Band(lo, hi, band.rules, band.flags, band.terms)
+
+
+Steps = tuple[list[tuple[Handler, Instruction, bool]], Branch, Instruction]
+"""A block's instructions, each with its handler and whether it is a call; and how it ends."""
+
+
+def steps_of(block: list[Instruction]) -> Steps:
+    """A block as it is run. What has no handler is refused where it is reached.
+
+    Raises:
+        NotInterpretedError: no branch ends it.
+    """
+    steps: list[tuple[Handler, Instruction, bool]] = []
+    for at in block:
+        if at.op in BRANCHES:
+            return steps, BRANCHES[at.op], at
+        steps.append((HANDLERS.get(at.op, _unknown), at, at.op == Op.FunctionCall))
+    raise NotInterpretedError("not interpreted: a block without an end")
+
+
+def _unknown(run: Run, at: Instruction, state: PathState) -> Value:
+    name = NAMES.get(at.op, f"SPIR-V's opcode {at.op}")
+    raise run.program.not_interpreted(name, at.line)
