@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab import CubeTexture, Texture, TextureArray, glsl
-from shaderlab.compiler.text import EXTENSIONS
+from shaderlab.compiler.shader_files import EXTENSIONS
 from shaderlab.engine.discovery import data_folder
 from shaderlab.errors import ShaderlabError
 from shaderlab.functions.declarations import DTYPES, Type

@@ -18,8 +18,8 @@ from pathlib import Path
 
 from shaderlab.compiler import ALL_TARGETS, Shaders, compile_program
 from shaderlab.compiler.commands import environment, locate
+from shaderlab.compiler.engines import SETTINGS
 from shaderlab.compiler.sources import Source
-from shaderlab.compiler.targets import SETTINGS
 from shaderlab.errors import ShaderError
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))

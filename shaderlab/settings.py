@@ -161,7 +161,7 @@ def _words(value: Any, root: Path) -> tuple[str, ...]:
 
 
 def _targets(value: Any, root: Path) -> tuple[str, ...]:
-    from shaderlab.compiler.targets import ALL_TARGETS
+    from shaderlab.compiler.engines import ALL_TARGETS
 
     words = _words(value, root)
     for word in words:

@@ -20,7 +20,7 @@ from shaderlab.cli.options import (
     make_local_executor,
 )
 from shaderlab.cli.shader_inputs import RANGES, is_of_functions, shaders_of_paths
-from shaderlab.compiler.text import EXTENSIONS, STAGES
+from shaderlab.compiler.shader_files import EXTENSIONS, STAGES
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
 

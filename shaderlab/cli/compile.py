@@ -14,11 +14,9 @@ from shaderlab.cli import FAILED
 from shaderlab.cli.files import finding_options, tell, uses_stdout, write_findings, write_json
 from shaderlab.cli.options import INCLUDE, JSON, TARGET, jobs_option, limits_option
 from shaderlab.cli.tallying import Tally, as_data, messages, progress_bar
-from shaderlab.compiler.engines import ENGINES
+from shaderlab.compiler.engines import ENGINES, TARGETS
 from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_found, time_limit
-from shaderlab.compiler.shader_files import find_shaders
-from shaderlab.compiler.targets import TARGETS
-from shaderlab.compiler.text import STAGES
+from shaderlab.compiler.shader_files import STAGES, find_shaders
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits
 from shaderlab.report.findings import Finding, of_verdicts

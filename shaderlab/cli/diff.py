@@ -14,7 +14,7 @@ from shaderlab.cli import FAILED, OK, USAGE
 from shaderlab.cli.files import write_json
 from shaderlab.cli.options import INCLUDE, JSON, jobs_option, limits_option, make_local_executor
 from shaderlab.cli.shader_inputs import RANGES, is_of_functions, shader_of_file
-from shaderlab.compiler.text import STAGES
+from shaderlab.compiler.shader_files import STAGES
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
 

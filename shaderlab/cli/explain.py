@@ -20,7 +20,7 @@ from shaderlab.cli.options import (
     make_local_executor,
 )
 from shaderlab.cli.shader_inputs import RANGES, shader_of_file
-from shaderlab.compiler.text import EXTENSIONS
+from shaderlab.compiler.shader_files import EXTENSIONS
 from shaderlab.errors import ShaderlabError, UsageError, nearest
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Explanation, Step

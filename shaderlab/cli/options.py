@@ -61,7 +61,7 @@ DRIVER = click.option(
 
 def _checked_targets(names: tuple[str, ...]) -> tuple[str, ...]:
     if names:
-        from shaderlab.compiler.targets import ALL_TARGETS
+        from shaderlab.compiler.engines import ALL_TARGETS
 
         for name in names:
             if name not in ALL_TARGETS:

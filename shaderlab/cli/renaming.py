@@ -9,8 +9,8 @@ from pathlib import Path
 
 from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.reflection import Interface
+from shaderlab.compiler.shader_files import read_shader, without_comments
 from shaderlab.compiler.sources import Shaders
-from shaderlab.compiler.text import read_shader, without_comments
 from shaderlab.errors import ShaderError, UsageError, nearest
 
 _KINDS = ("attributes", "varyings", "uniforms", "outputs")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shaderlab.compiler.text import EXTENSIONS
+from shaderlab.compiler.shader_files import EXTENSIONS
 from shaderlab.errors import UsageError
 
 if TYPE_CHECKING:

@@ -5,22 +5,21 @@
 package loads no shared library.
 """
 
-from shaderlab.compiler.compile import Compiled as Compiled, compile_program as compile_program
-from shaderlab.compiler.harness import (
+from .compile import Compiled as Compiled, compile_program as compile_program
+from .engines import ALL_TARGETS as ALL_TARGETS, TARGETS as TARGETS
+from .harness import (
     WORK as WORK,
     FileResult as FileResult,
     compile_glsl as compile_glsl,
 )
-from shaderlab.compiler.reflection import reflect as reflect
-from shaderlab.compiler.sources import Shaders as Shaders, Source as Source
-from shaderlab.compiler.spirv_tools import disassemble as disassemble, validate as validate
-from shaderlab.compiler.targets import ALL_TARGETS as ALL_TARGETS, TARGETS as TARGETS
-from shaderlab.compiler.text import STAGES as STAGES
-
+from .library import disassemble as disassemble, validate as validate
 from .reflection import (
     Block as Block,
     Interface as Interface,
     Member as Member,
     SpecConstant as SpecConstant,
     Variable as Variable,
+    reflect as reflect,
 )
+from .shader_files import STAGES as STAGES
+from .sources import Shaders as Shaders, Source as Source

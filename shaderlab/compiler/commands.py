@@ -18,12 +18,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from shaderlab.compiler.engines import Checked, CompilerDiedError, Linked
-from shaderlab.compiler.library import GLSLANG_WHEEL, INSTALL, SPIRV_TOOLS_WHEEL, find
-from shaderlab.compiler.sources import Source
-from shaderlab.compiler.targets import SETTINGS
-from shaderlab.compiler.text import EXTENSIONS
 from shaderlab.errors import ShaderError
+
+from .engines import SETTINGS, Checked, CompilerDiedError, Linked
+from .library import GLSLANG_WHEEL, INSTALL, SPIRV_TOOLS_WHEEL, find
+from .shader_files import EXTENSIONS
+from .sources import Source
 
 # The first extension of each stage is the one that the command knows.
 _SUFFIX = {stage: extension for extension, stage in reversed(list(EXTENSIONS.items()))}

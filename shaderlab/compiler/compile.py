@@ -9,17 +9,18 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-from shaderlab.compiler.engines import Engine, choose
-from shaderlab.compiler.reflection import reflect
-from shaderlab.compiler.sources import Source
-from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
-from shaderlab.compiler.text import STAGES
-from shaderlab.compiler.verdicts import Result, check_stages, link_stages, to_spirv
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.model.records import Diagnostic, Verdict
 
-from .reflection import Interface
-from .verdicts import in_dialect, with_interface
+from .crash_guard import check_version, find_crash
+from .diagnostics import has_errors, of_link, of_stage, of_validator
+from .dialects import by_own_rules, lift_samplers, with_interface
+from .engines import ALL_TARGETS, SETTINGS, TARGETS, Engine, Linked, choose
+from .module_edits import match_locations, unwritten_inputs
+from .reflection import Interface, reflect
+from .shader_files import STAGES
+from .sources import Source
+from .spirv import instruction_count
 
 
 @dataclass(frozen=True)
@@ -107,20 +108,14 @@ def compile_program(
     """
     ordered = in_order(stages, targets)
     engine = engine or choose()
-    plain = check_stages(ordered, engine)
-    parsed, results = plain.ok, dict[str, Result]()
-    if parsed and "opengl" in targets:
-        results["opengl"] = to_spirv(ordered, "opengl", engine)
-    if parsed and not ("opengl" in results and _links_as_plain(ordered, results["opengl"])):
-        plain = link_stages(plain, ordered, engine)
-    if not plain.ok:
-        results.clear()
-    results["glsl"] = plain
+    checked = check_stages(ordered, engine)
+    plain = link_stages(checked, ordered, engine) if checked.ok else checked
+    results = {"glsl": plain}
     for target in targets:
-        if target in results:
+        if target == "glsl":
             continue
-        if not parsed:
-            results[target] = in_dialect(ordered, target, plain, engine)
+        if not checked.ok:
+            results[target] = _compile_refused(ordered, target, plain, engine)
         else:
             results[target] = to_spirv(ordered, target, engine) if plain.ok else plain
 
@@ -144,12 +139,31 @@ def compile_program(
     )
 
 
-def _links_as_plain(stages: Sequence[Source], opengl: Result) -> bool:
-    """Whether plain GLSL has no more to say of stages that are linked for OpenGL: its rules for
-    links are the same, and it takes half a millisecond to ask."""
-    # Where one stage alone has a warning, both have it.
-    said = len(stages) > 1 and opengl.log
-    return opengl.linked and not said and not any("GL_SPIRV" in stage.code for stage in stages)
+def _compile_refused(
+    sources: Sequence[Source], target: str, plain: Result, engine: Engine
+) -> Result:
+    """What a SPIR-V target says of stages that plain GLSL refuses: it may know more words.
+
+    Args:
+        sources: the stages.
+        target: one with SPIR-V.
+        plain: what plain GLSL says; it is the answer if the target refuses the same lines.
+        engine: the compiler.
+    """
+    if plain.deadly:
+        return plain
+    if target == "vulkan":
+        # Relaxed rules crash on some mistakes that Vulkan's own rules report.
+        own = to_spirv([by_own_rules(source) for source in sources], "vulkan-strict", engine)
+        own = to_spirv(sources, target, engine) if own.ok else own
+    else:
+        own = to_spirv(sources, target, engine)
+    return plain if _lines(own) == _lines(plain) else own
+
+
+def _lines(result: Result) -> set[tuple[str | None, int | None]]:
+    errors: list[Diagnostic] = [d for d in result.diagnostics if d.severity == "error"]
+    return {(d.file, d.line) for d in errors}
 
 
 def in_order(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:
@@ -206,3 +220,120 @@ def _notes(diagnostic: Diagnostic, source: Source) -> Iterator[Diagnostic]:
                     message=f"{name}, included here, needs {diagnostic.token!r} declared before it",
                     token=diagnostic.token,
                 )
+
+
+@dataclass(frozen=True)
+class Result:
+    """One target's verdict in the making.
+
+    Attributes:
+        log: the compiler's own words.
+        modules: each stage's module, if all are valid.
+        valid: SPIRV-Tools' verdict, None if the compiler made no modules.
+        deadly: whether the text would crash a compiler, so that no other may get it.
+    """
+
+    diagnostics: tuple[Diagnostic, ...]
+    log: str = ""
+    modules: Mapping[str, bytes] = field(default_factory=dict)
+    valid: bool | None = None
+    deadly: bool = False
+
+    @property
+    def ok(self) -> bool:
+        return not has_errors(self.diagnostics)
+
+    def verdict(self, target: str) -> Verdict:
+        """The result as plain data."""
+        return Verdict(
+            target=target,
+            ok=self.ok,
+            diagnostics=self.diagnostics,
+            spirv_bytes=sum(map(len, self.modules.values())),
+            instructions=sum(map(instruction_count, self.modules.values())),
+            valid=self.valid,
+        )
+
+
+def check_stages(sources: Sequence[Source], engine: Engine) -> Result:
+    """Checks each stage by itself, as plain GLSL."""
+    deadly = tuple(d for d in (find_crash(source, engine) for source in sources) if d)
+    if deadly:
+        return Result(deadly, deadly=True)
+    diagnostics: list[Diagnostic] = []
+    log = ""
+    for source in sources:
+        checked = engine.check(source)
+        log += checked.log
+        found = of_stage(checked.log, source) if checked.log else ()
+        diagnostics += _consistent(found, checked.ok, source)
+    return Result(tuple(diagnostics), log)
+
+
+def link_stages(plain: Result, sources: Sequence[Source], engine: Engine) -> Result:
+    """Links stages that `check_stages` accepted, as plain GLSL."""
+    linked = engine.link(sources, "glsl")
+    new = [d for d in _of_linked(linked, sources) if d not in plain.diagnostics]
+    return Result((*plain.diagnostics, *new), plain.log + linked.log)
+
+
+def to_spirv(sources: Sequence[Source], target: str, engine: Engine) -> Result:
+    """Links the stages, makes SPIR-V for a target and validates it."""
+    old = tuple(d for d in (check_version(source, target) for source in sources) if d)
+    if old:
+        return Result(old)
+    notes: tuple[Diagnostic, ...] = ()
+    if target == "vulkan":
+        sources, notes = lift_samplers(sources, engine)
+    linked = engine.link(sources, target)
+    log = "".join(linked.stage_logs.values()) + linked.log
+    diagnostics = (*notes, *_of_linked(linked, sources)) if log or not linked.ok else notes
+    if has_errors(diagnostics):
+        return Result(diagnostics, log)
+    # Validated before they are read, since glslang can make modules that can't be parsed.
+    problems = _invalid(linked.modules, sources, target, engine)
+    valid, modules = not problems, linked.modules
+    if valid and len(sources) > 1:
+        modules = match_locations(linked.modules, sources)
+        changed = {s: m for s, m in modules.items() if m != linked.modules[s]}
+        problems = [
+            *unwritten_inputs(sources, modules),
+            *_invalid(changed, sources, target, engine),
+        ]
+    log += "".join(f"{d.message}\n" for d in problems)
+    return Result(
+        (*diagnostics, *problems),
+        log,
+        {} if problems else modules,
+        valid,
+    )
+
+
+def _invalid(
+    modules: Mapping[str, bytes], sources: Sequence[Source], target: str, engine: Engine
+) -> list[Diagnostic]:
+    """SPIRV-Tools' errors."""
+    environment = SETTINGS[target].environment
+    made = [source for source in sources if source.stage in modules]
+    messages = [engine.validate(modules[source.stage], environment) for source in made]
+    return [
+        of_validator(m, source) for m, source in zip(messages, made, strict=True) if m is not None
+    ]
+
+
+def _of_linked(linked: Linked, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
+    found: dict[Diagnostic, None] = {}
+    for source in sources:
+        found |= dict.fromkeys(of_stage(linked.stage_logs[source.stage], source))
+    found |= dict.fromkeys(of_link(linked.log, sources))
+    return _consistent(tuple(found), linked.ok, sources[-1])
+
+
+def _consistent(
+    diagnostics: tuple[Diagnostic, ...], ok: bool, source: Source
+) -> tuple[Diagnostic, ...]:
+    """The diagnostics, with an error added if the compiler failed without reporting one."""
+    if ok or has_errors(diagnostics):
+        return diagnostics
+    message = "the compiler rejects the shader and does not say why"
+    return (*diagnostics, source.diagnostic(message))

@@ -33,7 +33,6 @@ from .engines import COMMAND_VARIABLE, choose
 from .library import files
 from .reflection import Block, Interface, Member, SpecConstant, Variable
 from .sources import Source
-from .spirv_tools import disassemble
 
 LIMIT = 256 << 20
 _BLOCK = 4096  # bytes of disk that the smallest file takes
@@ -161,7 +160,7 @@ def cached_compiler() -> Compile:
     return compile_program if folder is None else _cache(folder).compile
 
 
-def compiled_with_lines(source: Source) -> Compiled:
+def compile_with_lines(source: Source) -> Compiled:
     """One stage compiled for OpenGL, or for Vulkan if only that takes it, behind the compile cache:
     its module says which line of the text each instruction comes from.
 
@@ -169,25 +168,12 @@ def compiled_with_lines(source: Source) -> Compiled:
         ShaderError: as `compile_program`.
     """
     folder = cache_folder()
-    return _with_lines(source) if folder is None else _cache(folder).compile_with_lines(source)
+    return (
+        _compile_with_lines(source) if folder is None else _cache(folder).compile_with_lines(source)
+    )
 
 
-def assembly(modules: Mapping[str, bytes]) -> str:
-    """A program's SPIR-V modules, by stage, as assembly with readable names, behind the compile
-    cache: a process that finds it there loads no library.
-
-    Raises:
-        ShaderError: as `shaderlab.compiler.spirv_tools.disassemble`.
-    """
-    folder = cache_folder()
-    return _disassembled(modules) if folder is None else _cache(folder).assembly(modules)
-
-
-def _disassembled(modules: Mapping[str, bytes]) -> str:
-    return "\n".join(f"; {stage}\n{disassemble(data)}" for stage, data in modules.items())
-
-
-def _with_lines(source: Source) -> Compiled:
+def _compile_with_lines(source: Source) -> Compiled:
     engine = choose()
     compiled = compile_program([source], ("opengl", "vulkan"), engine=engine)
     for target in compiled.spirv:
@@ -232,30 +218,13 @@ class CompileCache:
     def compile_with_lines(self, source: Source) -> Compiled:
         compilers = None if os.environ.get(COMMAND_VARIABLE) else self._compilers()
         if compilers is None:
-            return _with_lines(source)
+            return _compile_with_lines(source)
         key = program_key([source], ("lines",), compilers)
         found = self._load(key, (source,), ())
         if found is None:
-            found = _with_lines(source)
+            found = _compile_with_lines(source)
             self._store.put(key, encode(Entry(found.verdicts, found.spirv, found.logs)))
         return found
-
-    def assembly(self, modules: Mapping[str, bytes]) -> str:
-        """See `assembly`."""
-        compilers = self._compilers()
-        if compilers is None:
-            return _disassembled(modules)
-        stages = {stage: hashlib.sha256(data).hexdigest() for stage, data in modules.items()}
-        key = _digest(["assembly", compilers, stages])
-        try:
-            packed = zlib.decompressobj().decompress(self._store.get(key) or b"", _LARGEST)
-            text = packed.decode("utf-8")
-        except (zlib.error, UnicodeDecodeError):
-            text = ""
-        if not text:
-            text = _disassembled(modules)
-            self._store.put(key, zlib.compress(text.encode("utf-8"), 1))
-        return text
 
     def _load(
         self, key: str, ordered: tuple[Source, ...], targets: Sequence[str]

@@ -1,18 +1,78 @@
-"""Two ways to call the same compilers: as libraries in this process, or as commands.
-
-Code that compiles takes an `Engine` and gets the same data from either.
-"""
+"""The compile targets, and two ways to call the same compilers: as libraries in this process, or as
+commands. Code that compiles takes an `Engine` and gets the same data from either."""
 
 from __future__ import annotations
 
 import functools
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
-from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError, nearest
+
+from .sources import Source
+
+_SPV_RULES, _VULKAN_RULES = 1 << 3, 1 << 4
+_MAP_BINDINGS, _MAP_LOCATIONS, _RELAXED = 1 << 0, 1 << 1, 1 << 2
+_MAP = _MAP_BINDINGS | _MAP_LOCATIONS
+
+
+@dataclass(frozen=True, kw_only=True)
+class TargetSettings:
+    """One target in the compilers' terms.
+
+    Attributes:
+        flags: glslangValidator's, before the files.
+        client: glslang's number for who is to run the program, as are those that follow.
+        messages: rules to report violations of.
+        options: how numbers are assigned and rules relaxed.
+        environment: SPIRV-Tools' name for the target, "" if it has no modules.
+        api: the name in messages of the API that runs the modules.
+        minimum: the lowest desktop `#version` that can become SPIR-V.
+    """
+
+    flags: tuple[str, ...]
+    client: int = 0
+    client_version: int = 0
+    messages: int = 0
+    options: int = 0
+    environment: str = ""
+    api: str = ""
+    minimum: int = 0
+
+
+_VULKAN = TargetSettings(
+    flags=("-d", "-V", "-R", "--aml", "--amb"),
+    client=1,
+    client_version=1 << 22,
+    messages=_SPV_RULES | _VULKAN_RULES,
+    options=_MAP | _RELAXED,
+    environment="vulkan1.0",
+    api="Vulkan",
+    minimum=140,
+)
+
+SETTINGS: Mapping[str, TargetSettings] = {
+    "glsl": TargetSettings(flags=("-d", "-l")),
+    "opengl": TargetSettings(
+        flags=("-d", "-G", "--aml", "--amb"),
+        client=2,
+        client_version=450,
+        messages=_SPV_RULES,
+        options=_MAP,
+        environment="opengl4.5",
+        api="OpenGL",
+        minimum=330,
+    ),
+    "vulkan": _VULKAN,
+    "vulkan-strict": replace(_VULKAN, flags=("-d", "-V", "--aml", "--amb"), options=_MAP),
+}
+
+TARGETS = ("glsl", "opengl", "vulkan")
+"""The targets that programs are compiled for by default."""
+
+ALL_TARGETS = tuple(SETTINGS)
 
 ENGINES = ("library", "process")
 COMMAND_VARIABLE = "SHADERLAB_GLSLANG"
@@ -91,8 +151,8 @@ def choose(name: str | None = None, seconds: float | None = None) -> Engine:
 @functools.cache
 def _chosen(name: str | None, command: str | None, seconds: float | None) -> Engine:
     # Imported late: commands need subprocess and tempfile, which the library does without.
-    from shaderlab.compiler.commands import Commands, locate
-    from shaderlab.compiler.library_engine import Library
+    from .commands import Commands, locate
+    from .library import Library
 
     if name == "library":
         return Library()

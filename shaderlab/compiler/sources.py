@@ -17,8 +17,18 @@ from pathlib import Path
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.model.records import Diagnostic, Severity
 
-from .shader_files import OUTSIDE_REMEDY, File, OutsideError, Roots, inside
-from .text import STAGES, normalise, stage_of, version_of, without_comments
+from .shader_files import (
+    OUTSIDE_REMEDY,
+    STAGES,
+    File,
+    OutsideError,
+    Roots,
+    inside,
+    normalise,
+    stage_of,
+    version_of,
+    without_comments,
+)
 
 MAX_DEPTH = 64
 MAX_INCLUDES = 1000

@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import math
 import struct
+import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -387,3 +388,31 @@ def _image(module: Module, id_: int, kind: str) -> str:
         + ("Array" if arrayed else "")
         + ("Shadow" if depth == 1 and kind == "sampler" else "")
     )
+
+
+def instruction_count(module: bytes) -> int:
+    """The number of a module's instructions.
+
+    Raises:
+        ShaderError: the bytes are not a SPIR-V module.
+    """
+    if len(module) < 20 or len(module) % 4:
+        raise ShaderError(f"not a SPIR-V module: {len(module)} bytes")
+    # An instruction's first word has its length in the upper half; a list is read fastest.
+    upper = 1 if sys.byteorder == "little" else 0
+    lengths = memoryview(module).cast("H")[upper::2].tolist()
+    at, end = 5, len(lengths)
+    for count in range(end):
+        if at >= end:
+            return count
+        at += lengths[at]
+    # An instruction of length 0: the loop did not advance.
+    raise ShaderError(f"not a SPIR-V module: broken instruction at word {at}")
+
+
+def interface_name(module: Module, id_: int) -> str:
+    """The name that a variable has in all stages: its block's, or its own."""
+    element = unwrap(module, module.variables[id_][0])[1]
+    blocks = (Decoration.Block, Decoration.BufferBlock)
+    is_block = any(module.decorated(element, block) is not None for block in blocks)
+    return module.names.get(element if is_block else id_, "")

@@ -12,8 +12,8 @@ from typing import Self
 
 from shaderlab.compiler.compile import Compiled
 from shaderlab.compiler.compile_cache import cached_compiler
+from shaderlab.compiler.engines import TARGETS
 from shaderlab.compiler.sources import Shaders, Source
-from shaderlab.compiler.targets import TARGETS
 from shaderlab.drivers import Backend, open_backend
 from shaderlab.drivers.programs.prepare import Preparer, Programs
 from shaderlab.errors import DriverError

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import replace
 
-from shaderlab.compiler.verdicts import below_highp
+from shaderlab.compiler.dialects import below_highp
 from shaderlab.drivers.programs.prepare import Programs
 from shaderlab.drivers.programs.textures import forget_made
 from shaderlab.errors import (

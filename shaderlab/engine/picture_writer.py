@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.compile_cache import assembly
+from shaderlab.compiler.library import disassemble_stages
 from shaderlab.files import write_bytes
 from shaderlab.model import pictures
 from shaderlab.model.case import Scene
@@ -191,7 +191,7 @@ class PictureWriter:
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
             # Other workers may write the same file at the same time.
-            self._run(lambda: write_bytes(path, assembly(modules).encode("utf-8")))
+            self._run(lambda: write_bytes(path, disassemble_stages(modules).encode("utf-8")))
         return relative
 
     def _save(self, label: str, image: Array, side: int, palette: Array | None = None) -> str:

@@ -9,10 +9,10 @@ from itertools import groupby
 
 import numpy as np
 
-from shaderlab.compiler.driver_verdict import mark_disagreement
+from shaderlab.compiler.diagnostics import mark_disagreement
+from shaderlab.compiler.engines import ALL_TARGETS
 from shaderlab.compiler.reflection import Interface
 from shaderlab.compiler.sources import Source
-from shaderlab.compiler.targets import ALL_TARGETS
 from shaderlab.drivers.programs.prepare import PreparedDraw
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path

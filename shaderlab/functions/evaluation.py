@@ -23,8 +23,8 @@ import numpy as np
 
 from shaderlab.compiler.compile_cache import cached_compiler
 from shaderlab.compiler.engines import choose
+from shaderlab.compiler.shader_files import version_of, without_comments
 from shaderlab.compiler.sources import LineMap, Source
-from shaderlab.compiler.text import version_of, without_comments
 from shaderlab.drivers import Evaluation
 from shaderlab.errors import CallError, ShaderError
 from shaderlab.functions.call import Argument, Call, build_result, collect_opaque

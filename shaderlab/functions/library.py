@@ -13,8 +13,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from shaderlab.compiler.shader_files import EXTENSIONS, version_of
 from shaderlab.compiler.sources import LineMap, Shaders, Source
-from shaderlab.compiler.text import EXTENSIONS, version_of
 from shaderlab.engine.judging.laws import Law
 from shaderlab.errors import CallError, ShaderError, ShaderlabError, nearest
 from shaderlab.functions import checks

@@ -12,9 +12,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from shaderlab.compiler.compile import compile_program
+from shaderlab.compiler.dialects import with_interface
 from shaderlab.compiler.library import SPIRV_TOOLS_WHEEL, find
 from shaderlab.compiler.sources import Source
-from shaderlab.compiler.verdicts import with_interface
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.gl_calls import Traced

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from shaderlab.cli import cli
 from shaderlab.compiler import WORK, Shaders, compile_glsl, compile_program
-from shaderlab.compiler.driver_verdict import mark_disagreement, parse_driver_log
+from shaderlab.compiler.diagnostics import mark_disagreement, parse_driver_log
 from shaderlab.drivers import Backend, open_backend
 from shaderlab.drivers.opengl.backend import OpenGLBackend
 from shaderlab.drivers.opengl.device import GL, Device

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import pytest
 
 from shaderlab.compiler.compile import compile_program
+from shaderlab.compiler.library import validate
+from shaderlab.compiler.module_edits import with_feedback
 from shaderlab.compiler.sources import Shaders
-from shaderlab.compiler.spirv_tools import validate, with_feedback
 from shaderlab.drivers.opengl import device
 from shaderlab.drivers.opengl.linking import SpirvProgram
 from shaderlab.engine.catalogue import load_case

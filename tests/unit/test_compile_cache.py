@@ -14,9 +14,8 @@ import pytest
 from shaderlab.compiler import Shaders, Source, compile_cache, compile_program
 from shaderlab.compiler.compile import Compiled
 from shaderlab.compiler.compile_cache import CompileCache, Entry, Store, decode, encode, program_key
-from shaderlab.compiler.engines import CompilerDiedError
+from shaderlab.compiler.engines import ALL_TARGETS, TARGETS, CompilerDiedError
 from shaderlab.compiler.sources import LineMap
-from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
 from shaderlab.errors import ShaderError
 
 VERTEX = """#version 330 core
@@ -182,23 +181,6 @@ def test_another_process_finds_it_without_a_compiler(
     monkeypatch.setattr("shaderlab.compiler.library.spirv_tools", loaded)
     again = CompileCache(Store(store.folder), lambda: FINGERPRINT).compile(stages, targets)
     assert whole(again) == whole(true)
-
-
-def test_assembly_is_made_once_for_a_program(
-    tmp_path: Path, store: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    made: list[bytes] = []
-    disassemble = compile_cache.disassemble
-    monkeypatch.setattr(compile_cache, "disassemble", lambda m: made.append(m) or disassemble(m))
-    stages, targets = programs(tmp_path)["two stages"]
-    caches = [CompileCache(store, lambda by=by: by) for by in (FINGERPRINT, FINGERPRINT, "others")]
-    modules = caches[0].compile(stages, targets).spirv["opengl"]
-    first, again = (each.assembly(modules) for each in caches[:2])
-    assert first == again == "\n".join(f"; {s}\n{disassemble(m)}" for s, m in modules.items())
-    assert made == [*modules.values()]
-    caches[2].assembly(modules)
-    caches[0].assembly({"vertex": modules["fragment"]})
-    assert len(made) == 5
 
 
 def test_a_cached_plain_verdict_still_has_an_interface(

@@ -13,8 +13,8 @@ import pytest
 
 from benchmarks.verdicts import DIALECTS, EXPLAINED
 from shaderlab.compiler import ALL_TARGETS, Shaders, compile_program
+from shaderlab.compiler.engines import TARGETS
 from shaderlab.compiler.sources import Source
-from shaderlab.compiler.targets import TARGETS
 
 ACCEPTED: dict[str, list[str]] = tomllib.loads((DIALECTS / "accepted.toml").read_text())
 SHADERS = Shaders([DIALECTS])

@@ -12,9 +12,9 @@ import pytest
 
 from benchmarks.trees import SUFFIX, mutant, own_shaders
 from shaderlab.compiler import Shaders, Source, compile_program
+from shaderlab.compiler.crash_guard import check_version
 from shaderlab.compiler.engines import choose
 from shaderlab.compiler.library import GLSLANG_WHEEL, find
-from shaderlab.compiler.verdicts import too_old
 
 VERTEX = """#version 330 core
 layout (location = 0) in vec3 aPos;
@@ -184,7 +184,7 @@ def test_linked_verdicts_and_modules_are_the_commands_own(
         linked = library.link([source], "glsl")
         made = 0
         for target, flags in FLAGS.items():
-            if too_old(source, target):
+            if check_version(source, target):
                 continue
             printed = run_command([*flags, "--aml", "--amb", source.path], folder)
             # Some texts are wrong for SPIR-V alone: two inputs at one location, for one.

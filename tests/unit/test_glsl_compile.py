@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from shaderlab.compiler import Shaders, Source, compile_program, disassemble, validate
+from shaderlab.compiler.crash_guard import MAX_NESTING, MAX_OPERATORS, find_crash
 from shaderlab.compiler.engines import choose
 from shaderlab.compiler.library import find
-from shaderlab.compiler.spirv import Decoration, Module, parse
-from shaderlab.compiler.verdicts import MAX_NESTING, MAX_OPERATORS, fatal, interface_name
+from shaderlab.compiler.spirv import Decoration, Module, interface_name, parse
 from shaderlab.errors import ShaderError
 
 # Each stage uses its variables in another order than the others, so glslang numbers them apart.
@@ -404,7 +404,7 @@ def test_large_but_reasonable_texts_pass_the_guards() -> None:
         fragment("for (int i = 0; i < 3; i++) {" + "if (x > 1.0) {} else {}" * 300 + "}"),
     ]
     for source in right:
-        assert fatal(source, choose()) is None
+        assert find_crash(source, choose()) is None
     compile_program([right[0]]).require()
 
 

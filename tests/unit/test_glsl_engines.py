@@ -5,18 +5,15 @@ from __future__ import annotations
 import os
 import random
 import stat
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from benchmarks.trees import mutant, own_shaders
-from shaderlab.compiler import ALL_TARGETS, Shaders, compile_glsl, compile_program, library
+from shaderlab.compiler import ALL_TARGETS, Shaders, compile_glsl, compile_program
 from shaderlab.compiler.commands import Commands, Executables, locate
 from shaderlab.compiler.engines import CompilerDiedError, choose
-from shaderlab.compiler.library import GLSLANG_WHEEL, Input, find, glslang
-from shaderlab.compiler.library_engine import Library
-from shaderlab.compiler.targets import SETTINGS
+from shaderlab.compiler.library import GLSLANG_WHEEL, find
 from shaderlab.doctor import examine
 from shaderlab.errors import ShaderError
 
@@ -79,42 +76,6 @@ def test_a_tree_has_the_same_results(tmp_path: Path, repository: Path) -> None:
     process = list(compile_glsl([tmp_path], engine="process", keep=True))
     assert process == library
     assert 3 < sum(result.ok for result in library) < 17
-
-
-def test_each_stage_is_linked_for_two_targets_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    program = PROGRAMS["two stages"]
-    stages = [Shaders([]).from_text(text, stage, f"p.{stage}") for stage, text in program.items()]
-    engine, read = Library(), list[str]()
-
-    def counted(handle: int, given: Input) -> bool:
-        read.append(given.code.decode())
-        return glslang().parse(handle, given)
-
-    class Front:
-        def __getattr__(self, name: str) -> object:
-            assert "preprocess" not in name
-            return getattr(glslang().front, name)
-
-    monkeypatch.setattr(engine, "_glslang", replace(glslang(), front=Front(), parse=counted))
-    assert compile_program(stages, engine=engine).ok
-    assert sorted(read) == sorted(2 * [stage.text for stage in stages])
-
-
-@pytest.mark.parametrize("absent", ["_PARSE", "_SHADER", "_NO_INCLUDES"])
-def test_a_library_without_its_c_plus_plus_functions_says_the_same(
-    monkeypatch: pytest.MonkeyPatch, absent: str
-) -> None:
-    program = PROGRAMS["two stages"]
-    stages = [Shaders([]).from_text(text, stage, f"p.{stage}") for stage, text in program.items()]
-    usual, other = Library(), Library()
-    monkeypatch.setattr(library, absent, "no_such_name")
-    parse = library._direct_parse(glslang().front)
-    monkeypatch.setattr(other, "_glslang", replace(glslang(), parse=parse))
-    handle, given = other._create(stages[0], SETTINGS["opengl"], stages[0].text)
-    assert not parse(handle, given) and glslang().parse(handle, given)
-    glslang().front.glslang_shader_delete(handle)
-    made = [compile_program(stages, engine=engine) for engine in (usual, other)]
-    assert (made[0].verdicts, made[0].spirv) == (made[1].verdicts, made[1].spirv) and made[0].ok
 
 
 def test_the_variable_names_the_command(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -23,7 +23,7 @@ GOOD = HEAD + "void main() { c = vec4(x); }\n"
 UNGUARDED = """
 from shaderlab.compiler import Shaders
 from shaderlab.compiler.engines import choose
-from shaderlab.compiler.spirv_tools import validate
+from shaderlab.compiler.library import validate
 
 class Work:
     def __init__(self, channel):

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from shaderlab.compiler.compile_cache import compiled_with_lines
+from shaderlab.compiler.compile_cache import compile_with_lines
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv import (
     ExecutionMode,
@@ -275,7 +275,7 @@ def load(source: Source) -> Program:
     """
     if source.stage.startswith("tess_"):
         raise NotInterpretedError(f"not interpreted: {source.stage} stage", file=source.path)
-    compiled = compiled_with_lines(source)
+    compiled = compile_with_lines(source)
     for modules in compiled.spirv.values():
         return read(modules[source.stage], source)
     compiled.require()

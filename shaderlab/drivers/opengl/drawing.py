@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import moderngl
 import numpy as np
 
-from shaderlab.compiler.driver_verdict import parse_driver_log
+from shaderlab.compiler.diagnostics import parse_driver_log
 from shaderlab.compiler.reflection import Block, Variable
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError

@@ -14,11 +14,11 @@ import moderngl
 import numpy as np
 
 from shaderlab.compiler.compile_cache import cached_compiler
-from shaderlab.compiler.driver_verdict import DRIVER, parse_driver_log
+from shaderlab.compiler.diagnostics import DRIVER, parse_driver_log
+from shaderlab.compiler.module_edits import with_feedback
 from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.spirv import parse
-from shaderlab.compiler.spirv_tools import with_feedback
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array

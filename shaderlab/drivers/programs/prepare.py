@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from shaderlab.compiler.compile import Compile, Compiled, compile_program
+from shaderlab.compiler.engines import TARGETS
 from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.compiler.sources import Shaders, Source
-from shaderlab.compiler.targets import TARGETS
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, PassDraw

@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from shaderlab.compiler.reflection import Interface, Variable
-from shaderlab.compiler.text import without_comments
+from shaderlab.compiler.shader_files import without_comments
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array
 

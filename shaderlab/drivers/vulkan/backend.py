@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar
 
-from shaderlab.compiler.driver_verdict import DRIVER
+from shaderlab.compiler.diagnostics import DRIVER
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError
 from shaderlab.model.frame import Array

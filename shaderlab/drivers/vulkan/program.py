@@ -18,8 +18,7 @@ import numpy as np
 
 from shaderlab.compiler.reflection import Block, Variable, own_variables, reflect, stage_variables
 from shaderlab.compiler.sources import Source
-from shaderlab.compiler.spirv import Decoration, Module, StorageClass, parse, unwrap
-from shaderlab.compiler.verdicts import interface_name
+from shaderlab.compiler.spirv import Decoration, Module, StorageClass, interface_name, parse, unwrap
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from typing import ClassVar
 
-from shaderlab.compiler.driver_verdict import DRIVER
+from shaderlab.compiler.diagnostics import DRIVER
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.frame import PassDraw
