@@ -308,9 +308,9 @@ def test_one_buffer_serves_several_programs_unless_they_lay_it_out_differently(
 def test_a_block_that_the_driver_lays_out_otherwise_is_an_error_that_names_the_member(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.drivers.opengl import bindings
+    from shaderlab.drivers.opengl import buffers
 
-    real = bindings.read_block
+    real = buffers.read_block
 
     def elsewhere(program: Any, block: Any) -> Any:
         reading = real(program, block)
@@ -318,7 +318,7 @@ def test_a_block_that_the_driver_lays_out_otherwise_is_an_error_that_names_the_m
             return reading
         return replace(reading, offsets={**reading.offsets, "tint": 20})
 
-    monkeypatch.setattr(bindings, "read_block", elsewhere)
+    monkeypatch.setattr(buffers, "read_block", elsewhere)
     (record,) = run(folder, passes=blocks(), expect=[formula("first", first)])
     assert record.status == "error"
     assert "std140 puts tint at byte 16, the driver has it at byte 20" in record.message

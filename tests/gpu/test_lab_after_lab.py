@@ -7,7 +7,7 @@ import gc
 import numpy as np
 
 from shaderlab.drivers import open_backend
-from shaderlab.drivers.opengl.api import fresh_context
+from shaderlab.drivers.opengl.calls import fresh_context
 from shaderlab.drivers.opengl.device import GL
 
 

@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from shaderlab.analysis.self_check import SelfCheck
-from shaderlab.drivers.opengl import state as fixed
+from shaderlab.drivers.opengl import drawing
 from shaderlab.drivers.opengl.backend import OpenGLSession
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.coverage import coverage
@@ -258,9 +258,9 @@ def test_captures_are_held_for_one_pass_at_a_time_and_drawn_once(
         redraws.append(description.name)
         return drawn(session, description, *rest)
 
-    captured, drawn = OpenGLSession.capture_fragments, OpenGLSession.redrawn
+    captured, drawn = OpenGLSession.capture_fragments, OpenGLSession.redraw_with_texts
     monkeypatch.setattr(OpenGLSession, "capture_fragments", fragments)
-    monkeypatch.setattr(OpenGLSession, "redrawn", redrawn)
+    monkeypatch.setattr(OpenGLSession, "redraw_with_texts", redrawn)
     with Lab() as lab:
         record = lab.run(replace(scene, passes=passes, expect=checks))
     assert [o.status for o in record.expectations] == ["pass"] * 6, record.message
@@ -273,7 +273,7 @@ def test_a_leak_is_caught(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, leak: str | None
 ) -> None:
     """The same comparison, with a lab that leaves something on after a case that culls."""
-    right = fixed.apply
+    right = drawing.apply_state
 
     def leaking(state: State, size: tuple[int, int], version: int) -> None:
         from OpenGL import GL  # only once a device is open, which chooses its platform
@@ -282,7 +282,7 @@ def test_a_leak_is_caught(
         if state.cull is not None and leak is not None:
             LEAKS[leak](GL)
 
-    monkeypatch.setattr(fixed, "apply", leaking)
+    monkeypatch.setattr(drawing, "apply_state", leaking)
     culling, plain = (
         triangle(tmp_path, "culling", State(cull="front")),
         triangle(tmp_path, "plain", State()),

@@ -10,10 +10,10 @@ import pytest
 
 from shaderlab.drivers.opengl import (
     bindings,
+    buffers,
     drawing,
     linking,
     target,
-    vertices,
 )
 from shaderlab.drivers.opengl.device import named
 from shaderlab.engine.lab import Lab
@@ -25,14 +25,14 @@ Patch = Callable[[pytest.MonkeyPatch], None]
 
 def always_static(patch: pytest.MonkeyPatch) -> None:
     """Each buffer gets the same hint."""
-    patch.setattr(vertices, "named", lambda word: named("static_draw"))
+    patch.setattr(buffers, "named", lambda word: named("static_draw"))
 
 
 def always_copied(patch: pytest.MonkeyPatch) -> None:
     """Buffers are filled by glBufferData, whatever a mesh asks for."""
-    filled = vertices._filled
+    filled = buffers._filled
     patch.setattr(
-        vertices, "_filled", lambda d, parts, mesh: filled(d, parts, replace(mesh, upload="data"))
+        buffers, "_filled", lambda d, parts, mesh: filled(d, parts, replace(mesh, upload="data"))
     )
 
 
@@ -46,7 +46,7 @@ def always_anew(patch: pytest.MonkeyPatch) -> None:
     """Each draw has its mesh uploaded again."""
 
     def made(self: Any, program: Any, mesh: Any) -> Any:
-        self._arrays[len(self._arrays), 0] = found = vertices.vertex_array(
+        self._arrays[len(self._arrays), 0] = found = buffers.vertex_array(
             self.device, program, mesh
         )
         return found
@@ -56,13 +56,13 @@ def always_anew(patch: pytest.MonkeyPatch) -> None:
 
 def always_written(patch: pytest.MonkeyPatch) -> None:
     """Each draw has its blocks written to buffers of their own."""
-    bind = bindings.UniformBuffers.bind
+    bind = buffers.UniformBuffers.bind
 
     def bound(self: Any, *arguments: Any) -> Any:
         self._made = {}
         return bind(self, *arguments)
 
-    patch.setattr(bindings.UniformBuffers, "bind", bound)
+    patch.setattr(buffers.UniformBuffers, "bind", bound)
 
 
 def depth_in_textures(patch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from shaderlab.drivers.device import mesa_variables
+from shaderlab.drivers import mesa_variables
 
 
 @pytest.mark.parametrize("name", ["MESA_SHADER_CACHE_DIR", "XDG_CACHE_HOME", "HOME"])

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from ..device import mesa_variables, variables_set
+from .. import mesa_variables, variables_set
 
 if TYPE_CHECKING:
     from .backend import OpenGLBackend

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Container, Mapping, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -19,29 +18,26 @@ from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
-from shaderlab.model.frame import Array, Bindings, BlockReading, Image, PassDraw
+from shaderlab.model.frame import Array, Bindings, Image, PassDraw
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.scene import Target
 from shaderlab.model.state import State
 
 from .. import Drawn, Evaluation, Size
-from ..passes import COVERING, RedrawingSession
+from ..passes import PassSession
 from ..programs import blocks, stages, storage
 from ..programs.prepare import PreparedDraw, Programs, step
 from ..programs.stages import NUMBER, Piece
 from ..programs.textures import components_of, numpy_type
-from . import state
-from .bindings import BoundTextures, UniformBuffers, bound_images, read_images
+from ..resources import COVERING
+from .bindings import BoundTextures, bound_images, read_images
+from .buffers import UniformBuffers, VertexArray, read_storage, resource_index, vertex_array
 from .device import GL, Device, named, require_inputs
 from .linking import Linker, has_names, output_locations, set_uniforms
-from .target import RenderTarget
-from .vertices import VertexArray, vertex_array
-
-if TYPE_CHECKING:
-    from .device import Device
+from .target import RenderTarget, apply_state
 
 
-class Drawing(RedrawingSession[RenderTarget, Linker]):
+class Drawing(PassSession[RenderTarget, Linker]):
     """One scene on the device: its targets and textures, kept until the session ends."""
 
     device: Device
@@ -155,7 +151,7 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
         self.use(program, draw, bindings, only_active=texts is not None)
         vao = self._vertex_array(program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
-        state.apply(fixed_state or draw.draw.state, target.size, self.device.version)
+        apply_state(fixed_state or draw.draw.state, target.size, self.device.version)
         return program, vao
 
     def _linked(self, draw: PreparedDraw, texts: Mapping[str, str]) -> Any:
@@ -213,9 +209,6 @@ def drain_errors() -> tuple[int, ...]:
     while (code := GL.glGetError()) != GL.GL_NO_ERROR and len(errors) < 16:
         errors.append(int(code))
     return tuple(errors)
-
-
-_NONE = 0xFFFFFFFF  # GL_INVALID_INDEX
 
 
 def has_compute(device: Device) -> bool:
@@ -280,7 +273,7 @@ def _bind(program: Any, block: Block, point: int) -> bool:
     """Give a block its binding; False for one without any effect."""
     if not has_names(program):
         return True
-    index = _index(program, GL.GL_SHADER_STORAGE_BLOCK, block.name)
+    index = resource_index(program, GL.GL_SHADER_STORAGE_BLOCK, block.name)
     if index is None:
         return False
     reading = read_storage(program, block)
@@ -294,34 +287,6 @@ def _bind(program: Any, block: Block, point: int) -> bool:
             )
     GL.glShaderStorageBlockBinding(program.glo, index, point)
     return True
-
-
-def read_storage(program: Any, block: Block) -> BlockReading:
-    """Where the driver has a storage block's members, and where the lab has them."""
-    placed = {name: member.offset for name, member in block.members.items()}
-    offsets, size = dict(placed), block.size
-    if has_names(program):
-        index = _index(program, GL.GL_SHADER_STORAGE_BLOCK, block.name)
-        size = 0 if index is None else _read(
-            program, GL.GL_SHADER_STORAGE_BLOCK, index, GL.GL_BUFFER_DATA_SIZE
-        )  # fmt: skip
-        offsets = {}
-        for name in block.members:
-            at = _index(program, GL.GL_BUFFER_VARIABLE, blocks.spelt(block, name))
-            if at is not None:
-                offsets[name] = _read(program, GL.GL_BUFFER_VARIABLE, at, GL.GL_OFFSET)
-    return BlockReading(offsets=offsets, size=size, placed=placed, placed_size=block.size)
-
-
-def _index(program: Any, interface: int, name: str) -> int | None:
-    found = int(GL.glGetProgramResourceIndex(program.glo, interface, name.encode()))
-    return None if found == _NONE else found
-
-
-def _read(program: Any, interface: int, index: int, what: int) -> int:
-    wanted, got = (ctypes.c_uint * 1)(what), (ctypes.c_int * 1)()
-    GL.glGetProgramResourceiv(program.glo, interface, index, 1, wanted, 1, None, got)
-    return int(got[0])
 
 
 _CACHED = 4  # grids whose textures are kept; calls come with the same size again and again

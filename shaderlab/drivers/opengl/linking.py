@@ -24,8 +24,8 @@ from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Diagnostic, Verdict
 
-from ..passes import ProgramCache
 from ..programs.textures import components_of
+from ..resources import ProgramCache
 from .device import GL, Device, GLError, gl_spirv, named
 
 

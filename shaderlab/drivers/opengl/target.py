@@ -1,4 +1,4 @@
-"""Render targets: a framebuffer with its attachments, cleared, drawn into, and read back."""
+"""Render targets, and the fixed-function state that draws into them have."""
 
 from __future__ import annotations
 
@@ -12,13 +12,80 @@ import numpy as np
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.scene import Target
-from shaderlab.model.state import State
+from shaderlab.model.state import Blend, Depth, State, Stencil
 
-from ..passes import COVERING, UNREADABLE, Attachments, of_several_samples
 from ..programs.textures import COLOR, DEPTH
-from . import state
+from ..resources import COVERING, UNREADABLE, Attachments, multisampled_error
 from .device import GL, GL_1_0, Device, named
 from .textures import DeviceTexture, address, depth_storage, tightly_packed
+
+_NO_DEPTH, _NO_STENCIL, _NO_BLEND = Depth(), Stencil(), Blend()
+
+
+def apply_state(state: State, size: tuple[int, int], version: int) -> None:
+    """Make the current context's state what `state` says, for a target of `size` pixels.
+
+    `version` is the context's OpenGL version: 450 for 4.5.
+    """
+    whole = (0, 0, *size)
+    cell = None if state.cell is None else state.cell.rectangle(size)
+    scissor = cell or state.scissor
+    switches = {
+        GL.GL_SCISSOR_TEST: scissor is not None,
+        GL.GL_DEPTH_TEST: state.depth is not None,
+        GL.GL_POLYGON_OFFSET_FILL: state.polygon_offset is not None,
+        GL.GL_POLYGON_OFFSET_LINE: state.polygon_offset is not None,
+        GL.GL_STENCIL_TEST: state.stencil is not None,
+        GL.GL_BLEND: state.blend is not None,
+        GL.GL_CULL_FACE: state.cull is not None,
+        GL.GL_FRAMEBUFFER_SRGB: state.srgb,
+        GL.GL_PROGRAM_POINT_SIZE: isinstance(state.point_size, str),
+        GL.GL_MULTISAMPLE: state.multisample,
+        GL.GL_SAMPLE_ALPHA_TO_COVERAGE: state.alpha_to_coverage,
+    }
+    if version >= 400:
+        switches[GL.GL_SAMPLE_SHADING] = state.sample_shading is not None
+        GL.glMinSampleShading(state.sample_shading or 0.0)
+    elif state.sample_shading is not None:
+        raise UnsupportedError("shading each sample (sample_shading): it takes OpenGL 4.0")
+    for capability, on in switches.items():
+        (GL.glEnable if on else GL.glDisable)(capability)
+    GL.glViewport(*(cell or state.viewport or whole))
+    GL.glScissor(*(scissor or whole))
+    depth = state.depth or _NO_DEPTH
+    GL.glDepthFunc(named(depth.func))
+    GL.glDepthMask(depth.write)
+    GL.glDepthRange(*state.depth_range)
+    GL.glPolygonOffset(*(state.polygon_offset or (0.0, 0.0)))
+    _stencil(GL.GL_FRONT, state.stencil or _NO_STENCIL)
+    _stencil(GL.GL_BACK, state.stencil_back or state.stencil or _NO_STENCIL)
+    _blend(state.blend or _NO_BLEND)
+    GL.glCullFace(named(state.cull or "back"))
+    GL.glFrontFace(named(state.front_face))
+    GL.glColorMask(*state.color_mask)
+    GL.glPointSize(state.point_size if isinstance(state.point_size, int | float) else 1.0)
+
+
+def _stencil(face: int, stencil: Stencil) -> None:
+    GL.glStencilFuncSeparate(face, named(stencil.func), stencil.reference, stencil.mask)
+    operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
+    GL.glStencilOpSeparate(face, *(named(word) for word in operations))
+    GL.glStencilMaskSeparate(face, stencil.write_mask)
+
+
+def _blend(blend: Blend) -> None:
+    GL.glBlendFuncSeparate(
+        named(blend.source),
+        named(blend.destination),
+        named(blend.source_alpha or blend.source),
+        named(blend.destination_alpha or blend.destination),
+    )
+    for_color, for_alpha = (
+        named(word if word in ("min", "max") else f"func_{word}")
+        for word in (blend.equation, blend.equation_alpha or blend.equation)
+    )
+    GL.glBlendEquationSeparate(for_color, for_alpha)
+    GL.glBlendColor(*blend.constant)
 
 
 class RenderTarget(Attachments):
@@ -79,7 +146,7 @@ class RenderTarget(Attachments):
 
     def clear(self) -> None:
         self.bind({name: index for index, name in enumerate(self.colors)})
-        state.apply(State(), self.size, self._device.version)
+        apply_state(State(), self.size, self._device.version)
         for index, word in enumerate(self.colors.values()):
             if COLOR[word].integer:
                 values = np.array(self._target.clear, np.int32)
@@ -205,7 +272,7 @@ def read_samples(
     corners = context.vertex_array(program, [])
     values = np.empty((samples, size[1], size[0], 4), np.float32)
     framebuffer.use()
-    state.apply(State(), size, device.version)
+    apply_state(State(), size, device.version)
     GL.glActiveTexture(GL.GL_TEXTURE0)
     GL.glBindTexture(texture.target, texture.glo)
     GL.glUseProgram(program.glo)
@@ -285,7 +352,7 @@ def read_depth(framebuffer: Any, target: Target, name: str, size: tuple[int, int
         UnsupportedError: the target has several samples a pixel.
     """
     if target.samples:
-        raise of_several_samples(name)
+        raise multisampled_error(name)
     assert target.depth is not None
     width, height = size
     of_depth = name == "depth"

@@ -1,4 +1,4 @@
-"""Textures on the device: made of images or of compressed blocks, and read back.
+"""Textures on the device: made of images or of compressed blocks, bound to samplers, and read back.
 
 Pixels are moved as they lie in memory, through PyOpenGL's raw functions: its wrappers convert and
 copy what they are given, and know neither half floats nor packed depth and stencil.
@@ -15,11 +15,18 @@ import numpy as np
 
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array
-from shaderlab.model.textures import level_sizes
+from shaderlab.model.textures import (
+    level_sizes,
+)
 
-from ..programs.textures import DEPTH, Blocks, Contents, format_of
+from ..programs.textures import (
+    DEPTH,
+    Blocks,
+    Contents,
+    format_of,
+)
+from .buffers import write_mapped
 from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, named
-from .vertices import write_mapped
 
 # The binding points, as OpenGL has their names, by what GLSL's samplers end in.
 _TARGETS = {

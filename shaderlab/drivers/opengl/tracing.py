@@ -26,7 +26,7 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
 from shaderlab.model.frame import PassDraw, TracedCall
 
-from .api import constant, constants, fresh_context, prototypes
+from .calls import constant, constants, fresh_context, prototypes
 from .device import GL, GL_1_0, GL_1_2, GL_1_3, REQUIRED_VERSION, Device
 from .drawing import Drawing
 from .linking import Linker

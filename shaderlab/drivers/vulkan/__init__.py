@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from shaderlab.errors import DriverError
 
-from ..device import mesa_variables, variables_set
+from .. import mesa_variables, variables_set
 
 if TYPE_CHECKING:
     from .backend import VulkanBackend

@@ -12,7 +12,7 @@ from shaderlab.model.frame import Array
 from shaderlab.model.records import Verdict
 
 from .. import Evaluation
-from ..device import DeviceBackend
+from ..passes import DeviceBackend
 from ..protocol import Answers
 from . import drawing, queries
 from .device import Device

@@ -23,9 +23,8 @@ from shaderlab.model.textures import (
 )
 
 from .. import Size
-from ..passes import COVERING, UNREADABLE
 from ..programs.textures import DEPTH, blocks_of, contents, find_image, format_of, kind_of
-from ..scene_textures import DeviceTexels, SceneTextures
+from ..resources import COVERING, UNREADABLE, DeviceTexels, SceneTextures
 from . import state as fixed
 from .api import NULL, Structs, lib
 from .device import Commands, Device, Resources, recording

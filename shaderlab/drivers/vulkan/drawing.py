@@ -19,12 +19,13 @@ from shaderlab.model.scene import Target
 from shaderlab.model.state import State
 
 from .. import Evaluation, Size
-from ..passes import COVERING, RedrawingSession
+from ..passes import PassSession
 from ..programs import blocks, stages
 from ..programs.module_texts import HEIGHT, as_drawn, sources_of
 from ..programs.prepare import PreparedDraw, Programs
 from ..programs.stages import Piece
 from ..programs.vertex_capture import corners
+from ..resources import COVERING
 from . import state as fixed
 from .api import Structs
 from .bindings import BoundTextures, Ready
@@ -45,7 +46,7 @@ from .target import RenderTarget
 from .vertices import VertexBuffers, VertexLayout, layout_of, upload
 
 
-class Drawing(RedrawingSession[RenderTarget, Linker]):
+class Drawing(PassSession[RenderTarget, Linker]):
     """One scene on the device: its targets and textures, kept until the session ends."""
 
     device: Device
@@ -75,7 +76,7 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
         fixed_state: State | None = None,
         around: Callable[[Commands, Callable[[], None]], None] | None = None,
     ) -> None:
-        """As `RedrawingSession.render`; `around` records the draw by calling what it is given, with
+        """As `PassSession.render`; `around` records the draw by calling what it is given, with
         commands of its own before and after."""
         with Resources(self.device) as own:
             ready = self.ready(own, draw, bindings, target, texts=texts, fixed_state=fixed_state)

@@ -24,9 +24,9 @@ from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array
 from shaderlab.model.state import State
 
-from ..passes import ProgramCache
 from ..programs import blocks
 from ..programs.module_texts import compiled_to_modules, counted_as_declared, numbered, sources_of
+from ..resources import ProgramCache
 from . import state as fixed
 from .api import NULL, Structs, check, ffi, lib
 from .device import GENERAL, Buffer, Device, Resources

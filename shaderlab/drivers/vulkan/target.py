@@ -11,8 +11,8 @@ from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.scene import Target
 
-from ..passes import Attachments, of_several_samples
 from ..programs.textures import COLOR
+from ..resources import Attachments, multisampled_error
 from .api import lib
 from .device import GENERAL, Commands, Device, Resources, recording, samples_offered
 from .images import STENCIL_ASPECT, DeviceImage, aspects, new_image, new_view, read, stored_as
@@ -160,7 +160,7 @@ class RenderTarget(Attachments):
             return Image(read(self._device, self.images[name])[0], self.colors[name])
         assert self.depth_image is not None
         if self.samples > 1:
-            raise of_several_samples(name)
+            raise multisampled_error(name)
         stencil = name == "stencil"
         values = read(self._device, self.depth_image, stencil=stencil)[0]
         return Image(values, "stencil8" if stencil else self.depth)

@@ -12,7 +12,7 @@ from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.frame import PassDraw
 from shaderlab.model.records import Verdict
 
-from ..device import DeviceBackend
+from ..passes import DeviceBackend
 from ..programs.module_texts import as_drawn
 from ..protocol import Answers
 from . import drawing, queries

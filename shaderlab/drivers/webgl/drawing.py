@@ -17,7 +17,7 @@ from shaderlab.model.scene import Target
 from shaderlab.model.state import State
 
 from .. import Size
-from ..passes import RedrawingSession
+from ..passes import PassSession
 from ..programs import blocks, stages
 from ..programs.module_texts import HEIGHT, as_drawn
 from ..programs.prepare import PreparedDraw, Programs
@@ -106,7 +106,7 @@ def vertex_array(own: Objects, mesh: Mesh | None, declared: Mapping[str, Variabl
     return VertexArray(made, mesh.primitive, count, mesh.indices is not None, locations)
 
 
-class Drawing(RedrawingSession[RenderTarget, Linker]):
+class Drawing(PassSession[RenderTarget, Linker]):
     """One scene on the device: its targets and textures, kept until the session ends."""
 
     device: Device

@@ -14,8 +14,8 @@ from shaderlab.errors import UnsupportedError
 from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array
 
-from ..passes import ProgramCache
 from ..programs.blocks import uniform_blocks
+from ..resources import ProgramCache
 from .device import Calls, Device, Object, Objects
 from .essl import Translated, translated
 

@@ -14,9 +14,8 @@ from shaderlab.model.frame import Array, Image
 from shaderlab.model.scene import Target
 from shaderlab.model.textures import CompressedTexture, Output, Sampling, TextureSource, level_sizes
 
-from ..passes import UNREADABLE, Attachments, of_several_samples
 from ..programs.textures import COLOR, DEPTH, blocks_of, contents, find_image, kind_of
-from ..scene_textures import DeviceTexels, SceneTextures
+from ..resources import UNREADABLE, Attachments, DeviceTexels, SceneTextures, multisampled_error
 from .device import Device, Object, Objects
 from .textures import (
     COMPRESSED,
@@ -140,7 +139,7 @@ class RenderTarget(Attachments):
             word = self.colors[name]
             return Image(attached(self._device, self.textures[name], word, self.size), word)
         if self.depth_texture is None:
-            raise of_several_samples(name)
+            raise multisampled_error(name)
         if name == "stencil":
             own = {self._depth_point: self.depth_texture}
             return Image(stencil(self._device, own, self.size), "stencil8")

@@ -14,8 +14,8 @@ import numpy as np
 from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.frame import Array
 
-from ..passes import COVERING
 from ..programs.textures import DEPTH, format_of
+from ..resources import COVERING
 from .device import Device, Object, Objects, decoded
 
 _CHANNELS = {1: "RED", 2: "RG", 3: "RGB", 4: "RGBA"}
