@@ -32,7 +32,7 @@ from shaderlab.bands.allowed import contains
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.expectations.formula import Formula
-from shaderlab.engine.expectations.subject import subject_of
+from shaderlab.engine.expectations.needs import subject_of
 from shaderlab.engine.judging.inputs import Inputs, evaluate
 from shaderlab.engine.lab import Lab
 from shaderlab.model.case import Scene

@@ -36,7 +36,7 @@ from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.formula import Formula
-from shaderlab.engine.expectations.subject import subject_of
+from shaderlab.engine.expectations.needs import subject_of
 from shaderlab.engine.judging.formats import stored
 from shaderlab.engine.judging.inputs import evaluate, wanted
 from shaderlab.engine.lab import Lab

@@ -4,20 +4,21 @@ from .analysis.portable import portable as portable
 from .analysis.same_as import same_as as same_as
 from .bands import Rules as Rules
 from .engine.expectations.any_order import any_order as any_order, both_ways as both_ways
-from .engine.expectations.attribute_layout import attribute_layout as attribute_layout
-from .engine.expectations.block_layout import block_layout as block_layout
 from .engine.expectations.boundaries import boundaries as boundaries
-from .engine.expectations.compile_fails import compile_fails as compile_fails
-from .engine.expectations.computed import computed as computed
 from .engine.expectations.cost import cost as cost
-from .engine.expectations.coverage import coverage as coverage
+from .engine.expectations.driver_answers import (
+    attribute_layout as attribute_layout,
+    block_layout as block_layout,
+    coverage as coverage,
+    gl_error as gl_error,
+    inactive_uniforms as inactive_uniforms,
+    query as query,
+)
 from .engine.expectations.energy_conserving import energy_conserving as energy_conserving
 from .engine.expectations.exact import exact as exact
-from .engine.expectations.formula import formula as formula
-from .engine.expectations.gl_call import gl_call as gl_call
-from .engine.expectations.gl_calls import gl_calls as gl_calls
-from .engine.expectations.gl_error import gl_error as gl_error
-from .engine.expectations.inactive_uniforms import inactive_uniforms as inactive_uniforms
+from .engine.expectations.figures import computed as computed, value as value
+from .engine.expectations.formula import formula as formula, sweep as sweep
+from .engine.expectations.gl_call import gl_call as gl_call, gl_calls as gl_calls
 from .engine.expectations.laws import (
     bounded as bounded,
     even as even,
@@ -26,16 +27,11 @@ from .engine.expectations.laws import (
     odd as odd,
     symmetric as symmetric,
 )
-from .engine.expectations.measure import measure as measure
-from .engine.expectations.query import query as query
-from .engine.expectations.readings import reading as reading
-from .engine.expectations.refused import refused as refused
-from .engine.expectations.sweep import sweep as sweep
-from .engine.expectations.value import value as value
+from .engine.expectations.measure import measure as measure, reading as reading
+from .engine.expectations.rejections import compile_fails as compile_fails, refused as refused
 from .errors import ShaderlabError as ShaderlabError
 from .model.case import Case as Case, Erratum as Erratum, Variant as Variant
 from .model.mesh import Mesh as Mesh
-from .model.passes import compute as compute, fullscreen as fullscreen, mesh_pass as mesh_pass
 from .model.scene import (
     Draw as Draw,
     Pass as Pass,
@@ -44,6 +40,9 @@ from .model.scene import (
     Target as Target,
     UniformBuffer as UniformBuffer,
     across as across,
+    compute as compute,
+    fullscreen as fullscreen,
+    mesh_pass as mesh_pass,
     up as up,
 )
 from .model.state import (

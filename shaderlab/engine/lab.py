@@ -28,9 +28,9 @@ from . import stored_images
 from .drawing import SceneDrawer, require_compiled
 from .enlarging import enlarged
 from .evaluation import Evaluation
+from .expectations.base import unread_outputs
 from .expectations.formula import Formula
-from .expectations.gl_calls import Traced
-from .expectations.reads import unread_outputs
+from .expectations.gl_call import Traced
 from .failures import failure_of, unless_unwritable
 from .features import FEATURES, SceneCheck
 from .file_thread import FileThread

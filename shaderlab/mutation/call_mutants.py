@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from shaderlab.engine.expectations.gl_calls import GlCalls, Traced
+from shaderlab.engine.expectations.gl_call import GlCalls, Traced
 from shaderlab.engine.lab import Lab
 from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
 from shaderlab.model.case import Case, Scene

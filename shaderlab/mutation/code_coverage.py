@@ -27,7 +27,7 @@ from shaderlab.compiler.syntax import (
 )
 from shaderlab.drivers.programs.prepare import PreparedDraw
 from shaderlab.drivers.programs.stages import after_directives, may_keep_out
-from shaderlab.engine.expectations.reads import all_reads
+from shaderlab.engine.expectations.base import all_reads
 from shaderlab.engine.lab import Lab
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.files import display_path

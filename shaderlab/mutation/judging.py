@@ -17,9 +17,9 @@ from shaderlab.compiler.library import SPIRV_TOOLS_WHEEL, find
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.engine.evaluation import Evaluation
-from shaderlab.engine.expectations.gl_calls import Traced
+from shaderlab.engine.expectations.base import Named, judged_outputs
+from shaderlab.engine.expectations.gl_call import Traced
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
-from shaderlab.engine.expectations.reads import Named, judged_outputs
 from shaderlab.engine.judging.reference_bands import RememberedBands
 from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError, ShaderError

@@ -21,7 +21,7 @@ from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.drivers.programs.stages import elements
 from shaderlab.drivers.programs.textures import format_of, shape_of
 from shaderlab.engine.evaluation import Evaluation
-from shaderlab.engine.expectations.reads import Named
+from shaderlab.engine.expectations.base import Named
 from shaderlab.engine.lab import Lab
 from shaderlab.errors import ShaderlabError, UnsupportedError
 from shaderlab.model.case import Scene

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, Pass, State, Target, assets, exact, gl_calls
 from shaderlab.cli import cli
-from shaderlab.engine.expectations.gl_calls import Traced
+from shaderlab.engine.expectations.gl_call import Traced
 from shaderlab.engine.lab import Lab
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated

@@ -14,8 +14,7 @@ from shaderlab.engine.enlarging import enlarged, resized
 from shaderlab.engine.expectations.exact import exact
 from shaderlab.engine.lab import Lab
 from shaderlab.model.case import Case, Scene
-from shaderlab.model.passes import fullscreen
-from shaderlab.model.scene import Pass, Target
+from shaderlab.model.scene import Pass, Target, fullscreen
 from shaderlab.model.state import Blend, Depth, State
 from shaderlab.model.textures import Output
 

@@ -11,9 +11,8 @@ from shaderlab.engine.expectations.exact import exact
 from shaderlab.engine.lab import Lab
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Case
-from shaderlab.model.passes import fullscreen
 from shaderlab.model.records import Record
-from shaderlab.model.scene import Pass, Target
+from shaderlab.model.scene import Pass, Target, fullscreen
 from shaderlab.model.state import Blend, State
 from shaderlab.model.textures import Output
 

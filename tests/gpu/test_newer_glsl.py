@@ -11,7 +11,7 @@ from shaderlab.drivers.opengl.device import Device
 from shaderlab.drivers.opengl.drawing import require_glsl
 from shaderlab.drivers.programs.prepare import Preparer
 from shaderlab.errors import UnsupportedError
-from shaderlab.model.passes import fullscreen
+from shaderlab.model.scene import fullscreen
 
 TEXT = "#version 400 core\nout vec4 FragColor;\nvoid main() { FragColor = vec4(1.0); }\n"
 

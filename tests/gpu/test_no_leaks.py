@@ -25,7 +25,7 @@ from shaderlab.analysis.self_check import SelfCheck
 from shaderlab.drivers.opengl import drawing
 from shaderlab.drivers.opengl.backend import OpenGLSession
 from shaderlab.engine.evaluation import Evaluation
-from shaderlab.engine.expectations.coverage import coverage
+from shaderlab.engine.expectations.driver_answers import coverage
 from shaderlab.engine.expectations.exact import exact
 from shaderlab.engine.expectations.formula import formula
 from shaderlab.engine.lab import Lab
@@ -38,9 +38,8 @@ from shaderlab.model.expectation import Expectation, Judgement
 from shaderlab.model.frame import Array, Fragments, PassDraw, Timing
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.options import RunOptions
-from shaderlab.model.passes import mesh_pass
 from shaderlab.model.records import Record
-from shaderlab.model.scene import Pass, Target
+from shaderlab.model.scene import Pass, Target, mesh_pass
 from shaderlab.model.state import State
 from tests.catalogue import shipped
 

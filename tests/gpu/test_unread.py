@@ -8,13 +8,12 @@ from typing import Any
 import pytest
 
 from shaderlab.engine.expectations.exact import exact
+from shaderlab.engine.expectations.figures import value
 from shaderlab.engine.expectations.formula import formula
-from shaderlab.engine.expectations.value import value
 from shaderlab.engine.lab import Lab
 from shaderlab.model.case import Case
 from shaderlab.model.expectation import Expectation
-from shaderlab.model.passes import fullscreen
-from shaderlab.model.scene import Pass, Pixel, Target
+from shaderlab.model.scene import Pass, Pixel, Target, fullscreen
 from shaderlab.model.textures import Output
 
 TWO = """\

@@ -9,10 +9,9 @@ import pytest
 
 from shaderlab.compiler.sources import Shaders
 from shaderlab.engine.discovery import data_folder
-from shaderlab.engine.expectations.compile_fails import CompileFails
-from shaderlab.engine.expectations.computed import Computed
-from shaderlab.engine.expectations.coverage import Coverage
-from shaderlab.engine.expectations.refused import Refused
+from shaderlab.engine.expectations.driver_answers import Coverage
+from shaderlab.engine.expectations.figures import Computed
+from shaderlab.engine.expectations.rejections import CompileFails, Refused
 from shaderlab.model.case import Case
 from tests.catalogue import shipped
 

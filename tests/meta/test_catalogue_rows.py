@@ -5,12 +5,9 @@
 
 from __future__ import annotations
 
-from shaderlab.engine.expectations.compile_fails import CompileFails
-from shaderlab.engine.expectations.computed import Computed
-from shaderlab.engine.expectations.coverage import Coverage
-from shaderlab.engine.expectations.gl_error import GlError
-from shaderlab.engine.expectations.inactive_uniforms import InactiveUniforms
-from shaderlab.engine.expectations.refused import Refused
+from shaderlab.engine.expectations.driver_answers import Coverage, GlError, InactiveUniforms
+from shaderlab.engine.expectations.figures import Computed
+from shaderlab.engine.expectations.rejections import CompileFails, Refused
 from shaderlab.model.case import Case
 from tests.catalogue import shipped
 

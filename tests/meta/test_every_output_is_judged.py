@@ -16,7 +16,7 @@ import pytest
 
 from shaderlab.compiler.sources import Shaders
 from shaderlab.engine.discovery import data_folder
-from shaderlab.engine.expectations.reads import unread_outputs
+from shaderlab.engine.expectations.base import unread_outputs
 from shaderlab.model.case import Case, Scene
 from tests.catalogue import shipped
 

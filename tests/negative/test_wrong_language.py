@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from shaderlab.engine.expectations.compile_fails import CompileFails
-from shaderlab.engine.expectations.computed import Computed
-from shaderlab.engine.expectations.inactive_uniforms import InactiveUniforms
-from shaderlab.engine.expectations.refused import Refused
+from shaderlab.engine.expectations.driver_answers import InactiveUniforms
+from shaderlab.engine.expectations.figures import Computed
+from shaderlab.engine.expectations.rejections import CompileFails, Refused
 from shaderlab.model.textures import Output
 from tests.catalogue import judged_only, shipped
 from tests.negative.broken import failing, first_failure, mistaken

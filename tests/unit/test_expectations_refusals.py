@@ -12,7 +12,7 @@ import pytest
 
 from shaderlab import Case, compile_fails, fullscreen, inactive_uniforms, refused
 from shaderlab.engine.expectations.base import Context
-from shaderlab.engine.expectations.compile_fails import Place, Verdicts
+from shaderlab.engine.expectations.rejections import Place, Verdicts
 from shaderlab.errors import CaseError, ShaderError
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.frame import Frame

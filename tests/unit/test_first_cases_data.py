@@ -15,10 +15,9 @@ import pytest
 
 from shaderlab.compiler import Shaders
 from shaderlab.engine.catalogue import load_cases
-from shaderlab.engine.expectations.compile_fails import CompileFails
-from shaderlab.engine.expectations.computed import Computed
 from shaderlab.engine.expectations.exact import Exact
-from shaderlab.engine.expectations.value import Value
+from shaderlab.engine.expectations.figures import Computed, Value
+from shaderlab.engine.expectations.rejections import CompileFails
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.frame import Frame
 

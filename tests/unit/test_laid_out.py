@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shaderlab.engine.expectations.laid_out import LaidOut
+from shaderlab.engine.expectations.formula import LaidOut
 
 PARTS = [(0, 9, 0, 7), (2, 5, 1, 4), (8, 9, 6, 7), (0, 1, 0, 7), (3, 9, 0, 2)]
 

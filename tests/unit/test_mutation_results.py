@@ -10,8 +10,7 @@ import pytest
 from shaderlab.engine.expectations.exact import exact
 from shaderlab.model.case import Case
 from shaderlab.model.mesh import Mesh
-from shaderlab.model.passes import mesh_pass
-from shaderlab.model.scene import Draw, Pass, Target
+from shaderlab.model.scene import Draw, Pass, Target, mesh_pass
 from shaderlab.model.state import Blend, Depth, State, Stencil
 from shaderlab.model.textures import CubeTexture, Output, TextureArray
 from shaderlab.mutation import (

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from shaderlab import Case, fullscreen
 from shaderlab.cli import cli
 from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.expectations.coverage import coverage
+from shaderlab.engine.expectations.driver_answers import coverage
 from shaderlab.model.records import (
     Diagnostic,
     DriverResult,

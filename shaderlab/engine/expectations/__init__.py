@@ -20,5 +20,6 @@ from .needs import (
     CapturedFragments as CapturedFragments,
     CapturedVertices as CapturedVertices,
     Probe as Probe,
+    find_image as find_image,
+    subject_of as subject_of,
 )
-from .subject import find_image as find_image, subject_of as subject_of

@@ -19,8 +19,7 @@ from ..judging.chunks import PLACE
 from ..judging.inputs import Inputs, evaluate
 from .base import Context
 from .formula import OfReference, Reference
-from .needs import CapturedFragments
-from .subject import inputs_of
+from .needs import CapturedFragments, inputs_of
 
 WAYS = 256
 """Straight ways between the inputs of two pixels."""

@@ -25,8 +25,7 @@ from ..judging.formats import name_of, source_of
 from ..judging.inputs import evaluate, wanted
 from ..judging.reference_bands import CHUNK
 from .base import OfOutput
-from .needs import CapturedFragments, Probe
-from .subject import inputs_of
+from .needs import CapturedFragments, Probe, inputs_of
 
 
 class KeptOut:

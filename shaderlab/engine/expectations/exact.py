@@ -17,7 +17,7 @@ from shaderlab.model.textures import Output
 
 from ..judging.distance import plain
 from .base import OfOutput
-from .subject import find_image
+from .needs import find_image
 
 
 @dataclass(frozen=True)

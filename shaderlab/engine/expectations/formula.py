@@ -1,4 +1,5 @@
-"""formula: every covered pixel, or every vertex, lies in the band derived from a reference."""
+"""formula and sweep: an output lies in the band derived from a reference, at every covered pixel or
+vertex, or along one input."""
 
 from __future__ import annotations
 
@@ -9,18 +10,21 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Rules
+from shaderlab.engine.expectations.base import OfOutput
+from shaderlab.engine.expectations.needs import (
+    CapturedFragments,
+    CapturedVertices,
+    Probe,
+    inputs_of,
+    subject_of,
+)
+from shaderlab.engine.judging.banded import Banded, independent_references, judge_band
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, LazyArrays, Need, Programs
 from shaderlab.model.frame import Array, Frame, Image
-from shaderlab.model.records import Outcome, Row
+from shaderlab.model.records import Curve, Outcome, Row
 from shaderlab.model.scene import UniformValue
-
-from ..judging.banded import Banded, independent_references, judge_band
-from .base import OfOutput
-from .laid_out import LaidOut
-from .needs import CapturedFragments, CapturedVertices
-from .subject import subject_of
 
 Reference = Callable[..., Any]
 
@@ -153,3 +157,103 @@ def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
 
 
 formula = Formula
+
+
+Part = tuple[slice, slice]
+WHOLE: Part = (slice(None), slice(None))
+
+
+@dataclass(frozen=True)
+class LaidOut:
+    """Values of covered pixels, as far as they are looked at: `laid_out[ys, xs]`, or all of them as
+    an array (height, width, …).
+
+    Attributes:
+        covered: booleans, (height, width).
+        values: gives those of some of the covered pixels, by their numbers along rows, ascending;
+            `slice(None)` are all.
+        nothing: what stands at the others.
+    """
+
+    covered: Array
+    values: Callable[[Array | slice], Array]
+    nothing: float
+
+    def __getitem__(self, part: Part) -> Array:
+        where = self.covered[part]
+        found = self.values(slice(None) if part == WHOLE else self._numbers(part))
+        shape = (*where.shape, *found.shape[1:])
+        if len(found) == where.size:  # as most draws have it: nothing need be copied
+            return found.reshape(shape)
+        full = np.full(shape, self.nothing, found.dtype)
+        full[where] = found
+        return full
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
+        return self[WHOLE] if dtype is None else self[WHOLE].astype(dtype)
+
+    def _numbers(self, part: Part) -> Array:
+        rows, columns = part
+        before = np.count_nonzero(self.covered[: rows.start])
+        here = self.covered[rows]
+        counted = before + np.cumsum(here).reshape(here.shape)
+        return counted[:, columns][here[:, columns]] - 1
+
+
+@dataclass(frozen=True)
+class Sweep(OfReference):
+    """The band holds while the input `over` takes each of `values`; the report draws the curve.
+
+    `at` gives other inputs by name; those that it leaves out stay as the case has them. For the
+    rest see `Formula`.
+    """
+
+    kind = "sweep"
+    judges = "curve"
+
+    output: str
+    reference: Reference
+    _: KW_ONLY
+    over: str
+    values: Sequence[float]
+    at: Mapping[str, UniformValue] = field(default_factory=dict)
+    log_x: bool = False
+
+    def __post_init__(self) -> None:
+        self.name_by_default(f"{self.output} over {self.over}")
+        object.__setattr__(self, "values", tuple(float(v) for v in self.values))
+        if not self.values:
+            raise CaseError(
+                f"sweep of {self.output!r}: there are no values of {self.over!r}",
+                remedy="values=[0.0, 0.5, 1.0], or np.linspace(0.0, 1.0, 50)",
+            )
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        self.is_of_vertex(scene, programs)  # raises where there is no such output
+        yield Probe(self, [{**self.at, self.over: value} for value in self.values])
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        key, samples = self.key(scene), frame.answers[Probe(self)]
+        inputs = inputs_of(
+            frame, key, each=dict(samples.inputs), given=self.given, decimal=samples.decimal
+        )
+        banded = judge_band(
+            samples.outputs[self.own_name(scene)], self.reference, inputs, rules=self.rules
+        )
+        component = int(np.argmax(np.ptp(banded.reference, axis=0)))
+        several = banded.measured.shape[1] > 1
+        curve = Curve(
+            title=self.name,
+            x_label=self.over,
+            y_label=f"{self.output}.{'xyzw'[component]}" if several else self.output,
+            x=tuple(self.values),
+            measured=tuple(banded.measured[:, component].tolist()),
+            reference=tuple(banded.reference[:, component].tolist()),
+            low=tuple(banded.low[:, component].tolist()),
+            high=tuple(banded.high[:, component].tolist()),
+            log_x=self.log_x,
+        )
+        return self.judgement(scene, banded, banded.verdict(), curve=curve)
+
+
+sweep = Sweep

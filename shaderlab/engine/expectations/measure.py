@@ -11,11 +11,15 @@ import math
 import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 import numpy as np
 
+from shaderlab.engine.expectations.base import OfDraw
+from shaderlab.engine.expectations.needs import find_image
+from shaderlab.engine.judging.formats import located, source_of
+from shaderlab.engine.judging.inputs import parameter_name
 from shaderlab.errors import CaseError, FormulaError, ShaderlabError, nearest
 from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
@@ -25,12 +29,162 @@ from shaderlab.model.frame import Array, Bindings, Frame
 from shaderlab.model.records import Outcome, Plot, PlotPoint, Row
 from shaderlab.model.scene import UniformValue
 
-from ..judging.formats import located, source_of
-from ..judging.inputs import parameter_name
-from .base import OfDraw
-from .bound import Bound
-from .readings import Reading, check_readings, reading
-from .subject import find_image
+
+@dataclass(frozen=True, kw_only=True)
+class Bound:
+    """low ≤ figure ≤ high. `digits` is for a printed figure, which is in the middle; None for
+    other bounds."""
+
+    low: float = -math.inf
+    high: float = math.inf
+    digits: int | None = None
+
+    @classmethod
+    def of(
+        cls,
+        label: str,
+        *,
+        equals: float | None = None,
+        digits: int | None = None,
+        at_most: float | None = None,
+        at_least: float | None = None,
+        between: tuple[float, float] | None = None,
+    ) -> Self | None:
+        """Return the bound that a case gives for the measure `label`; None where it gives none.
+
+        It says so in one of three ways: the figure rounds to `equals` at so many `digits`; it is
+        `at_most` so much, or `at_least`, or both; or it lies `between` two ends.
+
+        Raises:
+            CaseError: it says two things, or holds no number, or all.
+        """
+        ways = [(equals, digits), (at_most, at_least), (between,)]
+        given = sum(any(part is not None for part in way) for way in ways)
+        if given > 1:
+            raise CaseError(f"measure {label!r}: give equals, or between, or at_most and at_least")
+        if (equals is None) != (digits is None):
+            raise CaseError(f"measure {label!r}: equals and digits go together")
+        if not given:
+            return None
+        if equals is not None and digits is not None:
+            half = 0.5 * 10.0**-digits * (1.0 + 1e-6)
+            return cls(low=equals - half, high=equals + half, digits=digits)
+        low, high = between or (
+            -math.inf if at_least is None else at_least,
+            math.inf if at_most is None else at_most,
+        )
+        if not low <= high or (math.isinf(low) and math.isinf(high)):
+            raise CaseError(f"measure {label!r}: {low} … {high} bounds no figure")
+        return cls(low=float(low), high=float(high))
+
+    def __contains__(self, figure: float) -> bool:
+        return math.isfinite(figure) and self.low <= figure <= self.high
+
+    def __str__(self) -> str:
+        if self.digits is not None:
+            return f"{(self.low + self.high) / 2:.{self.digits}f}"
+        if math.isinf(self.low):
+            return f"≤ {self.high:g}"
+        if math.isinf(self.high):
+            return f"≥ {self.low:g}"
+        return f"{self.low:g} … {self.high:g}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """One row of a measure. `x` is its place along the curve, None where its label is a word."""
+
+    label: str
+    x: float | None = None
+    bound: Bound | None = None
+    reads: Mapping[str, str] = field(default_factory=dict)
+    given: Mapping[str, UniformValue] = field(default_factory=dict)
+    series: str = ""
+    note: str = ""
+
+    def row(self, figure: float) -> Row:
+        """The line of a table that shows a measured figure."""
+        digits = None if self.bound is None else self.bound.digits
+        more = 6 if digits is None else digits + 3
+        return Row(
+            label=f"{self.series}, {self.label}" if self.series else self.label,
+            expected="–" if self.bound is None else str(self.bound),
+            measured=f"{figure:.{more}g}" if digits is None else f"{figure:.{min(more, 9)}f}",
+            ok=math.isfinite(figure) if self.bound is None else figure in self.bound,
+            note=self.note,
+        )
+
+
+@checked_arguments
+def reading(
+    label: str | float,
+    *,
+    reads: Mapping[str, str] | None = None,
+    given: Mapping[str, UniformValue] | None = None,
+    series: str = "",
+    note: str = "",
+    equals: float | None = None,
+    digits: int | None = None,
+    at_most: float | None = None,
+    at_least: float | None = None,
+    between: tuple[float, float] | None = None,
+) -> Reading:
+    """One row of a `measure`: what it reads and is given, and where the figure must lie.
+
+    Args:
+        label: a word, or a number: then the row is a point of a curve at this x.
+        reads: outputs by parameter: {"lit": "near.FragColor"}.
+        given: constants by parameter.
+        series: the curve that the point belongs to, where there are several.
+        note: a remark in the table.
+        equals, digits: the figure rounds to `equals` at that many decimals.
+        at_most, at_least, between: the figure lies in these bounds. Without any bound the row is
+            only shown.
+
+    Raises:
+        CaseError: bounds that say two things, or hold no number.
+    """
+    numeric = isinstance(label, int | float)
+    return Reading(
+        label=f"{label:g}" if numeric else str(label),
+        x=float(label) if numeric else None,
+        bound=Bound.of(
+            str(label),
+            equals=equals,
+            digits=digits,
+            at_most=at_most,
+            at_least=at_least,
+            between=between,
+        ),
+        reads=reads or {},
+        given=given or {},
+        series=series,
+        note=note,
+    )
+
+
+def check_readings(label: str, rows: Sequence[Reading]) -> None:
+    """Raise CaseError for rows of the measure `label` that could not fail, or can't be told
+    apart."""
+    if all(row.bound is None for row in rows):
+        raise CaseError(
+            f"measure {label!r} has no bound, so it could not fail",
+            remedy="give equals with digits, at_most, at_least or between",
+        )
+    names = [(row.series, row.label) for row in rows]
+    for series, name in names:
+        if names.count((series, name)) > 1:
+            where = f" of series {series!r}" if series else ""
+            raise CaseError(f"measure {label!r}: two readings{where} are called {name!r}")
+    for row in rows:
+        for parameter in row.reads.keys() & row.given.keys():
+            raise CaseError(f"measure {label!r}: {parameter!r} is both read and given")
+        if len({*row.reads.values()}) < len(row.reads):
+            raise CaseError(
+                f"measure {label!r}: two parameters read one output, which is then compared with "
+                "itself"
+            )
+
 
 _INDEXED = re.compile(r"\[\d+\]")
 

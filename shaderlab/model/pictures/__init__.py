@@ -1,10 +1,28 @@
 """Arrays as pictures for people, and image files as arrays.
 
 Arrays are in OpenGL's order: row 0 is the lowest, shape (height, width, channels).
-OpenImageIO is loaded when a function needs it, not before. The names are listed in __init__.pyi;
-each is imported when it is first used: pages need no NumPy.
 """
 
-import lazy_loader as _lazy
-
-__getattr__, __dir__, __all__ = _lazy.attach_stub(__name__, __file__)
+from .display import (
+    BAND_HIGH as BAND_HIGH,
+    BAND_LOW as BAND_LOW,
+    BAND_MIDDLE as BAND_MIDDLE,
+    NOT_FINITE as NOT_FINITE,
+    OUTSIDE as OUTSIDE,
+    UNCOVERED as UNCOVERED,
+    VIRIDIS as VIRIDIS,
+    Display as Display,
+    distance_picture as distance_picture,
+    preview as preview,
+    to_display as to_display,
+)
+from .files import (
+    LARGEST_SIDE as LARGEST_SIDE,
+    SIGNATURE as SIGNATURE,
+    coarse as coarse,
+    load as load,
+    repacked as repacked,
+    save_png as save_png,
+    save_preview as save_preview,
+)
+from .values import WINDOW as WINDOW, Values as Values, judged_part as judged_part, pack as pack

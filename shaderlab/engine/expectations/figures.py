@@ -1,28 +1,34 @@
-"""value: a printed figure holds, for the reference in float64 and for the shader in its band."""
+"""value and computed: a printed figure follows from a reference in float64; for a value, the shader
+must lie in its band, too."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from shaderlab.errors import CaseError
+from shaderlab.engine.expectations.base import judge_rows
+from shaderlab.engine.expectations.formula import Formula, OfReference, Reference, Sweep
+from shaderlab.engine.expectations.needs import (
+    CapturedFragments,
+    Probe,
+    decimal_inputs,
+    find_image,
+    inputs_of,
+    pixel_inputs,
+)
+from shaderlab.engine.judging.banded import judge_band
+from shaderlab.engine.judging.distance import figure_row, rounds_to, shown
+from shaderlab.engine.judging.formats import source_of
+from shaderlab.engine.judging.inputs import evaluate
+from shaderlab.errors import CaseError, FormulaError
 from shaderlab.model.case import Scene
-from shaderlab.model.expectation import Judgement, Need, Programs, Read
+from shaderlab.model.expectation import Expectation, Judgement, Need, Programs, Read
 from shaderlab.model.frame import Array, Frame, Image
 from shaderlab.model.records import Row
 from shaderlab.model.scene import Pixel, UniformValue
-
-from ..judging.banded import judge_band
-from ..judging.distance import figure_row, rounds_to, shown
-from ..judging.inputs import evaluate
-from .base import judge_rows
-from .formula import Formula, OfReference, Reference
-from .needs import CapturedFragments, Probe
-from .subject import decimal_inputs, find_image, inputs_of, pixel_inputs
-from .sweep import Sweep
 
 Figure = float | Sequence[float]
 
@@ -130,3 +136,36 @@ def _at_pixel(image: Image, at: Pixel) -> Array:
 
 
 value = Value
+
+
+@dataclass(frozen=True)
+class Computed(Expectation):
+    """A figure that follows from a reference alone: what `compute` gives in float64, rounded to
+    `digits` decimals, is `equals`."""
+
+    kind = "computed"
+    once = True
+
+    name: str
+    compute: Callable[[], Any]
+    _: KW_ONLY
+    equals: Figure
+    digits: int
+    note: str = ""
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        try:
+            got = self.compute()
+        except Exception as error:
+            place = source_of(self.compute)
+            raise FormulaError(
+                f"{self.name}: {type(error).__name__}: {error}", file=place.file, line=place.line
+            ) from error
+        ok = rounds_to(got, self.equals, self.digits)
+        note = self.note or "float64, no shader"
+        row = figure_row(self.name, self.equals, self.digits, got, None, ok, note)
+        message = "" if ok else f"the reference gives {shown(got, self.digits + 3)}"
+        return judge_rows(self.name, self.kind, [row], message, judged=1, rows_per_variant=False)
+
+
+computed = Computed

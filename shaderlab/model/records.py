@@ -1,4 +1,8 @@
-"""What became of a case's expectations."""
+"""The results of running cases, as plain data: all that reports are made from.
+
+Everything here is built of strings, numbers, lists and mappings, and converts to JSON and back
+without loss. The public JSON of `shaderlab run --json` is a view of it (docs/guide/json.md).
+"""
 
 from __future__ import annotations
 
@@ -393,7 +397,7 @@ class Record:
     `captions` the same names to how they are to be read. `passes` are in the order they ran.
     `buffers` are those of uniform blocks, and of meshes that say how they lie in memory.
     `unread` are the outputs that no expectation reads (`unread_outputs` in
-    shaderlab/engine/expectations/reads.py): whatever is drawn there, the record passes.
+    shaderlab/engine/expectations/base.py): whatever is drawn there, the record passes.
     `not_asked` are the names of the expectations about OpenGL's own calls, where another API draws:
     the record may pass without them, and each report says how many they are.
     `gl_calls` are there where they were asked for. `modules` says what was judged by its own

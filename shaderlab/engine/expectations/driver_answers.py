@@ -1,0 +1,297 @@
+"""What the driver says of one draw: layouts in memory, counters, errors, inactive uniforms, and how
+many pixels show it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
+
+import numpy as np
+
+from shaderlab.engine.expectations.base import Asked, OfDraw, judge_rows
+from shaderlab.engine.expectations.needs import CapturedFragments
+from shaderlab.errors import CaseError, nearest
+from shaderlab.model.calls import COUNTERS, GL_ERRORS, error_name
+from shaderlab.model.case import Scene
+from shaderlab.model.checked import checked_arguments
+from shaderlab.model.expectation import Judgement, Need, Programs, Read
+from shaderlab.model.frame import BlockReading, Frame, PassDraw
+from shaderlab.model.records import Row
+from shaderlab.model.state import one_of
+
+
+@dataclass(frozen=True)
+class AttributeLayout(OfDraw):
+    """OpenGL reads each attribute at (offset, stride) or (offset, stride, divisor), in bytes.
+
+    It is asked for GL_VERTEX_ATTRIB_ARRAY_POINTER, _STRIDE and _DIVISOR; a matrix is read where
+    its first column is.
+
+    Raises:
+        CaseError: an entry has neither two nor three numbers.
+    """
+
+    kind = "memory"
+
+    attributes: Mapping[str, Sequence[int]]
+    _: KW_ONLY
+    name: str = "memory layout"
+
+    def __post_init__(self) -> None:
+        for attribute, entry in self.attributes.items():
+            if len(entry) not in (2, 3):
+                raise CaseError(
+                    f"attribute_layout: {attribute!r} takes (offset, stride) or "
+                    f"(offset, stride, divisor), not {entry!r}"
+                )
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        yield Asked("attributes", (self.key(scene),))
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        readings = frame.answers[Asked("attributes", (self.key(scene),))]
+        rows = []
+        for name, entry in self.attributes.items():
+            place = (*entry, 0)[:3]
+            found = readings.get(name)
+            got = None if found is None else (found.offset, found.stride, found.divisor)
+            rows.append(
+                Row(
+                    label=name,
+                    expected=_spelt(*place),
+                    measured="not read" if got is None else _spelt(*got),
+                    ok=got == place,
+                    note="" if found is None else f"buffer {found.buffer}",
+                )
+            )
+        return memory_table(self.name, rows)
+
+
+def memory_table(name: str, rows: Sequence[Row]) -> Judgement:
+    """A judgement of where things lie; it fails where one lies elsewhere."""
+    wrong = [row.label for row in rows if not row.ok]
+    message = f"elsewhere than expected: {', '.join(wrong)}" if wrong else ""
+    return judge_rows(name, "memory", rows, message, judged=len(rows))
+
+
+def _spelt(offset: int, stride: int, divisor: int) -> str:
+    each = f", a value every {divisor} instances" if divisor > 1 else ", one an instance"
+    return f"offset {offset}, stride {stride}{each if divisor else ''}"
+
+
+attribute_layout = AttributeLayout
+
+
+@dataclass(frozen=True)
+class BlockLayout(OfDraw):
+    """The members of a uniform block lie at these offsets, and it takes `size` bytes.
+
+    Members are named as in `UniformBuffer`. Both the lab's layout and the driver's are judged;
+    drivers may say that a block is larger than it need be, but not that it is smaller.
+    """
+
+    kind = "memory"
+
+    block: str
+    offsets: Mapping[str, int]
+    _: KW_ONLY
+    size: int | None = None
+
+    def __post_init__(self) -> None:
+        self.name_by_default(f"layout of {self.block}")
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        yield Asked("blocks", (self.key(scene),))
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        readings = frame.answers[Asked("blocks", (self.key(scene),))]
+        if self.block not in readings:
+            raise CaseError(
+                f"there is no uniform block {self.block!r}", remedy=nearest(self.block, readings)
+            )
+        reading: BlockReading = readings[self.block]
+        rows = []
+        for member, offset in self.offsets.items():
+            if member not in reading.placed:
+                raise CaseError(
+                    f"the block {self.block} has no member {member!r}",
+                    remedy=nearest(member, reading.placed),
+                )
+            ours, driver = reading.placed[member], reading.offsets.get(member)
+            rows.append(
+                Row(
+                    label=f"{self.block}.{member}",
+                    expected=f"byte {offset}",
+                    measured=f"byte {ours}; driver: {'none' if driver is None else driver}",
+                    ok=offset == ours == driver,
+                )
+            )
+        if self.size is not None:
+            rows.append(
+                Row(
+                    label=f"{self.block}, whole",
+                    expected=f"{self.size} bytes",
+                    measured=f"{reading.placed_size} bytes; driver: {reading.size}",
+                    ok=self.size == reading.placed_size <= reading.size,
+                )
+            )
+        return memory_table(self.name, rows)
+
+
+block_layout = BlockLayout
+
+
+@dataclass(frozen=True)
+class Query(OfDraw):
+    """A draw makes the driver count exactly this much, or at least or at most so much.
+
+    The pass is drawn once more with a query around the draw, earlier draws having filled the
+    depth and stencil buffers. "samples_passed" are the samples that pass all tests and are not
+    discarded: exact on every driver. What pipeline statistics count ("…_invocations" and the
+    like) a driver may exceed where it works in blocks, and one without them leaves the case
+    unsupported.
+
+    Raises:
+        CaseError: the counter is unknown, or nothing is expected of it.
+    """
+
+    kind = "query"
+
+    counter: str
+    _: KW_ONLY
+    equals: int | None = None
+    at_least: int | None = None
+    at_most: int | None = None
+
+    def __post_init__(self) -> None:
+        one_of("query", "counter", self.counter, COUNTERS)
+        if (self.equals is None) == (self.at_least is None and self.at_most is None):
+            raise CaseError(f"query {self.counter!r}: give equals=, or at_least= and at_most=")
+        self.name_by_default(self.counter.replace("_", " "))
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        yield Asked("count", (self.key(scene), self.counter))
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        count = frame.answers[Asked("count", (self.key(scene), self.counter))]
+        low, high = self.at_least or 0, self.at_most
+        if self.equals is not None:
+            low = high = int(self.equals)
+        ok = low <= count and (high is None or count <= high)
+        if low == high:
+            expected = str(low)
+        elif high is None:
+            expected = f"at least {low}"
+        else:
+            expected = f"at most {high}" if low == 0 else f"{low} to {high}"
+        words = self.counter.replace("_", " ")
+        row = Row(label=words, expected=expected, measured=str(count), ok=ok)
+        message = "" if ok else f"{count} {words}, not {expected}"
+        return judge_rows(self.name, self.kind, [row], message, judged=1)
+
+
+query = Query
+
+
+@dataclass(frozen=True)
+class GlError(OfDraw):
+    """The draw raises this error ("invalid_operation", …); any other error fails the case."""
+
+    kind = "GL error"
+
+    error: str
+
+    def __post_init__(self) -> None:
+        one_of("gl_error", "error", self.error, tuple(GL_ERRORS))
+        self.name_by_default(f"GL {self.error}")
+
+    def raises_gl_errors(self, scene: Scene) -> frozenset[PassDraw]:
+        return frozenset({self.key(scene)})
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        yield Asked("gl_errors", (self.key(scene),))
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        errors: Sequence[int] = frame.answers[Asked("gl_errors", (self.key(scene),))]
+        want = GL_ERRORS[self.error]
+        ok = list(errors) == ([want] if want else [])
+        measured = ", ".join(error_name(e) for e in errors) or error_name(0)
+        row = Row(label="glGetError", expected=error_name(want), measured=measured, ok=ok)
+        message = "" if ok else f"the draw raises {measured}"
+        return judge_rows(self.name, self.kind, [row], message, judged=1)
+
+
+gl_error = GlError
+
+
+@dataclass(frozen=True, kw_only=True)
+class InactiveUniforms(OfDraw):
+    """Of all uniforms that a draw's program declares, exactly these have location −1."""
+
+    kind = "inactive uniforms"
+
+    uniforms: tuple[str, ...]
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        yield Asked("locations", (self.key(scene),))
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        locations: Mapping[str, int] = frame.answers[Asked("locations", (self.key(scene),))]
+        for name in self.uniforms:
+            if name not in locations:
+                raise CaseError(
+                    f"inactive_uniforms: the program declares no {name!r}",
+                    remedy=nearest(name, locations),
+                )
+        rows = [
+            Row(
+                label=name,
+                expected="inactive: −1" if name in self.uniforms else "active: 0 or more",
+                measured=str(location).replace("-", "−"),
+                ok=(location == -1) is (name in self.uniforms),
+            )
+            for name, location in locations.items()
+        ]
+        wrong = [row.label for row in rows if not row.ok]
+        message = f"not as expected: {', '.join(wrong)}" if wrong else ""
+        return judge_rows(self.name, self.kind, rows, message, judged=len(rows) or 1)
+
+
+@checked_arguments
+def inactive_uniforms(
+    *uniforms: str, pass_name: str | None = None, draw: int = -1, name: str = ""
+) -> InactiveUniforms:
+    """Exactly these of the uniforms that a draw's program declares are inactive: no output depends
+    on them, and the driver gives them the location −1. All others have a location."""
+    return InactiveUniforms(
+        uniforms=uniforms, pass_name=pass_name, draw=draw, name=name or "inactive uniforms"
+    )
+
+
+@dataclass(frozen=True)
+class Coverage(OfDraw):
+    """Exactly `pixels` pixels show the draw in the end: those that it covers, that pass every test
+    and are not discarded, and that no later draw of the pass covers."""
+
+    kind = "coverage"
+
+    pixels: int
+    _: KW_ONLY
+    name: str = "coverage"
+
+    def reads(self, scene: Scene) -> Iterable[Read]:
+        yield Read(self.key(scene)[0], "coverage")
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        yield CapturedFragments(self.key(scene))
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        covered = frame.answers[CapturedFragments(self.key(scene))].covered
+        count = int(np.count_nonzero(covered))
+        ok = count == self.pixels
+        row = Row(label="pixels", expected=str(self.pixels), measured=str(count), ok=ok)
+        message = "" if ok else f"{count} pixels are covered, not {self.pixels}"
+        return judge_rows(self.name, self.kind, [row], message, judged=covered.size)
+
+
+coverage = Coverage
