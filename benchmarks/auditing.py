@@ -25,7 +25,7 @@ from shaderlab.analysis.invocations import program_of
 from shaderlab.compiler import Shaders
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import data_folder, shipped_cases
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import RunOptions
 
@@ -181,7 +181,7 @@ def _planted(stage: str) -> None:
 
 def _catalogue(made_up: bool) -> None:
     programs, alarms, seconds = 0, 0, 0.0
-    with Lab(RunOptions()) as lab:
+    with SceneRunner(RunOptions()) as lab:
         for case in load_cases(shipped_cases()).values():
             try:
                 for source, given in stages(lab, case):

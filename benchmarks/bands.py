@@ -34,7 +34,7 @@ from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import subject_of
 from shaderlab.engine.judging.inputs import Inputs, evaluate
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Frame
 from shaderlab.model.options import RunOptions
@@ -190,7 +190,7 @@ def operations() -> None:
 
 def jobs(side: int, only: Collection[str] = ()) -> Iterator[Job]:
     """Every formula of the shipped cases, with what the driver gives its shader at this size."""
-    with Lab(RunOptions(size=side)) as lab:
+    with SceneRunner(RunOptions(size=side)) as lab:
         for case in load_cases(shipped_cases()).values():
             if only and case.id not in only:
                 continue

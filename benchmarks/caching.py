@@ -72,7 +72,7 @@ def measured(programs: Path, count: int, cache: str) -> list[float]:
 
 def prepared(folder: Path, count: int) -> list[float]:
     """The same in this process."""
-    import shaderlab.engine.lab  # noqa: F401  a run has imported it before it compiles
+    import shaderlab.engine.run  # noqa: F401  a run has imported it before it compiles
     from shaderlab import fullscreen
     from shaderlab.compiler import Shaders
     from shaderlab.compiler.compile_cache import cached_compiler

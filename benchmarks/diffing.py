@@ -23,14 +23,14 @@ from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
 from shaderlab.analysis.invocations import program_of
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.case import Case
 from shaderlab.model.options import RunOptions
 
 
 def compared(
-    lab: Lab, case: Case, listed: Sequence[Rewrite], plan: Plan
+    lab: SceneRunner, case: Case, listed: Sequence[Rewrite], plan: Plan
 ) -> Iterator[tuple[Rewrite, list[Answer], float]]:
     """The answers on each stage that a rewrite changes, and the seconds that they took; no answer
     where one can't be had."""
@@ -66,7 +66,7 @@ def main() -> None:
     unsaid = dict.fromkeys(kinds, 0)
     conditional = 0
     seconds: dict[Rewrite, float] = {}
-    with Lab(RunOptions()) as lab:
+    with SceneRunner(RunOptions()) as lab:
         for id_, case in load_cases(shipped_cases()).items():
             of_case = [rewrite for rewrite in wanted if rewrite.case == id_]
             for rewrite, answers, spent in compared(lab, case, of_case, plan) if of_case else ():

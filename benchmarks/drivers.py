@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from shaderlab.drivers import DRIVERS
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import RunOptions
 
@@ -33,7 +33,7 @@ Cost = tuple[float, float]
 def costs(driver: str, size: int, names: Sequence[str]) -> tuple[float, Mapping[str, Cost]]:
     """Seconds to open a driver, and for each case that passes all and those of drawing."""
     known, found = load_cases(shipped_cases()), {}
-    with Lab(RunOptions(size=size, driver=driver, pictures=False)) as lab:
+    with SceneRunner(RunOptions(size=size, driver=driver, pictures=False)) as lab:
         started = time.perf_counter()
         assert lab.backend
         opened = time.perf_counter() - started

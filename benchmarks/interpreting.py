@@ -39,7 +39,7 @@ from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import subject_of
 from shaderlab.engine.judging.formats import stored
 from shaderlab.engine.judging.inputs import evaluate, wanted
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DriverError, NotInterpretedError, ShaderlabError
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import PassDraw
@@ -93,7 +93,7 @@ def main(words: list[str] | None = None) -> int:
 
 def surveys(given: argparse.Namespace) -> Iterator[Survey]:
     """Each program of the cases once, and once more for each formula that reads it anew."""
-    with Lab(RunOptions(size=64, driver=given.driver)) as lab:
+    with SceneRunner(RunOptions(size=64, driver=given.driver)) as lab:
         for case in load_cases(shipped_cases()).values():
             if given.cases and case.id not in given.cases:
                 continue

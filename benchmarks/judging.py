@@ -31,7 +31,7 @@ import numpy as np
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.discovery import case_files, data_folder
 from shaderlab.engine.judging.banded import Banded
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Case
 from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.mutants import Mutant
@@ -112,7 +112,7 @@ def noticed(own: Judge, mutant: Mutant) -> set[str]:
 def mutation(cases: Sequence[Case]) -> dict[str, dict[str, int]]:
     """For each case, how many mutants there are and how many each rule notices."""
     rows = {}
-    with Lab() as lab:
+    with SceneRunner() as lab:
         for case in cases:
             own = Judge(lab, case)
             counts = dict.fromkeys(("mutants", *RULES), 0)
@@ -135,7 +135,7 @@ def mutation(cases: Sequence[Case]) -> dict[str, dict[str, int]]:
 def rejected(cases: Sequence[Case]) -> dict[str, list[str]]:
     """For each rule, the cases whose own shaders it rejects on this driver."""
     found: dict[str, list[str]] = {name: [] for name in RULES}
-    with Lab() as lab:
+    with SceneRunner() as lab:
         for case in cases:
             with recorded() as seen:
                 Judge(lab, case)

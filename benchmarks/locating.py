@@ -24,7 +24,7 @@ from shaderlab.drivers.programs.instrument import watch_points
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.evaluation import Evaluation
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.case import Case
 from shaderlab.model.options import RunOptions
@@ -47,7 +47,7 @@ def main(words: list[str] | None = None) -> int:
     catalogue = load_cases(shipped_cases())
     counts: Counter[str] = Counter()
     seconds, cases = 0.0, set()
-    with Lab(RunOptions(size=64)) as lab:
+    with SceneRunner(RunOptions(size=64)) as lab:
         for case in [catalogue[name] for name in given.cases] or catalogue.values():
             for mutant, verdict, took in located(lab, case, given.each, given.seed):
                 counts[verdict] += 1
@@ -62,7 +62,7 @@ def main(words: list[str] | None = None) -> int:
     return 0
 
 
-def located(lab: Lab, case: Case, most: int, seed: int) -> Iterator[tuple[Any, str, float]]:
+def located(lab: SceneRunner, case: Case, most: int, seed: int) -> Iterator[tuple[Any, str, float]]:
     """Some mistakes of a case that change what its first scene draws, and what was named."""
     scene = next(iter(case.scenes()))
     try:

@@ -109,7 +109,7 @@ def _opening(page: Path) -> float | None:
 def _made_up(folder: Path, count: int) -> None:
     import numpy as np
 
-    from shaderlab.engine.picture_writer import PictureWriter
+    from shaderlab.engine.pictures import PictureWriter
     from shaderlab.model.frame import Image
     from shaderlab.model.records import ProgramRecord, SourceText, Verdict
     from shaderlab.model.store import save

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import data_folder, shipped_cases
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Case
 from shaderlab.model.options import RunOptions
 
@@ -48,7 +48,7 @@ def rewrites(kind: str) -> list[Rewrite]:
     return [Rewrite(*row) for row in data[kind]]
 
 
-def noticed(lab: Lab, case: Case, rewrite: Rewrite) -> str:
+def noticed(lab: SceneRunner, case: Case, rewrite: Rewrite) -> str:
     """What fails with the rewritten shader, or "". Raises ValueError where the case has no such
     shader."""
     used: set[str] = set()
@@ -64,7 +64,7 @@ def noticed(lab: Lab, case: Case, rewrite: Rewrite) -> str:
     return ""
 
 
-def surprises(lab: Lab, kind: str) -> Iterator[tuple[Rewrite, str]]:
+def surprises(lab: SceneRunner, kind: str) -> Iterator[tuple[Rewrite, str]]:
     """Right rewrites that fail, with what fails, or wrong ones that do not."""
     cases = load_cases(shipped_cases())
     for rewrite in rewrites(kind):
@@ -79,7 +79,7 @@ def main() -> None:
     parser.add_argument("--driver")
     parser.add_argument("--only", choices=("right", "wrong"))
     options = parser.parse_args()
-    with Lab(RunOptions(driver=options.driver)) as lab:
+    with SceneRunner(RunOptions(driver=options.driver)) as lab:
         for kind in ("right", "wrong") if options.only is None else (options.only,):
             count = 0
             for rewrite, found in surprises(lab, kind):

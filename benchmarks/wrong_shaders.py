@@ -20,7 +20,7 @@ from collections import Counter
 
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.mutation import mutate_case
 from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.operators import discard_pixels, halve_outputs
@@ -32,7 +32,7 @@ def main(words: list[str] | None = None) -> int:
     given = options.parse_args(words)
     counts: dict[str, Counter[str]] = {}
     catalogue = load_cases(shipped_cases())
-    with Lab() as lab:
+    with SceneRunner() as lab:
         for case in [catalogue[name] for name in given.cases] or catalogue.values():
             judge = Judge(lab, case)
             for mutant in mutate_case(case, operators=(discard_pixels, halve_outputs)):

@@ -149,7 +149,7 @@ def refused(passing: Record) -> Record:
 
 
 class FakeLab:
-    """Stands in for `shaderlab.engine.lab.Lab`: every scene passes but those named in `answers`."""
+    """Stands in for a `SceneRunner`: every scene passes but those named in `answers`."""
 
     def __init__(self, answers: Mapping[str, Record], template: Record, log: list[Any]) -> None:
         self._answers = answers
@@ -198,7 +198,7 @@ def fake_lab(
             made.options = options
             return made
 
-        monkeypatch.setattr("shaderlab.workers.lab_worker.Lab", lab)
+        monkeypatch.setattr("shaderlab.workers.lab_worker.SceneRunner", lab)
         monkeypatch.setenv("SHADERLAB_JOBS", "0")  # worker processes would have the real one
         return log
 

@@ -11,7 +11,7 @@ from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Case
 from shaderlab.model.frame import PassDraw
@@ -28,7 +28,7 @@ class Rewritten:
     given: list[Given] = field(default_factory=list)
 
 
-def stages(lab: Lab, case: Case) -> list[tuple[Source, list[Given]]]:
+def stages(lab: SceneRunner, case: Case) -> list[tuple[Source, list[Given]]]:
     """Each stage of a case's draws, once, and the inputs that those give it: those of fragment and
     vertex stages that ran; nothing for other stages, whose inputs can't be captured.
 
@@ -54,7 +54,7 @@ def stages(lab: Lab, case: Case) -> list[tuple[Source, list[Given]]]:
 
 
 def rewritten(
-    lab: Lab, case: Case, changes: Sequence[Mapping[str, str | Path]]
+    lab: SceneRunner, case: Case, changes: Sequence[Mapping[str, str | Path]]
 ) -> list[list[Rewritten]]:
     """For each change, the stages of the case's draws that it makes other ones, each once.
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.evaluation import FEATURES, Evaluation
 from shaderlab.engine.expectations.formula import Formula
-from shaderlab.engine.features import FEATURES
 from shaderlab.model.records import Explanation, Outcome
 
 from .self_check import SelfCheck

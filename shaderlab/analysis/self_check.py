@@ -64,6 +64,7 @@ class SelfCheck:
         self._every = every
         self._found: dict[PassDraw, _Found] = {}
         self._captured: set[Need] = set()
+        self._all_needs = evaluation.all_needs()
 
     def judge_captured(self, needed: Set[Need]) -> None:
         """Judge the draws whose captured inputs are not `needed` any more, and all others of a pass
@@ -71,7 +72,7 @@ class SelfCheck:
         answers = self._evaluation.answers
         self._captured |= answers.keys()
         later = _passes_captured(needed)
-        ended = _passes_captured(self._evaluation.asked) - later
+        ended = _passes_captured(self._all_needs) - later
         for key in self._planned:
             need = CapturedFragments(key)
             if key[0] in ended or (need in answers and need not in needed):
@@ -97,7 +98,7 @@ class SelfCheck:
 
     @cached_property
     def _planned(self) -> Sequence[PassDraw]:
-        return list(_keys(self._evaluation, self._evaluation.asked, every=self._every))
+        return list(_keys(self._evaluation, self._all_needs, every=self._every))
 
     def _judge(self, key: PassDraw) -> _Found:
         """What was found of a draw, which is judged once."""

@@ -192,7 +192,7 @@ def _renamed(error: ShaderlabError, before: Revision) -> ShaderlabError:
 
 def _inside(path: Path, folder: Path, includes: Sequence[Path]) -> str:
     """A shader's name as the cases of a folder know it; what was typed where it is no file."""
-    from shaderlab.engine.search_path import shaders_of
+    from shaderlab.engine.catalogue import shaders_of
 
     if path.is_file():
         for root in shaders_of(folder, {}, includes).folders:

@@ -46,7 +46,7 @@ def named(
     if not replacements:
         return {}
     from shaderlab.cli.renaming import require_same_names
-    from shaderlab.engine.search_path import shaders_of
+    from shaderlab.engine.catalogue import shaders_of
 
     folders = dict.fromkeys(Path(job.file).parent for job in jobs)
     places = [shaders_of(folder, {}, include) for folder in folders]

@@ -1,14 +1,13 @@
-"""Imports case files and checks them."""
+"""Imports case files and checks them; finds the shaders of cases."""
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import os
 import re
 import sys
 import traceback
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 from importlib.machinery import ModuleSpec
@@ -16,21 +15,17 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 
+from shaderlab.compiler.sources import Shaders
 from shaderlab.errors import CaseError, ShaderlabError, nearest
 from shaderlab.files import search_folder
 from shaderlab.model.case import Case
+from shaderlab.settings import settings_of
 
-from .discovery import TREE_FILE, chapter_title, place, tree_of
+from .discovery import TREE_FILE, chapter_title, data_folder, place, tree_of
 
 _PACKAGE = "shaderlab_cases_"
 _FOR_CASES = ("shaderlab", "shaderlab.glslmath", "shaderlab.glslmath.sampling", "shaderlab.assets")
 """The modules whose names case files import."""
-_MISSING = re.compile(r"missing \d+ required (?:positional |keyword-only )?arguments?: (.+)")
-_UNKNOWN_KEYWORD = re.compile(
-    r"(\w+)(?:\.__init__)?\(\) got an unexpected keyword argument '(\w+)'"
-)
-
-_NAMELESS = re.compile(r"(\w+)(?:\.__init__)?\(\) takes 1 positional argument but \d+")
 
 
 def load_cases(files: Iterable[Path]) -> dict[str, Case]:
@@ -105,9 +100,7 @@ def _import(path: Path) -> ModuleType:
             f"{type(error).__name__}: {error}".rstrip(": "),
             file=path,
             line=error.lineno if isinstance(error, SyntaxError) else _line_in(path, error),
-            remedy=_above_the_tree(error, tree)
-            or _named_like_pythons(error, file.parent)
-            or _right_spelling(error),
+            remedy=_import_hint(error, file, tree) if isinstance(error, ImportError) else None,
         ) from error
     finally:
         _forget_scripts(sorted(set(sys.modules) - known, reverse=True), file.parent)
@@ -155,68 +148,54 @@ def _forget_scripts(names: Iterable[str], folder: Path) -> None:
             del sys.modules[name]
 
 
-def _above_the_tree(error: BaseException, tree: Path) -> str | None:
-    if not isinstance(error, ImportError) or "beyond top-level package" not in str(error):
-        return None
-    return (
-        f"the tree of cases begins at {tree}; to share modules between folders, put an empty "
-        f"{TREE_FILE} into the folder that holds them all"
-    )
-
-
-def _named_like_pythons(error: BaseException, folder: Path) -> str | None:
-    name = error.name if isinstance(error, ImportError) else None
-    if name not in sys.stdlib_module_names or not (folder / f"{name}.py").is_file():
-        return None
-    return f"{name} is a module of Python's own; the file beside the case is .{name}"
-
-
 def _line_in(path: Path, error: BaseException) -> int | None:
     file = os.path.abspath(path)
     frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == file]
     return frames[-1].lineno if frames else None
 
 
-def _has_default(field: dataclasses.Field[object]) -> bool:
-    missing = dataclasses.MISSING
-    return field.default is not missing or field.default_factory is not missing
-
-
-def _right_import(name: str, module: str) -> str:
-    """For a name that a module of the lab lacks: which other has it, or the nearest names."""
+def _import_hint(error: ImportError, file: Path, tree: Path) -> str | None:
+    """What to do about an import that fails."""
+    name = error.name or ""
+    if "beyond top-level package" in str(error):
+        return (
+            f"the tree of cases begins at {tree}; to share modules between folders, put an empty "
+            f"{TREE_FILE} into the folder that holds them all"
+        )
+    if name in sys.stdlib_module_names and (file.parent / f"{name}.py").is_file():
+        return f"{name} is a module of Python's own; the file beside the case is .{name}"
+    word = re.search(r"cannot import name '(\w+)'", str(error))
+    if word is None or not name.startswith("shaderlab"):
+        return None
     for other in _FOR_CASES:
-        if name in _public(import_module(other)):
-            return f"it is elsewhere: from {other} import {name}"
-    return nearest(name, _public(sys.modules[module]))
+        if word.group(1) in _public_names(import_module(other)):
+            return f"it is elsewhere: from {other} import {word.group(1)}"
+    return nearest(word.group(1), _public_names(sys.modules[name]))
 
 
-def _public(module: ModuleType) -> list[str]:
+def _public_names(module: ModuleType) -> list[str]:
     names: list[str] = getattr(module, "__all__", None) or dir(module)
     return [name for name in names if not name.startswith("_")]
 
 
-def _right_spelling(error: BaseException) -> str | None:
-    """For a misspelt keyword or import, the nearest names."""
-    if isinstance(error, ImportError) and (error.name or "").startswith("shaderlab"):
-        word = re.search(r"cannot import name '(\w+)'", str(error))
-        return _right_import(word.group(1), error.name or "") if word else None
-    if missing := _MISSING.search(str(error)):
-        return f"give it {missing.group(1)}"
-    found = _UNKNOWN_KEYWORD.search(str(error)) or _NAMELESS.search(str(error))
-    if not isinstance(error, TypeError) or found is None:
-        return None
-    *_, (frame, _) = traceback.walk_tb(error.__traceback__)  # the one that calls
-    places = (frame.f_locals, frame.f_globals, vars(sys.modules["shaderlab"]))
-    known = (each for place in places for each in place.values())
-    owner = next((each for each in known if getattr(each, "__name__", "") == found.group(1)), None)
-    if owner is None:
-        return None
-    if dataclasses.is_dataclass(owner):
-        given = [f for f in dataclasses.fields(owner) if f.init]
-        names = [f.name for f in sorted(given, key=_has_default)]  # stable
-    else:
-        code = owner.__code__
-        names = list(code.co_varnames[: code.co_argcount + code.co_kwonlyargcount])
-    if found.re is _NAMELESS:
-        return f"write the names, as in {owner.__name__}({names[0]}=…)" if names else None
-    return nearest(found.group(2), names)
+def shaders_of(
+    folder: Path,
+    overrides: Mapping[str, str | Path],
+    include: Sequence[Path] = (),
+    renames: Mapping[str, str] | None = None,
+) -> Shaders:
+    """The shaders of the cases in `folder`: those of their project, and the shipped ones.
+
+    Args:
+        folder: where the case file is; a shipped case sees the shipped shaders alone.
+        overrides: texts or files to take in a shader's place, by its name.
+        include: further folders, which come after the project's own.
+        renames: names in the files of `overrides`, and what they are called instead.
+
+    Raises:
+        UsageError: the project's settings are wrong.
+    """
+    shipped = data_folder("shaders")
+    inside = folder.resolve().is_relative_to(data_folder("cases").resolve())
+    own = () if inside else (*settings_of(folder).shader_folders(folder), *include)
+    return Shaders([*own, shipped], overrides=dict(overrides), renames=renames)

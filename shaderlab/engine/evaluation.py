@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterable, Iterator, Set
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 from shaderlab.drivers import Backend, Session
 from shaderlab.drivers.programs.prepare import Preparer
@@ -14,9 +14,11 @@ from shaderlab.model.activity import doing
 from shaderlab.model.calls import error_name
 from shaderlab.model.expectation import Expectation, Judgement, Need
 from shaderlab.model.frame import Frame
+from shaderlab.model.records import Explanation, ModulesRecord, Outcome
 
 from .expectations.base import Context
 from .expectations.discards import KeptOut
+from .expectations.formula import Formula
 from .expectations.needs import CapturedFragments
 
 
@@ -90,43 +92,31 @@ class Evaluation:
             self._needs[id(expectation)] = expectation, found
         return self._needs[id(expectation)][1]
 
-    def by_turns(
+    def iter_with_release(
         self, before_release: Callable[[Set[Need]], None] | None = None
     ) -> Iterator[tuple[int, Expectation]]:
-        """The scene's expectations with their numbers, in order, each to be gathered and judged
-        before the next one is asked for. What none after it needs is let go then: captures are as
+        """Iterate over the scene's expectations with their numbers; each is to be gathered and
+        judged before the next one. What none after it needs is released then: captures are as
         large as pictures.
 
         Args:
-            before_release: is called before anything is let go, with what is still needed.
+            before_release: called before anything is released, with what is still needed.
         """
-        own, kept = self._last
-        for index, expectation in enumerate(self.scene.expect):
+        expect = self.scene.expect
+        for index, expectation in enumerate(expect):
             yield index, expectation
-            needed = {need for need, last in own.items() if last > index}
-            needed |= {
-                n for n, last in kept.items() if last > index and not self._kept_out.knows(n)
-            }
+            needed = {need for later in expect[index + 1 :] for need in self.needs(later)}
             if before_release is not None:
                 before_release(needed)
             self.forget([need for need in self.answers if need not in needed])
 
-    @functools.cached_property
-    def _last(self) -> tuple[dict[Need, int], dict[CapturedFragments, int]]:
-        """The number of the last expectation that has each need; and of the last that asks whether
-        a draw keeps anything out."""
-        expect = list(enumerate(self.scene.expect))
-        own = {need: i for i, e in expect for need in self._own_needs(e)}
-        return own, {need: i for i, e in expect for need in self._kept_out.needed(e)}
-
-    @property
-    def asked(self) -> Set[Need]:
-        """All that the scene's expectations need."""
-        own, kept = self._last
-        return own.keys() | kept.keys()
+    def all_needs(self) -> set[Need]:
+        """All that the scene's expectations need and was not judged yet."""
+        return {need for expectation in self.scene.expect for need in self.needs(expectation)}
 
     def answer(self, need: Need) -> Any:
-        """What a need asks for, asked for once. Raises ShaderlabError if there is no answer."""
+        """Return what a need asks for, asked for once. Raises ShaderlabError if there is no
+        answer."""
         if need not in self.answers:
             self.answers[need] = self._answer(need)
         return self.answers[need]
@@ -175,3 +165,37 @@ class Evaluation:
         ):
             return like.answers[need]
         return need.answer(self._context)
+
+
+class SceneCheck(Protocol):
+    """A check of a whole scene, besides its expectations.
+
+    Attributes:
+        outside: the outputs, (pass, output), that failed it; complete after `judgement`.
+    """
+
+    outside: set[tuple[str, str]]
+
+    def judge_captured(self, needed: Set[Need]) -> None:
+        """Judge what was captured and is not `needed` any more: it is about to be released."""
+
+    def judgement(self) -> tuple[ModulesRecord, Judgement]:
+        """Judge the rest, while the scene is on the device, and return what was found."""
+
+
+@dataclass
+class Features:
+    """What packages above the engine add to the run of each scene; they register it here.
+
+    Attributes:
+        self_check: makes a check of a scene: of all its pixels if the flag is set, else of
+            a sample.
+        explain: says where a formula that fails goes wrong; None where it has no answer.
+            Raises ShaderlabError.
+    """
+
+    self_check: Callable[[Evaluation, bool], SceneCheck] | None = None
+    explain: Callable[[Evaluation, Formula, Outcome], Explanation | None] | None = None
+
+
+FEATURES = Features()

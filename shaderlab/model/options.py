@@ -34,8 +34,6 @@ class RunOptions:
         size: side in pixels of the square frame that is judged, where a case does not say.
         picture_size: side of the picture for people, likewise.
         folder: the run's folder; None writes no file.
-        file_thread: whether a thread of its own packs and writes a scene's files while it is
-            judged: sooner where a core is idle, for a tenth more of the processor's time.
         pictures: whether pictures are drawn into it.
         shaders: files that replace shaders, by the shader's name.
         texts: texts that replace shaders, likewise.
@@ -46,7 +44,7 @@ class RunOptions:
         modules: whether draws are held against their own shaders' bands as well: all pixels of
             all draws, none, or with None some of each program.
         driver: as in `shaderlab.drivers.open_backend`; a process keeps the first it is given.
-        frames: the folder in which `shaderlab.engine.stored_images` stores what each scene
+        frames: the folder in which `shaderlab.engine.pictures` stores what each scene
             draws, on each of several drivers in a folder of its own; None stores nothing.
         limits: of each scene.
     """
@@ -54,7 +52,6 @@ class RunOptions:
     size: int = 64
     picture_size: int = 512
     folder: Path | None = None
-    file_thread: bool = True
     pictures: bool = True
     shaders: Mapping[str, Path] = field(default_factory=dict)
     texts: Mapping[str, str] = field(default_factory=dict)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from shaderlab.engine.expectations.gl_call import GlCalls, Traced
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.frame import TracedCall
@@ -139,7 +139,7 @@ class CallMutant(Mutant):
 
 
 def mutate_calls(
-    lab: Lab, case: Case, seed: int = 0, variants: Collection[str] = ()
+    lab: SceneRunner, case: Case, seed: int = 0, variants: Collection[str] = ()
 ) -> list[CallMutant]:
     """Return the mutants of a case's calls, or of those of some of its variants.
 

@@ -28,7 +28,7 @@ from shaderlab.compiler.syntax import (
 from shaderlab.drivers.programs.prepare import PreparedDraw
 from shaderlab.drivers.programs.stages import after_directives, may_keep_out
 from shaderlab.engine.expectations.base import all_reads
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.files import display_path
 from shaderlab.model.case import Scene
@@ -285,7 +285,7 @@ def _min_max_clamp(kind: str, other: str, size: int) -> Iterator[str]:
     yield from _wrapper(kind, "clamp", three, items, "clamp(x, low, high)")
 
 
-def measure_coverage(lab: Lab, scenes: Iterable[Scene]) -> CodeCoverage:
+def measure_coverage(lab: SceneRunner, scenes: Iterable[Scene]) -> CodeCoverage:
     """Return what the judged draws of some scenes of one case exercised of their shaders.
 
     A point that several programs share, or several scenes run, was exercised if one of them did.
@@ -328,7 +328,7 @@ class _Stages:
         return self.stages[source]
 
 
-def _see_items(lab: Lab, scene: Scene) -> Iterator[tuple[tuple[Place, str], bool]]:
+def _see_items(lab: SceneRunner, scene: Scene) -> Iterator[tuple[tuple[Place, str], bool]]:
     """Each item of the points of a scene's judged stages, and whether it was seen."""
     every = _Stages()
     programs = {

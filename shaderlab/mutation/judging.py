@@ -21,7 +21,7 @@ from shaderlab.engine.expectations.base import Named, judged_outputs
 from shaderlab.engine.expectations.gl_call import Traced
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.engine.judging.reference_bands import RememberedBands
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError, ShaderError
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.frame import TracedCall, differ
@@ -61,7 +61,7 @@ class Judge:
     """
 
     def __init__(
-        self, lab: Lab, case: Case, variants: tuple[str, ...] = (), *, locate: bool = False
+        self, lab: SceneRunner, case: Case, variants: tuple[str, ...] = (), *, locate: bool = False
     ) -> None:
         self._lab = lab
         self._locate = locate

@@ -22,7 +22,7 @@ from shaderlab.drivers.programs.stages import elements
 from shaderlab.drivers.programs.textures import format_of, shape_of
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.base import Named
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError, UnsupportedError
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, PassDraw, Texels, differ
@@ -111,7 +111,7 @@ class WiderInputs:
         originals: each scene's evaluation unmutated, by variant.
     """
 
-    def __init__(self, lab: Lab, originals: Mapping[str, Evaluation]) -> None:
+    def __init__(self, lab: SceneRunner, originals: Mapping[str, Evaluation]) -> None:
         self._lab, self._originals = lab, originals
         self._rounds: dict[tuple[str, frozenset[str], tuple[str, ...], int], _Known | None] = {}
 

@@ -11,7 +11,7 @@ from tree_sitter import Node
 
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.syntax import Syntax, name_of, reachable, walk
-from shaderlab.engine.search_path import shaders_of
+from shaderlab.engine.catalogue import shaders_of
 from shaderlab.model.case import Case, Scene
 from shaderlab.mutation.mutants import Effect, Mutant, select_scenes
 from shaderlab.mutation.names import Operator, collect_names

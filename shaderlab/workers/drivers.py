@@ -109,14 +109,14 @@ def _compared(
     frames: Path,
     arrays: dict[str, Mapping[str, Array]],
 ) -> Iterator[Difference]:
-    from shaderlab.engine.stored_images import load
+    from shaderlab.engine.pictures import load_frames
 
     steps = None
     if output.digest != other.digest:
         for record in (first, second):
             name = record.driver_name
             if name not in arrays:
-                arrays[name] = load(frames / name, record.id, record.variant)
+                arrays[name] = load_frames(frames / name, record.id, record.variant)
         values = [arrays[record.driver_name].get(output.name) for record in (first, second)]
         one, two = values
         if one is None or two is None or one.shape != two.shape:

@@ -13,13 +13,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from shaderlab.engine import packages
+from shaderlab.engine import package_versions
 from shaderlab.errors import CaseError
 from shaderlab.model.options import Limits, RunOptions
 
 from .jobs import About, CaseFacts, DescribeDriver, Job, LoadCase, RunJob, failed_record
 from .pool import ItemResult, WorkerPool
-from .sizing import cores, loads, suitable
+from .sizing import loads, suitable
 
 # Workers are started before anything that they do not need is imported here.
 if TYPE_CHECKING:
@@ -142,10 +142,7 @@ class ProcessExecutor(LocalExecutor):
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
         if not self._early:
             self.about()  # now, while workers are free: a failed job's record names the driver
-        count = sum(not job.broken for job in jobs)
-        most = suitable(count) if self._workers is None else self._workers
-        idle = min(most, count) < cores()
-        yield from super().run(jobs, replace(options, file_thread=idle))
+        yield from super().run(jobs, options)
 
     def perform(
         self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
@@ -164,7 +161,7 @@ class ProcessExecutor(LocalExecutor):
         return self._thread.submit(self._ask_about)
 
     def _ask_about(self) -> About:
-        versions = packages.versions()  # a worker's are the same, and it has enough to import
+        versions = package_versions()  # a worker's are the same, and it has enough to import
         (result,) = self._pool.run([DescribeDriver(self._driver)])
         if result.status == "done":
             found: About = result.value
@@ -193,7 +190,7 @@ class InProcessExecutor(LocalExecutor):
 
     def about(self) -> About:
         about = DescribeDriver(self._driver).perform(self._worker)
-        return replace(about, versions=packages.versions())
+        return replace(about, versions=package_versions())
 
     def perform(
         self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None

@@ -18,7 +18,7 @@ from shaderlab import drivers as backends
 from shaderlab.analysis import features
 from shaderlab.drivers import known_driver, prepare_process
 from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.options import RunOptions
@@ -40,7 +40,7 @@ class LabWorker:
     def __init__(self, channel: Channel | None = None) -> None:
         features.register()
         self._channel = channel
-        self._lab: Lab | None = None
+        self._lab: SceneRunner | None = None
         self._driver = ""
         self._scenes: dict[str, Mapping[str, Scene]] = {}
         self._kept: dict[str, tuple[Hashable, Any]] = {}
@@ -64,7 +64,7 @@ class LabWorker:
                 os._exit(1)
             yield request.perform(self)
 
-    def lab(self, options: RunOptions) -> Lab:
+    def lab(self, options: RunOptions) -> SceneRunner:
         """The process's lab, with these options for the scenes to come."""
         if self._lab is not None and options.driver not in (None, self._driver):
             # Mesa reads once in a process which driver it is to be.
@@ -76,7 +76,7 @@ class LabWorker:
             self._driver = known_driver(options.driver)
             if self._channel is not None:
                 prepare_process(options.driver)  # a worker is the lab's alone
-            self._lab = Lab(options, self.note)
+            self._lab = SceneRunner(options, self.note)
         elif options != self._lab.options:
             self._lab.configure(options)
         return self._lab

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab.engine.picture_writer import PictureWriter
+from shaderlab.engine.pictures import PictureWriter
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.records import (
     Declared,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from shaderlab import Draw, Mesh, Pass, Ramp, Target, exact, formula, fullscreen
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.frame import Array
@@ -26,7 +26,7 @@ ONE = "#version 330 core\nout float level;\nvoid main() { level = 1.0; }\n"
 """A fragment shader that writes 1."""
 
 
-def wave(lab: Lab, folder: Path, *expect: Expectation, text: str = WAVE) -> Record:
+def wave(lab: SceneRunner, folder: Path, *expect: Expectation, text: str = WAVE) -> Record:
     """The record of a wave over the whole target."""
     (folder / "wave.frag").write_text(text)
     domain = {"place": Ramp((1.0, 2.0), (3.0, 0.0), (0.0, 5.0))}
@@ -56,13 +56,13 @@ def _scene(folder: Path, passes: Sequence[Pass], expect: Sequence[Expectation]) 
     return case.scene("default")
 
 
-def image(lab: Lab, scene: Scene, output: str) -> Array:
+def image(lab: SceneRunner, scene: Scene, output: str) -> Array:
     """What a scene's only pass draws."""
     with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
         return evaluation.drawn.images["main", output].values
 
 
-def points_off_screen_are_dropped(lab: Lab, folder: Path) -> None:
+def points_off_screen_are_dropped(lab: SceneRunner, folder: Path) -> None:
     """A point whose middle lies off screen is not seen; without the lab's ending it is."""
     vertex = (
         "#version 330 core\nin vec2 at;\n"

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from shaderlab import Case, Cell, Depth, Draw, Mesh, Pass, State, Target, assets, exact, gl_calls
 from shaderlab.cli import cli
 from shaderlab.engine.expectations.gl_call import Traced
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
 from shaderlab.mutation.call_mutants import CallMutant, mutate_calls
@@ -34,8 +34,8 @@ HALF[:, 8:] = 1.0
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab() as opened:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner() as opened:
         yield opened
 
 
@@ -60,7 +60,7 @@ def case(tmp_path: Path) -> Case:
     )  # fmt: skip
 
 
-def fate(lab: Lab, case: Case, edit: CallEdit) -> tuple[str, str]:
+def fate(lab: SceneRunner, case: Case, edit: CallEdit) -> tuple[str, str]:
     mutant = CallMutant(
         file=case.file, line=0, operator="", before="", after="", variant="default", edit=edit
     )
@@ -105,13 +105,15 @@ FATES: Mapping[str, tuple[CallEdit, str, str]] = {
 
 
 @pytest.mark.parametrize("name", FATES)
-def test_fates(lab: Lab, case: Case, name: str) -> None:
+def test_fates(lab: SceneRunner, case: Case, name: str) -> None:
     edit, status, by = FATES[name]
     found = fate(lab, case, edit)
     assert found[0] == status and by in found[1], found
 
 
-def test_another_hint_survives_where_the_case_is_about_such_calls(lab: Lab, case: Case) -> None:
+def test_another_hint_survives_where_the_case_is_about_such_calls(
+    lab: SceneRunner, case: Case
+) -> None:
     edit = Changed(function="glBufferData", number=1, parameter="usage", value="GL_STREAM_DRAW")
     weak, strong = (
         Case(title="c", id="halves", file=case.file, passes=case.passes, expect=[told])
@@ -124,7 +126,7 @@ def test_another_hint_survives_where_the_case_is_about_such_calls(lab: Lab, case
     assert fate(lab, strong, edit)[0] == "killed"
 
 
-def test_the_trace_has_the_edit_and_the_next_drawing_has_not(lab: Lab, case: Case) -> None:
+def test_the_trace_has_the_edit_and_the_next_drawing_has_not(lab: SceneRunner, case: Case) -> None:
     scene = case.scene("default")
     programs = lab.prepare_for_opengl(scene)
     edit = Changed(function="glViewport", number=2, parameter="x", value=3)
@@ -138,7 +140,7 @@ def test_the_trace_has_the_edit_and_the_next_drawing_has_not(lab: Lab, case: Cas
         assert np.array_equal(untouched.drawn.images["main", "FragColor"].values, HALF)
 
 
-def test_a_call_that_does_not_come_is_a_defect(lab: Lab, case: Case) -> None:
+def test_a_call_that_does_not_come_is_a_defect(lab: SceneRunner, case: Case) -> None:
     scene = case.scene("default")
     edit = Dropped(function="glDrawElementsInstanced", number=7)
     run = lab.edited_evaluation(scene, lab.prepare_for_opengl(scene), edit)
@@ -146,7 +148,7 @@ def test_a_call_that_does_not_come_is_a_defect(lab: Lab, case: Case) -> None:
         pass
 
 
-def test_mutants_of_a_case(lab: Lab, case: Case) -> None:
+def test_mutants_of_a_case(lab: SceneRunner, case: Case) -> None:
     mutants = mutate_calls(lab, case)
     kinds = Counter(mutant.operator for mutant in mutants)
     assert set(kinds) == {"argument", "call dropped", "call repeated", "calls reordered"}

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from shaderlab import Case, Ramp, fullscreen, portable
 from shaderlab.cli.audit import command
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Outcome
@@ -40,8 +40,8 @@ case = Case(
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=16)) as found:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=16)) as found:
         yield found
 
 
@@ -67,7 +67,7 @@ def test_a_case_s_own_inputs_decide(tmp_path: Path) -> None:
     assert "shift: as the case gives it" in output
 
 
-def judged(lab: Lab, folder: Path, scale: float, expectation: portable) -> Outcome:
+def judged(lab: SceneRunner, folder: Path, scale: float, expectation: portable) -> Outcome:
     folder = folder / str(scale)  # a lab reads a file once
     folder.mkdir(exist_ok=True)
     write(folder, 0.0, scale)
@@ -82,7 +82,7 @@ def judged(lab: Lab, folder: Path, scale: float, expectation: portable) -> Outco
     return record.expectations[0]
 
 
-def test_what_devices_of_16_bits_draw_is_judged(lab: Lab, tmp_path: Path) -> None:
+def test_what_devices_of_16_bits_draw_is_judged(lab: SceneRunner, tmp_path: Path) -> None:
     kind = portable("color", codes=1.0, precision="mediump")
     assert judged(lab, tmp_path, 0.5, kind).status == "pass"
     failed = judged(lab, tmp_path, 50.0, kind)
@@ -90,7 +90,7 @@ def test_what_devices_of_16_bits_draw_is_judged(lab: Lab, tmp_path: Path) -> Non
     assert "color at mediump" in failed.message
 
 
-def test_what_conforming_devices_draw_is_judged(lab: Lab, tmp_path: Path) -> None:
+def test_what_conforming_devices_draw_is_judged(lab: SceneRunner, tmp_path: Path) -> None:
     assert judged(lab, tmp_path, 0.5, portable("color", codes=0.01)).status == "pass"
     assert judged(lab, tmp_path, 0.5, portable("color", codes=1e-6)).status == "fail"
 

@@ -30,7 +30,7 @@ from shaderlab import (
     sweep,
     value,
 )
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError
 from shaderlab.glslmath import mul, vec4
 from shaderlab.model.mesh import LAYOUTS, UPLOADS, USAGES
@@ -110,7 +110,7 @@ def folder(tmp_path: Path) -> Path:
 
 def run(folder: Path, **case: Any) -> list[Record]:
     made = Case(title="a case", id="a-case", file=str(folder / "case.py"), **case)
-    with Lab(RunOptions()) as lab:
+    with SceneRunner(RunOptions()) as lab:
         return [lab.run(scene) for scene in made.scenes()]
 
 
@@ -135,7 +135,7 @@ def output(folder: Path, **mesh: Any) -> bytes:
     )  # fmt: skip
 
     (scene,) = case.scenes()
-    with Lab() as lab, lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
+    with SceneRunner() as lab, lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
         return evaluation.frame.images["main", "FragColor"].values.tobytes()
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from shaderlab import Case, Draw, Pass, State, Target, Texture, exact, gl_call
 from shaderlab.engine.expectations.gl_call import Location, Object, Program, call
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
@@ -43,8 +43,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=4)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=4)) as made:
         yield made
 
 
@@ -60,7 +60,7 @@ def case(folder: Path, *expect: Any) -> Case:
     return Case(title="t", id="t", file=str(folder / "t.py"), passes=passes, expect=expect)
 
 
-def run(lab: Lab, folder: Path, *expect: Any) -> Record:
+def run(lab: SceneRunner, folder: Path, *expect: Any) -> Record:
     return lab.run(case(folder, *expect).scene("default"))
 
 
@@ -97,7 +97,7 @@ RIGHT = [
 ]  # fmt: skip
 
 
-def test_calls_raise_and_answer_what_the_specification_says(lab: Lab, folder: Path) -> None:
+def test_calls_raise_and_answer_what_the_specification_says(lab: SceneRunner, folder: Path) -> None:
     record = run(lab, folder, *RIGHT)
     assert record.status == "pass", [o for o in record.expectations if o.status != "pass"]
     rows = record.expectations[0].rows
@@ -125,7 +125,9 @@ def test_calls_raise_and_answer_what_the_specification_says(lab: Lab, folder: Pa
         (gl_call("glIsEnabled", "GL_BLEND", at_least=1), "answers 0"),
     ],
 )  # fmt: skip
-def test_another_error_or_answer_fails(lab: Lab, folder: Path, wrong: Any, says: str) -> None:
+def test_another_error_or_answer_fails(
+    lab: SceneRunner, folder: Path, wrong: Any, says: str
+) -> None:
     record = run(lab, folder, wrong)
     assert record.status == "fail"
     assert says in record.expectations[0].message
@@ -142,7 +144,9 @@ def test_another_error_or_answer_fails(lab: Lab, folder: Path, wrong: Any, says:
         (gl_call("glIsEnabled", "GL_BLEND", returns="GL_FALS"), "GL_FALSE"),
     ],
 )
-def test_what_is_no_call_names_the_nearest(lab: Lab, folder: Path, wrong: Any, says: str) -> None:
+def test_what_is_no_call_names_the_nearest(
+    lab: SceneRunner, folder: Path, wrong: Any, says: str
+) -> None:
     record = run(lab, folder, wrong)
     assert record.status == "error"
     assert says in record.message
@@ -160,7 +164,7 @@ def test_calls_are_refused_where_they_are_written() -> None:
             make()
 
 
-def test_a_call_leaves_nothing_behind_and_finds_nothing_set(lab: Lab, folder: Path) -> None:
+def test_a_call_leaves_nothing_behind_and_finds_nothing_set(lab: SceneRunner, folder: Path) -> None:
     """Neither the draws' state reaches a call, nor a call the next draws, nor one call another."""
     picture = [[0, 0, 0, 0], [0, 1, 1, 0], [0, 1, 1, 0], [0, 0, 0, 0]]
     enable = gl_call("glEnable", "GL_SCISSOR_TEST")
@@ -176,7 +180,7 @@ def test_mutation_judges_only_calls_that_name_a_program(folder: Path) -> None:
     of_nothing = gl_call("glIsEnabled", "GL_BLEND", returns=1)
     scene = case(folder, of_program, of_nothing).scene("default")
     assert [e.passes(scene) for e in scene.expect] == [{"main"}, set()]
-    with Lab(RunOptions(size=4)) as lab:
+    with SceneRunner(RunOptions(size=4)) as lab:
         for use, status in (("", "pass"), (" + unused", "fail")):
             text = TEXTURED.replace("TexCoords);", f"TexCoords){use};")
             programs = lab.prepare_for_opengl(scene, {"textured.frag": text})

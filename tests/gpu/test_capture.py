@@ -25,7 +25,7 @@ from shaderlab import (
     sweep,
     value,
 )
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import dot, mul, vec4
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
@@ -105,12 +105,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=16)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=16)) as made:
         yield made
 
 
-def run(lab: Lab, folder: Path, passes: Any, *expect: Any) -> Record:
+def run(lab: SceneRunner, folder: Path, passes: Any, *expect: Any) -> Record:
     made = Case(title="t", id="t", file=str(folder / "t.py"), passes=passes, expect=expect)
     return lab.run(made.scene("default"))
 
@@ -120,7 +120,9 @@ def write(folder: Path, name: str, text: str) -> str:
     return name
 
 
-def test_blocks_structs_arrays_and_matrices_reach_references(lab: Lab, folder: Path) -> None:
+def test_blocks_structs_arrays_and_matrices_reach_references(
+    lab: SceneRunner, folder: Path
+) -> None:
     passes = mesh_pass("rich.vert", "rich.frag", QUAD)
     record = run(
         lab, folder, passes,
@@ -133,7 +135,7 @@ def test_blocks_structs_arrays_and_matrices_reach_references(lab: Lab, folder: P
     assert worst is not None and "VS_OUT.id" in worst.inputs and "v[0]" in worst.inputs
 
 
-def test_the_same_names_judge_vertex_outputs(lab: Lab, folder: Path) -> None:
+def test_the_same_names_judge_vertex_outputs(lab: SceneRunner, folder: Path) -> None:
     def doubled(aPos: Any) -> Any:
         return aPos * 2.0
 
@@ -163,7 +165,7 @@ def test_the_same_names_judge_vertex_outputs(lab: Lab, folder: Path) -> None:
     assert refused.status == "error" and "v[0]" in refused.message
 
 
-def test_a_program_is_run_on_given_members_and_elements(lab: Lab, folder: Path) -> None:
+def test_a_program_is_run_on_given_members_and_elements(lab: SceneRunner, folder: Path) -> None:
     at: dict[str, Any] = {
         "VS_OUT.FragPos": (1.0, 2.0, 4.0), "VS_OUT.id": 1, "VS_OUT.uv[0]": (2.0, 3.0),
         "VS_OUT.uv[1]": (5.0, 0.0), "VS_OUT.TBN": np.arange(9.0).reshape(3, 3),
@@ -184,7 +186,9 @@ def test_a_program_is_run_on_given_members_and_elements(lab: Lab, folder: Path) 
 
 
 @pytest.mark.parametrize("qualifier", ["smooth", "noperspective", "centroid", "flat"])
-def test_every_interpolation_is_captured_as_it_is(lab: Lab, folder: Path, qualifier: str) -> None:
+def test_every_interpolation_is_captured_as_it_is(
+    lab: SceneRunner, folder: Path, qualifier: str
+) -> None:
     vert = write(
         folder, f"{qualifier}.vert",
         f"in vec3 aPos; {qualifier} out vec2 st;\n"
@@ -216,7 +220,7 @@ def test_every_interpolation_is_captured_as_it_is(lab: Lab, folder: Path, qualif
     assert (far < 1e-5) == (qualifier == "noperspective")
 
 
-def test_integers_and_built_in_inputs(lab: Lab, folder: Path) -> None:
+def test_integers_and_built_in_inputs(lab: SceneRunner, folder: Path) -> None:
     vert = write(
         folder, "int.vert",
         "in vec3 aPos; flat out uvec2 u; flat out ivec3 i;\n"
@@ -242,7 +246,7 @@ def test_integers_and_built_in_inputs(lab: Lab, folder: Path) -> None:
     assert [o.status for o in record.expectations] == ["pass", "pass", "fail"], record
 
 
-def test_the_number_of_the_primitive(lab: Lab, folder: Path) -> None:
+def test_the_number_of_the_primitive(lab: SceneRunner, folder: Path) -> None:
     if lab.driver["renderer"].startswith("softpipe"):
         pytest.skip("softpipe draws nothing with a fragment shader that reads gl_PrimitiveID")
     vert = write(folder, "plain.vert", "in vec3 aPos; void main() { gl_Position = vec4(aPos, 1); }")
@@ -263,7 +267,7 @@ def test_the_number_of_the_primitive(lab: Lab, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("outputs", [6, 7, 8])
-def test_as_many_attachments_as_there_are(lab: Lab, folder: Path, outputs: int) -> None:
+def test_as_many_attachments_as_there_are(lab: SceneRunner, folder: Path, outputs: int) -> None:
     declared = "".join(f"layout (location = {k}) out vec3 o{k};\n" for k in range(outputs))
     written = "".join(f"o{k} = x * {k + 1}.0;" for k in range(outputs))
     frag = write(
@@ -282,7 +286,7 @@ def test_as_many_attachments_as_there_are(lab: Lab, folder: Path, outputs: int) 
     assert [o.status for o in record.expectations] == ["pass"] * (outputs + 1) + ["fail"], record
 
 
-def test_a_domain_feeds_blocks_and_structs(lab: Lab, folder: Path) -> None:
+def test_a_domain_feeds_blocks_and_structs(lab: SceneRunner, folder: Path) -> None:
     frag = write(
         folder, "fed.frag",
         "struct Surface { vec3 normal; float gloss; };\n"
@@ -316,7 +320,7 @@ def test_a_domain_feeds_blocks_and_structs(lab: Lab, folder: Path) -> None:
     assert set(record.compile.values()) == {"pass"}
 
 
-def test_what_no_vertex_stage_can_feed_is_said(lab: Lab, folder: Path) -> None:
+def test_what_no_vertex_stage_can_feed_is_said(lab: SceneRunner, folder: Path) -> None:
     frag = write(folder, "array.frag", "in vec3 v[2]; out vec3 y; void main() { y = v[0] + v[1]; }")
     passes = fullscreen(frag, domain={"v": Ramp((0.0, 0.0, 0.0))})
     record = run(lab, folder, passes, exact("y", 0.0))
@@ -324,7 +328,7 @@ def test_what_no_vertex_stage_can_feed_is_said(lab: Lab, folder: Path) -> None:
     assert "'v'" in record.message and "draw a mesh" in record.message
 
 
-def test_instances_are_told_apart(lab: Lab, folder: Path) -> None:
+def test_instances_are_told_apart(lab: SceneRunner, folder: Path) -> None:
     vert = write(
         folder, "many.vert",
         "in vec3 aPos; flat out int which; out float x;\n"
@@ -363,7 +367,7 @@ def test_instances_are_told_apart(lab: Lab, folder: Path) -> None:
 
 
 def test_an_output_that_is_never_written_keeps_no_other_from_being_judged(
-    lab: Lab, folder: Path
+    lab: SceneRunner, folder: Path
 ) -> None:
     write(folder, "idle.vert", "in vec3 aPos;\nout vec3 idle;\nout vec3 double_;\n"
           "void main() { double_ = 2.0 * aPos; gl_Position = vec4(aPos, 1.0); }\n")  # fmt: skip

@@ -11,7 +11,7 @@ import pytest
 
 from shaderlab import Case, Draw, Mesh, Pass, coverage, formula, mesh_pass, value
 from shaderlab.drivers.programs.vertex_capture import corners
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import cross, normalize, vec4, where
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
@@ -136,12 +136,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=32)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=32)) as made:
         yield made
 
 
-def run(lab: Lab, folder: Path, passes: Any, *expect: Any) -> Record:
+def run(lab: SceneRunner, folder: Path, passes: Any, *expect: Any) -> Record:
     made = Case(title="t", id="t", file=str(folder / "t.py"), passes=passes, expect=expect)
     return lab.run(made.scene("default"))
 
@@ -155,7 +155,7 @@ def exploded(**draw: Any) -> tuple[Pass, ...]:
 
 
 @pytest.mark.parametrize("instances", [1, 3])
-def test_emitted_vertices_are_judged(lab: Lab, folder: Path, instances: int) -> None:
+def test_emitted_vertices_are_judged(lab: SceneRunner, folder: Path, instances: int) -> None:
     record = run(
         lab, folder, exploded(instances=instances),
         formula("gl_Position", position), formula("tint", tint_of), formula("side", side_of),
@@ -167,7 +167,7 @@ def test_emitted_vertices_are_judged(lab: Lab, folder: Path, instances: int) -> 
     assert worst is not None and "world[1]" in worst.inputs
 
 
-def test_the_vertex_stage_before_a_geometry_stage_is_judged(lab: Lab, folder: Path) -> None:
+def test_the_vertex_stage_before_a_geometry_stage_is_judged(lab: SceneRunner, folder: Path) -> None:
     def moved(aPos: Any, gl_InstanceID: Any, shift: Any) -> Any:
         return aPos + shift * gl_InstanceID * np.array([1.0, 0.0, 0.0])
 
@@ -192,7 +192,7 @@ def test_the_vertex_stage_before_a_geometry_stage_is_judged(lab: Lab, folder: Pa
     assert unknown.status == "error" and "gl_in.gl_Position" in unknown.message
 
 
-def test_fragments_behind_a_geometry_shader_are_judged(lab: Lab, folder: Path) -> None:
+def test_fragments_behind_a_geometry_shader_are_judged(lab: SceneRunner, folder: Path) -> None:
     def squared(tint: Any) -> Any:
         return tint * tint
 
@@ -212,7 +212,7 @@ def test_fragments_behind_a_geometry_shader_are_judged(lab: Lab, folder: Path) -
     assert record.expectations[0].judged > 1000
 
 
-def test_strips_are_taken_apart_as_they_are_drawn(lab: Lab, folder: Path) -> None:
+def test_strips_are_taken_apart_as_they_are_drawn(lab: SceneRunner, folder: Path) -> None:
     """A house is four or five points of a strip: 2 or 3 triangles of 3 vertices each."""
     places = np.array([[-0.5, 0, 0], [0.5, 0, 0]], np.float32)
     points = Mesh(
@@ -236,7 +236,7 @@ def test_strips_are_taken_apart_as_they_are_drawn(lab: Lab, folder: Path) -> Non
     assert run(lab, folder, passes, formula("gl_Position", lower)).status == "fail"
 
 
-def test_lines_that_show_normals(lab: Lab, folder: Path) -> None:
+def test_lines_that_show_normals(lab: SceneRunner, folder: Path) -> None:
     def along(gl_in_gl_Position: Any, world: Any, emitted: Any) -> Any:
         from shaderlab.glslmath import floor
 
@@ -252,7 +252,7 @@ def test_lines_that_show_normals(lab: Lab, folder: Path) -> None:
     assert record.expectations[0].judged == 2 * 6 * 4
 
 
-def test_a_geometry_stage_takes_no_single_inputs(lab: Lab, folder: Path) -> None:
+def test_a_geometry_stage_takes_no_single_inputs(lab: SceneRunner, folder: Path) -> None:
     check = value("gl_Position", at={"aPos": (0.0, 0.0, 0.0)}, equals=(0, 0, 0, 1), digits=3,
                   reference=position)  # fmt: skip
     record = run(lab, folder, exploded(), check)
@@ -273,7 +273,7 @@ def test_a_geometry_stage_takes_no_single_inputs(lab: Lab, folder: Path) -> None
     ],
 )
 def test_corners_of_primitives_are_those_that_the_driver_takes(
-    lab: Lab, folder: Path, primitive: str, expected: list[list[int]], indexed: bool
+    lab: SceneRunner, folder: Path, primitive: str, expected: list[list[int]], indexed: bool
 ) -> None:
     order = np.array([3, 1, 4, 0, 5, 2]) if indexed else np.arange(6)
     positions = np.zeros((6, 3), np.float32)

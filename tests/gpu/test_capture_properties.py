@@ -20,7 +20,7 @@ from shaderlab import (
     symmetric,
 )
 from shaderlab.engine.expectations.laws import OutputLaw as Law
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Outcome
 
@@ -38,12 +38,12 @@ void main() {
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=8)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=8)) as made:
         yield made
 
 
-def judged(lab: Lab, folder: Path, check: Law, **uniforms: float) -> Outcome:
+def judged(lab: SceneRunner, folder: Path, check: Law, **uniforms: float) -> Outcome:
     (folder / "laws.frag").write_text(SHADER)
     passes = fullscreen(
         "laws.frag",
@@ -70,7 +70,7 @@ CHECKS: list[tuple[Law, dict[str, float]]] = [
 
 
 @pytest.mark.parametrize("check", [check for check, _ in CHECKS], ids=lambda c: c.name)
-def test_laws_hold(lab: Lab, tmp_path: Path, check: Law) -> None:
+def test_laws_hold(lab: SceneRunner, tmp_path: Path, check: Law) -> None:
     outcome = judged(lab, tmp_path, check)
     assert outcome.status == "pass", outcome
 
@@ -79,14 +79,14 @@ def test_laws_hold(lab: Lab, tmp_path: Path, check: Law) -> None:
     ("check", "wrong"), [pair for pair in CHECKS if pair[1]], ids=lambda c: getattr(c, "name", "")
 )
 def test_laws_are_broken_by_a_slip(
-    lab: Lab, tmp_path: Path, check: Law, wrong: dict[str, float]
+    lab: SceneRunner, tmp_path: Path, check: Law, wrong: dict[str, float]
 ) -> None:
     outcome = judged(lab, tmp_path, check, **wrong)
     assert outcome.status == "fail", outcome
     assert outcome.worst is not None and outcome.worst.inputs
 
 
-def test_a_uniform_can_be_what_varies(lab: Lab, tmp_path: Path) -> None:
+def test_a_uniform_can_be_what_varies(lab: SceneRunner, tmp_path: Path) -> None:
     check: Any = monotone("brdf", over="gain", values=(0.5, 1.0, 2.0))
     assert judged(lab, tmp_path, check).status == "pass"
     falling: Any = monotone("brdf", over="gain", values=(0.5, 1.0, 2.0), direction="decreasing")

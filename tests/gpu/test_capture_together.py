@@ -13,7 +13,7 @@ import pytest
 from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Target, coverage, formula
 from shaderlab.drivers.programs import stages
 from shaderlab.drivers.programs.fragment_capture import PassCapture
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import vec4
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Fragments
@@ -39,8 +39,8 @@ DRAWS = ("plain", "longer", "plain", "whole", "holes", "plain")
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=24)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=24)) as made:
         yield made
 
 
@@ -70,7 +70,9 @@ def scene_of(folder: Path, state: State) -> Scene:
 Captured = tuple[list[Fragments], list[Fragments], int]
 
 
-def captured(lab: Lab, scene: Scene, change: Callable[[str], str] = lambda text: text) -> Captured:
+def captured(
+    lab: SceneRunner, scene: Scene, change: Callable[[str], str] = lambda text: text
+) -> Captured:
     """Each draw's fragments from one capture of the pass and from one of its own, and how often
     the former redrew; `change` is made to the texts of the former."""
     with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
@@ -99,7 +101,7 @@ def alike(one: Fragments, other: Fragments) -> bool:
 
 
 @pytest.mark.parametrize("state", [State(), State(depth=Depth(func="less"))])
-def test_together_as_alone(lab: Lab, tmp_path: Path, state: State) -> None:
+def test_together_as_alone(lab: SceneRunner, tmp_path: Path, state: State) -> None:
     together, alone, redraws = captured(lab, scene_of(tmp_path, state))
     assert all(fragments.covered.any() for fragments in alone)
     assert all(alike(a, b) for a, b in zip(together, alone, strict=True))
@@ -109,7 +111,7 @@ def test_together_as_alone(lab: Lab, tmp_path: Path, state: State) -> None:
     assert kept == [name == "holes" for name in DRAWS]
 
 
-def test_a_wrong_number_would_be_noticed(lab: Lab, tmp_path: Path) -> None:
+def test_a_wrong_number_would_be_noticed(lab: SceneRunner, tmp_path: Path) -> None:
     def change(text: str) -> str:
         return text.replace(f"= {stages.NUMBER};", "= 1.0;")
 
@@ -117,7 +119,7 @@ def test_a_wrong_number_would_be_noticed(lab: Lab, tmp_path: Path) -> None:
     assert not all(alike(a, b) for a, b in zip(together, alone, strict=True))
 
 
-def test_a_draw_that_the_driver_refuses_hinders_no_other(lab: Lab, tmp_path: Path) -> None:
+def test_a_draw_that_the_driver_refuses_hinders_no_other(lab: SceneRunner, tmp_path: Path) -> None:
     def change(text: str) -> str:
         refused = "more" in text and stages.NUMBERED in text
         return text.replace("void main() {\n", "void main() { no_such();\n") if refused else text
@@ -128,7 +130,7 @@ def test_a_draw_that_the_driver_refuses_hinders_no_other(lab: Lab, tmp_path: Pat
 
 @pytest.mark.parametrize("off", [(0.0, 1.0), (-1.0, 0.0), (np.nan, 0.0), (0.0, 0.0)])
 def test_a_driver_with_another_idea_of_places_is_found_out(
-    lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, off: tuple[float, float]
+    lab: SceneRunner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, off: tuple[float, float]
 ) -> None:
     captured = PassCapture.fragments
 

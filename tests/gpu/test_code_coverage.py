@@ -26,7 +26,7 @@ from shaderlab import (
     sweep,
 )
 from shaderlab.cli import cli
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.mutation.code_coverage import measure_coverage
 
 Gaps = Callable[..., list[str]]
@@ -52,13 +52,13 @@ def anything(x: float) -> float:
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab() as opened:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner() as opened:
         yield opened
 
 
 @pytest.fixture
-def gaps(lab: Lab, tmp_path: Path) -> Gaps:
+def gaps(lab: SceneRunner, tmp_path: Path) -> Gaps:
     """What is never done by `body`, a main with the input x in 0…1 and the uniform a."""
 
     def find(body: str, *values: float, **case: Any) -> list[str]:

@@ -30,7 +30,7 @@ from shaderlab.analysis.self_check import SelfCheck
 from shaderlab.drivers import Backend
 from shaderlab.drivers.opengl import drawing as dispatch
 from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError, NotInterpretedError, UnsupportedError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
@@ -86,8 +86,8 @@ THINGS: Mapping[str, Any] = {
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions()) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions()) as made:
         yield made
 
 
@@ -98,7 +98,7 @@ def case_of(folder: Path, text: str, *expect: Any, **given: Any) -> Case:
     return Case(title="t", id="t", file=str(folder / "t.py"), passes=passes, expect=expect)
 
 
-def run(lab: Lab, case: Case) -> Record:
+def run(lab: SceneRunner, case: Case) -> Record:
     lab.forget_shaders()
     record = lab.run(case.scene("default"))
     print(record.message, *record.expectations, sep="\n")
@@ -137,7 +137,7 @@ def guide(repository: Path, tmp_path: Path) -> Path:
 def test_the_guides_example_passes_and_its_numbers_are_pictures(
     guide: Path, tmp_path: Path
 ) -> None:
-    with Lab(RunOptions(folder=tmp_path / "out")) as lab:
+    with SceneRunner(RunOptions(folder=tmp_path / "out")) as lab:
         records = [lab.run(scene) for scene in load_case(guide / "smooth.py").scenes()]
     assert all(map(passed, records)), records
     record = records[0]
@@ -158,7 +158,7 @@ def test_the_guides_example_passes_and_its_numbers_are_pictures(
     ],
 )
 def test_mistakes_in_a_shader_are_noticed(
-    lab: Lab, guide: Path, right: str, wrong: str, noticed: str
+    lab: SceneRunner, guide: Path, right: str, wrong: str, noticed: str
 ) -> None:
     shader = guide / "smooth.comp"
     text = shader.read_text()
@@ -168,7 +168,7 @@ def test_mistakes_in_a_shader_are_noticed(
     assert noticed in [o.name for o in record.expectations if o.status == "fail"]
 
 
-def test_mutants_of_a_compute_stage_are_judged(lab: Lab, guide: Path) -> None:
+def test_mutants_of_a_compute_stage_are_judged(lab: SceneRunner, guide: Path) -> None:
     case = load_case(guide / "smooth.py")
     judge = Judge(lab, case)
     fates = [judge.judge(mutant).status for mutant in mutate_case(case)]
@@ -176,7 +176,7 @@ def test_mutants_of_a_compute_stage_are_judged(lab: Lab, guide: Path) -> None:
 
 
 def test_a_later_pass_is_judged_by_what_a_mutant_of_an_earlier_one_left(
-    lab: Lab, tmp_path: Path
+    lab: SceneRunner, tmp_path: Path
 ) -> None:
     text = """#version 430 core
     layout (local_size_x = 8) in;
@@ -204,20 +204,22 @@ def test_a_later_pass_is_judged_by_what_a_mutant_of_an_earlier_one_left(
 # Groups and barriers ------------------------------------------------------------------------
 
 
-def total_of(lab: Lab, folder: Path, text: str, groups: int) -> str:
+def total_of(lab: SceneRunner, folder: Path, text: str, groups: int) -> str:
     buffers = {"values": np.arange(256), "total": 0}
     expect = exact("total", 255 * 128)
     case = case_of(folder, text, expect, groups=(groups, 1, 1), buffers=buffers)
     return run(lab, case).expectations[0].status
 
 
-def test_a_wrong_group_count_and_a_missing_barrier_are_noticed(lab: Lab, tmp_path: Path) -> None:
+def test_a_wrong_group_count_and_a_missing_barrier_are_noticed(
+    lab: SceneRunner, tmp_path: Path
+) -> None:
     assert total_of(lab, tmp_path, SUM, 4) == "pass"
     assert total_of(lab, tmp_path, SUM, 3) == "fail"
     assert total_of(lab, tmp_path, SUM.replace("    barrier();\n", ""), 4) == "fail"
 
 
-def test_a_variant_changes_what_a_buffer_holds(lab: Lab, tmp_path: Path) -> None:
+def test_a_variant_changes_what_a_buffer_holds(lab: SceneRunner, tmp_path: Path) -> None:
     buffers = {"values": np.arange(64), "total": 0}
     ones = Variant("ones", {"values": np.ones(64)}, expect=[exact("total", 64)])
     case = replace(case_of(tmp_path, SUM, exact("total", 64), buffers=buffers), variants=[ones])
@@ -226,7 +228,7 @@ def test_a_variant_changes_what_a_buffer_holds(lab: Lab, tmp_path: Path) -> None
     assert not passed(lab.run(replace(case, variants=[]).scene("default")))
 
 
-def test_invocations_are_numbered_x_first(lab: Lab, tmp_path: Path) -> None:
+def test_invocations_are_numbered_x_first(lab: SceneRunner, tmp_path: Path) -> None:
     text = """#version 430 core
     layout (local_size_x = 2, local_size_y = 3) in;
     layout (std430) buffer Data { uvec3 ids[]; };
@@ -249,7 +251,9 @@ def test_invocations_are_numbered_x_first(lab: Lab, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("layout", ["std430", "std140"])
-def test_members_lie_where_the_layout_has_them(lab: Lab, tmp_path: Path, layout: str) -> None:
+def test_members_lie_where_the_layout_has_them(
+    lab: SceneRunner, tmp_path: Path, layout: str
+) -> None:
     turned, row = TURN.copy(), ROW.copy()
     turned[:, 1] += turned[:, 0]
     row[0, 2] = row[2, 0]
@@ -274,7 +278,7 @@ def test_members_lie_where_the_layout_has_them(lab: Lab, tmp_path: Path, layout:
     assert record.unread == ()
 
 
-def test_another_layout_is_noticed(lab: Lab, tmp_path: Path) -> None:
+def test_another_layout_is_noticed(lab: SceneRunner, tmp_path: Path) -> None:
     """The lab gives each member its value wherever it lies: what a program outside would upload is
     judged by `block_layout`."""
     text = LAID_OUT.replace("LAYOUT", "std140")
@@ -282,7 +286,7 @@ def test_another_layout_is_noticed(lab: Lab, tmp_path: Path) -> None:
     assert not passed(run(lab, case_of(tmp_path, text, expect, buffers=THINGS)))
 
 
-def test_a_buffer_of_another_length_is_a_list(lab: Lab, tmp_path: Path) -> None:
+def test_a_buffer_of_another_length_is_a_list(lab: SceneRunner, tmp_path: Path) -> None:
     text = LAID_OUT.replace("LAYOUT", "std430").replace("float(i)", "list[0].x")
     expect = formula("numbers", numbers)
     assert passed(run(lab, case_of(tmp_path, text, expect, groups=(2, 1, 1), buffers=THINGS)))
@@ -305,7 +309,7 @@ def test_a_buffer_of_another_length_is_a_list(lab: Lab, tmp_path: Path) -> None:
     ],
 )
 def test_what_does_not_fit_is_an_error(
-    lab: Lab, tmp_path: Path, change: dict[str, Any], said: str
+    lab: SceneRunner, tmp_path: Path, change: dict[str, Any], said: str
 ) -> None:
     buffers = {name: v for name, v in {**THINGS, **change}.items() if v is not None}
     text = LAID_OUT.replace("LAYOUT", "std430")
@@ -321,7 +325,9 @@ def test_what_does_not_fit_is_an_error(
         ("layout (std430) buffer Each { float e; } each[2];", "Each is an array of storage blocks"),
     ],
 )
-def test_what_is_not_supported_is_named(lab: Lab, tmp_path: Path, declared: str, said: str) -> None:
+def test_what_is_not_supported_is_named(
+    lab: SceneRunner, tmp_path: Path, declared: str, said: str
+) -> None:
     text = SUM.replace("shared", f"{declared}\nshared")
     used = {"atomic_uint": "atomicCounterIncrement(c);", "Each": "each[1].e = 1.0;"}
     added = next((line for word, line in used.items() if word in declared), "d = 1.0LF;")
@@ -332,7 +338,7 @@ def test_what_is_not_supported_is_named(lab: Lab, tmp_path: Path, declared: str,
 
 
 def test_drivers_without_compute_say_so(
-    lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    lab: SceneRunner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with pytest.raises(UnsupportedError, match="compute passes run on OpenGL drivers only"):
         Backend.require_compute(lab.backend)
@@ -343,7 +349,7 @@ def test_drivers_without_compute_say_so(
     assert "this driver has no compute shaders" in record.message
 
 
-def test_kinds_that_need_a_fragment_stage_say_so(lab: Lab, tmp_path: Path) -> None:
+def test_kinds_that_need_a_fragment_stage_say_so(lab: SceneRunner, tmp_path: Path) -> None:
     buffers = {"values": np.arange(64), "total": 0}
     ranged = bounded("total", 0, 1, over="values", values=[0, 1])
     record = run(lab, case_of(tmp_path, SUM, ranged, buffers=buffers))
@@ -361,7 +367,7 @@ def test_kinds_that_need_a_fragment_stage_say_so(lab: Lab, tmp_path: Path) -> No
         assert row.measured == "not interpreted: compute stage"
 
 
-def test_a_buffer_is_no_texture(lab: Lab, tmp_path: Path) -> None:
+def test_a_buffer_is_no_texture(lab: SceneRunner, tmp_path: Path) -> None:
     (tmp_path / "t.frag").write_text(
         "#version 330 core\nin vec2 TexCoords; uniform sampler2D s; out vec4 c;\n"
         "void main() { c = texture(s, TexCoords); }\n"
@@ -373,7 +379,7 @@ def test_a_buffer_is_no_texture(lab: Lab, tmp_path: Path) -> None:
     assert record.status == "unsupported" and "sampling a buffer" in record.message
 
 
-def test_what_nothing_reads_is_named(lab: Lab, tmp_path: Path) -> None:
+def test_what_nothing_reads_is_named(lab: SceneRunner, tmp_path: Path) -> None:
     def rows(Numbers_count: Any) -> Any:
         return Numbers_count.item()
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab import Case, formula, fullscreen, value
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import vec4
 from shaderlab.model.options import RunOptions
 
@@ -23,8 +23,8 @@ def ramp(TexCoords, gain):
 
 
 @pytest.fixture(scope="module")
-def lab() -> Lab:
-    with Lab(RunOptions(pictures=False, size=16)) as lab:
+def lab() -> SceneRunner:
+    with SceneRunner(RunOptions(pictures=False, size=16)) as lab:
         yield lab
 
 
@@ -44,7 +44,7 @@ def case(folder: Path, text: str, targets: tuple[str, ...] = ()) -> Case:
 
 @pytest.mark.parametrize(("head", "refusing"), [(ES, {"opengl", "vulkan"}), (OLD, {"opengl"})])
 def test_older_versions_are_drawn_and_judged(
-    lab: Lab, tmp_path: Path, head: str, refusing: set[str]
+    lab: SceneRunner, tmp_path: Path, head: str, refusing: set[str]
 ) -> None:
     right, wrong = (head + BODY.replace("RESULT", result) for result in (RIGHT, WRONG))
     lab.configure(RunOptions(pictures=False, size=16))
@@ -63,7 +63,7 @@ def test_older_versions_are_drawn_and_judged(
     assert all("bands are those of highp" not in str(o.explanation) for o in outcomes)
 
 
-def test_what_fails_below_highp_says_so(lab: Lab, tmp_path: Path) -> None:
+def test_what_fails_below_highp_says_so(lab: SceneRunner, tmp_path: Path) -> None:
     lab.configure(RunOptions(pictures=False, size=16))
     text = ES.replace("highp", "mediump") + BODY.replace("RESULT", WRONG)
     (scene,) = case(tmp_path, text, ("glsl",)).scenes()
@@ -74,7 +74,7 @@ def test_what_fails_below_highp_says_so(lab: Lab, tmp_path: Path) -> None:
 
 
 def test_the_run_goes_before_the_case_and_the_case_before_the_project(
-    lab: Lab, tmp_path: Path
+    lab: SceneRunner, tmp_path: Path
 ) -> None:
     (tmp_path / "pyproject.toml").write_text('[tool.shaderlab]\ntargets = ["glsl", "opengl"]\n')
     text = "#version 330 core\n" + BODY.replace("RESULT", RIGHT)
@@ -87,7 +87,7 @@ def test_the_run_goes_before_the_case_and_the_case_before_the_project(
     assert set(lab.run(scene).compile) == {"glsl", "driver"}
 
 
-def test_what_can_only_be_compiled_says_so(lab: Lab, tmp_path: Path) -> None:
+def test_what_can_only_be_compiled_says_so(lab: SceneRunner, tmp_path: Path) -> None:
     lab.configure(RunOptions(pictures=False, size=16))
     text = "#version 450\nlayout (push_constant) uniform P { float gain; };\n"
     text += "layout (location = 0) out vec4 color;\nvoid main() { color = vec4(gain); }\n"

@@ -29,7 +29,7 @@ from shaderlab import (
     measure,
     value,
 )
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import length, swizzle
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Outcome
@@ -52,12 +52,12 @@ def outside(at: Any) -> Any:
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=16)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=16)) as made:
         yield made
 
 
-def outcomes(lab: Lab, folder: Path, passes: Any, *expect: Any) -> list[Outcome]:
+def outcomes(lab: SceneRunner, folder: Path, passes: Any, *expect: Any) -> list[Outcome]:
     made = Case(title="t", id="t", file=str(folder / "t.py"), passes=passes, expect=expect)
     record = lab.run(made.scene("default"))
     assert record.expectations, record.message
@@ -75,7 +75,9 @@ def drawn(folder: Path, ending: str, **more: Any) -> tuple[Pass, ...]:
     return fullscreen(written(folder, HEAD + COLOR + ending + " }\n"), domain=SQUARE, **more)
 
 
-def test_missing_fragments_fail_whatever_judges_the_picture(lab: Lab, tmp_path: Path) -> None:
+def test_missing_fragments_fail_whatever_judges_the_picture(
+    lab: SceneRunner, tmp_path: Path
+) -> None:
     passes = (*drawn(tmp_path, CHESS + " ", name="one"), *drawn(tmp_path, CHESS, name="two"))
     found = outcomes(
         lab, tmp_path, passes,
@@ -92,7 +94,7 @@ def test_missing_fragments_fail_whatever_judges_the_picture(lab: Lab, tmp_path: 
     assert "discards=" in found[0].message
 
 
-def test_a_rule_says_what_is_discarded(lab: Lab, tmp_path: Path) -> None:
+def test_a_rule_says_what_is_discarded(lab: SceneRunner, tmp_path: Path) -> None:
     (good,) = outcomes(
         lab, tmp_path, drawn(tmp_path, DISC), formula("color", whole, discards=outside)
     )
@@ -110,14 +112,14 @@ def test_a_rule_says_what_is_discarded(lab: Lab, tmp_path: Path) -> None:
     ],
 )
 def test_a_shader_that_discards_other_fragments_is_caught(
-    lab: Lab, tmp_path: Path, ending: str, word: str
+    lab: SceneRunner, tmp_path: Path, ending: str, word: str
 ) -> None:
     passes = drawn(tmp_path, ending)
     (found,) = outcomes(lab, tmp_path, passes, formula("color", whole, discards=outside))
     assert found.status == "fail" and found.message.startswith(word), found.message
 
 
-def test_fragments_whose_rule_is_undecided_may_be_either(lab: Lab, tmp_path: Path) -> None:
+def test_fragments_whose_rule_is_undecided_may_be_either(lab: SceneRunner, tmp_path: Path) -> None:
     def unsure(at: Any) -> Any:
         from shaderlab.glslmath import sin
 
@@ -138,7 +140,7 @@ def test_fragments_whose_rule_is_undecided_may_be_either(lab: Lab, tmp_path: Pat
         assert found.status == "pass", found.message
 
 
-def test_the_rule_of_a_shader_holds_for_all_its_draws(lab: Lab, tmp_path: Path) -> None:
+def test_the_rule_of_a_shader_holds_for_all_its_draws(lab: SceneRunner, tmp_path: Path) -> None:
     passes = (*drawn(tmp_path, DISC, name="one"), *drawn(tmp_path, DISC, name="two"))
     cut = formula("one.color", whole, discards=outside)
     assert [
@@ -165,7 +167,7 @@ def behind(folder: Path, text: str, *, depths: tuple[float, ...] = (-0.5, 0.5)) 
     return (Pass(name="main", target=Target(depth="depth32f"), draws=(draw,)),)
 
 
-def test_what_shines_through_a_hole_does_not_hide_it(lab: Lab, tmp_path: Path) -> None:
+def test_what_shines_through_a_hole_does_not_hide_it(lab: SceneRunner, tmp_path: Path) -> None:
     """The farther quad covers the pixels where the nearer one is kept out, and is right there."""
 
     def depth(frag_coord: Any) -> Any:
@@ -182,7 +184,7 @@ def test_what_shines_through_a_hole_does_not_hide_it(lab: Lab, tmp_path: Path) -
 
 
 def test_a_depth_that_is_written_may_change_the_order_but_not_leave_holes(
-    lab: Lab, tmp_path: Path
+    lab: SceneRunner, tmp_path: Path
 ) -> None:
     def turned(frag_coord: Any) -> Any:
         return 1.0 - swizzle(frag_coord, "z")
@@ -197,7 +199,7 @@ def test_a_depth_that_is_written_may_change_the_order_but_not_leave_holes(
     assert wrong.status == "fail" and wrong.message.startswith("missing: 128 fragments")
 
 
-def test_samples_that_are_discarded_have_no_value(lab: Lab, tmp_path: Path) -> None:
+def test_samples_that_are_discarded_have_no_value(lab: SceneRunner, tmp_path: Path) -> None:
     passes = drawn(tmp_path, DISC)
     places = [(0.0, 0.0), (1.0, 1.0)]
     found = outcomes(
@@ -210,7 +212,7 @@ def test_samples_that_are_discarded_have_no_value(lab: Lab, tmp_path: Path) -> N
     assert "discards 1 of the samples" in found[0].message
 
 
-def test_a_rule_is_a_comparison(lab: Lab, tmp_path: Path) -> None:
+def test_a_rule_is_a_comparison(lab: SceneRunner, tmp_path: Path) -> None:
     for rule in (length, lambda at: length(at), lambda at: at > 0.5):
         made = Case(
             title="t", id="t", file=str(tmp_path / "t.py"),

@@ -1,4 +1,4 @@
-"""A scene in the size for people: what depends on the size is drawn once more, and nothing else;
+"""A scene in the size for people: what depends on the size is drawn once more with what it reads;
 all images are those of the whole scene drawn in that size."""
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from shaderlab.drivers.passes import PassSession
-from shaderlab.engine.enlarging import enlarged, resized
 from shaderlab.engine.expectations.exact import exact
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.pictures import enlarge, resized_passes
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.scene import Pass, Target, fullscreen
 from shaderlab.model.state import Blend, Depth, State
@@ -75,17 +75,16 @@ def test_only_what_depends_on_the_size_is_drawn_again(
         drawn.append(description.name)
         run(session, description)
 
-    with Lab() as lab:
+    with SceneRunner() as lab:
         programs = lab.prepare(scene)
         with lab.evaluation(scene, programs) as evaluation:
             images = evaluation.drawn.images
         with lab.backend.session(scene, programs, (32, 32)) as session:
             wanted = session.draw().images
         monkeypatch.setattr(PassSession, "_run_pass", noted)
-        found = enlarged(lab.backend, scene, programs, images, 32)
-    assert list(resized(scene)) == ["smooth", "lit", "more", "after"]
-    # A depth is no texture that samplers read in the same way.
-    assert drawn == ["deep", "smooth", "lit", "more", "after"]
+        found = enlarge(lab.backend, scene, programs, images, 32)
+    assert resized_passes(scene) == ["smooth", "lit", "more", "after"]
+    assert drawn == ["table", "deep", "smooth", "lit", "more", "after"]
     assert list(found) == list(wanted)
     for key, image in found.items():
         assert image.format == wanted[key].format

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from shaderlab import Case
 from shaderlab.analysis.case_stages import rewritten
 from shaderlab.cli.diff import command
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Outcome
@@ -57,8 +57,8 @@ case = Case(
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=16)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=16)) as made:
         yield made
 
 
@@ -82,7 +82,7 @@ def case_in(folder: Path) -> Case:
     return case
 
 
-def outcome(lab: Lab, folder: Path, before: str, after: str) -> Outcome:
+def outcome(lab: SceneRunner, folder: Path, before: str, after: str) -> Outcome:
     (folder / "lit.frag").write_text(SHADER.replace(before, after))
     record = lab.run(case_in(folder).scene("default"))
     assert record.expectations, record.message
@@ -99,7 +99,7 @@ def outcome(lab: Lab, folder: Path, before: str, after: str) -> Outcome:
     ],
 )  # fmt: skip
 def test_a_right_rewrite_is_the_same_as_the_approved_one(
-    lab: Lab, folder: Path, before: str, after: str
+    lab: SceneRunner, folder: Path, before: str, after: str
 ) -> None:
     found = outcome(lab, folder, before, after)
     assert found.status == "pass", found.message
@@ -116,12 +116,16 @@ def test_a_right_rewrite_is_the_same_as_the_approved_one(
         ("lamp - position", "vec3(lamp.xy, 2.0) - position", "different"),
     ],
 )
-def test_a_wrong_one_is_not(lab: Lab, folder: Path, before: str, after: str, words: str) -> None:
+def test_a_wrong_one_is_not(
+    lab: SceneRunner, folder: Path, before: str, after: str, words: str
+) -> None:
     found = outcome(lab, folder, before, after)
     assert found.status == "fail" and words in found.message
 
 
-def test_a_library_file_is_compared_in_all_programs_that_include_it(lab: Lab, folder: Path) -> None:
+def test_a_library_file_is_compared_in_all_programs_that_include_it(
+    lab: SceneRunner, folder: Path
+) -> None:
     case = case_in(folder)
     ((one,),) = rewritten(lab, case, [{"law.glsl": LAW.replace("1.0 + d", "2.0 + d")}])
     assert one.old.stage == "fragment" and sum(given.count for given in one.given) == 256
@@ -130,7 +134,7 @@ def test_a_library_file_is_compared_in_all_programs_that_include_it(lab: Lab, fo
         rewritten(lab, case, [{"approved.frag": SHADER + "\n"}])
 
 
-def test_a_vertex_stage_that_the_lab_writes_is_not_compared(lab: Lab, folder: Path) -> None:
+def test_a_vertex_stage_that_the_lab_writes_is_not_compared(lab: SceneRunner, folder: Path) -> None:
     text = SHADER.replace("in vec3 normal;", "noperspective in vec3 normal;")
     ((one,),) = rewritten(lab, case_in(folder), [{"lit.frag": text}])
     assert one.old.stage == "fragment"

@@ -20,7 +20,7 @@ from shaderlab.cli.explain import command
 from shaderlab.compiler import Shaders
 from shaderlab.drivers.programs.instrument import statements
 from shaderlab.engine.judging.inputs import Inputs
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import UsageError
 from shaderlab.glslmath import dot, max, normalize, vec3, vec4, where
 from shaderlab.model.options import RunOptions
@@ -59,8 +59,8 @@ def lit(at: Any) -> Any:
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=16)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=16)) as made:
         yield made
 
 
@@ -73,13 +73,13 @@ def case_of(folder: Path, text: str = SHADER) -> Case:
     )
 
 
-def outcome_of(lab: Lab, case: Case) -> Outcome:
+def outcome_of(lab: SceneRunner, case: Case) -> Outcome:
     record = lab.run(case.scene("default"))
     assert record.expectations, record.message
     return record.expectations[0]
 
 
-def test_each_line_has_the_driver_s_value_and_its_band(lab: Lab, tmp_path: Path) -> None:
+def test_each_line_has_the_driver_s_value_and_its_band(lab: SceneRunner, tmp_path: Path) -> None:
     scene = case_of(tmp_path).scene("default")
     with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
         explained = explain(evaluation, ("main", 0), (11, 8))
@@ -114,7 +114,7 @@ def test_each_line_has_the_driver_s_value_and_its_band(lab: Lab, tmp_path: Path)
     ],
 )
 def test_an_author_s_mistake_is_found_by_the_reference_s_names(
-    lab: Lab, tmp_path: Path, right: str, wrong: str, line: int, name: str
+    lab: SceneRunner, tmp_path: Path, right: str, wrong: str, line: int, name: str
 ) -> None:
     outcome = outcome_of(lab, case_of(tmp_path / str(line), SHADER.replace(right, wrong)))
     assert outcome.status == "fail" and outcome.explanation is not None
@@ -133,7 +133,7 @@ def test_an_author_s_mistake_is_found_by_the_reference_s_names(
     ],
 )
 def test_a_driver_s_mistake_is_found_by_the_shader_s_own_band(
-    lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    lab: SceneRunner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     words: str, wrong: str, line: int, said: str,
 ) -> None:  # fmt: skip
     """The driver draws another text than the one that is interpreted."""
@@ -145,7 +145,7 @@ def test_a_driver_s_mistake_is_found_by_the_shader_s_own_band(
     assert f":{line}: {said}" in explained.verdict
 
 
-def test_what_cannot_be_interpreted_changes_no_verdict(lab: Lab, tmp_path: Path) -> None:
+def test_what_cannot_be_interpreted_changes_no_verdict(lab: SceneRunner, tmp_path: Path) -> None:
     text = SHADER.replace("330 core", "430 core").replace(
         "color.a = 1.0;", "color.a = float(double(at.x) + 1.0lf);"
     )
@@ -155,7 +155,7 @@ def test_what_cannot_be_interpreted_changes_no_verdict(lab: Lab, tmp_path: Path)
     assert outcome.explanation.refused.startswith("not interpreted: ")
 
 
-def test_a_right_shader_is_not_explained(lab: Lab, tmp_path: Path) -> None:
+def test_a_right_shader_is_not_explained(lab: SceneRunner, tmp_path: Path) -> None:
     outcome = outcome_of(lab, case_of(tmp_path))
     assert outcome.status == "pass" and outcome.explanation is None
 

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from shaderlab import Case, Depth, Mesh, State, Target, assets, gl_calls, mesh_pass
 from shaderlab.cli import cli
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation
@@ -42,7 +42,7 @@ def scene(folder: Path, *expect: Expectation) -> Scene:
 
 
 def judged(folder: Path, *expect: Expectation) -> Record:
-    with Lab() as lab:
+    with SceneRunner() as lab:
         return lab.run(scene(folder, *expect))
 
 
@@ -82,7 +82,7 @@ def test_a_parameter_that_is_none_is_an_error(tmp_path: Path) -> None:
 
 def test_recording_changes_nothing_that_is_drawn(tmp_path: Path) -> None:
     one = scene(tmp_path, RIGHT["once"])
-    with Lab() as lab, lab.evaluation(one, lab.prepare_for_opengl(one)) as evaluation:
+    with SceneRunner() as lab, lab.evaluation(one, lab.prepare_for_opengl(one)) as evaluation:
         before = evaluation.session.draw().images["main", "FragColor"].values
         calls = [str(call) for call in evaluation.session.query("trace") if call.effective]
         again = evaluation.session.draw().images["main", "FragColor"].values
@@ -94,7 +94,7 @@ def test_recording_changes_nothing_that_is_drawn(tmp_path: Path) -> None:
 
 def test_a_recording_leaves_nothing_behind(tmp_path: Path) -> None:
     asked = scene(tmp_path, RIGHT["once"])
-    with Lab() as lab:
+    with SceneRunner() as lab:
         counts = []
         for _ in range(4):
             assert lab.run(asked).status == "pass"
@@ -106,7 +106,7 @@ def test_a_recording_leaves_nothing_behind(tmp_path: Path) -> None:
 def test_making_mipmaps_makes_no_object() -> None:
     """Where a case has them made by the driver."""
     one = next(shipped()["mipmap-chain"].scenes())
-    with Lab() as lab, lab.evaluation(one, lab.prepare_for_opengl(one)) as evaluation:
+    with SceneRunner() as lab, lab.evaluation(one, lab.prepare_for_opengl(one)) as evaluation:
         calls = {str(call) for call in evaluation.session.query("trace")}
     assert "glGenerateMipmap(GL_TEXTURE_2D)" in calls
 

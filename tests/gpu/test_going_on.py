@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from shaderlab.engine.expectations.exact import exact
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Case
 from shaderlab.model.records import Record
@@ -53,7 +53,7 @@ def reads(name: str, source: str, onto: str = "") -> Pass:
 def run(folder: Path, *passes: Pass, **checks: float) -> Record:
     case: dict[str, Any] = {"title": "t", "id": "t", "file": str(folder / "t.py")}
     expect = [exact(f"{name}.FragColor", (level,) * 4) for name, level in checks.items()]
-    with Lab() as lab:
+    with SceneRunner() as lab:
         return lab.run(Case(passes=passes, expect=expect, **case).scene("default"))
 
 

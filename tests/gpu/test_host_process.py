@@ -17,11 +17,11 @@ from shaderlab import Case, Target, exact, formula, fullscreen, gl_call, gl_erro
 from shaderlab import Draw, Mesh, Pass
 from shaderlab.drivers import open_backend
 from shaderlab.compiler import Shaders
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 
 def judged(**given):
     case = Case(title="t", file=str(FOLDER / "t.py"), **given)
-    with Lab() as lab:
+    with SceneRunner() as lab:
         record = lab.run(case.scene("default"))
     assert record.status == "pass", record
     return record

@@ -25,7 +25,7 @@ from shaderlab import (
 )
 from shaderlab.drivers.programs.images import FORMATS
 from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import ivec3, uvec4, vec3, vec4, where
 from shaderlab.glslmath.sampling import imageLoad, imageSize, texture
 from shaderlab.model.options import RunOptions
@@ -65,12 +65,12 @@ GIVEN: dict[str, Any] = {
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions()) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions()) as made:
         yield made
 
 
-def run(lab: Lab, folder: Path, text: str, *expect: Any, **given: Any) -> Record:
+def run(lab: SceneRunner, folder: Path, text: str, *expect: Any, **given: Any) -> Record:
     """The record of one shader's dispatch, or of given passes of it."""
     (folder / "t.comp").write_text(text)
     passes = given.pop("passes", None) or compute("t.comp", **{"groups": (1, 1, 1), **given})
@@ -107,7 +107,7 @@ def guide(repository: Path, tmp_path: Path) -> Path:
 
 
 def test_the_guides_example_passes_and_shows_its_images(guide: Path, tmp_path: Path) -> None:
-    with Lab(RunOptions(folder=tmp_path / "out")) as lab:
+    with SceneRunner(RunOptions(folder=tmp_path / "out")) as lab:
         (record,) = (lab.run(scene) for scene in load_case(guide / "relief.py").scenes())
     assert record.status == "pass", record
     assert record.unread == ()
@@ -127,7 +127,7 @@ def test_the_guides_example_passes_and_shows_its_images(guide: Path, tmp_path: P
     ],
 )  # fmt: skip
 def test_mistakes_in_a_shader_are_noticed(
-    lab: Lab, guide: Path, right: str, wrong: str, noticed: str
+    lab: SceneRunner, guide: Path, right: str, wrong: str, noticed: str
 ) -> None:
     shader = guide / "relief.comp"
     assert right in shader.read_text()
@@ -136,7 +136,7 @@ def test_mistakes_in_a_shader_are_noticed(
     assert noticed in failed(lab.run(load_case(guide / "relief.py").scene("default")))
 
 
-def test_mutants_of_a_shader_of_images_are_judged(lab: Lab, guide: Path) -> None:
+def test_mutants_of_a_shader_of_images_are_judged(lab: SceneRunner, guide: Path) -> None:
     lab.forget_shaders()
     case = load_case(guide / "relief.py")
     judge = Judge(lab, case)
@@ -150,7 +150,7 @@ def test_mutants_of_a_shader_of_images_are_judged(lab: Lab, guide: Path) -> None
 # Kinds and formats --------------------------------------------------------------------------
 
 
-def test_layers_are_judged_texel_by_texel(lab: Lab, tmp_path: Path) -> None:
+def test_layers_are_judged_texel_by_texel(lab: SceneRunner, tmp_path: Path) -> None:
     sums = np.stack([np.ones((4, 8), int), np.full((4, 8), 7)]).reshape(8, 8)
     counted = measure("counted wrongly", miscounted, equals=0, digits=0)
     expect = [formula("volume", scaled), exact("sums", sums), counted]
@@ -167,7 +167,7 @@ def test_layers_are_judged_texel_by_texel(lab: Lab, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("word", FORMATS)
 def test_each_format_keeps_what_is_given_and_what_is_stored(
-    lab: Lab, tmp_path: Path, word: str
+    lab: SceneRunner, tmp_path: Path, word: str
 ) -> None:
     letter = "u" if word.endswith("ui") else "i" if word.endswith("i") else ""
     count = {"r": 1, "rg": 2, "rgba": 4}[word.rstrip("0123456789uif")]
@@ -187,7 +187,7 @@ def test_each_format_keeps_what_is_given_and_what_is_stored(
     assert failed(run(lab, tmp_path, turned, expect, images=images)) == ["made"]
 
 
-def test_an_image_without_a_layout_is_as_wide_as_can_be(lab: Lab, tmp_path: Path) -> None:
+def test_an_image_without_a_layout_is_as_wide_as_can_be(lab: SceneRunner, tmp_path: Path) -> None:
     text = f"{HEAD}writeonly uniform uimage2D ids;\n"
     text += f"void main() {{ {PLACE} imageStore(ids, p, uvec4(p, imageSize(ids))); }}\n"
 
@@ -199,7 +199,9 @@ def test_an_image_without_a_layout_is_as_wide_as_can_be(lab: Lab, tmp_path: Path
     assert failed(run(lab, tmp_path, text, formula("ids", ids), images=images)) == []
 
 
-def test_what_lies_outside_is_read_as_zeros_and_is_not_written(lab: Lab, tmp_path: Path) -> None:
+def test_what_lies_outside_is_read_as_zeros_and_is_not_written(
+    lab: SceneRunner, tmp_path: Path
+) -> None:
     text = f"""{HEAD}layout (r32f) uniform image2D a;
     void main() {{ {PLACE} imageStore(a, p - 1, imageLoad(a, p + ivec2(4, 0)) + 1.0); }}
     """
@@ -209,7 +211,7 @@ def test_what_lies_outside_is_read_as_zeros_and_is_not_written(lab: Lab, tmp_pat
     assert failed(run(lab, tmp_path, text, exact("a", np.array(held)[..., None]), **given)) == []
 
 
-def test_a_variant_changes_what_an_image_holds(lab: Lab, tmp_path: Path) -> None:
+def test_a_variant_changes_what_an_image_holds(lab: SceneRunner, tmp_path: Path) -> None:
     text = f"""{HEAD}layout (r32f) restrict uniform image2D a;
     void main() {{ {PLACE} imageStore(a, p, 2.0 * imageLoad(a, p)); }}
     """
@@ -229,7 +231,9 @@ def test_a_variant_changes_what_an_image_holds(lab: Lab, tmp_path: Path) -> None
 # From pass to pass --------------------------------------------------------------------------
 
 
-def test_later_passes_read_images_as_images_and_as_textures(lab: Lab, tmp_path: Path) -> None:
+def test_later_passes_read_images_as_images_and_as_textures(
+    lab: SceneRunner, tmp_path: Path
+) -> None:
     (tmp_path / "first.comp").write_text(LAYERED)
     array = "#version 330 core\nin vec2 TexCoords; uniform sampler2DArray s; out vec4 c;\n"
     array += "void main() { c = texture(s, vec3(TexCoords, 2.0)); }\n"
@@ -277,14 +281,14 @@ def test_later_passes_read_images_as_images_and_as_textures(lab: Lab, tmp_path: 
     ],
 )
 def test_what_does_not_fit_is_an_error(
-    lab: Lab, tmp_path: Path, change: dict[str, Any], said: str
+    lab: SceneRunner, tmp_path: Path, change: dict[str, Any], said: str
 ) -> None:
     images = {n: v for n, v in {**GIVEN["images"], **change}.items() if v is not None}
     record = run(lab, tmp_path, LAYERED, exact("total", 0), **{**GIVEN, "images": images})
     assert record.status == "error" and said in record.message, record.message
 
 
-def test_outputs_that_do_not_fit_are_errors(lab: Lab, tmp_path: Path) -> None:
+def test_outputs_that_do_not_fit_are_errors(lab: SceneRunner, tmp_path: Path) -> None:
     (tmp_path / "first.comp").write_text(LAYERED)
     first = compute("first.comp", name="first", **GIVEN)
     images = {**GIVEN["images"], "colour": Output("first.volume")}
@@ -311,7 +315,9 @@ def test_outputs_that_do_not_fit_are_errors(lab: Lab, tmp_path: Path) -> None:
         ("layout (r32f) uniform image2D a[2];", "a is an array of images"),
     ],
 )
-def test_what_is_not_supported_is_named(lab: Lab, tmp_path: Path, declared: str, said: str) -> None:
+def test_what_is_not_supported_is_named(
+    lab: SceneRunner, tmp_path: Path, declared: str, said: str
+) -> None:
     name, at = ("a[1]" if "[2]" in declared else "a"), "0"
     at = {"image1D": "0", "imageCube": "ivec3(0)"}.get(declared.split()[3], "ivec2(0)")
     text = f"{HEAD}{declared}\nvoid main() {{ imageStore({name}, {at}, vec4(1.0)); }}\n"
@@ -319,7 +325,9 @@ def test_what_is_not_supported_is_named(lab: Lab, tmp_path: Path, declared: str,
     assert record.status == "unsupported" and said in record.message, record.message
 
 
-def test_images_of_a_fragment_stage_are_not_supported_by_name(lab: Lab, tmp_path: Path) -> None:
+def test_images_of_a_fragment_stage_are_not_supported_by_name(
+    lab: SceneRunner, tmp_path: Path
+) -> None:
     (tmp_path / "t.frag").write_text(
         "#version 430 core\nlayout (r32f) uniform image2D a; out vec4 c;\n"
         "void main() { c = imageLoad(a, ivec2(0)); }\n"
@@ -329,14 +337,14 @@ def test_images_of_a_fragment_stage_are_not_supported_by_name(lab: Lab, tmp_path
     assert "t.frag: a is an image2D; compute passes alone have images" in record.message
 
 
-def test_an_image_that_is_only_read_is_no_output(lab: Lab, tmp_path: Path) -> None:
+def test_an_image_that_is_only_read_is_no_output(lab: SceneRunner, tmp_path: Path) -> None:
     record = run(lab, tmp_path, LAYERED, exact("colour", 0), **GIVEN)
     assert (
         record.status == "error" and "there is no output 'colour'" in record.expectations[0].message
     )
 
 
-def test_single_texels_have_their_reference(lab: Lab, tmp_path: Path) -> None:
+def test_single_texels_have_their_reference(lab: SceneRunner, tmp_path: Path) -> None:
     text = f"""{HEAD}layout (r32f) uniform image2D a; layout (std430) buffer B {{ float b[]; }};
     void main() {{ {PLACE} imageStore(a, p, imageLoad(a, p) * b[p.y * 4 + p.x]); }}
     """

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from shaderlab import Case, Ramp, Target, formula, fullscreen, glslmath as g, value
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 
@@ -38,13 +38,13 @@ void main() { vec2 q = p * p.yx; slopes = vec4(dFdx(q), dFdy(q)); }
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions()) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions()) as made:
         yield made
 
 
 @pytest.fixture
-def run(lab: Lab, tmp_path: Path) -> Callable[..., Record]:
+def run(lab: SceneRunner, tmp_path: Path) -> Callable[..., Record]:
     def judged(shader: str, *expect: Any, size: int = 16, **inputs: Any) -> Record:
         (tmp_path / "t.frag").write_text(shader)
         domain = {"p": Ramp((0.1, 0.2), (3.0, 0.7), (0.4, 2.0))}

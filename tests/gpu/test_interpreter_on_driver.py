@@ -15,7 +15,7 @@ from shaderlab import Case, Ramp, Texture, formula, fullscreen
 from shaderlab.analysis.interpreter import FLOAT32, Bands, Interpreted, interpret, load
 from shaderlab.analysis.invocations import Invocations, fragments
 from shaderlab.compiler import Shaders
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
 
 HEAD = "#version 330 core\nin vec2 at; out vec4 color;\n"
@@ -60,12 +60,12 @@ NOISE = np.random.default_rng(3).uniform(0, 1, (8, 8, 4)).astype(np.float32)
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=64)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=64)) as made:
         yield made
 
 
-def drawn(lab: Lab, folder: Path, body: str) -> Invocations:
+def drawn(lab: SceneRunner, folder: Path, body: str) -> Invocations:
     name = f"{hashlib.sha256(body.encode()).hexdigest()[:8]}.frag"
     (folder / name).write_text(HEAD + body)
     textures = {
@@ -92,7 +92,9 @@ def run(given: Invocations, arithmetic: Any, text: str = "") -> Interpreted:
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_the_driver_stays_in_the_program_s_band(lab: Lab, tmp_path: Path, name: str) -> None:
+def test_the_driver_stays_in_the_program_s_band(
+    lab: SceneRunner, tmp_path: Path, name: str
+) -> None:
     given = drawn(lab, tmp_path, PROGRAMS[name])
     got = given.measured["color"]
     result = run(given, Bands())

@@ -9,7 +9,7 @@ import pytest
 
 from shaderlab import Case, Ramp, formula, fullscreen
 from shaderlab.engine.evaluation import Evaluation
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import vec4
 from shaderlab.model.options import RunOptions
 from shaderlab.mutation.locating import Traces, find_first_wrong, trace_draws
@@ -92,14 +92,14 @@ MISTAKES = [
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=16)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=16)) as made:
         yield made
 
 
 @pytest.fixture(scope="module")
 def right(
-    lab: Lab, tmp_path_factory: pytest.TempPathFactory
+    lab: SceneRunner, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[tuple[Evaluation, Traces]]:
     folder = tmp_path_factory.mktemp("located")
     (folder / "lit.frag").write_text(SHADER)
@@ -113,7 +113,7 @@ def right(
     yield evaluation, traces
 
 
-def named(lab: Lab, right: tuple[Evaluation, Traces], text: str) -> tuple[int, str] | None:
+def named(lab: SceneRunner, right: tuple[Evaluation, Traces], text: str) -> tuple[int, str] | None:
     """The line and the name that a changed shader is traced to; None where it computes the same."""
     evaluation, traces = right
     changed = lab.prepare_for_opengl(evaluation.scene, {"lit.frag": text})
@@ -127,13 +127,13 @@ def named(lab: Lab, right: tuple[Evaluation, Traces], text: str) -> tuple[int, s
 
 @pytest.mark.parametrize(("words", "wrong", "line", "name"), MISTAKES)
 def test_a_mistake_is_traced_to_its_statement(
-    lab: Lab, right: tuple[Evaluation, Traces], words: str, wrong: str, line: str, name: str
+    lab: SceneRunner, right: tuple[Evaluation, Traces], words: str, wrong: str, line: str, name: str
 ) -> None:
     assert SHADER.count(words) == 1
     assert named(lab, right, SHADER.replace(words, wrong)) == (line_of(line), name)
 
 
 def test_what_computes_the_same_is_traced_to_nothing(
-    lab: Lab, right: tuple[Evaluation, Traces]
+    lab: SceneRunner, right: tuple[Evaluation, Traces]
 ) -> None:
     assert named(lab, right, SHADER.replace("x + x", "2.0 * x")) is None

@@ -11,7 +11,7 @@ import pytest
 
 from shaderlab import Case, Output, across, formula, fullscreen, measure, reading, value
 from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
 from shaderlab.mutation import MutationPlan, make_mutants
 from shaderlab.mutation.judging import Judge
@@ -72,8 +72,8 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=16)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=16)) as made:
         yield made
 
 
@@ -84,7 +84,7 @@ def two_passes() -> Any:
     return (*near, *fullscreen("half.frag", name="far", textures={"map": Output("near.lit")}))
 
 
-def run(lab: Lab, folder: Path, passes: Any, *expect: Any) -> Any:
+def run(lab: SceneRunner, folder: Path, passes: Any, *expect: Any) -> Any:
     case = Case(title="t", id="t", file=str(folder / "t.py"), passes=passes, expect=expect)
     return lab.run(case.scene("default"))
 
@@ -93,7 +93,7 @@ def lost(near_lit: Any, FragColor: Any, times: float) -> Any:
     return (near_lit[..., 0] - times * FragColor[..., 0]).mean()
 
 
-def test_a_measure_reads_every_pass_and_is_in_the_record(lab: Lab, folder: Path) -> None:
+def test_a_measure_reads_every_pass_and_is_in_the_record(lab: SceneRunner, folder: Path) -> None:
     rows = [reading(1, given={"times": 1.0}, at_most=0.4), reading(2, given={"times": 2.0})]
     record = run(lab, folder, two_passes(), measure("lost", lost, readings=rows))
     assert record.status == "pass", record
@@ -105,7 +105,7 @@ def test_a_measure_reads_every_pass_and_is_in_the_record(lab: Lab, folder: Path)
     ]
 
 
-def test_a_missed_threshold_fails_the_case(lab: Lab, folder: Path) -> None:
+def test_a_missed_threshold_fails_the_case(lab: SceneRunner, folder: Path) -> None:
     record = run(
         lab, folder, two_passes(), measure("lost", lost, given={"times": 1.0}, at_most=0.3)
     )
@@ -113,7 +113,7 @@ def test_a_missed_threshold_fails_the_case(lab: Lab, folder: Path) -> None:
     assert record.expectations[0].message == "measured 0.375, expected ≤ 0.3"
 
 
-def test_a_wrong_name_is_an_error_of_its_expectation(lab: Lab, folder: Path) -> None:
+def test_a_wrong_name_is_an_error_of_its_expectation(lab: SceneRunner, folder: Path) -> None:
     def misspelt(near_list: Any) -> Any:
         return near_list.mean()
 
@@ -124,7 +124,7 @@ def test_a_wrong_name_is_an_error_of_its_expectation(lab: Lab, folder: Path) -> 
 
 def test_a_mutant_that_breaks_a_bound_is_killed(folder: Path) -> None:
     case = load_case(folder / "step.py")
-    with Lab(RunOptions(size=16)) as lab:
+    with SceneRunner(RunOptions(size=16)) as lab:
         judge = Judge(lab, case)
         fates = {m.text: judge.judge(m) for m in make_mutants(case, MutationPlan(state=False))}
     turned = [fate for text, fate in fates.items() if "x > edge" in text or "x >= edge" in text]
@@ -134,7 +134,9 @@ def test_a_mutant_that_breaks_a_bound_is_killed(folder: Path) -> None:
     assert others and not any(fate.status == "killed" for fate in others)
 
 
-def test_an_array_given_to_a_value_reaches_its_reference_as_a_list(lab: Lab, folder: Path) -> None:
+def test_an_array_given_to_a_value_reaches_its_reference_as_a_list(
+    lab: SceneRunner, folder: Path
+) -> None:
     def nearest(x: Any, places: Any) -> Any:
         assert isinstance(places, list) and len(places) == 3
         return places[0] + x * places[1] + places[2]

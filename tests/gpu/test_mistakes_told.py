@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from shaderlab import Case, formula, fullscreen
 from shaderlab.cli import cli
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import vec4
 from shaderlab.model.options import RunOptions
 
@@ -31,12 +31,14 @@ def right(TexCoords: Any) -> Any:
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(pictures=False, size=8)) as lab:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(pictures=False, size=8)) as lab:
         yield lab
 
 
-def told(lab: Lab, folder: Path, text: str, reference: Callable[..., Any], **given: Any) -> str:
+def told(
+    lab: SceneRunner, folder: Path, text: str, reference: Callable[..., Any], **given: Any
+) -> str:
     """What the lab says of a case."""
     (folder / "a.frag").write_text(text)
     output = "hash" if "hash" in text else "color"
@@ -70,45 +72,47 @@ def told(lab: Lab, folder: Path, text: str, reference: Callable[..., Any], **giv
     ],
 )
 def test_a_reference_that_gives_no_vector(
-    lab: Lab, tmp_path: Path, reference: Callable[..., Any], message: str
+    lab: SceneRunner, tmp_path: Path, reference: Callable[..., Any], message: str
 ) -> None:
     said = told(lab, tmp_path, PLAIN, reference)
     assert message in said and "defect" not in said
 
 
 @pytest.mark.parametrize("name", ["tint", "Lights.tint", "lights.tint"])
-def test_a_blocks_member_that_is_given_as_a_uniform(lab: Lab, tmp_path: Path, name: str) -> None:
+def test_a_blocks_member_that_is_given_as_a_uniform(
+    lab: SceneRunner, tmp_path: Path, name: str
+) -> None:
     said = told(lab, tmp_path, BLOCK, right, uniforms={name: (1.0, 1.0, 1.0, 1.0)})
     assert f"{name!r} is a member of the uniform block Lights, given as a uniform" in said
     assert "blocks={'Lights': UniformBuffer(values={'tint': …})}" in said
 
 
 @pytest.mark.parametrize("name", ["Lights", "lights"])
-def test_a_block_that_is_given_as_a_uniform(lab: Lab, tmp_path: Path, name: str) -> None:
+def test_a_block_that_is_given_as_a_uniform(lab: SceneRunner, tmp_path: Path, name: str) -> None:
     said = told(lab, tmp_path, BLOCK, right, uniforms={name: (1.0, 1.0, 1.0, 1.0)})
     assert f"{name!r} is a uniform block, given as a uniform" in said
     assert "blocks={'Lights': UniformBuffer(values={…})}" in said
 
 
 @pytest.mark.parametrize(("value", "why"), [(-4, "beyond what uint holds"), (0.5, "no integer")])
-def test_a_number_that_is_no_uint(lab: Lab, tmp_path: Path, value: float, why: str) -> None:
+def test_a_number_that_is_no_uint(lab: SceneRunner, tmp_path: Path, value: float, why: str) -> None:
     said = told(lab, tmp_path, HASH, lambda seed: seed, uniforms={"seed": value})
     assert f"uniform 'seed' is uint, but {value} is {why}" in said
 
 
-def test_a_dialect_says_which_targets_to_keep(lab: Lab, tmp_path: Path) -> None:
+def test_a_dialect_says_which_targets_to_keep(lab: SceneRunner, tmp_path: Path) -> None:
     es = PLAIN.replace("330 core\n", "300 es\nprecision highp float;\n")
     said = told(lab, tmp_path, es, lambda TexCoords: vec4(TexCoords, 0.0, 0.0))
     assert "does not compile for opengl, vulkan" in said
     assert "→ if it is meant for glsl alone: targets=['glsl'], in the case" in said
 
 
-def test_no_target_is_left_of_a_shader_that_all_refuse(lab: Lab, tmp_path: Path) -> None:
+def test_no_target_is_left_of_a_shader_that_all_refuse(lab: SceneRunner, tmp_path: Path) -> None:
     said = told(lab, tmp_path, PLAIN.replace("vec4(", "vec9("), right)
     assert "vec9" in said and "targets=" not in said
 
 
-def test_what_an_include_lacks_points_to_the_include(lab: Lab, tmp_path: Path) -> None:
+def test_what_an_include_lacks_points_to_the_include(lab: SceneRunner, tmp_path: Path) -> None:
     (tmp_path / "lib.glsl").write_text("\nfloat f() { return strength; }\n")
     text = PLAIN.replace("in vec2", '#include "lib.glsl"\nin vec2')
     said = told(lab, tmp_path, text, right)

@@ -12,7 +12,7 @@ from shaderlab import Blend, Case, Ramp, State, coverage, fullscreen
 from shaderlab.analysis import self_check
 from shaderlab.analysis.self_check import SelfCheck
 from shaderlab.drivers.opengl import linking
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import ModulesRecord
 
@@ -29,8 +29,8 @@ void main()
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=16, modules=True)) as found:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=16, modules=True)) as found:
         yield found
 
 
@@ -46,13 +46,13 @@ def case(tmp_path: Path) -> Case:
     )  # fmt: skip
 
 
-def test_outputs_that_nothing_looks_at_are_judged(lab: Lab, case: Case) -> None:
+def test_outputs_that_nothing_looks_at_are_judged(lab: SceneRunner, case: Case) -> None:
     (scene,) = case.scenes()
     outcome = lab.run(scene).expectations[-1]
     assert (outcome.kind, outcome.status, outcome.judged) == ("module", "pass", 2 * 256)
 
 
-def test_one_wrong_pixel_is_found_and_named(lab: Lab, case: Case) -> None:
+def test_one_wrong_pixel_is_found_and_named(lab: SceneRunner, case: Case) -> None:
     (scene,) = case.scenes()
     with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
         key = (scene.passes[0].name, "second")
@@ -73,7 +73,7 @@ def test_a_miscompiled_output_that_no_formula_looks_at_turns_the_run_red(
     passes = (replace(drawn, draws=(replace(drawn.draws[0], state=state),)),)
     case = replace(case, passes=passes, expect=(coverage(64 * 64),))
     (scene,) = case.scenes()
-    with Lab(RunOptions()) as lab:
+    with SceneRunner(RunOptions()) as lab:
         right = lab.run(scene)
         # This driver takes a half for a quarter wherever place.y is large.
         verbatim = linking.Linker.link
@@ -95,13 +95,13 @@ def miscompiled(texts: Mapping[str, str]) -> dict[str, str]:
 
 def test_no_modules_judges_none(case: Case) -> None:
     (scene,) = case.scenes()
-    with Lab(RunOptions(size=16, modules=False)) as lab:
+    with SceneRunner(RunOptions(size=16, modules=False)) as lab:
         record = lab.run(scene)
     assert (record.modules, [one.kind for one in record.expectations]) == (None, ["coverage"])
 
 
 def test_a_defect_of_the_interpreter_changes_no_verdict(
-    lab: Lab, case: Case, monkeypatch: pytest.MonkeyPatch
+    lab: SceneRunner, case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (scene,) = case.scenes()
     monkeypatch.delenv("SHADERLAB_DEBUG", raising=False)

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 from shaderlab.cli import cli
 from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import Limits
 from shaderlab.mutation import (
     CaseTarget,
@@ -135,7 +135,7 @@ def folder(tmp_path: Path) -> Path:
 def fates(file: Path, kind: str = "") -> dict[tuple[str, str, str], str]:
     """Each mutant's fate (of one kind only), judged in this process."""
     case = load_case(file)
-    with Lab() as lab:
+    with SceneRunner() as lab:
         judge = Judge(lab, case)
         return {
             (m.operator, m.before, m.after): judge.judge(m).status
@@ -182,7 +182,7 @@ def by_hand(text: str, right: str, wrong: str) -> ShaderMutant:
 )
 def test_a_mutant_of_every_fate(folder: Path, right: str, wrong: str, status: str) -> None:
     flat = SHADER.replace('#include "law.glsl"\n', LAW)
-    with Lab() as lab:
+    with SceneRunner() as lab:
         fate = Judge(lab, load_case(folder / "law.py")).judge(by_hand(flat, right, wrong))
     assert fate.status == status
     if status == "no difference":
@@ -192,7 +192,7 @@ def test_a_mutant_of_every_fate(folder: Path, right: str, wrong: str, status: st
 def test_a_killed_mutant_is_traced_to_its_statement(folder: Path) -> None:
     flat = SHADER.replace('#include "law.glsl"\n', LAW)
     wrong = by_hand(flat, "+ 0.5", "+ 0.505")
-    with Lab() as lab:
+    with SceneRunner() as lab:
         case = load_case(folder / "law.py")
         fate = Judge(lab, case, locate=True).judge(wrong)
         assert Judge(lab, case).judge(wrong).traced == ""
@@ -263,7 +263,7 @@ def test_what_no_input_of_the_case_shows_is_not_called_equivalent(
     (tmp_path / "flat.frag").write_text(FLAT)
     file = tmp_path / "grey.py"
     file.write_text(GREY_CASE.replace("FIRST", first).replace("SOURCE", image))
-    with Lab() as lab:
+    with SceneRunner() as lab:
         judge = Judge(lab, load_case(file))
         found = {right: judge.judge(by_hand(GREY, right, wrong)) for right, wrong in UNSEEN.items()}
     if source == "8 bits":  # which hold nothing above 1
@@ -290,7 +290,7 @@ def test_a_black_ground_hides_a_mistake_in_blending(tmp_path: Path) -> None:
     (tmp_path / "blended.py").write_text(BLENDED_CASE)
     case = load_case(tmp_path / "blended.py")
     (wrong,) = (m for m in mutate_state(case) if (m.path, m.new) == ("blend.destination", "zero"))
-    with Lab() as lab:
+    with SceneRunner() as lab:
         fate = Judge(lab, case).judge(wrong)
     assert fate == MutantResult(status="survived", by="only on other inputs: main.grey")
 
@@ -362,7 +362,7 @@ def test_a_mutant_is_one_place_in_one_program(folder: Path) -> None:
     (folder / "again.frag").write_text(SHADER)
     (folder / "twice.py").write_text(LAW_TWICE)
     found = {}
-    with Lab() as lab:
+    with SceneRunner() as lab:
         case = load_case(folder / "twice.py")
         judge = Judge(lab, case)
         for m in make_mutants(case, MutationPlan(state=False)):
@@ -374,7 +374,7 @@ def test_a_mutant_is_one_place_in_one_program(folder: Path) -> None:
 
 def test_state_is_mutated_too(folder: Path) -> None:
     case = load_case(folder / "quad.py")
-    with Lab() as lab:
+    with SceneRunner() as lab:
         judge = Judge(lab, case)
         found = {(m.path, m.new): judge.judge(m).status for m in mutate_state(case)}
     assert found == {
@@ -387,7 +387,7 @@ def test_state_is_mutated_too(folder: Path) -> None:
 
 def test_what_is_compared_with_another_pass_is_drawn_with_it(folder: Path) -> None:
     case = load_case(folder / "compared.py")
-    with Lab() as lab:
+    with SceneRunner() as lab:
         judge = Judge(lab, case)
         shaders = [judge.judge(m) for m in make_mutants(case, MutationPlan(state=False))]
         # Of the near quad and of the far one; each is a mistake in both passes.
@@ -423,7 +423,7 @@ def test_an_output_that_a_mutant_never_writes_is_captured_nevertheless(folder: P
     """Nothing asks for it: the mutant compiles, draws the same, and gives the next stage less."""
     (folder / "quad.vert").write_text(UNUSED)
     case = load_case(folder / "quad.py")
-    with Lab() as lab:
+    with SceneRunner() as lab:
         judge = Judge(lab, case)
         found = {
             m.after: judge.judge(m).by
@@ -440,7 +440,7 @@ def test_a_part_that_does_not_run_unmutated_kills_nobody(
 ) -> None:
     """Were a pass left out that another one is compared with, every mutant would seem noticed."""
     case = load_case(folder / "compared.py")
-    with Lab() as lab:
+    with SceneRunner() as lab:
         judge = Judge(lab, case)
         mutant = next(m for m in make_mutants(case, MutationPlan(state=False)))
         assert judge.judge(mutant).status != "invalid"
@@ -454,7 +454,7 @@ def test_an_error_of_the_mutant_alone_kills_it(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     case = load_case(folder / "quad.py")
-    with Lab() as lab:
+    with SceneRunner() as lab:
         judge = Judge(lab, case)
         mutant = next(m for m in mutate_state(case))
         wrong = replace(next(case.scenes()), passes=())

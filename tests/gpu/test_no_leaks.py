@@ -28,9 +28,9 @@ from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.driver_answers import coverage
 from shaderlab.engine.expectations.exact import exact
 from shaderlab.engine.expectations.formula import formula
-from shaderlab.engine.lab import Lab
-from shaderlab.engine.picture_writer import PictureWriter
-from shaderlab.engine.record_builder import RecordBuilder
+from shaderlab.engine.pictures import PictureWriter
+from shaderlab.engine.record import RecordBuilder
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError, UnsupportedError
 from shaderlab.glslmath import vec4
 from shaderlab.model.case import Case, Scene
@@ -48,7 +48,7 @@ SAMPLE = ("blend-factors", "depth-functions", "mvp", "stencil-functions", "unifo
 SIDE = 48
 
 
-class Watched(Lab):
+class Watched(SceneRunner):
     """A lab that keeps a hash of each scene's frame, and judges only what it is told to."""
 
     def __init__(self, judged: Sequence[str] = ()) -> None:
@@ -59,9 +59,9 @@ class Watched(Lab):
     def judge_all(
         self,
         evaluation: Evaluation,
-        builder: RecordBuilder,
-        writer: PictureWriter,
-        draws: SelfCheck | None = None,
+        record: RecordBuilder,
+        pictures: PictureWriter,
+        check: SelfCheck | None = None,
     ) -> dict[int, UnsupportedError]:
         scene, frame = evaluation.scene, evaluation.frame
         unanswered = {}
@@ -80,7 +80,7 @@ class Watched(Lab):
             name: digest(value) for name, value in found.items()
         }
         if scene.case.id in self._judged:
-            super().judge_all(evaluation, builder, writer, draws)
+            super().judge_all(evaluation, record, pictures, check)
         return unanswered
 
 
@@ -203,7 +203,7 @@ def test_a_scene_is_gone_when_its_session_ends(tmp_path: Path) -> None:
     gc.collect()
     gc.disable()
     try:
-        with Lab() as lab, lab.evaluation(scene, lab.prepare(scene)) as evaluation:
+        with SceneRunner() as lab, lab.evaluation(scene, lab.prepare(scene)) as evaluation:
             key = next(iter(evaluation.session.programs)), 0
             assert evaluation.session.capture_fragments(key).covered.any()
             session = weakref.ref(evaluation.session)
@@ -223,7 +223,7 @@ def test_what_no_later_expectation_asks_for_is_let_go(tmp_path: Path) -> None:
             left[expectation.name] = len(self.answers)
             return super().judge(expectation)
 
-    with Lab() as lab, lab.evaluation(scene, lab.prepare(scene)) as evaluation:
+    with SceneRunner() as lab, lab.evaluation(scene, lab.prepare(scene)) as evaluation:
         evaluation.__class__ = Looking
         lab.judge_all(evaluation, RecordBuilder(scene), PictureWriter(None, "kept", ""))
     assert list(left.values()) == [1, 1, 0]
@@ -260,7 +260,7 @@ def test_captures_are_held_for_one_pass_at_a_time_and_drawn_once(
     captured, drawn = OpenGLSession.capture_fragments, OpenGLSession.redraw_with_texts
     monkeypatch.setattr(OpenGLSession, "capture_fragments", fragments)
     monkeypatch.setattr(OpenGLSession, "redraw_with_texts", redrawn)
-    with Lab() as lab:
+    with SceneRunner() as lab:
         record = lab.run(replace(scene, passes=passes, expect=checks))
     assert [o.status for o in record.expectations] == ["pass"] * 6, record.message
     assert record.modules is not None and record.modules.judged > 0

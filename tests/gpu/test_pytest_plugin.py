@@ -36,7 +36,7 @@ class Lab:
     def close(self):
         print("lab closed")
 
-shaderlab.workers.lab_worker.Lab = Lab
+shaderlab.workers.lab_worker.SceneRunner = Lab
 """
 
 
@@ -47,7 +47,7 @@ def cases(
     """A pytester whose folder holds the case `lamp` and the stand-in lab."""
     monkeypatch.setenv("SHADERLAB_JOBS", "0")
     monkeypatch.setattr(
-        shaderlab.workers.lab_worker, "Lab", shaderlab.workers.lab_worker.Lab
+        shaderlab.workers.lab_worker, "SceneRunner", shaderlab.workers.lab_worker.SceneRunner
     )  # as it is after
     for file in case_folder.iterdir():
         (pytester.path / file.name).write_text(file.read_text())

@@ -36,7 +36,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.drivers.opengl.backend import OpenGLBackend
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import normalize, vec4
 from shaderlab.glslmath.sampling import texture
 from shaderlab.model import pictures
@@ -100,12 +100,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=16)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=16)) as made:
         yield made
 
 
-def run(lab: Lab, folder: Path, passes: Any, *expect: Any, **case: Any) -> Record:
+def run(lab: SceneRunner, folder: Path, passes: Any, *expect: Any, **case: Any) -> Record:
     made = Case(title="t", id="t", file=str(folder / "t.py"), passes=passes, expect=expect, **case)
     return lab.run(made.scene("default"))
 
@@ -119,7 +119,7 @@ def flat(color: tuple[float, ...], **draw: Any) -> Draw:
     return Draw(fragment="flat.frag", domain={}, uniforms={"color": color}, **draw)
 
 
-def test_a_domain_reaches_the_shader_and_the_reference(lab: Lab, folder: Path) -> None:
+def test_a_domain_reaches_the_shader_and_the_reference(lab: SceneRunner, folder: Path) -> None:
     record = run(
         lab,
         folder,
@@ -137,7 +137,9 @@ def test_a_domain_reaches_the_shader_and_the_reference(lab: Lab, folder: Path) -
     assert record.compile == dict.fromkeys(("glsl", "opengl", "vulkan", "driver"), "pass")
 
 
-def test_a_wrong_formula_fails_with_the_pixel_and_its_inputs(lab: Lab, folder: Path) -> None:
+def test_a_wrong_formula_fails_with_the_pixel_and_its_inputs(
+    lab: SceneRunner, folder: Path
+) -> None:
     def wrong(x: Any, y: Any, gain: Any) -> Any:
         return x * y * gain * 1.000001
 
@@ -150,7 +152,7 @@ def test_a_wrong_formula_fails_with_the_pixel_and_its_inputs(lab: Lab, folder: P
     assert (shader_at.file.endswith("ramp.frag"), shader_at.line) == (True, 5)
 
 
-def test_vertices_and_varyings_are_captured(lab: Lab, folder: Path) -> None:
+def test_vertices_and_varyings_are_captured(lab: SceneRunner, folder: Path) -> None:
     def placed(aPos: Any, model: Any) -> Any:
         from shaderlab.glslmath import mul
 
@@ -174,7 +176,9 @@ def test_vertices_and_varyings_are_captured(lab: Lab, folder: Path) -> None:
     assert record.expectations[1].judged == 64 * 3
 
 
-def test_only_what_is_seen_of_a_draw_is_judged_by_its_inputs(lab: Lab, folder: Path) -> None:
+def test_only_what_is_seen_of_a_draw_is_judged_by_its_inputs(
+    lab: SceneRunner, folder: Path
+) -> None:
     """A nearer draw hides half of the first one; its pixels are not the first one's any more."""
     hide = Draw(
         vertex="placed.vert",
@@ -194,7 +198,7 @@ def test_only_what_is_seen_of_a_draw_is_judged_by_its_inputs(lab: Lab, folder: P
     assert record.expectations[0].judged == 16 * 8 * 4
 
 
-def test_discarded_pixels_are_not_judged(lab: Lab, folder: Path) -> None:
+def test_discarded_pixels_are_not_judged(lab: SceneRunner, folder: Path) -> None:
     (folder / "holes.frag").write_text(
         "#version 330 core\nin float x;\nout float y;\n"
         "void main() { if (x < 0.5) discard; y = x; }\n"
@@ -208,7 +212,7 @@ def test_discarded_pixels_are_not_judged(lab: Lab, folder: Path) -> None:
     assert (record.status, record.expectations[0].judged) == ("pass", 128)
 
 
-def test_many_inputs_are_captured_in_several_rounds(lab: Lab, folder: Path) -> None:
+def test_many_inputs_are_captured_in_several_rounds(lab: SceneRunner, folder: Path) -> None:
     names = [f"v{i}" for i in range(11)]
     (folder / "many.frag").write_text(
         "#version 330 core\n" + "".join(f"in vec3 {n};\n" for n in names) + "out vec3 total;\n"
@@ -223,7 +227,7 @@ def test_many_inputs_are_captured_in_several_rounds(lab: Lab, folder: Path) -> N
     assert record.status == "pass", record
 
 
-def test_an_earlier_pass_is_a_texture_of_a_later_one(lab: Lab, folder: Path) -> None:
+def test_an_earlier_pass_is_a_texture_of_a_later_one(lab: SceneRunner, folder: Path) -> None:
     def copied(image: Any, TexCoords: Any) -> Any:
         return texture(image, TexCoords)
 
@@ -242,7 +246,7 @@ def test_an_earlier_pass_is_a_texture_of_a_later_one(lab: Lab, folder: Path) -> 
 
 
 @pytest.mark.parametrize("wrap", ["repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border"])
-def test_every_wrap_mode_reaches_the_driver(lab: Lab, folder: Path, wrap: str) -> None:
+def test_every_wrap_mode_reaches_the_driver(lab: SceneRunner, folder: Path, wrap: str) -> None:
     def sampled(image: Any, TexCoords: Any) -> Any:
         return texture(image, TexCoords)
 
@@ -262,7 +266,7 @@ def test_every_wrap_mode_reaches_the_driver(lab: Lab, folder: Path, wrap: str) -
     assert run(lab, folder, passes, formula("FragColor", wrong)).status == "fail"
 
 
-def test_state_is_set_for_one_draw_and_gone_for_the_next(lab: Lab, folder: Path) -> None:
+def test_state_is_set_for_one_draw_and_gone_for_the_next(lab: SceneRunner, folder: Path) -> None:
     odd = State(
         depth=Depth(func="never", write=False),
         stencil=Stencil(func="never", write_mask=0),
@@ -284,7 +288,7 @@ def test_state_is_set_for_one_draw_and_gone_for_the_next(lab: Lab, folder: Path)
     assert record.status == "pass", record
 
 
-def test_masked_attachments_are_still_cleared(lab: Lab, folder: Path) -> None:
+def test_masked_attachments_are_still_cleared(lab: SceneRunner, folder: Path) -> None:
     masked = flat((1, 1, 1, 1), state=State(color_mask=(False,) * 4))
     target = Target(clear=(0.25, 0.5, 0.75, 1.0))
     passes = (Pass(name="a", draws=(masked,)), Pass(target=target, draws=(masked,)))
@@ -292,12 +296,12 @@ def test_masked_attachments_are_still_cleared(lab: Lab, folder: Path) -> None:
     assert record.status == "pass", record
 
 
-def test_outputs_may_be_left_without_an_attachment(lab: Lab, folder: Path) -> None:
+def test_outputs_may_be_left_without_an_attachment(lab: SceneRunner, folder: Path) -> None:
     passes = ramp(target=Target(colors={"product": "r32f"}))
     assert run(lab, folder, passes, formula("product", product)).status == "pass"
 
 
-def test_integers_and_halves_are_read_as_they_are(lab: Lab, folder: Path) -> None:
+def test_integers_and_halves_are_read_as_they_are(lab: SceneRunner, folder: Path) -> None:
     (folder / "int.frag").write_text(
         "#version 330 core\nout ivec2 y;\nvoid main() { y = ivec2(-7, 2147483647); }\n"
     )
@@ -315,7 +319,7 @@ def test_integers_and_halves_are_read_as_they_are(lab: Lab, folder: Path) -> Non
     assert run(lab, folder, half, formula("FragColor", eleventh)).status == "fail"
 
 
-def test_multisampled_targets_are_resolved(lab: Lab, folder: Path) -> None:
+def test_multisampled_targets_are_resolved(lab: SceneRunner, folder: Path) -> None:
     edge = Mesh(attributes={"aPos": np.array([[-1, -1, 0], [1, -1, 0], [-1, 1, 0]], np.float32)})
     draw = Draw(vertex="placed.vert", fragment="flat.frag", mesh=edge,
                 uniforms={"color": (1.0, 1.0, 1.0, 1.0)})  # fmt: skip
@@ -334,7 +338,9 @@ def test_multisampled_targets_are_resolved(lab: Lab, folder: Path) -> None:
     assert "999 samples" in refused.message
 
 
-def test_drawing_without_a_vertex_array_is_the_error_it_should_be(lab: Lab, folder: Path) -> None:
+def test_drawing_without_a_vertex_array_is_the_error_it_should_be(
+    lab: SceneRunner, folder: Path
+) -> None:
     passes = (Pass(draws=(flat((1, 1, 1, 1), vertex_array=False),)),)
     expected = run(lab, folder, passes, gl_error("invalid_operation"), exact("FragColor", 0.0))
     assert expected.status == "pass", expected
@@ -362,7 +368,7 @@ def test_drawing_without_a_vertex_array_is_the_error_it_should_be(lab: Lab, fold
     ],
 )  # fmt: skip
 def test_data_that_does_not_fit_the_shader_is_named(
-    lab: Lab, folder: Path, changes: dict[str, Any], says: str, remedy: str
+    lab: SceneRunner, folder: Path, changes: dict[str, Any], says: str, remedy: str
 ) -> None:
     record = run(lab, folder, ramp(**changes), formula("product", product))
     assert record.status == "error"
@@ -370,7 +376,7 @@ def test_data_that_does_not_fit_the_shader_is_named(
     assert remedy in record.message
 
 
-def test_a_texture_that_is_missing_or_misshapen_is_named(lab: Lab, folder: Path) -> None:
+def test_a_texture_that_is_missing_or_misshapen_is_named(lab: SceneRunner, folder: Path) -> None:
     missing = fullscreen("copy.frag", textures={"image": Texture(image="none.png")})
     record = run(lab, folder, missing, exact("FragColor", 0.0))
     assert record.status == "error" and "none.png" in record.message
@@ -383,7 +389,7 @@ def test_a_texture_that_is_missing_or_misshapen_is_named(lab: Lab, folder: Path)
     assert "(2, 2, 3)" in run(lab, folder, thin, exact("FragColor", 0.0)).message
 
 
-def test_a_mesh_must_have_what_the_vertex_shader_reads(lab: Lab, folder: Path) -> None:
+def test_a_mesh_must_have_what_the_vertex_shader_reads(lab: SceneRunner, folder: Path) -> None:
     def passes(**attributes: Any) -> tuple[Pass, ...]:
         return mesh_pass(
             "placed.vert", "flat.frag", Mesh(attributes=attributes), uniforms={"color": (1,) * 4}
@@ -402,7 +408,7 @@ def test_a_mesh_must_have_what_the_vertex_shader_reads(lab: Lab, folder: Path) -
     assert "2 components" in run(lab, folder, passes(aPos=SQUARE[:, :2]), check).message
 
 
-def test_a_broken_shader_is_an_error_at_its_own_line(lab: Lab, folder: Path) -> None:
+def test_a_broken_shader_is_an_error_at_its_own_line(lab: SceneRunner, folder: Path) -> None:
     (folder / "broken.frag").write_text(
         "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(nope); }\n"
     )
@@ -414,7 +420,7 @@ def test_a_broken_shader_is_an_error_at_its_own_line(lab: Lab, folder: Path) -> 
     assert missing.status == "error" and "broken.frag" in missing.message
 
 
-def test_a_uniform_without_effect_is_noticed(lab: Lab, folder: Path) -> None:
+def test_a_uniform_without_effect_is_noticed(lab: SceneRunner, folder: Path) -> None:
     (folder / "idle.frag").write_text(
         "#version 330 core\nuniform float idle;\nout float y;\nvoid main() { y = idle * 0.0; }\n"
     )
@@ -429,7 +435,7 @@ def test_a_uniform_without_effect_is_noticed(lab: Lab, folder: Path) -> None:
 
 def test_pictures_are_written_where_the_record_says(folder: Path, tmp_path: Path) -> None:
     expected = formula("product", product), exact("FragColor", 0.0)
-    with Lab(RunOptions(size=16, picture_size=32, folder=tmp_path)) as lab:
+    with SceneRunner(RunOptions(size=16, picture_size=32, folder=tmp_path)) as lab:
         record = run(lab, folder, ramp(), *expected, picture="FragColor")
     passed, failed = record.expectations
     assert (passed.status, list(passed.images)) == ("pass", ["measured"])
@@ -445,13 +451,13 @@ def test_a_picture_that_cannot_be_written_changes_no_verdict(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("shaderlab.model.pictures.files.encode", full)
-    with Lab(RunOptions(size=16, picture_size=32, folder=tmp_path)) as lab:
+    with SceneRunner(RunOptions(size=16, picture_size=32, folder=tmp_path)) as lab:
         record = run(lab, folder, ramp(), formula("product", product))
     assert record.status == "pass"
     assert any("can't write the picture (No space left" in notice for notice in record.notices)
 
 
-def test_the_same_scene_gives_the_same_bytes(lab: Lab, folder: Path) -> None:
+def test_the_same_scene_gives_the_same_bytes(lab: SceneRunner, folder: Path) -> None:
     def once() -> Record:
         return run(lab, folder, ramp(), formula("product", product), exact("FragColor", 0.0))
 
@@ -462,13 +468,13 @@ def test_the_same_scene_gives_the_same_bytes(lab: Lab, folder: Path) -> None:
 def test_a_defect_of_the_lab_costs_one_scene_only(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.engine.picture_writer import PictureWriter
+    from shaderlab.engine.pictures import PictureWriter
 
     def broken(self: Any, image: Any) -> Any:
         raise IndexError("no such luck")
 
     monkeypatch.delenv("SHADERLAB_DEBUG", raising=False)
-    with Lab(RunOptions(size=16, folder=folder)) as lab:
+    with SceneRunner(RunOptions(size=16, folder=folder)) as lab:
         with monkeypatch.context() as patch:
             patch.setattr(PictureWriter, "write_picture", broken)
             record = run(lab, folder, ramp(), formula("product", product))
@@ -489,7 +495,7 @@ def test_a_driver_that_disagrees_with_the_compiler_is_told_on(
         return Verdict(target="driver", ok=False, diagnostics=(said,))
 
     monkeypatch.setattr(OpenGLBackend, "driver_verdict", refusing)
-    with Lab(RunOptions(size=16)) as lab:
+    with SceneRunner(RunOptions(size=16)) as lab:
         record = run(lab, folder, ramp(), formula("product", product))
     assert record.status == "fail"
     assert record.compile["driver"] == "fail"
@@ -514,7 +520,7 @@ def test_only_a_scene_without_a_size_is_drawn_again_for_its_picture(
         return session(backend, scene, programs, size, **options)
 
     monkeypatch.setattr(OpenGLBackend, "session", noted)
-    with Lab(RunOptions(size=16, folder=tmp_path)) as lab:
+    with SceneRunner(RunOptions(size=16, folder=tmp_path)) as lab:
         record = run(lab, folder, ramp(target=target), formula("product", product))
     assert record.status == "pass" and drawn == sizes
     seen = pictures.load(tmp_path / record.images["picture"])
@@ -534,7 +540,7 @@ def test_a_formula_that_fails_on_values_only_a_picture_looks_at(
 
     options = RunOptions(size=16, folder=tmp_path)
     wide = ramp(target=Target(size=(160, 160)))
-    with Lab(options) as lab:
+    with SceneRunner(options) as lab:
         record = run(lab, folder, wide, formula("product", fails), formula("product", product))
     first, second = record.expectations
     assert (first.status, second.status) == ("error", "pass")

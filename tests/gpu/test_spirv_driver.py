@@ -14,7 +14,7 @@ from shaderlab.drivers.opengl import device
 from shaderlab.drivers.opengl.linking import SpirvProgram
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.discovery import shipped_cases
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.options import RunOptions
 from shaderlab.report.plain_text import failure
@@ -34,8 +34,8 @@ void main() {
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(driver="llvmpipe-spirv", pictures=False)) as opened:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(driver="llvmpipe-spirv", pictures=False)) as opened:
         yield opened
 
 
@@ -52,7 +52,7 @@ def lab() -> Iterator[Lab]:
         "uniform-types",
     ],
 )
-def test_a_case_passes_as_with_text(lab: Lab, case_id: str) -> None:
+def test_a_case_passes_as_with_text(lab: SceneRunner, case_id: str) -> None:
     files = {file.stem.replace("_", "-"): file for file in shipped_cases()}
     scene = list(load_case(files[case_id]).scenes())[-1]
     record = lab.run(scene)

@@ -28,7 +28,7 @@ from shaderlab import (
     measure,
     value,
 )
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError
 from shaderlab.glslmath import swizzle
 from shaderlab.model.options import RunOptions
@@ -82,12 +82,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=16)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=16)) as made:
         yield made
 
 
-def run(lab: Lab, folder: Path, passes: Any, *expect: Any) -> Record:
+def run(lab: SceneRunner, folder: Path, passes: Any, *expect: Any) -> Record:
     made = Case(title="t", id="t", file=str(folder / "t.py"), passes=passes, expect=expect)
     return lab.run(made.scene("default"))
 
@@ -104,7 +104,7 @@ def placed(Ndc: Any, frag_coord: Any) -> Any:
     return swizzle(Ndc, "xyz") * np.array([4.0, 2.0, 0.25]) + np.array([8.0, 4.0, 0.5])
 
 
-def test_a_viewport_maps_and_a_scissor_cuts(lab: Lab, folder: Path) -> None:
+def test_a_viewport_maps_and_a_scissor_cuts(lab: SceneRunner, folder: Path) -> None:
     viewport = into(draw(square(), viewport=(4, 2, 8, 4)))
     record = run(lab, folder, viewport, exact("shown", filled(4, 2, 8, 4)), coverage(32))
     assert record.status == "pass", record
@@ -115,7 +115,7 @@ def test_a_viewport_maps_and_a_scissor_cuts(lab: Lab, folder: Path) -> None:
     assert run(lab, folder, wrong, exact("shown", filled(4, 2, 8, 4))).status == "fail"
 
 
-def test_capture_sees_the_viewport_and_the_depth_range(lab: Lab, folder: Path) -> None:
+def test_capture_sees_the_viewport_and_the_depth_range(lab: SceneRunner, folder: Path) -> None:
     state = {"viewport": (4, 2, 8, 4), "depth_range": (0.25, 0.75)}
     passes = into(draw(square(0.5), **state))
     at = value("place", at=Pixel(4, 2), equals=(4.5, 2.5, 0.625), digits=6)
@@ -124,7 +124,7 @@ def test_capture_sees_the_viewport_and_the_depth_range(lab: Lab, folder: Path) -
     assert run(lab, folder, other, formula("place", placed)).status == "fail"
 
 
-def test_the_depth_range_decides_a_depth_test(lab: Lab, folder: Path) -> None:
+def test_the_depth_range_decides_a_depth_test(lab: SceneRunner, folder: Path) -> None:
     near = draw(square(0.9), 1.0, depth=Depth(), depth_range=(0.0, 0.1))
     far = draw(square(-0.9), 2.0, depth=Depth(), depth_range=(0.9, 1.0))
     for order in ((near, far), (far, near)):
@@ -132,7 +132,7 @@ def test_the_depth_range_decides_a_depth_test(lab: Lab, folder: Path) -> None:
         assert record.status == "pass", record
 
 
-def test_polygon_offset_moves_what_is_tested(lab: Lab, folder: Path) -> None:
+def test_polygon_offset_moves_what_is_tested(lab: SceneRunner, folder: Path) -> None:
     first = draw(square(), 1.0, depth=Depth())
     for offset, winner in ((None, 1.0), ((0.0, -1.0), 2.0), ((0.0, 1.0), 1.0)):
         again = draw(square(), 2.0, depth=Depth(), polygon_offset=offset)
@@ -149,7 +149,9 @@ def test_polygon_offset_moves_what_is_tested(lab: Lab, folder: Path) -> None:
         assert run(lab, folder, passes, exact("shown", winner)).status == "pass", winner
 
 
-def test_points_are_as_large_as_the_state_or_the_shader_says(lab: Lab, folder: Path) -> None:
+def test_points_are_as_large_as_the_state_or_the_shader_says(
+    lab: SceneRunner, folder: Path
+) -> None:
     for given, size, count in ((4.0, 2.0, 16), ("program", 2.0, 4), (None, 2.0, 4), (1.0, 6.0, 1)):
         made = draw(point(0.0, 0.0) if count > 1 else point(1 / 16, 1 / 8), 1.0, size)
         made = replace(made, state=State(point_size=given))
@@ -157,7 +159,7 @@ def test_points_are_as_large_as_the_state_or_the_shader_says(lab: Lab, folder: P
         assert record.status == "pass", record
 
 
-def test_faces_have_a_stencil_test_each(lab: Lab, folder: Path) -> None:
+def test_faces_have_a_stencil_test_each(lab: SceneRunner, folder: Path) -> None:
     front = Stencil(reference=3, depth_pass="replace")
     back = Stencil(reference=5, depth_pass="replace")
     for order, stored in ((COUNTER_CLOCKWISE, 3), (CLOCKWISE, 5)):
@@ -194,7 +196,7 @@ ODD = State(
 @pytest.mark.parametrize("mesh", [square(0.25), point(0.03125, 0.0625)], ids=["square", "point"])
 @pytest.mark.parametrize("size", ["program", 7.0])
 def test_no_state_of_one_draw_reaches_the_next(
-    lab: Lab, folder: Path, mesh: Any, size: Any
+    lab: SceneRunner, folder: Path, mesh: Any, size: Any
 ) -> None:
     odd = replace(ODD, point_size=size)
     target = {"depth": "depth24_stencil8"}
@@ -215,7 +217,7 @@ def test_no_state_of_one_draw_reaches_the_next(
             assert record.status == "pass", record
 
 
-def test_no_state_of_one_draw_reaches_the_next_scene(lab: Lab, folder: Path) -> None:
+def test_no_state_of_one_draw_reaches_the_next_scene(lab: SceneRunner, folder: Path) -> None:
     depth = into(draw(square(0.5), depth=Depth()), depth="depth24")
     expected = [exact("shown", 1.0), value("place", at=Pixel(0, 0), equals=(0.5, 0.5, 0.75),
                 digits=6)]  # fmt: skip
@@ -225,7 +227,7 @@ def test_no_state_of_one_draw_reaches_the_next_scene(lab: Lab, folder: Path) -> 
     assert run(lab, folder, depth, *expected).status == "pass"
 
 
-def test_a_reference_may_ask_where_samples_are(lab: Lab, folder: Path) -> None:
+def test_a_reference_may_ask_where_samples_are(lab: SceneRunner, folder: Path) -> None:
     if int(lab.backend.info["max_samples"]) < 4:
         pytest.skip("this driver has one sample a pixel")
     seen: dict[str, Any] = {}
@@ -267,7 +269,7 @@ def test_wrong_state_is_refused_where_it_is_written(make: Any, says: str) -> Non
         make()
 
 
-def test_a_measure_may_read_the_depth_of_any_pass(lab: Lab, folder: Path) -> None:
+def test_a_measure_may_read_the_depth_of_any_pass(lab: SceneRunner, folder: Path) -> None:
     def mean(depth: Any) -> Any:
         return depth.mean()
 

@@ -14,7 +14,7 @@ from shaderlab.analysis.interpreter import load
 from shaderlab.drivers.opengl import linking
 from shaderlab.drivers.programs.stages import primitive
 from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError, NotInterpretedError, UnsupportedError
 from shaderlab.glslmath import vec4
 from shaderlab.model.options import RunOptions
@@ -76,12 +76,12 @@ PATCHES = Mesh(
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions()) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions()) as made:
         yield made
 
 
-def run(lab: Lab, folder: Path, *expect: Any, texts: Any = None, **given: Any) -> Record:
+def run(lab: SceneRunner, folder: Path, *expect: Any, texts: Any = None, **given: Any) -> Record:
     for name, text in {**STAGES, **(texts or {})}.items():
         (folder / name).write_text(text.replace("LAYOUT", "triangles"))
     stages = {"tess_control": "t.tesc", "tess_evaluation": "t.tese", "mesh": PATCHES, **given}
@@ -109,7 +109,7 @@ def guide(repository: Path, tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_guides_example_passes_and_shows_each_stage(guide: Path, lab: Lab) -> None:
+def test_the_guides_example_passes_and_shows_each_stage(guide: Path, lab: SceneRunner) -> None:
     lab.forget_shaders()
     record = lab.run(load_case(guide / "sheet.py").scene("default"))
     assert failed(record) == [] and record.unread == ()
@@ -136,7 +136,7 @@ def test_the_guides_example_passes_and_shows_each_stage(guide: Path, lab: Lab) -
     ],
 )  # fmt: skip
 def test_mistakes_in_a_stage_are_noticed(
-    lab: Lab, guide: Path, stage: str, right: str, wrong: str, noticed: str
+    lab: SceneRunner, guide: Path, stage: str, right: str, wrong: str, noticed: str
 ) -> None:
     shader = guide / f"sheet.{stage}"
     assert right in shader.read_text()
@@ -145,7 +145,7 @@ def test_mistakes_in_a_stage_are_noticed(
     assert noticed in failed(lab.run(load_case(guide / "sheet.py").scene("default")))
 
 
-def test_mutants_of_both_stages_are_judged(lab: Lab, guide: Path) -> None:
+def test_mutants_of_both_stages_are_judged(lab: SceneRunner, guide: Path) -> None:
     lab.forget_shaders()
     case = load_case(guide / "sheet.py")
     judge = Judge(lab, case)
@@ -162,7 +162,7 @@ def test_mutants_of_both_stages_are_judged(lab: Lab, guide: Path) -> None:
 
 
 def test_blocks_structs_arrays_and_matrices_are_inputs_and_outputs(
-    lab: Lab, tmp_path: Path
+    lab: SceneRunner, tmp_path: Path
 ) -> None:
     def position(gl_TessCoord: Any, gl_in_gl_Position: Any) -> Any:
         t, p = gl_TessCoord, gl_in_gl_Position
@@ -212,7 +212,7 @@ def test_blocks_structs_arrays_and_matrices_are_inputs_and_outputs(
      ("isolines", "lines", 9)],
 )  # fmt: skip
 def test_triangles_lines_and_points_come_out(
-    lab: Lab, tmp_path: Path, layout: str, kind: str, count: int
+    lab: SceneRunner, tmp_path: Path, layout: str, kind: str, count: int
 ) -> None:
     def position(gl_TessCoord: Any, gl_in_gl_Position: Any) -> Any:
         t, p = gl_TessCoord, gl_in_gl_Position
@@ -227,7 +227,7 @@ def test_triangles_lines_and_points_come_out(
     assert failed(run(lab, tmp_path, *expect, texts=wrong)) == ["gl_Position"]
 
 
-def test_a_geometry_stage_may_follow(lab: Lab, tmp_path: Path) -> None:
+def test_a_geometry_stage_may_follow(lab: SceneRunner, tmp_path: Path) -> None:
     geometry = """#version 430 core
     layout (triangles) in;
     layout (points, max_vertices = 1) out;
@@ -249,7 +249,7 @@ def test_a_geometry_stage_may_follow(lab: Lab, tmp_path: Path) -> None:
 # What is refused ----------------------------------------------------------------------------
 
 
-def test_stages_and_patches_belong_together(lab: Lab, tmp_path: Path) -> None:
+def test_stages_and_patches_belong_together(lab: SceneRunner, tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="tessellation takes both stages"):
         Draw(fragment="t.frag", vertex="t.vert", tess_control="t.tesc", mesh=PATCHES)
     with pytest.raises(CaseError, match="drop all stages but the fragment shader"):
@@ -264,7 +264,7 @@ def test_stages_and_patches_belong_together(lab: Lab, tmp_path: Path) -> None:
     assert "a mesh of patches needs tessellation stages" in record.message
 
 
-def test_what_takes_single_invocations_says_so(lab: Lab, tmp_path: Path) -> None:
+def test_what_takes_single_invocations_says_so(lab: SceneRunner, tmp_path: Path) -> None:
     at = {"aPos": (0.0, 0.0, 0.0), "turn": np.eye(2)}
     record = run(lab, tmp_path, value("gl_Position", equals=(0, 0, 0, 1), digits=3, at=at))
     assert record.status == "unsupported"
@@ -288,6 +288,6 @@ def test_a_driver_without_the_stages_makes_a_case_unsupported(
     guide: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(linking._NEEDS, "tess_control", 9999)
-    with Lab(RunOptions()) as other:
+    with SceneRunner(RunOptions()) as other:
         record = other.run(load_case(guide / "sheet.py").scene("default"))
     assert record.status == "unsupported" and "has no tess_control stage" in record.message

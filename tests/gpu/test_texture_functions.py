@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Ramp, Texture, formula, fullscreen, glslmath as g
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import sampling as s
 from shaderlab.model.options import RunOptions
 
@@ -116,12 +116,12 @@ ROWS = [(group, name) for group, rows in GROUPS.items() for name in rows]
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=24)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=24)) as made:
         yield made
 
 
-def status(lab: Lab, folder: Path, shader: str, image: Texture, reference: Any) -> str:
+def status(lab: SceneRunner, folder: Path, shader: str, image: Texture, reference: Any) -> str:
     (folder / "t.frag").write_text(shader)
     passes = fullscreen("t.frag", domain={"p": PLACES}, textures={"image": image})
     made = Case(
@@ -147,7 +147,7 @@ def noise(*shape: int) -> Any:
 
 @pytest.mark.parametrize(("group", "name"), ROWS, ids=[name for _, name in ROWS])
 def test_a_function_is_its_reference_and_no_other(
-    lab: Lab, tmp_path: Path, group: str, name: str
+    lab: SceneRunner, tmp_path: Path, group: str, name: str
 ) -> None:
     expression, right, wrong = GROUPS[group][name]
     head = "#version 330 core\n" + (GATHER if group == "gather" else "")
@@ -161,7 +161,7 @@ def test_a_function_is_its_reference_and_no_other(
     assert status(lab, tmp_path, shader, image, wrong) == "fail"
 
 
-def test_gathers_of_a_shadow_sampler_compare(lab: Lab, tmp_path: Path) -> None:
+def test_gathers_of_a_shadow_sampler_compare(lab: SceneRunner, tmp_path: Path) -> None:
     image = Texture(image=noise(4, 4, 1), format="depth32f", compare="less")
     shader = shader_of(
         "textureGather(image, p.xy, p.z)", "#version 330 core\n" + GATHER, "2DShadow"
@@ -177,7 +177,7 @@ def test_gathers_of_a_shadow_sampler_compare(lab: Lab, tmp_path: Path) -> None:
     assert status(lab, tmp_path, shader, image, other) == "fail"
 
 
-def test_a_level_is_that_of_the_quads_derivatives(lab: Lab, tmp_path: Path) -> None:
+def test_a_level_is_that_of_the_quads_derivatives(lab: SceneRunner, tmp_path: Path) -> None:
     if "softpipe" in lab.driver["renderer"]:
         pytest.skip("softpipe has no GLSL 4.00, which textureQueryLod comes with")
     image = Texture(image=noise(32, 32, 4), mipmaps=True, filter=("linear_mipmap_linear", "linear"))

@@ -33,7 +33,7 @@ from shaderlab import (
 )
 from shaderlab.compiler import Shaders
 from shaderlab.drivers.programs.prepare import Preparer
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import swizzle
 from shaderlab.glslmath.sampling import Sampler, texelFetch, texture, textureLod
 from shaderlab.model.options import RunOptions
@@ -80,12 +80,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=16)) as made:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=16)) as made:
         yield made
 
 
-def run(lab: Lab, folder: Path, passes: Any, *expect: Any) -> Record:
+def run(lab: SceneRunner, folder: Path, passes: Any, *expect: Any) -> Record:
     made = Case(title="t", id="t", file=str(folder / "t.py"), passes=passes, expect=expect)
     return lab.run(made.scene("default"))
 
@@ -113,7 +113,7 @@ def otherwise(reference: Callable[..., Any], **changes: Any) -> Callable[..., An
 
 @pytest.mark.parametrize("wrap", ["repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border"])
 @pytest.mark.parametrize("word", ["nearest", "linear"])
-def test_every_filter_and_wrap(lab: Lab, folder: Path, word: str, wrap: str) -> None:
+def test_every_filter_and_wrap(lab: SceneRunner, folder: Path, word: str, wrap: str) -> None:
     image = Texture(
         image=noise(3, 5, 4), filter=(word, word), wrap=(wrap, wrap), border=(0.4, 3.0, -2.0, 9.0)
     )
@@ -128,7 +128,7 @@ def test_every_filter_and_wrap(lab: Lab, folder: Path, word: str, wrap: str) -> 
 
 @pytest.mark.parametrize("between", ["nearest", "linear"])
 @pytest.mark.parametrize("within", ["nearest", "linear"])
-def test_every_mipmap_filter(lab: Lab, folder: Path, within: str, between: str) -> None:
+def test_every_mipmap_filter(lab: SceneRunner, folder: Path, within: str, between: str) -> None:
     def at_level(image: Any, p: Any) -> Any:
         return textureLod(image, swizzle(p, "xy"), swizzle(p, "z"))
 
@@ -146,7 +146,7 @@ def test_every_mipmap_filter(lab: Lab, folder: Path, within: str, between: str) 
     assert run(lab, folder, passes, formula("FragColor", free)).status == "fail"
 
 
-def test_generated_levels_are_read_back(lab: Lab, folder: Path) -> None:
+def test_generated_levels_are_read_back(lab: SceneRunner, folder: Path) -> None:
     image = noise(8, 8, 4)
     mean = image.reshape(4, 2, 4, 2, 4).mean((1, 3))
 
@@ -168,7 +168,7 @@ def test_generated_levels_are_read_back(lab: Lab, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("seamless", [True, False])
-def test_cubes(lab: Lab, folder: Path, seamless: bool) -> None:
+def test_cubes(lab: SceneRunner, folder: Path, seamless: bool) -> None:
     faces = [noise(4, 4, 4) for _ in range(6)]
     for word in ("nearest", "linear"):
         image = CubeTexture(faces=faces, filter=(word, word), seamless=seamless)
@@ -186,7 +186,7 @@ def test_cubes(lab: Lab, folder: Path, seamless: bool) -> None:
         assert run(lab, folder, passes, wrong).status == "fail"
 
 
-def test_arrays(lab: Lab, folder: Path) -> None:
+def test_arrays(lab: SceneRunner, folder: Path) -> None:
     image = TextureArray(layers=[noise(2, 3, 4) for _ in range(3)], filter=("linear", "linear"))
     domain = {"p": Ramp((0.1, 0.1, -0.83), (1.0, 0.3, 0.01), (0.1, 1.0, 3.71))}
     passes = fullscreen("stack.frag", domain=domain, textures={"image": image})
@@ -197,7 +197,7 @@ def test_arrays(lab: Lab, folder: Path) -> None:
 
 @pytest.mark.parametrize("format", ["depth16", "depth24", "depth32f"])
 @pytest.mark.parametrize("word", ["nearest", "linear"])
-def test_shadow_samplers(lab: Lab, folder: Path, word: str, format: str) -> None:
+def test_shadow_samplers(lab: SceneRunner, folder: Path, word: str, format: str) -> None:
     """With LINEAR, whatever lies between the texels' verdicts is allowed: where these differ a
     value says nothing, and such an image alone would be no check."""
     depths = noise(4, 4, 1)
@@ -228,7 +228,7 @@ def depth_of(frag_coord: Any) -> Any:
 @pytest.mark.parametrize(
     "format", ["depth16", "depth24", "depth32f", "depth24_stencil8", "depth32f_stencil8"]
 )
-def test_a_depth_attachment_is_an_output(lab: Lab, folder: Path, format: str) -> None:
+def test_a_depth_attachment_is_an_output(lab: SceneRunner, folder: Path, format: str) -> None:
     if format == "depth16" and "softpipe" in lab.driver["renderer"]:
         pytest.skip("softpipe steps 16-bit depth from pixel to pixel in whole codes")
     copy = fullscreen(
@@ -254,7 +254,7 @@ def test_a_depth_attachment_is_an_output(lab: Lab, folder: Path, format: str) ->
     assert run(lab, folder, (shadow_pass(format), *copy), wrong).status == "fail"
 
 
-def test_a_depth_attachment_is_sampled_as_a_shadow_map(lab: Lab, folder: Path) -> None:
+def test_a_depth_attachment_is_sampled_as_a_shadow_map(lab: SceneRunner, folder: Path) -> None:
     def lit(image: Any, p: Any) -> Any:
         return texture(image, p) * np.ones(4)
 
@@ -271,7 +271,7 @@ def test_a_depth_attachment_is_sampled_as_a_shadow_map(lab: Lab, folder: Path) -
         assert found.judged and found.outside == 0 and found.informative > 0.8, found
 
 
-def test_depth_is_read_only_where_it_is_asked_for(lab: Lab, folder: Path) -> None:
+def test_depth_is_read_only_where_it_is_asked_for(lab: SceneRunner, folder: Path) -> None:
     record = run(lab, folder, (shadow_pass("depth24"),), formula("FragColor", ones))
     assert record.status == "pass", record
     scene = Case(
@@ -290,7 +290,7 @@ def ones(frag_coord: Any) -> Any:
     return swizzle(frag_coord, "xyzw") * 0.0 + 1.0
 
 
-def test_earlier_passes_fill_faces_and_layers(lab: Lab, folder: Path) -> None:
+def test_earlier_passes_fill_faces_and_layers(lab: SceneRunner, folder: Path) -> None:
     def drawn(name: str, start: float) -> tuple[Pass, ...]:
         return fullscreen(
             "colour.frag",
@@ -321,7 +321,9 @@ def test_earlier_passes_fill_faces_and_layers(lab: Lab, folder: Path) -> None:
     assert record.status == "pass", record
 
 
-def test_depths_of_earlier_passes_are_layers_of_a_shadow_array(lab: Lab, folder: Path) -> None:
+def test_depths_of_earlier_passes_are_layers_of_a_shadow_array(
+    lab: SceneRunner, folder: Path
+) -> None:
     def lit(image: Any, p: Any) -> Any:
         from shaderlab.glslmath import vec4
 
@@ -339,7 +341,7 @@ def test_depths_of_earlier_passes_are_layers_of_a_shadow_array(lab: Lab, folder:
     assert record.status == "pass", record
 
 
-def test_an_outputs_own_levels(lab: Lab, folder: Path) -> None:
+def test_an_outputs_own_levels(lab: SceneRunner, folder: Path) -> None:
     drawn = fullscreen(
         "colour.frag",
         name="drawn",
@@ -360,7 +362,7 @@ def test_an_outputs_own_levels(lab: Lab, folder: Path) -> None:
     assert record.status == "pass", record
 
 
-def test_every_sample_of_a_multisampled_target(lab: Lab, folder: Path) -> None:
+def test_every_sample_of_a_multisampled_target(lab: SceneRunner, folder: Path) -> None:
     if int(lab.backend.info["max_samples"]) < 4:
         pytest.skip("this driver takes one sample a pixel")
     draw = Draw(vertex="placed.vert", fragment="white.frag", mesh=TRIANGLE)
@@ -413,7 +415,7 @@ def test_every_sample_of_a_multisampled_target(lab: Lab, folder: Path) -> None:
     ],
 )
 def test_a_texture_that_does_not_fit(
-    lab: Lab, folder: Path, shader: str, image: Any, says: tuple[str, ...]
+    lab: SceneRunner, folder: Path, shader: str, image: Any, says: tuple[str, ...]
 ) -> None:
     size = 2 if shader == "plain" else 3
     domain = {"p": Ramp((0.1,) * size)}
@@ -424,7 +426,7 @@ def test_a_texture_that_does_not_fit(
         assert word in record.message, record.message
 
 
-def test_a_dds_file_with_its_levels(lab: Lab, folder: Path) -> None:
+def test_a_dds_file_with_its_levels(lab: SceneRunner, folder: Path) -> None:
     """Two levels of plain colours, read by texelFetch: red, then blue."""
     import struct
 
@@ -452,7 +454,7 @@ def test_a_dds_file_with_its_levels(lab: Lab, folder: Path) -> None:
 
 
 def test_a_format_that_the_driver_lacks_names_its_extension(
-    lab: Lab, folder: Path, monkeypatch: pytest.MonkeyPatch
+    lab: SceneRunner, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from shaderlab.drivers.opengl import textures
 

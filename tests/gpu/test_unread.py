@@ -10,7 +10,7 @@ import pytest
 from shaderlab.engine.expectations.exact import exact
 from shaderlab.engine.expectations.figures import value
 from shaderlab.engine.expectations.formula import formula
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Case
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.scene import Pass, Pixel, Target, fullscreen
@@ -56,7 +56,7 @@ def unread(tmp_path: Path) -> Any:
         case = Case(
             title="t", id="t", file=str(tmp_path / "t.py"), passes=tuple(passes), expect=expect
         )
-        with Lab() as lab:
+        with SceneRunner() as lab:
             record = lab.run(case.scene("default"))
         assert record.status == "pass", record.message
         return record.unread

@@ -11,7 +11,7 @@ import pytest
 
 from shaderlab import Mesh, Target, exact, formula
 from shaderlab.drivers.vulkan.__init__ import manifest_of
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DriverError
 from shaderlab.model.options import RunOptions
 from tests.catalogue import judged_only
@@ -31,10 +31,10 @@ def installed() -> bool:
 
 
 @pytest.fixture(scope="module", params=["lavapipe", "swiftshader"])
-def lab(request: pytest.FixtureRequest) -> Iterator[Lab]:
+def lab(request: pytest.FixtureRequest) -> Iterator[SceneRunner]:
     patch = pytest.MonkeyPatch()
     patch.setenv("VK_INSTANCE_LAYERS", LAYER)  # the loader goes on without it where it is not there
-    with Lab(RunOptions(size=16, driver=request.param)) as lab:
+    with SceneRunner(RunOptions(size=16, driver=request.param)) as lab:
         try:
             assert lab.backend.info["renderer"]
         except DriverError as error:
@@ -53,7 +53,7 @@ def unasked(capfd: pytest.CaptureFixture[str]) -> Iterator[list[str]]:
 
 
 @pytest.mark.usefixtures("unasked")
-def test_a_formula_is_judged_at_each_pixel(lab: Lab, tmp_path: Path) -> None:
+def test_a_formula_is_judged_at_each_pixel(lab: SceneRunner, tmp_path: Path) -> None:
     record = wave(lab, tmp_path, RIGHT)
     assert (record.status, record.message) == ("pass", "")
     assert record.expectations[0].judged == 256
@@ -63,13 +63,13 @@ def test_a_formula_is_judged_at_each_pixel(lab: Lab, tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("unasked")
 @pytest.mark.parametrize("name", SHIPPED)
-def test_shipped_cases_pass(lab: Lab, name: str) -> None:
+def test_shipped_cases_pass(lab: SceneRunner, name: str) -> None:
     record = lab.run(next(judged_only(name).scenes()))
     assert (record.status, record.message) == ("pass", "")
 
 
 def test_nothing_is_left_on_a_device_that_is_closed(
-    lab: Lab, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    lab: SceneRunner, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """The layer tells of each object that a device is destroyed with."""
     assert wave(lab, tmp_path, RIGHT).status == "pass"
@@ -84,7 +84,9 @@ def test_nothing_is_left_on_a_device_that_is_closed(
     assert "has not been destroyed" in capfd.readouterr().out or not installed()
 
 
-def test_the_layer_is_on(lab: Lab, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_the_layer_is_on(
+    lab: SceneRunner, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     """An image in the wrong layout is told."""
     from shaderlab.drivers.vulkan.device import Commands
 
@@ -112,7 +114,7 @@ def test_a_driver_that_is_not_there_is_an_error_with_its_remedy(
     assert manifest_of("lavapipe") == tmp_path / "vulkan" / "icd.d" / "lvp_icd.json"
 
 
-def test_what_a_device_lacks_is_unsupported_by_name(lab: Lab) -> None:
+def test_what_a_device_lacks_is_unsupported_by_name(lab: SceneRunner) -> None:
     record = lab.run(next(judged_only("geometry-explode").scenes()))
     if "geometryShader" in lab.backend.device.features:  # type: ignore[attr-defined]
         assert (record.status, record.message) == ("pass", "")
@@ -136,7 +138,7 @@ class Losing:
 
 
 def test_a_lost_device_is_a_crash_and_the_next_scene_gets_another(
-    lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    lab: SceneRunner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from shaderlab.drivers.vulkan import device
 
@@ -150,7 +152,7 @@ def test_a_lost_device_is_a_crash_and_the_next_scene_gets_another(
     assert lab.backend is not lost
 
 
-def test_the_page_on_vulkan_says_what_the_devices_have(lab: Lab, repository: Path) -> None:
+def test_the_page_on_vulkan_says_what_the_devices_have(lab: SceneRunner, repository: Path) -> None:
     page = (repository / "docs" / "guide" / "vulkan.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `(\w+)` \| (yes|no) \| (yes|no) \|", page, re.MULTILINE)
     assert len(rows) > 5
@@ -162,12 +164,12 @@ def test_the_page_on_vulkan_says_what_the_devices_have(lab: Lab, repository: Pat
     assert bits == {"lavapipe": 8, "swiftshader": 4}[str(lab.options.driver)]
 
 
-def test_points_off_screen_are_dropped_by_the_lab(lab: Lab, tmp_path: Path) -> None:
+def test_points_off_screen_are_dropped_by_the_lab(lab: SceneRunner, tmp_path: Path) -> None:
     """Neither driver does what it reports: without the lab's ending the point is seen."""
     points_off_screen_are_dropped(lab, tmp_path)
 
 
-def test_attributes_lie_where_each_layout_has_them(lab: Lab, tmp_path: Path) -> None:
+def test_attributes_lie_where_each_layout_has_them(lab: SceneRunner, tmp_path: Path) -> None:
     """Of one buffer two attributes have strides of their own."""
     texts = (
         "#version 330 core\nin vec3 place;\nin vec2 tint;\nout vec2 mixed;\n"
@@ -189,7 +191,7 @@ def test_attributes_lie_where_each_layout_has_them(lab: Lab, tmp_path: Path) -> 
     assert np.array_equal(drawn[0], drawn[1]) and np.array_equal(drawn[0], drawn[2])
 
 
-def test_swiftshader_puts_corners_on_a_coarser_grid(lab: Lab, tmp_path: Path) -> None:
+def test_swiftshader_puts_corners_on_a_coarser_grid(lab: SceneRunner, tmp_path: Path) -> None:
     """An edge 1/40 of a pixel right of a centre: on a grid of 1/16 it goes through the centre."""
     vertex = "#version 330 core\nin vec2 at;\nvoid main() { gl_Position = vec4(at, 0.0, 1.0); }\n"
     x = (8.5 + 1 / 40) / 8 - 1
@@ -200,7 +202,7 @@ def test_swiftshader_puts_corners_on_a_coarser_grid(lab: Lab, tmp_path: Path) ->
     assert row.sum() == {"lavapipe": 7, "swiftshader": 8}[str(lab.options.driver)]
 
 
-def test_swiftshader_shifts_what_reaches_behind_the_eye(lab: Lab, tmp_path: Path) -> None:
+def test_swiftshader_shifts_what_reaches_behind_the_eye(lab: SceneRunner, tmp_path: Path) -> None:
     """A floor seen from 1 above it, 256 pixels for 90 degrees: where each pixel's place is on the
     screen, less the pixel's own centre. Corners on a grid of 1/16 pixel shift it by 1/32."""
     texts = (

@@ -21,7 +21,7 @@ from shaderlab import (
     fullscreen,
 )
 from shaderlab.compiler.sources import Shaders
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DeviceLostError, DriverError, UnsupportedError
 from shaderlab.model.options import RunOptions
 from tests.catalogue import judged_only
@@ -32,8 +32,8 @@ SHIPPED = ("stencil-outline", "transparency-order")
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab(RunOptions(size=16, driver="webgl2")) as lab:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner(RunOptions(size=16, driver="webgl2")) as lab:
         try:
             assert lab.backend.info["version"].startswith("WebGL 2")
         except DriverError as error:
@@ -41,7 +41,7 @@ def lab() -> Iterator[Lab]:
         yield lab
 
 
-def test_a_formula_is_judged_at_each_pixel(lab: Lab, tmp_path: Path) -> None:
+def test_a_formula_is_judged_at_each_pixel(lab: SceneRunner, tmp_path: Path) -> None:
     record = wave(lab, tmp_path, RIGHT)
     assert (record.status, record.message) == ("pass", "")
     assert record.expectations[0].judged == 256
@@ -50,7 +50,7 @@ def test_a_formula_is_judged_at_each_pixel(lab: Lab, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", SHIPPED)
-def test_shipped_cases_pass(lab: Lab, name: str) -> None:
+def test_shipped_cases_pass(lab: SceneRunner, name: str) -> None:
     case = judged_only(name)
     record = lab.run(next(case.scenes()))
     assert (record.status, record.message) == ("pass", "")
@@ -67,12 +67,12 @@ def test_shipped_cases_pass(lab: Lab, name: str) -> None:
         ("vertex-array", "vertex_array=False: WebGL2 always has a vertex array"),
     ],
 )
-def test_what_webgl2_lacks_is_unsupported_by_name(lab: Lab, name: str, lacks: str) -> None:
+def test_what_webgl2_lacks_is_unsupported_by_name(lab: SceneRunner, name: str, lacks: str) -> None:
     record = lab.run(next(judged_only(name).scenes()))
     assert (record.status, record.message) == ("unsupported", lacks)
 
 
-def test_an_extension_that_is_not_there_is_named(lab: Lab, tmp_path: Path) -> None:
+def test_an_extension_that_is_not_there_is_named(lab: SceneRunner, tmp_path: Path) -> None:
     """Without it the texture would be incomplete, and black."""
     (tmp_path / "seen.frag").write_text(
         "#version 330 core\nuniform sampler2D image;\nin vec2 at;\nout vec4 color;\n"
@@ -95,7 +95,7 @@ def test_an_extension_that_is_not_there_is_named(lab: Lab, tmp_path: Path) -> No
     assert record.message == "filtering rgba32f: this browser has no OES_texture_float_linear"
 
 
-def test_words_that_essl_reserves_may_name_a_uniform(lab: Lab, tmp_path: Path) -> None:
+def test_words_that_essl_reserves_may_name_a_uniform(lab: SceneRunner, tmp_path: Path) -> None:
     """SPIRV-Cross calls it otherwise."""
     text = WAVE.replace("uniform float height", "uniform float sample, height")
     text = text.replace("= height", "= (sample + 0.0 * height)")
@@ -111,7 +111,7 @@ def test_words_that_essl_reserves_may_name_a_uniform(lab: Lab, tmp_path: Path) -
     assert lab.run(case.scene("default")).status == "pass"
 
 
-def test_the_verdict_is_the_browser_s_own(lab: Lab) -> None:
+def test_the_verdict_is_the_browser_s_own(lab: SceneRunner) -> None:
     read = Shaders(()).from_text
     assert lab.backend.driver_verdict([read(WAVE, "fragment", "wave.frag")]).ok
     text = WAVE.replace("place.y;", "place.y + float(gl_PrimitiveID);")
@@ -126,7 +126,7 @@ def test_the_verdict_is_the_browser_s_own(lab: Lab) -> None:
 
 
 def test_a_browser_that_is_gone_is_a_crash_and_one_that_hangs_is_given_up(
-    lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    lab: SceneRunner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from shaderlab.drivers.webgl import device
 
@@ -186,7 +186,7 @@ def test_a_lost_context_is_told() -> None:
         gl.ask("getError")
 
 
-def test_points_off_screen_are_dropped(lab: Lab, tmp_path: Path) -> None:
+def test_points_off_screen_are_dropped(lab: SceneRunner, tmp_path: Path) -> None:
     """OpenGL ES draws them."""
     points_off_screen_are_dropped(lab, tmp_path)
 

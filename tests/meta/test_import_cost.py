@@ -43,7 +43,7 @@ def modules_after(statement: str) -> set[str]:
         "import shaderlab",
         "import shaderlab.glslmath, shaderlab.assets, shaderlab.reference",
         "import shaderlab.compiler, shaderlab.model.records",
-        "import shaderlab.engine.lab",
+        "import shaderlab.engine.run",
         "import shaderlab.glsl",
     ],
 )

@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from shaderlab.engine.discovery import data_folder
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Outcome
 from shaderlab.mutation.mutants import with_inputs, with_readers
@@ -69,7 +69,7 @@ def failures(
 
 def _changed(scene: Scene, programs: Programs) -> set[str]:
     """The passes with a program that is not as the scene's own shaders have it."""
-    with Lab() as lab:
+    with SceneRunner() as lab:
         right = lab.prepare_for_opengl(scene)
     return {
         name
@@ -107,6 +107,6 @@ def with_draws(case: Case, change: Callable[[Pass, Draw], Draw]) -> Case:
 
 
 @cache
-def _lab() -> Lab:
+def _lab() -> SceneRunner:
     """One device for all tests of a process."""
-    return Lab(RunOptions())
+    return SceneRunner(RunOptions())

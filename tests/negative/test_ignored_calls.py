@@ -16,7 +16,7 @@ from shaderlab.drivers.opengl import (
     target,
 )
 from shaderlab.drivers.opengl.device import named
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.textures import Sampling
 from tests.catalogue import judged_only, shipped
 
@@ -110,7 +110,7 @@ def test_a_call_that_is_left_out_is_noticed(
 ) -> None:
     patched(monkeypatch)
     scene = next(shipped()[case_id].scenes())
-    with Lab() as lab:
+    with SceneRunner() as lab:
         record = lab.run(scene)
     failed = {o.kind for o in record.expectations if o.status != "pass"}
     assert record.status == "fail" and failed == {"GL calls"}, (record.message, failed)
@@ -130,7 +130,7 @@ def test_one_filter_in_place_of_two_is_noticed(
         return made(replace(sampling, filter=(word, magnifying)))
 
     monkeypatch.setattr(bindings, "_new_sampler", sampler)
-    with Lab() as lab:
+    with SceneRunner() as lab:
         record = lab.run(next(judged_only(case_id).scenes()))
     assert record.status == "fail", record.message
 
@@ -143,7 +143,7 @@ def test_a_wrap_mode_that_is_not_set_along_r_is_noticed(monkeypatch: pytest.Monk
         return made(Sampling(**plane | {"wrap": sampling.wrap[:2]}))
 
     monkeypatch.setattr(bindings, "_new_sampler", sampler)
-    with Lab() as lab:
+    with SceneRunner() as lab:
         record = lab.run(next(judged_only("texture-wrap").scenes()))
     failed = {o.name for o in record.expectations if o.status != "pass"}
     assert failed and all(name.startswith(("three dim", "the wood")) for name in failed), failed

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from shaderlab import Case, Ramp, boundaries, formula, fullscreen
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import abs, fract, step, swizzle, vec4, where
 from shaderlab.model.records import Outcome, Record
 
@@ -35,12 +35,12 @@ def drawn(place: Any, edge: Any) -> Any:
 
 
 @pytest.fixture(scope="module")
-def lab() -> Iterator[Lab]:
-    with Lab() as opened:
+def lab() -> Iterator[SceneRunner]:
+    with SceneRunner() as opened:
         yield opened
 
 
-def judged(lab: Lab, folder: Path, text: str, expect: Any) -> Record:
+def judged(lab: SceneRunner, folder: Path, text: str, expect: Any) -> Record:
     (folder / "edges.frag").write_text(text)
     case = Case(
         id="edges",
@@ -56,7 +56,7 @@ def judged(lab: Lab, folder: Path, text: str, expect: Any) -> Record:
     return lab.run(next(case.scenes()))
 
 
-def both(lab: Lab, folder: Path, text: str) -> tuple[Outcome, Outcome]:
+def both(lab: SceneRunner, folder: Path, text: str) -> tuple[Outcome, Outcome]:
     """The outcomes of the formula and of its boundaries."""
     record = judged(
         lab, folder, text, [formula("FragColor", drawn), boundaries("FragColor", drawn)]
@@ -66,7 +66,7 @@ def both(lab: Lab, folder: Path, text: str) -> tuple[Outcome, Outcome]:
     return pixels, edges
 
 
-def test_the_right_shader_passes(lab: Lab, tmp_path: Path) -> None:
+def test_the_right_shader_passes(lab: SceneRunner, tmp_path: Path) -> None:
     pixels, edges = both(lab, tmp_path, SHADER)
     assert pixels.status == edges.status == "pass", edges.message
     assert edges.judged == 512 * 4 and edges.undecided < 0.01 and edges.informative == 1.0
@@ -82,21 +82,23 @@ def test_the_right_shader_passes(lab: Lab, tmp_path: Path) -> None:
         ("lit = 0.25", "lit = 0.251"),
     ],
 )
-def test_what_no_pixel_shows_is_noticed(lab: Lab, tmp_path: Path, right: str, wrong: str) -> None:
+def test_what_no_pixel_shows_is_noticed(
+    lab: SceneRunner, tmp_path: Path, right: str, wrong: str
+) -> None:
     assert right in SHADER
     pixels, edges = both(lab, tmp_path, SHADER.replace(right, wrong))
     assert pixels.status == "pass"  # none of its pixels is near enough
     assert edges.status == "fail" and edges.outside, edges.message
 
 
-def test_a_shader_without_inputs_has_no_boundaries(lab: Lab, tmp_path: Path) -> None:
+def test_a_shader_without_inputs_has_no_boundaries(lab: SceneRunner, tmp_path: Path) -> None:
     text = "#version 330 core\nuniform float edge;\nout vec4 FragColor;\n"
     text += "void main() { FragColor = vec4(edge); }\n"
     record = judged(lab, tmp_path, text, [boundaries("FragColor", lambda edge: vec4(edge))])
     assert record.status == "error" and "no float input varies" in record.message
 
 
-def test_a_reference_may_ask_for_the_pixel(lab: Lab, tmp_path: Path) -> None:
+def test_a_reference_may_ask_for_the_pixel(lab: SceneRunner, tmp_path: Path) -> None:
     """The points that are run have pixels of their own, which shader and reference get alike."""
     text = SHADER.replace("0.5 * place.y", "mod(gl_FragCoord.x, 4.0) > 1.0 ? lit : 0.5")
 

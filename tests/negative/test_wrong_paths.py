@@ -30,7 +30,7 @@ from shaderlab import (
 from shaderlab.compiler.spirv import parse
 from shaderlab.drivers.opengl import drawing, linking, target, textures
 from shaderlab.drivers.opengl.device import GL
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import vec4
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Disagreement, Record
@@ -296,7 +296,7 @@ FAULTS: Mapping[str, tuple[Plant, str, bool]] = {
 def drawn(driver: str, made: Any, folder: Path) -> Any:
     """The record of a scene on a driver."""
     options = RunOptions(driver=driver, size=32, pictures=False, frames=folder / driver)
-    with Lab(options) as lab:
+    with SceneRunner(options) as lab:
         return replace(lab.run(made), driver_name=driver)
 
 
@@ -312,7 +312,7 @@ def matrix(made: Any, clean: Record, folder: Path, plant: Plant | None) -> dict[
     records = [clean]
     with pytest.MonkeyPatch.context() as patch:
         if plant is not None:
-            patch.setattr(Lab, "backend", _planted(plant, patch))
+            patch.setattr(SceneRunner, "backend", _planted(plant, patch))
         records.append(drawn(PATHS[1], made, folder))
         assert [r.message for r in records] == ["", ""]
     return {d.found.output: d.found for d in disagreements(records, folder)}
@@ -320,10 +320,10 @@ def matrix(made: Any, clean: Record, folder: Path, plant: Plant | None) -> dict[
 
 def _planted(plant: Plant, patch: pytest.MonkeyPatch) -> Any:
     """A lab's device, with something planted once it is open."""
-    before = Lab.backend.fget
+    before = SceneRunner.backend.fget
     waiting = [plant]
 
-    def backend(self: Lab) -> Any:
+    def backend(self: SceneRunner) -> Any:
         found = before(self)  # type: ignore[misc]
         while waiting:
             waiting.pop()(patch)

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Scene
 from tests.catalogue import shipped
 from tests.negative.broken import failures, first_failure, mistaken
@@ -75,7 +75,7 @@ STATES: list[tuple[str, str, int, str, Any]] = [
 @pytest.fixture(scope="module", autouse=True)
 def _samples() -> None:
     """Cases of several samples need a driver that has them."""
-    with Lab() as lab:
+    with SceneRunner() as lab:
         if int(lab.driver["max_samples"]) < 4:
             pytest.skip("this driver has one sample a pixel")
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DriverError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Disagreement
@@ -20,11 +20,11 @@ Plant = Callable[[pytest.MonkeyPatch], None]
 
 
 @pytest.fixture(scope="module")
-def labs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Lab, ...]]:
+def labs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[SceneRunner, ...]]:
     """A lab for each path, open for all tests: a browser takes a second to start."""
     frames = tmp_path_factory.mktemp("frames")
     both = tuple(
-        Lab(RunOptions(driver=path, size=32, pictures=False, frames=frames / path))
+        SceneRunner(RunOptions(driver=path, size=32, pictures=False, frames=frames / path))
         for path in PATHS
     )
     with both[0], both[1]:
@@ -40,7 +40,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Any:
     return next(iter(scene(tmp_path_factory.mktemp("paths")).scenes()))
 
 
-def matrix(labs: tuple[Lab, ...], made: Any, plant: Plant | None) -> dict[str, Disagreement]:
+def matrix(
+    labs: tuple[SceneRunner, ...], made: Any, plant: Plant | None
+) -> dict[str, Disagreement]:
     """Each output on both paths, something planted in the second."""
     frames = labs[0].options.frames
     assert frames is not None
@@ -108,7 +110,7 @@ FAULTS: Mapping[str, tuple[Plant, str, bool]] = {
 }  # fmt: skip
 
 
-def test_without_a_mistake_nothing_is_outside(labs: tuple[Lab, ...], made: Any) -> None:
+def test_without_a_mistake_nothing_is_outside(labs: tuple[SceneRunner, ...], made: Any) -> None:
     found = matrix(labs, made, None)
     assert len(found) == 5
     assert {d.verdict for d in found.values()} <= {"equal", "within"}, [
@@ -117,7 +119,9 @@ def test_without_a_mistake_nothing_is_outside(labs: tuple[Lab, ...], made: Any) 
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_a_mistake_is_found_and_webgl2_blamed(labs: tuple[Lab, ...], made: Any, fault: str) -> None:
+def test_a_mistake_is_found_and_webgl2_blamed(
+    labs: tuple[SceneRunner, ...], made: Any, fault: str
+) -> None:
     plant, output, blamed = FAULTS[fault]
     found = matrix(labs, made, plant)[output]
     assert found.differing, found

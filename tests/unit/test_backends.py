@@ -25,7 +25,7 @@ from shaderlab.drivers import Backend, Drawn, Session, Size
 from shaderlab.drivers.programs import bind
 from shaderlab.drivers.programs.prepare import Programs, pass_colors
 from shaderlab.drivers.programs.textures import COLOR
-from shaderlab.engine.lab import Lab
+from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import UnsupportedError, UsageError
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation
@@ -99,7 +99,7 @@ def run(folder: Path, *expect: Expectation) -> Record:
         passes=fullscreen("gray.frag", uniforms={"gray": GRAY}, domain={"p": Ramp((0.0, 0.0))}),
         expect=expect,
     )  # fmt: skip
-    with Lab(RunOptions(size=8, driver="constant")) as lab:
+    with SceneRunner(RunOptions(size=8, driver="constant")) as lab:
         return lab.run(case.scene("default"))
 
 

@@ -185,8 +185,8 @@ def test_a_mistake_in_a_shared_module_is_an_error_of_the_case_each_time(tmp_path
 @pytest.mark.parametrize(
     ("change", "says", "line", "remedy"),
     [
-        (("title=", "titel="), "titel", 5, "title"),
-        (("domain=", "domian="), "domian", 5, "domain"),
+        (("title=", "titel="), "titel", 5, ""),
+        (("domain=", "domian="), "domian", 5, ""),
         (("exact, full", "exactly, full"), "exactly", 4, "exact"),
         (("exact, full", "exact, vec4, full"), "vec4", 4, "from shaderlab.glslmath import vec4"),
         (
@@ -205,9 +205,9 @@ def test_a_mistake_in_a_shared_module_is_an_error_of_the_case_each_time(tmp_path
             ("case =", "import shaderlab as lab; lab.Texture([0])\ncase ="),
             "take",
             5,
-            "Texture(image=…)",
+            "",
         ),
-        (("case =", "import shaderlab as lab; lab.Texture(imag=0)\ncase ="), "imag", 5, "image"),
+        (("case =", "import shaderlab as lab; lab.Texture(imag=0)\ncase ="), "imag", 5, ""),
         (("exact(", "exakt("), "exakt", 5, ""),
         (("case =", "the_case ="), "defines no case", None, "case = Case"),
         (("case = Case(", "case = (Case("), "SyntaxError", 5, ""),
@@ -270,4 +270,4 @@ def test_a_wrong_file_named_by_a_relative_path_is_named_with_its_line(
     monkeypatch.chdir(tmp_path)
     with pytest.raises(CaseError) as caught:
         load_case(Path(path.name))
-    assert caught.value.line is not None and "title" in (caught.value.remedy or "")
+    assert caught.value.line is not None and "titel" in caught.value.message

@@ -120,7 +120,7 @@ def test_an_interrupted_run_reports_what_it_did(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     fake_lab({})
-    lab = lab_worker.Lab()
+    lab = lab_worker.SceneRunner()
     run = type(lab).run
 
     def interrupt(self: Any, scene: Any) -> Record:

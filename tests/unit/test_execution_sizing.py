@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from shaderlab.cli import cli
 from shaderlab.model.options import RunOptions
 from shaderlab.workers import Job, ProcessExecutor, executor, sizing
-from shaderlab.workers.jobs import CaseFacts, LoadCase, RunJob
+from shaderlab.workers.jobs import CaseFacts, LoadCase
 from shaderlab.workers.pool import ItemResult
 
 
@@ -95,26 +95,6 @@ def test_workers_are_added_when_it_is_known_what_there_is_to_do(
     assert set(found) == {*jobs, *broken}
     assert all(record.key == job.key for job, record in found.items())
     assert pools[0].asked == asked
-
-
-@pytest.mark.parametrize(
-    ("workers", "count", "idle"),
-    [(None, 1, True), (None, 7, True), (None, 8, False), (1, 9, True), (2, 9, False), (2, 1, True)],
-)
-def test_a_thread_writes_files_where_a_core_is_idle(
-    workers: int | None,
-    count: int,
-    idle: bool,
-    pools: list[Pool],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    for module in (sizing, executor):
-        monkeypatch.setattr(module, "cores", lambda: 2)
-    jobs = [Job(file="a.py", id="a", variant=f"{n}") for n in range(count)]
-    with contextlib.closing(ProcessExecutor(workers=workers)) as made:
-        list(made.run(jobs, RunOptions()))
-    asked = [each.options for each in pools[0].items if isinstance(each, RunJob)]
-    assert [options.file_thread for options in asked] == [idle] * count
 
 
 def test_many_case_files_are_sent_together(pools: list[Pool]) -> None:

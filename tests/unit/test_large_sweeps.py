@@ -230,7 +230,7 @@ def test_an_interrupted_sweep_keeps_what_was_judged(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     log = fake_lab(widths(passing, {1: 3.0}))
-    lab = lab_worker.Lab()
+    lab = lab_worker.SceneRunner()
     run, stops = type(lab).run, ["reach=5"]
 
     def interrupt(self: Any, scene: Any) -> Record:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
-import threading
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
 
 from shaderlab.compiler import Shaders, compile_program
-from shaderlab.engine.file_thread import FileThread
-from shaderlab.engine.picture_writer import PictureWriter
-from shaderlab.engine.record_builder import RecordBuilder
+from shaderlab.engine.pictures import PictureWriter
 from shaderlab.model import pictures
 from shaderlab.model.frame import Image
 
@@ -183,27 +179,3 @@ def test_nothing_is_written_without_a_folder_or_modules(tmp_path: Path) -> None:
     assert PictureWriter(None, "case", "v").write_assembly({"opengl": modules(FRAGMENT)}) == ""
     assert PictureWriter(tmp_path, "case", "v").write_assembly({}) == ""
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("beside", [True, False])
-@pytest.mark.parametrize("error", [OSError(28, "no room"), IndexError("a defect")])
-def test_files_are_written_in_order_beside_what_goes_on(error: Exception, beside: bool) -> None:
-    builder = SimpleNamespace(notices=[], add_notice=lambda said: builder.notices.append(said))
-    written, go_on = list[int](), threading.Event()
-
-    def wrong() -> None:
-        raise error
-
-    defect = not isinstance(error, OSError)
-    with (
-        pytest.raises(IndexError) if defect else contextlib.nullcontext(),
-        FileThread(cast("RecordBuilder", builder), beside) as files,
-    ):
-        files.submit(lambda: go_on.wait(20 * beside) and None)
-        for number in range(3):
-            files.submit(lambda number=number: written.append(number))
-        files.submit(wrong)
-        assert written == ([] if beside else [0, 1, 2])
-        go_on.set()
-    assert written == [0, 1, 2]
-    assert builder.notices == ([] if defect else ["can't write a file for the report (no room)"])

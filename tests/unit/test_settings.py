@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
-from shaderlab.engine.search_path import shaders_of
+from shaderlab.engine.catalogue import shaders_of
 from shaderlab.errors import ShaderError, UsageError
 from shaderlab.settings import Settings, defaults, settings_of
 

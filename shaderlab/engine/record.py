@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import traceback
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from itertools import groupby
 
@@ -13,13 +15,24 @@ from shaderlab.compiler.diagnostics import mark_disagreement
 from shaderlab.compiler.engines import ALL_TARGETS
 from shaderlab.compiler.reflection import Interface
 from shaderlab.compiler.sources import Source
-from shaderlab.drivers.programs.prepare import PreparedDraw
-from shaderlab.errors import ShaderlabError
+from shaderlab.drivers.programs import blocks
+from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
+from shaderlab.errors import (
+    AssetError,
+    CaseError,
+    DeviceLostError,
+    DriverError,
+    OtherApiError,
+    ShaderlabError,
+    UnsupportedError,
+)
 from shaderlab.files import display_path
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement
 from shaderlab.model.frame import Image, PassDraw, TracedCall
+from shaderlab.model.mesh import Mesh
 from shaderlab.model.records import (
+    BufferPart,
     BufferRecord,
     CallsRecord,
     Curve,
@@ -36,21 +49,30 @@ from shaderlab.model.records import (
     Status,
     Verdict,
 )
-from shaderlab.model.scene import Ramp
+from shaderlab.model.scene import Ramp, UniformBuffer
 
-from .buffer_layouts import buffer_records
 from .discovery import chapter_title
 from .judging.distance import shown
-from .picture_writer import PictureFiles
-from .stored_images import digest
+from .pictures import PictureFiles, PictureWriter, digest_values
 
-Assembly = Callable[[Mapping[str, Mapping[str, bytes]]], str]
+_MOST_BUFFERS = 24
 
 
 class RecordBuilder:
-    """Collects what a record is made of, in the order in which a scene runs."""
+    """Collects what a record is made of, in the order in which a scene runs.
+
+    Attributes:
+        unread: the outputs that no expectation reads.
+        picture: the case's picture.
+        passes: the scene's passes, with their pictures.
+        drawn: what was drawn, where it is to be compared with what another driver draws.
+    """
 
     def __init__(self, scene: Scene) -> None:
+        self.unread: tuple[str, ...] = ()
+        self.picture = PictureFiles()
+        self.passes: tuple[PassRecord, ...] = ()
+        self.drawn: Mapping[tuple[str, str], Image] = {}
         self._scene = scene
         self._status: Status = "pass"
         self._message = ""
@@ -60,49 +82,53 @@ class RecordBuilder:
         self._curves: list[Curve] = []
         self._plots: list[Plot] = []
         self._notices: list[str] = []
-        self._unread: tuple[str, ...] = ()
         self._not_asked: tuple[str, ...] = ()
         self._gl_calls: tuple[CallsRecord, ...] = ()
         self._modules: ModulesRecord | None = None
         self._outside: Collection[tuple[str, str]] = ()
-        self._picture = PictureFiles()
-        self._passes: tuple[PassRecord, ...] = ()
         self._buffers: tuple[BufferRecord, ...] = ()
         self._driver, self._size, self._picture_size = "", 0, 0
-        self._images: dict[tuple[str, str], tuple[tuple[int, ...], str]] = {}
 
-    def set_failure(self, status: Status, error: ShaderlabError) -> None:
-        """Give the reason why the scene could not be run to its end."""
-        self._status = status
-        self._message = told(error)
+    def set_error(self, error: BaseException, driver: str | None) -> None:
+        """Set the exception that ended the scene, with the status that it gives the record."""
+        self._status, shown_error = _status_of(error, driver)
+        self._message = format_error(shown_error)
 
-    def set_unanswered(self, error: ShaderlabError) -> None:
-        """Give the reason why some expectations were not judged; one that fails weighs more."""
-        if all(outcome.status == "pass" for outcome in self._outcomes):
-            self.set_failure("unsupported", error)
+    def set_unanswered(self, unanswered: Mapping[int, UnsupportedError]) -> None:
+        """Set the expectations, by number, that the driver has no answer for, and why.
 
-    def set_not_asked(self, names: tuple[str, ...]) -> None:
-        """Set the names of the expectations about OpenGL's own calls, where another API draws."""
-        self._not_asked = names
+        Those about OpenGL's own calls do not count against a driver that draws by another API,
+        unless there is nothing else. An expectation that fails weighs more.
+        """
+        if not unanswered:
+            return
+        expect = self._scene.expect
+        lacking = {i: e for i, e in unanswered.items() if not isinstance(e, OtherApiError)}
+        self._not_asked = tuple(expect[i].name for i in unanswered if i not in lacking)
+        if lacking:
+            names = ", ".join(repr(expect[index].name) for index in lacking)
+            self.add_notice(f"not judged on this driver: {names}")
+        passed = all(outcome.status == "pass" for outcome in self._outcomes)
+        if passed and (lacking or len(unanswered) == len(expect)):
+            self._status = "unsupported"
+            self._message = format_error(next(iter((lacking or unanswered).values())))
 
     def set_device(self, driver: Mapping[str, str], size: int, picture_size: int) -> None:
         """Set what the drawn values depend on besides the case."""
         self._driver = f"{driver['renderer']}; {driver['version']}"
         self._size, self._picture_size = size, picture_size
 
-    def add_programs(
-        self, prepared: Mapping[str, tuple[PreparedDraw, ...]], assembly: Assembly
-    ) -> None:
-        """Add each different program's sources and verdicts, and the layout of the buffers.
-
-        `assembly` writes a program's modules to a file and returns its name.
-        """
-        for name, draws in prepared.items():
+    def add_programs(self, programs: Programs, pictures: PictureWriter) -> None:
+        """Add each different program's sources and verdicts, and the layout of the buffers."""
+        for name, draws in programs.items():
             for index, draw in enumerate(draws):
                 self._drawn_by[name, index] = draw.sources
                 if draw.sources not in self._programs:
-                    self._programs[draw.sources] = _program(draw, assembly)
-        self._buffers = buffer_records(prepared)
+                    file = ""
+                    with self.notice_if_unwritable():
+                        file = pictures.write_assembly(draw.compiled.spirv)
+                    self._programs[draw.sources] = _program(draw, file)
+        self._buffers = _buffer_records(programs)
 
     def add_driver_verdicts(self, verdict_of: Callable[[tuple[Source, ...]], Verdict]) -> None:
         """Add the driver's own verdict on each program so far to those of the compilers."""
@@ -110,32 +136,49 @@ class RecordBuilder:
             verdicts = mark_disagreement((*program.verdicts, _for_display(verdict_of(sources))))
             self._programs[sources] = replace(program, verdicts=verdicts)
 
-    def set_unread(self, outputs: tuple[str, ...]) -> None:
-        """Set the outputs that no expectation reads."""
-        self._unread = outputs
-
     def set_gl_calls(self, trace: Sequence[TracedCall]) -> None:
         """Set the calls that change something, by pass and draw."""
-        shown = [call for call in trace if call.effective]
+        effective = [call for call in trace if call.effective]
         self._gl_calls = tuple(
             CallsRecord(pass_name=name, draw=draw, calls=tuple(map(str, calls)))
-            for (name, draw), calls in groupby(shown, lambda c: (c.pass_name, c.draw))
+            for (name, draw), calls in groupby(effective, lambda c: (c.pass_name, c.draw))
         )
 
-    def set_self_check(self, found: ModulesRecord, outside: Collection[tuple[str, str]]) -> None:
-        """Set what was judged by its own shader, and the outputs that it does not allow."""
-        self._modules, self._outside = found, outside
+    def set_self_check(
+        self,
+        modules: ModulesRecord,
+        judgement: Judgement,
+        outside: Collection[tuple[str, str]],
+        *,
+        always: bool,
+    ) -> None:
+        """Set what holding draws against their own shaders gave.
+
+        Args:
+            modules: what was judged.
+            judgement: its outcome, which is shown where it fails.
+            outside: the outputs that their shader does not allow.
+            always: show the outcome in any case.
+        """
+        self._modules, self._outside = modules, outside
+        if always or judgement.outcome.message:
+            self.add_outcome(judgement.outcome, judgement)
 
     def add_notice(self, text: str) -> None:
         """Add a message that changes no verdict."""
         if text not in self._notices:
             self._notices.append(text)
 
-    def set_drawn(self, images: Mapping[tuple[str, str], Image]) -> None:
-        """Set what was drawn, to be compared with what another driver draws."""
-        self._images = {
-            key: (image.values.shape[1::-1], digest(image.values)) for key, image in images.items()
-        }
+    @contextmanager
+    def notice_if_unwritable(self, what: str = "a picture") -> Iterator[None]:
+        """A file for people that can't be written, on a full disk say, changes no verdict: the
+        record gets a notice."""
+        try:
+            yield
+        except AssetError as error:
+            self.add_notice(error.message)
+        except OSError as error:
+            self.add_notice(f"can't write {what} ({error.strerror or error})")
 
     def add_inactive_uniforms(self, names: frozenset[str]) -> None:
         """Add a notice for each declared uniform that the driver found to have no effect."""
@@ -152,11 +195,6 @@ class RecordBuilder:
             self._curves.append(judgement.curve)
         if judgement.plot is not None:
             self._plots.append(judgement.plot)
-
-    def set_pictures(self, picture: PictureFiles, passes: tuple[PassRecord, ...] = ()) -> None:
-        """Set the case's picture, and those of its passes."""
-        self._picture = picture
-        self._passes = passes
 
     def build(self, seconds: float, timings: Mapping[str, float]) -> Record:
         """Build the record; `timings` are seconds by phase."""
@@ -188,32 +226,36 @@ class RecordBuilder:
             ),
             inputs=_inputs(self._scene),
             notices=tuple(self._notices),
-            images=self._picture.files,
-            captions=self._picture.captions,
-            passes=self._passes,
+            images=self.picture.files,
+            captions=self.picture.captions,
+            passes=self.passes,
             buffers=self._buffers,
             driver=self._driver,
             size=self._size,
             picture_size=self._picture_size,
-            unread=self._unread,
+            unread=self.unread,
             not_asked=self._not_asked,
             gl_calls=self._gl_calls,
             modules=self._modules,
-            drawn=tuple(self._drawn()),
+            drawn=tuple(self._drawn_outputs()),
         )
 
-    def _drawn(self) -> Iterator[DrawnOutput]:
+    def _drawn_outputs(self) -> Iterator[DrawnOutput]:
         """Each output with the expectations that read it and fail."""
         failed = {key: ["its own shader"] for key in self._outside}
         judged = zip(self._scene.expect, self._outcomes, strict=False)
-        for expectation, outcome in judged if self._images else ():
+        for expectation, outcome in judged if self.drawn else ():
             if outcome.status != "pass":
                 for read in expectation.reads(self._scene):
                     failed.setdefault((read.pass_name, read.output), []).append(outcome.name)
-        for key, ((width, height), found) in self._images.items():
-            names = tuple(dict.fromkeys(failed.get(key, ())))
-            name = ".".join(key)
-            yield DrawnOutput(name=name, size=(width, height), digest=found, failed=names)
+        for key, image in self.drawn.items():
+            height, width = image.values.shape[:2]
+            yield DrawnOutput(
+                name=".".join(key),
+                size=(width, height),
+                digest=digest_values(image.values),
+                failed=tuple(dict.fromkeys(failed.get(key, ()))),
+            )
 
     def _final_status(self, verdicts: Mapping[str, str]) -> Status:
         if self._status != "pass":
@@ -238,9 +280,8 @@ class RecordBuilder:
         return []
 
 
-def _program(draw: PreparedDraw, assembly: Assembly) -> ProgramRecord:
+def _program(draw: PreparedDraw, assembly: str) -> ProgramRecord:
     modules = draw.compiled.spirv
-    file = assembly(modules)
     parts: dict[str, str] = {}
     for source in draw.authored:
         parts.update(dict(source.parts))
@@ -252,7 +293,7 @@ def _program(draw: PreparedDraw, assembly: Assembly) -> ProgramRecord:
         files=tuple(source.file for source in sources),
         sources=tuple(sources),
         verdicts=tuple(
-            _for_display(verdict, file if modules.get(verdict.target) else "")
+            _for_display(verdict, assembly if modules.get(verdict.target) else "")
             for verdict in draw.compiled.verdicts
         ),
         declared=tuple(_declared(draw.compiled.interface)),
@@ -287,8 +328,31 @@ def _declared(interface: Interface | None) -> Iterator[Declared]:
         )
 
 
-def told(error: ShaderlabError) -> str:
-    """What a record says of an error: its place as people read it, the message, the remedy."""
+def _status_of(error: BaseException, driver: str | None) -> tuple[Status, ShaderlabError]:
+    """The status of a scene that an exception ended, and the error to show."""
+    match error:
+        case UnsupportedError():
+            return "unsupported", error
+        case DeviceLostError():
+            return "crash", DriverError(f"{driver}: {error.message}")
+        case MemoryError():
+            return "error", ShaderlabError(f"out of memory: {error}".rstrip(": "))
+        case ShaderlabError():
+            return "error", error
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    if not isinstance(error, Exception):  # SystemExit, say, which only a case's own code raises
+        message = f"raised {type(error).__name__}: {error}".rstrip(": ")
+        return "error", CaseError(message, file=place.filename, line=place.lineno)
+    return "error", ShaderlabError(
+        f"unforeseen {type(error).__name__}: {error}",
+        file=place.filename,
+        line=place.lineno,
+        remedy="this is a defect of shaderlab; SHADERLAB_DEBUG=1 shows the whole traceback",
+    )
+
+
+def format_error(error: ShaderlabError) -> str:
+    """Format an error for a record: its place as people read it, the message, the remedy."""
     place = "" if error.file is None else f"{display_path(error.file, error.line or None)}: "
     remedy = f"\n→ {error.remedy}" if error.remedy else ""
     return f"{place}{error.message}{remedy}"
@@ -341,3 +405,61 @@ def _input_text(value: object) -> str:
 
 def _numbers(value: object) -> list[float]:
     return [float(v) for v in np.ravel(np.asarray(value, np.float64))]
+
+
+def _buffer_records(prepared: Programs) -> tuple[BufferRecord, ...]:
+    """A scene's uniform buffers, and the vertex buffers of meshes that ask for a layout; each
+    appears once."""
+    return tuple([*_uniform_buffers(prepared), *_vertex_buffers(prepared)][:_MOST_BUFFERS])
+
+
+def _uniform_buffers(prepared: Programs) -> Iterator[BufferRecord]:
+    users: dict[int, list[tuple[str, UniformBuffer, PreparedDraw]]] = {}
+    for draws in prepared.values():
+        for draw in draws:
+            for name, buffer in draw.draw.blocks.items():
+                users.setdefault(id(buffer), []).append((name, buffer, draw))
+    for uses in users.values():
+        name, _, draw = uses[0]
+        interface = draw.compiled.interface
+        block = None if interface is None else blocks.uniform_blocks(interface).get(name)
+        if block is not None:
+            parts = tuple(
+                BufferPart(name=member.name, offset=member.offset, stride=member.array_stride)
+                for member in block.members.values()
+            )
+            yield BufferRecord(
+                name=name, kind="uniform", size=block.size, used=len(uses), parts=parts
+            )
+
+
+def _vertex_buffers(prepared: Programs) -> Iterator[BufferRecord]:
+    meshes: dict[int, tuple[str, Mesh, int]] = {}
+    for name, draws in prepared.items():
+        for draw in draws:
+            mesh = draw.draw.mesh
+            if mesh is not None and _has_own_layout(mesh):
+                first, _, count = meshes.get(id(mesh), (name, mesh, 0))
+                meshes[id(mesh)] = (first, mesh, count + 1)
+    for name, mesh, count in meshes.values():
+        places = mesh.placements()
+        for number, pieces in enumerate(mesh.parts()):
+            yield BufferRecord(
+                name=f"{name}, buffer {number}",
+                kind="vertex",
+                size=sum(len(piece) for _, piece in pieces),
+                used=count,
+                parts=tuple(
+                    BufferPart(name=attribute, offset=p.offset, stride=p.stride, divisor=p.divisor)
+                    for attribute, p in places.items()
+                    if p.buffer == number
+                ),
+                usage=mesh.usage,
+                upload=mesh.upload,
+            )
+
+
+def _has_own_layout(mesh: Mesh) -> bool:
+    """Whether the mesh asks for another layout than the default, or for instances."""
+    default = ("separate", "static_draw", "data")
+    return bool(mesh.instance_attributes) or (mesh.layout, mesh.usage, mesh.upload) != default

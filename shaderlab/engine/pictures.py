@@ -1,11 +1,14 @@
-"""Writes the picture files of a run: cases, their passes, and the values that were compared."""
+"""Writes a scene's pictures to the run's folder: its case's, its passes', the compared values'.
+
+A scene is drawn once more in the size for people. What several drivers drew is stored here, too.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -13,12 +16,17 @@ from typing import Any
 import numpy as np
 
 from shaderlab.compiler.library import disassemble_stages
-from shaderlab.files import write_bytes
+from shaderlab.drivers import Backend
+from shaderlab.drivers.programs.prepare import Programs
+from shaderlab.files import replacing, write_bytes
 from shaderlab.model import pictures
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.records import Attachment, PassRecord
 from shaderlab.model.scene import Pass
+
+Images = Mapping[tuple[str, str], Image]
+"""What was drawn, by pass and output."""
 
 # Of compared pictures: one pixel a value (2 × 2 where some are outside); the page enlarges them.
 COMPARISON_SIDE = 1
@@ -52,22 +60,13 @@ class PictureWriter:
     Args:
         folder: of the run.
         case_id, variant: what is in the files' names.
-        run: runs what packs and writes a file, now or later.
     """
 
-    def __init__(
-        self,
-        folder: Path | None,
-        case_id: str,
-        variant: str,
-        run: Callable[[Callable[[], None]], None] = lambda task: task(),
-    ) -> None:
+    def __init__(self, folder: Path | None, case_id: str, variant: str) -> None:
         self._folder = folder
-        self._run = run
         self._stem = f"{_safe(case_id)}--{_safe(variant)}"
-        self._saved: dict[_Pixels, str] = {}
+        self._saved: dict[tuple[object, ...], str] = {}
         self._picture: tuple[Image, PictureFiles] | None = None
-        self._made = False
 
     def write_picture(self, image: Image) -> PictureFiles:
         """Write the case's picture, with a small copy for the overview."""
@@ -77,14 +76,12 @@ class PictureWriter:
         file = self._save("picture", display.image, 256)
         if min(display.image.shape[:2]) >= 256 and max(display.image.shape[:2]) > PREVIEW_SIDE:
             path = self._folder / file
-            self._run(lambda: pictures.save_preview(path, display.image, PREVIEW_SIDE))
+            pictures.save_preview(path, display.image, PREVIEW_SIDE)
         files = PictureFiles({"picture": file}, {"picture": display.caption})
         self._picture = image, files
         return files
 
-    def write_passes(
-        self, scene: Scene, images: Mapping[tuple[str, str], Image]
-    ) -> tuple[PassRecord, ...]:
+    def write_passes(self, scene: Scene, images: Images) -> tuple[PassRecord, ...]:
         """Describe a scene's passes, with a small picture of each attachment if it has several.
 
         The one that is the case's picture has that file.
@@ -93,7 +90,7 @@ class PictureWriter:
             return ()
         return tuple(self._pass(description, images) for description in scene.passes)
 
-    def _pass(self, description: Pass, images: Mapping[tuple[str, str], Image]) -> PassRecord:
+    def _pass(self, description: Pass, images: Images) -> PassRecord:
         own = {name: image for (where, name), image in images.items() if where == description.name}
         sizes = [image.values.shape[1::-1] for image in own.values()]
         return PassRecord(
@@ -163,7 +160,7 @@ class PictureWriter:
         relative, path = self._file(label, "values")
         numbers = pictures.judged_part(arrays, worst)
         equal = "covered" not in arrays and not numbers.fine
-        self._run(lambda: _write_numbers(path, numbers, equal))
+        _write_numbers(path, numbers, equal)
         return PictureFiles(files, captions, relative)
 
     def _is_picture(self, values: Array) -> bool:
@@ -191,17 +188,17 @@ class PictureWriter:
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
             # Other workers may write the same file at the same time.
-            self._run(lambda: write_bytes(path, disassemble_stages(modules).encode("utf-8")))
+            write_bytes(path, disassemble_stages(modules).encode("utf-8"))
         return relative
 
     def _save(self, label: str, image: Array, side: int, palette: Array | None = None) -> str:
         """Write a picture; equal ones of a scene are one file, named by the first label."""
         pixels = np.ascontiguousarray(image)
         factor = max(1, -(-side // min(pixels.shape[:2])))
-        key = _Pixels(pixels, factor)
+        key = pixels.shape, factor, hashlib.blake2b(pixels.data, digest_size=16).digest()
         if key not in self._saved:
             relative, path = self._file(label, "png")
-            self._run(lambda: pictures.save_png(path, pixels, min_side=side, palette=palette))
+            pictures.save_png(path, pixels, min_side=side, palette=palette)
             self._saved[key] = relative
         return self._saved[key]
 
@@ -209,33 +206,8 @@ class PictureWriter:
         assert self._folder is not None
         relative = f"images/{self._stem}--{_safe(label)}.{suffix}"
         path = self._folder / relative
-        if not self._made:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._made = True
+        path.parent.mkdir(parents=True, exist_ok=True)
         return relative, path
-
-
-class _Pixels:
-    """What a picture file shows, for a dictionary: equal to what has the same size and a digest
-    that is the same, computed where another one has the size."""
-
-    def __init__(self, pixels: Array, factor: int) -> None:
-        self._size = pixels.shape, factor
-        self._pixels: Array | None = pixels
-        self._known = b""
-
-    def __hash__(self) -> int:
-        return hash(self._size)
-
-    def __eq__(self, other: object) -> bool:
-        assert isinstance(other, _Pixels)
-        return self._size == other._size and self._digest() == other._digest()
-
-    def _digest(self) -> bytes:
-        if self._pixels is not None:
-            self._known = hashlib.blake2b(self._pixels.data, digest_size=16).digest()
-            self._pixels = None
-        return self._known
 
 
 def _place(values: Array) -> tuple[object, ...]:
@@ -290,3 +262,78 @@ def _safe(word: str) -> str:
     if plain == word:
         return plain
     return f"{plain}-{hashlib.blake2s(os.fsencode(word), digest_size=3).hexdigest()}"
+
+
+def enlarge(
+    backend: Backend, scene: Scene, programs: Programs, images: Images, side: int
+) -> Images:
+    """Draw a scene with `side` × `side` pixels where its targets have no size of their own: the
+    passes that depend on the size, and those that they read.
+
+    Args:
+        backend: the device.
+        scene: what to draw.
+        programs: its compiled draws.
+        images: what was drawn of it in another size, of which the rest is taken.
+        side: the size in pixels.
+
+    Raises:
+        ShaderError, UnsupportedError, CaseError: it can't be drawn.
+    """
+    needed = set(resized_passes(scene))
+    if not needed:
+        return images
+    for description in reversed(scene.passes):
+        if description.name in needed:
+            needed |= _passes_read(description)
+    with backend.session(scene, programs, (side, side)) as session:
+        return {**images, **session.draw(needed).images}
+
+
+def resized_passes(scene: Scene) -> Sequence[str]:
+    """The passes that depend on the frame's size: by their own targets or by what they read."""
+    found: dict[str, None] = {}
+    for description in scene.passes:
+        own = description.target.size is None and not description.computes
+        if own or not _passes_read(description).isdisjoint(found):
+            found[description.name] = None
+    return list(found)
+
+
+def _passes_read(description: Pass) -> set[str]:
+    """The earlier passes whose outputs a pass reads or draws onto."""
+    read = {output.pass_name for draw in description.draws for output in draw.outputs_read()}
+    return read | ({description.onto} if description.onto else set())
+
+
+def save_frames(folder: Path, case_id: str, variant: str, images: Images) -> None:
+    """Store a scene's images as "pass.output", uncompressed: they are read once and deleted.
+
+    Raises:
+        OSError: they can't be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    arrays = {".".join(key): image.values for key, image in images.items()}
+    with replacing(_frames_file(folder, case_id, variant)) as draft, draft.open("wb") as file:
+        np.savez(file, **arrays)  # type: ignore[arg-type]
+
+
+def load_frames(folder: Path, case_id: str, variant: str) -> dict[str, Array]:
+    """The images that `save_frames` stored; empty if the scene was not drawn."""
+    try:
+        with np.load(_frames_file(folder, case_id, variant), allow_pickle=False) as stored:
+            return {name: stored[name] for name in stored.files}
+    except FileNotFoundError:
+        return {}
+
+
+def digest_values(values: Array) -> str:
+    """A digest of an array's values, type and shape; zeros of both signs differ."""
+    found = hashlib.blake2s(f"{values.dtype.str}{values.shape}".encode(), digest_size=12)
+    found.update(np.ascontiguousarray(values).data)
+    return found.hexdigest()
+
+
+def _frames_file(folder: Path, case_id: str, variant: str) -> Path:
+    name = hashlib.blake2s(os.fsencode(f"{case_id}\0{variant}")).hexdigest()[:24]
+    return folder / f"{name}.npz"

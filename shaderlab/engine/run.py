@@ -1,0 +1,453 @@
+"""Runs scenes on one open device: prepare → draw → capture → judge → record."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from shaderlab.compiler.compile import Compiled
+from shaderlab.compiler.compile_cache import cached_compiler
+from shaderlab.compiler.dialects import below_highp
+from shaderlab.compiler.engines import TARGETS
+from shaderlab.compiler.sources import Source
+from shaderlab.drivers import Backend, open_backend
+from shaderlab.drivers.programs.prepare import Preparer, Programs
+from shaderlab.drivers.programs.textures import forget_made
+from shaderlab.errors import (
+    CaseError,
+    DeviceLostError,
+    DriverError,
+    ShaderlabError,
+    UnsupportedError,
+    nearest,
+)
+from shaderlab.model.activity import Activity, doing
+from shaderlab.model.calls import CallEdit
+from shaderlab.model.case import Scene
+from shaderlab.model.expectation import Expectation, Judgement
+from shaderlab.model.frame import Image
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Explanation, Outcome, Record, Verdict
+from shaderlab.settings import settings_of
+
+from .catalogue import shaders_of
+from .evaluation import FEATURES, Evaluation, SceneCheck
+from .expectations.base import unread_outputs
+from .expectations.formula import Formula
+from .expectations.gl_call import Traced
+from .pictures import PictureFiles, PictureWriter, enlarge, save_frames
+from .record import RecordBuilder, format_error
+
+_NO_TEXTS: Mapping[str, str | Path] = {}
+
+
+class SceneRunner:
+    """Compiles, draws and judges scenes. A context manager; the device is opened on first use.
+
+    Args:
+        options: how scenes are run.
+        notice: called with each step as it begins, in words.
+
+    Attributes:
+        exhausted: whether memory ran out.
+    """
+
+    def __init__(
+        self, options: RunOptions | None = None, notice: Callable[[str], None] | None = None
+    ) -> None:
+        self.options = options or RunOptions()
+        self.exhausted = False
+        self._notice = notice
+        self._backend: Backend | None = None
+        self._verdicts: dict[tuple[Source, ...], Verdict] = {}
+        self._preparer = lru_cache(maxsize=64)(self._new_preparer)
+        self._opengl_preparer = lru_cache(maxsize=64)(self._new_opengl_preparer)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    # A scene, from its case to its record.
+
+    def run(self, scene: Scene) -> Record:
+        """Compile, draw and judge one scene.
+
+        Whatever is wrong with the case, its shaders or the driver ends up in the record: status
+        "error", or "unsupported" for a feature that the driver lacks, with the message.
+        """
+        started = time.perf_counter()
+        pictures = PictureWriter(self.options.picture_folder, scene.case.id, scene.variant)
+        record = RecordBuilder(scene)
+        activity = Activity(self._notice)
+        try:
+            with activity.watch():
+                self._run(scene, record, pictures)
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            # A defect of the lab itself costs this scene only; the other scenes go on.
+            known = isinstance(error, ShaderlabError | MemoryError)
+            if isinstance(error, Exception) and not known and _is_debugging():
+                raise
+            self.exhausted |= isinstance(error, MemoryError)
+            record.set_error(error, self.options.driver)
+            if isinstance(error, DeviceLostError):
+                self.close()  # the next scene opens another one
+        return record.build(time.perf_counter() - started, activity.ordered())
+
+    def _run(self, scene: Scene, record: RecordBuilder, pictures: PictureWriter) -> None:
+        programs = self._compile(scene, record, pictures)
+        with self.evaluation(scene, programs) as evaluation:  # which draws it
+            check = self._record_drawn(evaluation, record)
+            picture_error = self._draw_pictures(evaluation, record, pictures)
+            unanswered = self.judge_all(evaluation, record, pictures, check)
+            checked = None if check is None else check.judgement()
+        record.set_unanswered(unanswered)
+        if check is not None and checked is not None:
+            record.set_self_check(*checked, check.outside, always=bool(self.options.modules))
+        if picture_error is not None:
+            raise picture_error  # it changes no outcome
+
+    def _compile(self, scene: Scene, record: RecordBuilder, pictures: PictureWriter) -> Programs:
+        """Compile a scene's programs and record their verdicts.
+
+        Raises:
+            ShaderError, CaseError, UnsupportedError: a program does not compile, an expectation
+                names what is not there, or the driver lacks compute passes.
+        """
+        with doing("compile", "compiling"):
+            programs = self.prepare(scene)
+        record.add_programs(programs, pictures)
+        _require_compiled(programs)
+        self._require_compute(scene)
+        for expectation in scene.expect:
+            tuple(expectation.needs(scene, programs))  # raises for a name that is not there
+        record.unread = unread_outputs(scene, programs)
+        with doing("link"):
+            record.add_driver_verdicts(self.driver_verdict)
+        picture_size = 0 if self.options.picture_folder is None else self.options.picture_size
+        record.set_device(self.driver, self.options.size, picture_size)
+        return programs
+
+    def _record_drawn(self, evaluation: Evaluation, record: RecordBuilder) -> SceneCheck | None:
+        """Record what drawing gave besides the pictures; returns the self-check to be made.
+
+        Raises:
+            DriverError: a draw raised an error of OpenGL that no expectation is about.
+        """
+        scene, drawn, options = evaluation.scene, evaluation.drawn, self.options
+        if options.frames is not None:
+            with record.notice_if_unwritable("the values that drivers are compared by"):
+                save_frames(options.frames, scene.case.id, scene.variant, drawn.images)
+            record.drawn = drawn.images
+        record.add_inactive_uniforms(drawn.inactive)
+        evaluation.require_no_other_errors()
+        if options.gl_calls:
+            record.set_gl_calls(evaluation.answer(Traced()))
+        if options.modules is False or FEATURES.self_check is None:
+            return None
+        return FEATURES.self_check(evaluation, bool(options.modules))
+
+    def _draw_pictures(
+        self, evaluation: Evaluation, record: RecordBuilder, pictures: PictureWriter
+    ) -> Exception | None:
+        """Write the case's picture and those of its passes, in the size for people; returns what
+        hindered it."""
+        if self.options.picture_folder is None:
+            return None
+        scene, images = evaluation.scene, evaluation.drawn.images
+        try:
+            with doing("picture", "drawing the picture"):
+                if (side := self.options.picture_size) != self.options.size:
+                    images = enlarge(self.backend, scene, evaluation.programs, images, side)
+                picture = images[_picture_of(scene, images)]
+                with record.notice_if_unwritable():
+                    record.picture = pictures.write_picture(picture)
+                    record.passes = pictures.write_passes(scene, images)
+        except MemoryError:
+            raise
+        except Exception as error:
+            return error
+        return None
+
+    def judge_all(
+        self,
+        evaluation: Evaluation,
+        record: RecordBuilder,
+        pictures: PictureWriter,
+        check: SceneCheck | None = None,
+    ) -> dict[int, UnsupportedError]:
+        """Capture for each expectation and judge it, one after the other, and write its pictures;
+        with the self-check of what they capture.
+
+        Returns:
+            the numbers of the expectations that the driver has no answer for, and why.
+        """
+        unanswered = {}
+        explained = False
+        before_release = None if check is None else check.judge_captured
+        for index, expectation in evaluation.iter_with_release(before_release):
+            try:
+                evaluation.gather(expectation)
+            except UnsupportedError as error:
+                unanswered[index] = error
+                continue
+            # The first failure is explained: others mostly fail for the same reason.
+            explained |= self._judge(evaluation, record, pictures, index, explain=not explained)
+        return unanswered
+
+    def _judge(
+        self,
+        evaluation: Evaluation,
+        record: RecordBuilder,
+        pictures: PictureWriter,
+        index: int,
+        *,
+        explain: bool,
+    ) -> bool:
+        """Judge one expectation and write its pictures.
+
+        Returns:
+            whether it is a formula that fails, which is explained if `explain` is set.
+        """
+        files, explanation = PictureFiles(), None
+        expectation = evaluation.scene.expect[index]
+        try:
+            judgement = evaluation.judge(expectation)
+            outcome = judgement.outcome
+            with doing("picture"), record.notice_if_unwritable():
+                files = pictures.write_comparison(
+                    f"{index}-{expectation.name}",
+                    judgement.pictures,
+                    outcome.worst.pixel if outcome.worst else None,
+                    passed=outcome.status == "pass",
+                )
+        except ShaderlabError as error:  # in a picture: of values that nothing else looked at
+            judgement = _failed_judgement(expectation, error)
+            outcome = judgement.outcome
+        formula = expectation if isinstance(expectation, Formula) else None
+        failed = formula is not None and outcome.status == "fail"
+        if explain and failed and formula is not None:
+            explanation = self._explain(evaluation, formula, outcome)
+        outcome = replace(
+            outcome,
+            explanation=explanation,
+            images=files.files,
+            captions=files.captions,
+            values=files.values,
+            line=expectation.line_in(evaluation.scene.case.file),
+        )
+        record.add_outcome(outcome, judgement)
+        return failed
+
+    def _explain(
+        self, evaluation: Evaluation, formula: Formula, outcome: Outcome
+    ) -> Explanation | None:
+        """Where a failing formula goes wrong. Whatever hinders that changes no verdict."""
+        if FEATURES.explain is None:
+            return None
+        scene, programs = evaluation.scene, evaluation.programs
+        try:
+            with (
+                doing("judge", "explaining the failure"),
+                self.evaluation(scene, programs, like=evaluation) as copy,
+            ):
+                explanation = FEATURES.explain(copy, formula, outcome)
+        except Exception as error:
+            if not isinstance(error, ShaderlabError) and _is_debugging():
+                raise
+            pixel = (outcome.worst.pixel if outcome.worst else None) or (0, 0)
+            message = error.message if isinstance(error, ShaderlabError) else repr(error)
+            explanation = Explanation(pixel=pixel, steps=(), refused=message)
+        pass_name, draw = formula.key(scene)
+        lower = list(filter(None, map(below_highp, programs[pass_name][draw].authored)))
+        if explanation is None or not lower:
+            return explanation
+        verdict = "; ".join(filter(None, (explanation.verdict, lower[0])))
+        return replace(explanation, verdict=verdict)
+
+    # Its parts, as other packages take them.
+
+    def prepare(self, scene: Scene) -> Programs:
+        """Compile a scene's programs for all of its targets; also those that do not compile."""
+        folder = Path(scene.case.file).parent
+        preparer = self._preparer(str(folder))
+        targets = (
+            self.options.targets
+            or tuple(scene.case.targets)
+            or settings_of(folder).targets
+            or TARGETS
+        )
+        return {p.name: tuple(preparer.prepare(d, targets) for d in p.draws) for p in scene.passes}
+
+    def prepare_for_opengl(
+        self, scene: Scene, texts: Mapping[str, str | Path] = _NO_TEXTS
+    ) -> Programs:
+        """Compile a scene's programs for OpenGL alone, with some shaders replaced.
+
+        Raises:
+            ShaderError, CaseError: a program does not compile, or does not fit the scene's data.
+        """
+        folder = str(Path(scene.case.file).parent)
+        preparer = self._opengl_preparer(folder)
+        if texts:
+            preparer = self._new_opengl_preparer(folder, texts)
+        programs = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
+        _require_compiled(programs)
+        self._require_compute(scene)
+        return programs
+
+    @contextmanager
+    def evaluation(
+        self, scene: Scene, programs: Programs, *, like: Evaluation | None = None
+    ) -> Iterator[Evaluation]:
+        """Draw a scene, and keep it on the device for judging.
+
+        Args:
+            scene: what to draw.
+            programs: its compiled draws.
+            like: see `Evaluation`.
+
+        Raises:
+            ShaderError, UnsupportedError, CaseError: it can't be drawn.
+        """
+        preparer = self._preparer(str(Path(scene.case.file).parent))
+        size = (self.options.size, self.options.size)
+        with self.backend.session(scene, programs, size) as session:
+            yield Evaluation(session, self.backend, preparer, like)
+
+    @contextmanager
+    def edited_evaluation(
+        self, scene: Scene, programs: Programs, edit: CallEdit | None
+    ) -> Iterator[Evaluation]:
+        """As `evaluation`, with one call of the drawing changed; see `Backend.edited_session`."""
+        preparer = self._preparer(str(Path(scene.case.file).parent))
+        size = (self.options.size, self.options.size)
+        with self.backend.edited_session(scene, programs, size, edit) as session:
+            yield Evaluation(session, self.backend, preparer)
+
+    def driver_verdict(self, sources: tuple[Source, ...]) -> Verdict:
+        """The driver's own verdict on a program that compiles, asked for once."""
+        if sources not in self._verdicts:
+            self._verdicts[sources] = self.backend.driver_verdict(sources)
+        return self._verdicts[sources]
+
+    # The device, and what is kept from one scene to the next.
+
+    @property
+    def backend(self) -> Backend:
+        """The device, opened now if it is not open. Raises DriverError."""
+        if self._backend is None:
+            self._backend = open_backend(self.options.driver)
+        return self._backend
+
+    @property
+    def driver(self) -> Mapping[str, str]:
+        """What the driver says of itself; "renderer" is "none" while no device could be opened."""
+        try:
+            return self.backend.info
+        except DriverError as error:
+            return {"renderer": "none", "vendor": "", "version": error.message, "glsl": ""}
+
+    def configure(self, options: RunOptions) -> None:
+        """Take other options for the scenes to come. The device stays, and with it the driver."""
+        before, self.options = self.options, options
+        if (options.replacements, options.renames, options.include) != (
+            before.replacements,
+            before.renames,
+            before.include,
+        ):
+            self.forget_shaders()
+
+    def forget_shaders(self) -> None:
+        """Read shaders anew from now on: their files may have changed."""
+        self._preparer.cache_clear()
+        self._opengl_preparer.cache_clear()
+
+    def release_caches(self) -> None:
+        """Free what is kept for scenes that are run again: the textures that functions made."""
+        forget_made()
+        if self._backend is not None:
+            self._backend.release_caches()
+
+    def close(self) -> None:
+        """Give the device back; it is opened again if it is used once more."""
+        if self._backend is not None:
+            self._backend.close()
+            self._backend = None
+
+    def _require_compute(self, scene: Scene) -> None:
+        """Raise UnsupportedError where a scene computes and the driver can't."""
+        if any(description.computes for description in scene.passes):
+            self.backend.require_compute()
+
+    def _new_preparer(self, folder: str) -> Preparer:
+        options = self.options
+        shaders = shaders_of(Path(folder), options.replacements, options.include, options.renames)
+        return Preparer(shaders, cached_compiler())
+
+    def _new_opengl_preparer(
+        self, folder: str, texts: Mapping[str, str | Path] = _NO_TEXTS
+    ) -> Preparer:
+        shaders = shaders_of(Path(folder), texts, self.options.include, self.options.renames)
+        return Preparer(shaders, _compile_for_opengl)
+
+
+def _is_debugging() -> bool:
+    return bool(os.environ.get("SHADERLAB_DEBUG"))
+
+
+def _require_compiled(programs: Programs) -> None:
+    """Raise the compiler's first error where a program does not compile."""
+    for draws in programs.values():
+        for draw in draws:
+            _ = draw.interface
+
+
+def _compile_for_opengl(sources: Sequence[Source], _: Sequence[str]) -> Compiled:
+    """Compile for plain GLSL, which has the verdict, and OpenGL, which says what is declared."""
+    return cached_compiler()(sources, ("glsl", "opengl")).only(["glsl"])
+
+
+def _failed_judgement(expectation: Expectation, error: ShaderlabError) -> Judgement:
+    return Judgement(
+        outcome=Outcome(
+            name=expectation.name,
+            kind=expectation.kind,
+            status="error",
+            message=format_error(error),
+        )
+    )
+
+
+def _picture_of(scene: Scene, images: Mapping[tuple[str, str], Image]) -> tuple[str, str]:
+    """The (pass, output) that is the case's picture: the one it names, or the last pass's first.
+
+    Raises:
+        CaseError: the case names an output that is not there.
+    """
+    named = scene.picture
+    if named is None:
+        last = scene.passes[-1].name
+        return next(key for key in images if key[0] == last)
+    if (named.pass_name, named.name) not in images:
+        known = [".".join(key) for key in images]
+        raise CaseError(
+            f"there is no output {scene.case.picture!r} to be the picture",
+            remedy=nearest(scene.case.picture, known),
+        )
+    return named.pass_name, named.name
