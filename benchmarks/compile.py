@@ -19,7 +19,7 @@ from pathlib import Path
 from shaderlab.compiler import WORK, compile_glsl
 from shaderlab.compiler.commands import locate
 from shaderlab.compiler.engines import SETTINGS
-from shaderlab.workers import WorkerPool
+from shaderlab.workers.pool import WorkerPool
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from bare import compile_all

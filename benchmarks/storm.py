@@ -16,7 +16,7 @@ from pathlib import Path
 
 from shaderlab.compiler import WORK, compile_glsl
 from shaderlab.model.options import Limits
-from shaderlab.workers import WorkerPool
+from shaderlab.workers.pool import WorkerPool
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from trees import storm

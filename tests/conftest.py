@@ -198,7 +198,7 @@ def fake_lab(
             made.options = options
             return made
 
-        monkeypatch.setattr("shaderlab.workers.lab_worker.SceneRunner", lab)
+        monkeypatch.setattr("shaderlab.engine.worker.SceneRunner", lab)
         monkeypatch.setenv("SHADERLAB_JOBS", "0")  # worker processes would have the real one
         return log
 

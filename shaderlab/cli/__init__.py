@@ -144,7 +144,7 @@ def main() -> None:
     # Before NumPy is imported: its library would start a thread a core, all of which wait busily,
     # while no command multiplies large matrices.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from .streams import open_streams, settled
+    from shaderlab.cli.outputs import open_streams, settled
 
     open_streams()
     try:

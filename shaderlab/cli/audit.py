@@ -10,16 +10,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from shaderlab.cli import FAILED, USAGE
-from shaderlab.cli.files import finding_options, tell, uses_stdout, write_findings, write_json
 from shaderlab.cli.options import (
     DRIVER,
     INCLUDE,
     JSON,
+    RANGES,
+    is_of_functions,
     jobs_option,
     limits_option,
     make_local_executor,
+    shaders_of_paths,
 )
-from shaderlab.cli.shader_inputs import RANGES, is_of_functions, shaders_of_paths
+from shaderlab.cli.outputs import finding_options, tell, uses_stdout, write_findings, write_json
 from shaderlab.compiler.shader_files import EXTENSIONS, STAGES
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
@@ -111,8 +113,8 @@ def _requests(
     targets: Sequence[str], plan: Plan, stage: str | None, options: RunOptions
 ) -> Iterator[Any]:
     """What is asked of workers: one request for each shader file, and for each case."""
+    from shaderlab.analysis.requests import AuditCase, AuditFile
     from shaderlab.cli.selecting import files_of
-    from shaderlab.workers.audit_shaders import AuditCase, AuditFile
 
     shaders = [Path(t) for t in targets if _is_shader(t)]
     for shader in shaders_of_paths(shaders, options.include):
@@ -138,7 +140,7 @@ def _is_shader(target: str) -> bool:
 def _audits(results: Iterable[Any]) -> Iterator[Audit]:
     """The audits of requests; one that was refused where there is no answer."""
     from shaderlab.analysis.audit import Audit
-    from shaderlab.workers.executor import error_text
+    from shaderlab.engine.executors import error_text
 
     for result in results:
         if result.status == "done":

@@ -1,9 +1,14 @@
-"""`shaderlab diff`: is a rewritten shader the same one?"""
+"""`shaderlab diff`: does a rewritten shader compute the same?"""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Sequence
+import io
+import subprocess
+import tarfile
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,18 +16,26 @@ from typing import TYPE_CHECKING
 import click
 
 from shaderlab.cli import FAILED, OK, USAGE
-from shaderlab.cli.files import write_json
-from shaderlab.cli.options import INCLUDE, JSON, jobs_option, limits_option, make_local_executor
-from shaderlab.cli.shader_inputs import RANGES, is_of_functions, shader_of_file
-from shaderlab.compiler.shader_files import STAGES
+from shaderlab.cli.options import (
+    INCLUDE,
+    JSON,
+    RANGES,
+    is_of_functions,
+    jobs_option,
+    limits_option,
+    make_local_executor,
+    shader_of_file,
+)
+from shaderlab.cli.outputs import write_json
+from shaderlab.compiler.shader_files import STAGES, is_shader
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
 
 if TYPE_CHECKING:
     from shaderlab.analysis.equivalence.answer import Answer
     from shaderlab.analysis.equivalence.comparison import Plan
-    from shaderlab.cli.revisions import Revision
-    from shaderlab.workers.executor import LocalExecutor
+    from shaderlab.engine.executors import LocalExecutor
+
 
 NO_ANSWER = USAGE
 """The exit status where it can't be said, for whatever reason."""
@@ -145,7 +158,7 @@ class _Asking:
         then: Callable[[Path], Path] | None,
         executor: LocalExecutor,
     ) -> object:
-        from shaderlab.workers import compare_shaders as requests
+        from shaderlab.analysis import requests
 
         if self.case is None:
             shaders = shader_of_file(old, self.includes, then), shader_of_file(new, self.includes)
@@ -156,7 +169,7 @@ class _Asking:
             return requests.CompareFiles(*shaders, self.stage, self.plan)
         from shaderlab.cli.replacing import named
         from shaderlab.cli.selecting import one
-        from shaderlab.workers.jobs import jobs_of
+        from shaderlab.engine.jobs import jobs_of
 
         facts, _ = one(self.case, executor.load)
         mine, other = (old, new) if then is None else (new, then(old))
@@ -170,7 +183,6 @@ class _Asking:
 
 def _against(asking: _Asking, file: Path, name: str) -> list[Answer]:
     """The answers on a file and what it was at a revision. Raises ShaderlabError."""
-    from shaderlab.cli.revisions import revision
 
     if not file.is_file():
         raise UsageError("there is no such file", file=file)
@@ -208,3 +220,64 @@ def _print(answer: Answer, inputs: bool, err: bool, heading: bool) -> None:
         click.echo(line, err=err)
     for name, role in answer.inputs.items() if inputs else ():
         click.echo(f"  {name}: {role}", err=err)
+
+
+@dataclass(frozen=True)
+class Revision:
+    """The shaders of a repository at one of its revisions, in a folder of their own.
+
+    Attributes:
+        name: as it was given: "HEAD~1".
+        top: the repository's folder.
+        folder: the one that has the shaders as they were.
+    """
+
+    name: str
+    top: Path
+    folder: Path
+
+    def then(self, path: Path) -> Path:
+        """Where a file or folder of the repository is as it was; others are where they are."""
+        real = path.resolve()
+        return self.folder / real.relative_to(self.top) if real.is_relative_to(self.top) else path
+
+    def shown(self, path: str) -> str:
+        """A file of the revision's as Git writes it: "HEAD~1:shaders/lamp.frag"."""
+        inside = Path(path)
+        if not inside.is_relative_to(self.folder):
+            return path
+        return f"{self.name}:{inside.relative_to(self.folder).as_posix()}"
+
+
+@contextmanager
+def revision(path: Path, name: str) -> Iterator[Revision]:
+    """The revision `name` of the repository that the file is in.
+
+    Raises:
+        UsageError: there is no Git, no repository or no such revision, or the file was not in it.
+    """
+    here = path.resolve().parent
+    top = Path(_git(here, "rev-parse", "--show-toplevel").decode().rstrip("\n"))
+    commit = _git(here, "rev-parse", "--verify", "--end-of-options", f"{name}^{{commit}}")
+    hash_ = commit.decode().strip()
+    files = _git(top, "ls-tree", "-r", "-z", "--name-only", hash_).decode().split("\0")
+    shaders = [file for file in files if is_shader(file)]
+    own = path.resolve().relative_to(top.resolve()).as_posix()
+    if own not in shaders:
+        raise UsageError(f"{own} is not in revision {name}", file=path)
+    with tempfile.TemporaryDirectory(prefix="shaderlab-") as folder:
+        archive = _git(top, "archive", "--format=tar", hash_, "--", *shaders)
+        with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
+            tar.extractall(folder, filter="data")
+        yield Revision(name, top.resolve(), Path(folder).resolve())
+
+
+def _git(folder: Path, *words: str) -> bytes:
+    try:
+        done = subprocess.run(["git", "-C", str(folder), *words], capture_output=True, check=False)
+    except FileNotFoundError:
+        raise UsageError("--against needs git, which is not installed") from None
+    if done.returncode:
+        said = done.stderr.decode(errors="replace").strip().splitlines()
+        raise UsageError(f"git: {said[-1] if said else 'failed'}")
+    return done.stdout

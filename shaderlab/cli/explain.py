@@ -10,16 +10,17 @@ from pathlib import Path
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.files import write_json
 from shaderlab.cli.options import (
     DRIVER,
     INCLUDE,
     JSON,
+    RANGES,
     jobs_option,
     limits_option,
     make_local_executor,
+    shader_of_file,
 )
-from shaderlab.cli.shader_inputs import RANGES, shader_of_file
+from shaderlab.cli.outputs import write_json
 from shaderlab.compiler.shader_files import EXTENSIONS
 from shaderlab.errors import ShaderlabError, UsageError, nearest
 from shaderlab.model.options import Limits, RunOptions
@@ -93,8 +94,8 @@ def command(
     from shaderlab.cli.selecting import one
 
     with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
-        from shaderlab.workers.executor import error_text
-        from shaderlab.workers.explain_pixel import ExplainFile, ExplainPixel
+        from shaderlab.analysis.requests import ExplainFile, ExplainPixel
+        from shaderlab.engine.executors import error_text
 
         request: ExplainFile | ExplainPixel
         if Path(target).suffix in EXTENSIONS:
@@ -138,7 +139,7 @@ def show(explained: Explanation, where: str | None = None) -> None:
     """Print the table, and where precision goes; `where` is said in place of the pixel."""
     from rich.console import Console
 
-    from shaderlab.cli.rows import plain_table
+    from shaderlab.cli.showing import plain_table
     from shaderlab.report.plain_text import printable
 
     console = Console(file=sys.stdout, highlight=False, markup=False, soft_wrap=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from shaderlab.cli import OK
-from shaderlab.cli.files import write_output
+from shaderlab.cli.outputs import write_output
 from shaderlab.errors import UsageError
 from shaderlab.settings import FILE
 

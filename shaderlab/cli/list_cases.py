@@ -8,11 +8,11 @@ from collections.abc import Iterator, Sequence
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.case_index import KEPT
 from shaderlab.cli.options import JSON, make_local_executor
+from shaderlab.cli.selecting import KEPT
+from shaderlab.engine.jobs import CaseFacts
 from shaderlab.errors import UsageError, nearest
 from shaderlab.model.options import Limits
-from shaderlab.workers.jobs import CaseFacts
 
 
 @click.command("list")
@@ -42,7 +42,7 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
                 f"chapter {chapter} has no cases", remedy=nearest(str(chapter), chapters)
             )
     if json_file is not None:
-        from shaderlab.cli.files import write_json
+        from shaderlab.cli.outputs import write_json
 
         write_json([{name: getattr(case, name) for name in KEPT} for case in cases], json_file)
     if json_file != "-" and cases:
@@ -66,7 +66,7 @@ def _problems(found: Sequence[CaseFacts]) -> Iterator[str]:
 
 
 def _shipped() -> list[CaseFacts]:
-    from shaderlab.cli.case_index import kept_facts
+    from shaderlab.cli.selecting import kept_facts
     from shaderlab.engine.discovery import data_folder
 
     return kept_facts(data_folder("cases"), _imported)

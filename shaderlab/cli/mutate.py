@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from shaderlab.cli import FAILED, INTERRUPTED, OK
-from shaderlab.cli.files import report_folder, write_json
 from shaderlab.cli.options import (
     JSON,
     jobs_option,
@@ -21,6 +20,7 @@ from shaderlab.cli.options import (
     make_local_executor,
     report_option,
 )
+from shaderlab.cli.outputs import report_folder, write_json
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from shaderlab.cli.showing import Show
+    from shaderlab.engine.executors import LocalExecutor
     from shaderlab.mutation import CaseResult, MutationPlan, MutationRun, MutationTarget
-    from shaderlab.workers.executor import LocalExecutor
 
 
 @click.command("mutate")
@@ -219,7 +219,7 @@ def _judge(run: MutationRun, show: Show) -> bool:
 
 
 def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None:
-    from shaderlab.cli.rows import plain_table
+    from shaderlab.cli.showing import plain_table
     from shaderlab.mutation import score
 
     headings = ("mutants", "killed", "survived", "score", "of state", "equivalent",

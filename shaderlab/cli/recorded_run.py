@@ -13,27 +13,30 @@ from typing import TYPE_CHECKING
 import click
 
 from shaderlab.cli import INTERRUPTED
-from shaderlab.cli.files import (
+from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan, read
+from shaderlab.cli.outputs import (
+    KEEP,
     REPORTS,
     latest,
+    mark_named,
     new_run_folder,
+    remove_old,
     report_folder,
     tell,
     write_outputs,
 )
-from shaderlab.cli.old_runs import KEEP, mark_named, remove_old
 from shaderlab.cli.replacing import unread
+from shaderlab.cli.sweep_table import Grid
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import CodeCoverage, Record, Run
 from shaderlab.settings import settings_of
-from shaderlab.workers.journal import FILE_NAME, Journal, RunPlan, read
-from shaderlab.workers.sweep_grid import Grid
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Reporter, Show
-    from shaderlab.workers import Executor, Job
+    from shaderlab.engine.executors import Executor
+    from shaderlab.engine.jobs import Job
 
 
 @dataclass(frozen=True)
@@ -154,8 +157,8 @@ def with_coverage(
     recorded: RecordedRun, executor: Executor, plan: RunPlan, show: Show
 ) -> RecordedRun:
     """The run with the code coverage of its cases that passed, measured now."""
+    from shaderlab.engine.executors import LocalExecutor, error_text
     from shaderlab.mutation.code_coverage import CoverCase
-    from shaderlab.workers.executor import LocalExecutor, error_text
 
     assert isinstance(executor, LocalExecutor)
     passed = {record.key for record in recorded.run.records if record.status == "pass"}

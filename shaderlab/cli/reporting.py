@@ -7,8 +7,14 @@ from pathlib import Path
 
 import click
 
-from shaderlab.cli.files import find_latest, output_options, tell, uses_stdout, write_outputs
-from shaderlab.cli.old_runs import mark_named
+from shaderlab.cli.outputs import (
+    find_latest,
+    mark_named,
+    output_options,
+    tell,
+    uses_stdout,
+    write_outputs,
+)
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 

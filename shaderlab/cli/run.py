@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.files import output_options, uses_stdout
 from shaderlab.cli.options import make_executor, running_options
+from shaderlab.cli.outputs import output_options, uses_stdout
+from shaderlab.engine.jobs import checked_driver
 from shaderlab.errors import UsageError
 from shaderlab.model.options import Limits, RunOptions
-from shaderlab.workers.jobs import checked_driver
 
 if TYPE_CHECKING:
     from shaderlab.model.records import Record, Run
@@ -173,12 +173,11 @@ def command(
     with contextlib.ExitStack() as workers_end:
         executor = make_executor(options.driver, limits, workers, scheduler)
         workers_end.callback(executor.close)
+        from shaderlab.cli.compare_drivers import compared_drivers, on_each, show_drivers
         from shaderlab.cli.recorded_run import finish, new_plan, run_plan, with_coverage
         from shaderlab.cli.replacing import named, parsed
         from shaderlab.cli.selecting import choose
-        from shaderlab.cli.several_drivers import compared_drivers, on_each
         from shaderlab.cli.showing import Show
-        from shaderlab.cli.showing_drivers import show_drivers
         from shaderlab.report.html import load_libraries
 
         show = Show(to_stderr=uses_stdout(outputs))
@@ -231,7 +230,7 @@ def _beside(*tasks: Callable[[], None]) -> Iterator[None]:
 def _renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]:
     if not words:
         return {}
-    from shaderlab.cli.renaming import renames  # it reads shaders, which few runs need here
+    from shaderlab.cli.replacing import renames  # it reads shaders, which few runs need here
 
     return renames(words, files)
 

@@ -3,15 +3,39 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
+import json
+import time
+from array import array
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from shaderlab.cli import FAILED, OK
+from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan, as_line, lines
 from shaderlab.cli.options import make_executor, running_options
+from shaderlab.cli.recorded_run import (
+    RecordedRun,
+    each_record,
+    finish,
+    new_plan,
+    resumed_plan,
+    tell_damaged,
+)
+from shaderlab.cli.sweep_table import SweepTable, grid, parameters, plots
 from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.files import open_regular
+from shaderlab.model import store
 from shaderlab.model.options import Limits, RunOptions
+from shaderlab.model.records import Record, Run
+
+if TYPE_CHECKING:
+    from shaderlab.cli.showing import Show
+    from shaderlab.engine.executors import Executor
+
 
 TABLE = "sweep.csv"
 
@@ -79,8 +103,6 @@ def command(
         limits=limits,
     )
     if resume is not None:
-        from shaderlab.cli.recorded_run import resumed_plan
-
         if target or params:
             raise UsageError("--resume takes neither a case nor parameters: the sweep has its own")
         plan, _ = resumed_plan(resume, limits)
@@ -96,13 +118,9 @@ def command(
             "no parameter to sweep", remedy="such as --param light.linear=0.01:1:50log"
         )
     with contextlib.closing(make_executor(options.driver, limits, workers, scheduler)) as executor:
-        from shaderlab.cli.recorded_run import finish, new_plan
-        from shaderlab.cli.running_sweeps import run_points, with_points
         from shaderlab.cli.selecting import one
         from shaderlab.cli.showing import Show
         from shaderlab.report.html import load_libraries
-        from shaderlab.workers.journal import FILE_NAME
-        from shaderlab.workers.sweep_grid import grid, parameters
 
         swept = parameters(params)
         load_libraries()
@@ -123,3 +141,122 @@ def command(
     is_latest = folder is None and resume is None
     verdict = FAILED if points.failed else OK
     return finish(recorded, show, "sweep", verdict=verdict, is_latest=is_latest)
+
+
+AT_ONCE = 4096
+"""So many points are given to an executor, which keeps all that it is given."""
+MOST_SAID = 40
+"""So many points that do not pass are named as they come; the table has all."""
+
+
+def run_points(
+    executor: Executor, plan: RunPlan, show: Show, *, resume: bool
+) -> tuple[RecordedRun, SweepTable]:
+    """Run all points of a sweep, and write each to the journal; with `resume`, those that it lacks.
+
+    An interrupt ends it early: what was finished by then is in the journal and in the table. The
+    run has the records of the points that the table lists.
+    """
+    folder, points = plan.options.folder, plan.grid
+    assert folder is not None and points is not None
+    table = SweepTable(points)
+    with Journal(folder, None if resume else plan) as journal:
+        records = PointRecords(folder, journal, len(points))
+        if resume:
+            tell_damaged(folder, records.resume(table.add))
+        done = sum(table.statuses.values())
+        clock = time.perf_counter()
+        with (
+            show.progress(len(points) - done, most_said=MOST_SAID) as progress,
+            contextlib.suppress(KeyboardInterrupt),
+        ):
+            for some in _batches(point for point in range(len(points)) if point not in table):
+                jobs = [points[point] for point in some]
+                point_of = {job.key: point for job, point in zip(jobs, some, strict=True)}
+                for job, record in each_record(executor, jobs, plan.options, progress):
+                    point = point_of[job.key]
+                    table.add(point, records.add(point, record))
+        seconds = time.perf_counter() - clock
+        about = executor.about()
+        listed = records.read(table.listed())
+    run = Run(
+        driver=about.driver,
+        versions=about.versions,
+        started=plan.started,
+        seconds=seconds,
+        records=tuple(listed),
+        plots=plots(table),
+        missing=len(points) - sum(table.statuses.values()),
+    )
+    problems = (ShaderlabError(journal.problem),) if journal.problem else ()
+    return RecordedRun(run, folder, not run.missing, problems), table
+
+
+def with_points(recorded: RecordedRun, table: SweepTable, file: Path) -> RecordedRun:
+    """The run with what all points were, where it has not the records of all; `file` has them."""
+    if len(recorded.run.records) == sum(table.statuses.values()):
+        return recorded
+    where = file.resolve()
+    folder = recorded.folder.resolve()
+    name = where.relative_to(folder).as_posix() if where.is_relative_to(folder) else str(where)
+    return replace(recorded, run=replace(recorded.run, points=table.summary(name)))
+
+
+def _batches(points: Iterator[int]) -> Iterator[list[int]]:
+    return iter(lambda: list(itertools.islice(points, AT_ONCE)), [])
+
+
+Plain = Mapping[str, Any]
+
+
+class PointRecords:
+    """Writes and reads the records of `count` points in the journal of a sweep.
+
+    A line is `[point, record]`. Only where it begins is kept in memory.
+
+    Args:
+        folder: the run's folder.
+        journal: the journal that is open there.
+        count: how many points there are.
+    """
+
+    def __init__(self, folder: Path, journal: Journal, count: int) -> None:
+        self._folder = folder
+        self._journal = journal
+        self._starts = array("q", [-1]) * count
+
+    def add(self, point: int, record: Record) -> Plain:
+        """Write a point's record; return it as plain data."""
+        plain: Plain = store.to_plain(record)
+        start = self._journal.write(as_line([point, plain]))
+        self._starts[point] = -1 if start is None else start
+        return plain
+
+    def resume(self, use: Callable[[int, Plain], None]) -> Iterator[int]:
+        """Call `use` with each point and record that an earlier command wrote.
+
+        Yields:
+            The numbers of lines that are damaged, or for which `use` raises.
+        """
+        for number, start, line in lines(self._folder):
+            try:
+                point, plain = json.loads(line)
+                if type(point) is not int or not 0 <= point < len(self._starts):
+                    raise ValueError(f"there is no point {point}")
+                store.parse(plain, Record)
+                use(point, plain)
+            except (ValueError, LookupError, TypeError, AttributeError, ShaderlabError):
+                yield number
+            else:
+                self._starts[point] = start
+
+    def read(self, points: Iterable[int]) -> list[Record]:
+        """Read the records of some points, without those that could not be written."""
+        found = []
+        with open(open_regular(self._folder / FILE_NAME), "rb") as file:
+            for point in points:
+                if self._starts[point] >= 0:
+                    file.seek(self._starts[point])
+                    _, plain = json.loads(file.readline())
+                    found.append(store.parse(plain, Record))
+        return found

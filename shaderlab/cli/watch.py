@@ -7,8 +7,8 @@ import datetime
 import os
 import sys
 import time
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,19 +23,20 @@ from shaderlab.cli.options import (
     limits_option,
     make_local_executor,
 )
-from shaderlab.errors import UsageError
+from shaderlab.cli.outputs import new_run_folder
+from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits, RunOptions
+from shaderlab.model.records import Record, Run
 from shaderlab.settings import FILE, settings_changed, settings_of
 
 if TYPE_CHECKING:
-    from shaderlab.cli.live_page import LivePage
     from shaderlab.cli.showing import Show
-    from shaderlab.workers.executor import LocalExecutor
-    from shaderlab.workers.jobs import CaseFacts, Job
+    from shaderlab.cli.watching import Changes, Contents, Session
+    from shaderlab.engine.executors import LocalExecutor
+    from shaderlab.engine.jobs import CaseFacts, Job
+    from shaderlab.report.live import LiveReport
 
-    from .watching.changes import Changes, Contents
-    from .watching.session import Session
 
 _SHOWN = 4
 
@@ -85,10 +86,7 @@ def command(
         return make_local_executor(driver, limits, workers)
 
     from shaderlab.cli.showing import Show
-
-    from .watching.changes import Changes, Contents
-    from .watching.requests import warm_up
-    from .watching.session import Session
+    from shaderlab.cli.watching import Changes, Contents, Session, warm_up
 
     wanted = _Wanted(targets or (".",))
     case_files, test_files = wanted.files()
@@ -106,8 +104,6 @@ def command(
         )
         page = None
         if open_report:
-            from shaderlab.cli.live_page import live_page
-
             page = stack.enter_context(live_page(options))
         changes.add({file.parent for file in wanted.settings()}, below=False)
         _Watch(session, changes, Contents(), wanted, show, page).run(case_files, test_files)
@@ -239,3 +235,53 @@ class _Watch:
         self._changes.add({path.parent for path in files})
         if self._page is not None and not self._changes.pending():
             self._page.write(self._session, case_files)
+
+
+class LivePage:
+    """The report of all that is watched, in a browser."""
+
+    def __init__(self, report: LiveReport, folder: Path, options: RunOptions) -> None:
+        self._report, self._folder = report, folder
+        self._options = replace(options, folder=folder, pictures=True)
+        self._records: dict[tuple[str, str], Record] = {}
+        self._started = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
+        self._opened = False
+
+    def write(self, session: Session, case_files: Collection[Path]) -> None:
+        """Run what was judged once more, with pictures, and write the page anew."""
+        from shaderlab.model import store
+        from shaderlab.report import html
+
+        began = time.perf_counter()
+        jobs = [job for job in session.jobs if Path(job.file) in case_files]
+        for _, record in session.executor.run(jobs, self._options):
+            self._records[record.id, record.variant] = record
+        about = session.executor.about()
+        run = Run(
+            driver=about.driver,
+            versions=about.versions,
+            started=self._started,
+            seconds=time.perf_counter() - began,
+            records=tuple(self._records.get((r.id, r.variant), r) for r in session.records),
+        )
+        try:
+            store.save(run, self._folder)
+            html.write(run, self._folder)
+        except ShaderlabError as error:
+            click.echo(f"shaderlab: {error}", err=True)
+            return
+        self._report.changed()
+        if not self._opened:
+            self._opened = True
+            click.echo(f"report: {self._report.address}")
+            click.launch(self._report.address)
+
+
+@contextlib.contextmanager
+def live_page(options: RunOptions) -> Iterator[LivePage]:
+    """A page in a new folder of runs, served until the end."""
+    from shaderlab.report.live import live_report
+
+    folder = new_run_folder()
+    with live_report(folder) as report:
+        yield LivePage(report, folder, options)

@@ -38,7 +38,7 @@ _COMMANDS_PER_FILE = 8
 
 
 class Workers(Protocol):
-    """A pool of processes, such as `shaderlab.workers.WorkerPool(WORK)`."""
+    """A pool of processes, such as `shaderlab.workers.pool.WorkerPool(WORK)`."""
 
     def run(self, items: Iterable[Any]) -> Iterator[Any]:
         """The jobs' results as they complete; see `shaderlab.workers.pool.ItemResult`."""

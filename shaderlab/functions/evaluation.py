@@ -26,6 +26,7 @@ from shaderlab.compiler.engines import choose
 from shaderlab.compiler.shader_files import version_of, without_comments
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.drivers import Evaluation
+from shaderlab.engine.executors import InProcessExecutor, LocalExecutor, ProcessExecutor
 from shaderlab.errors import CallError, ShaderError
 from shaderlab.functions.call import Argument, Call, build_result, collect_opaque
 from shaderlab.functions.kernels import LANES, MAX_WORDS, Kernel, local_name
@@ -33,11 +34,9 @@ from shaderlab.functions.signatures import rename
 from shaderlab.model.frame import Array
 from shaderlab.model.options import CALL_LIMITS, RunOptions
 from shaderlab.settings import settings_of
-from shaderlab.workers import InProcessExecutor, ProcessExecutor
-from shaderlab.workers.executor import LocalExecutor
 
 if TYPE_CHECKING:
-    from shaderlab.workers.lab_worker import LabWorker
+    from shaderlab.engine.worker import Worker
 
 
 _VERSION = re.compile(r"#version \d+")
@@ -89,7 +88,7 @@ class Preprocess:
 
     source: Source
 
-    def perform(self, worker: LabWorker) -> str:
+    def perform(self, worker: Worker) -> str:
         worker.note("preprocessing")
         text = choose().preprocess(self.source)
         if text is None:
@@ -119,8 +118,8 @@ class Evaluate:
     note: str
     driver: str | None
 
-    def perform(self, worker: LabWorker) -> None:
-        """See `shaderlab.workers.jobs.Request`. Raises as `Backend.evaluate`."""
+    def perform(self, worker: Worker) -> None:
+        """See `shaderlab.engine.jobs.Request`. Raises as `Backend.evaluate`."""
         worker.note(self.note)
         lab = worker.lab(RunOptions(driver=self.driver))
         memory = worker.keep("memory", self.region, self.region.open)
@@ -220,7 +219,7 @@ _CALLER: ContextVar[Caller | None] = ContextVar("_CALLER", default=None)
 
 
 @contextmanager
-def use_worker(worker: LabWorker) -> Iterator[None]:
+def use_worker(worker: Worker) -> Iterator[None]:
     """Inside a worker: calls are made in this process, on its own device."""
     driver = settings_of(Path.cwd()).driver
     made = worker.keep("caller", driver, lambda: Caller(InProcessExecutor(driver, worker), driver))

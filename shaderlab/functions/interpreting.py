@@ -13,6 +13,7 @@ from shaderlab.analysis.equivalence.answer import Answer, OutputAnswer
 from shaderlab.analysis.equivalence.comparison import Plan as ComparisonPlan, compare_programs
 from shaderlab.analysis.inputs import inputs_of, unknown_names
 from shaderlab.analysis.interpreter import Program, load
+from shaderlab.analysis.requests import ShaderOfFile
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, nearest
 from shaderlab.functions.declarations import Type, read_declarations
@@ -20,10 +21,9 @@ from shaderlab.functions.evaluation import Preprocess, as_version, glsl_versions
 from shaderlab.functions.kernels import local_name
 from shaderlab.functions.library import with_version
 from shaderlab.functions.signatures import PREFIX, Signature, declare, find_signatures
-from shaderlab.workers.compare_shaders import ShaderOfFile
 
 if TYPE_CHECKING:
-    from shaderlab.workers.lab_worker import LabWorker
+    from shaderlab.engine.worker import Worker
 
 
 _RANGES = {"bool": " // range: 0..1"}
@@ -167,8 +167,8 @@ class AuditFunctions:
         """What is audited, in words."""
         return self.shader.file.path
 
-    def perform(self, worker: LabWorker) -> list[Audit]:
-        """See `shaderlab.workers.jobs.Request`."""
+    def perform(self, worker: Worker) -> list[Audit]:
+        """See `shaderlab.engine.jobs.Request`."""
         found, refused = [], []
         functions = _functions(worker, self.shader)
         _check_ranges(self.plan.ranges, functions)
@@ -198,8 +198,8 @@ class CompareFunctions:
     new: ShaderOfFile
     plan: ComparisonPlan
 
-    def perform(self, worker: LabWorker) -> list[Answer]:
-        """See `shaderlab.workers.jobs.Request`."""
+    def perform(self, worker: Worker) -> list[Answer]:
+        """See `shaderlab.engine.jobs.Request`."""
         old, new = (_functions(worker, shader) for shader in (self.old, self.new))
         _check_ranges(self.plan.ranges, [*old, *new])
         others = {str(one.signature): one for one in new}
@@ -241,7 +241,7 @@ class CompareFunctions:
         ]
 
 
-def _functions(worker: LabWorker, shader: ShaderOfFile) -> list[EntryPoint]:
+def _functions(worker: Worker, shader: ShaderOfFile) -> list[EntryPoint]:
     worker.note("preprocessing")
     written = shader.source("fragment")
     source = with_version(written)

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from shaderlab.engine.executors import LocalExecutor, error_text
+from shaderlab.engine.jobs import Request
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.case import Case
 from shaderlab.model.options import RunOptions
@@ -20,12 +22,10 @@ from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.mutants import CaseResult, Mutant, MutantResult, MutantRun
 from shaderlab.mutation.shader_mutants import mutate_case
 from shaderlab.mutation.state_mutants import mutate_state
-from shaderlab.workers.executor import LocalExecutor, error_text
-from shaderlab.workers.jobs import Request
 from shaderlab.workers.pool import ItemResult
 
 if TYPE_CHECKING:
-    from shaderlab.workers.lab_worker import LabWorker
+    from shaderlab.engine.worker import Worker
 
 _OPENING = "running the case as it is"
 """The step that a worker notes while it opens a case."""
@@ -101,7 +101,7 @@ class MakeMutants:
     file: Path
     plan: MutationPlan
 
-    def perform(self, worker: LabWorker) -> list[Mutant]:
+    def perform(self, worker: Worker) -> list[Mutant]:
         case, plan = worker.case(str(self.file)), self.plan
         if not plan.api:
             return make_mutants(case, plan)
@@ -122,13 +122,13 @@ class JudgeMutant:
     mutant: Mutant
     locate: bool = False
 
-    def perform(self, worker: LabWorker) -> MutantResult:
+    def perform(self, worker: Worker) -> MutantResult:
         judge: Judge = worker.keep(
             "judge", (self.file, self.variants, self.locate), lambda: self._open(worker)
         )
         return judge.judge(self.mutant)
 
-    def _open(self, worker: LabWorker) -> Judge:
+    def _open(self, worker: Worker) -> Judge:
         worker.note(_OPENING)
         worker.restart_limit(OPENING_SECONDS)
         lab, case = worker.lab(RunOptions()), worker.case(str(self.file))

@@ -36,7 +36,7 @@ from shaderlab.model.options import RunOptions
 from shaderlab.model.records import CodeCoverage, CoverageGap
 
 if TYPE_CHECKING:
-    from shaderlab.workers.lab_worker import LabWorker
+    from shaderlab.engine.worker import Worker
 
 # What each kind of point can see, a bit each, and what is to be said where it never did.
 ITEMS: dict[str, tuple[str, ...]] = {
@@ -389,7 +389,7 @@ class CoverCase:
     variants: tuple[str, ...]
     options: RunOptions
 
-    def perform(self, worker: LabWorker) -> CodeCoverage:
+    def perform(self, worker: Worker) -> CodeCoverage:
         scenes = worker.scenes(str(self.file))
 
         def each() -> Iterator[Scene]:

@@ -39,8 +39,8 @@ from shaderlab.report.plain_text import failed
 if TYPE_CHECKING:
     import pytest
 
+    from shaderlab.engine.worker import Worker
     from shaderlab.model.records import Record
-    from shaderlab.workers.lab_worker import LabWorker
 
 _NAME = re.compile(r"test_.*\.py|.*_test\.py")
 _LOADS = re.compile(rb"\bshaderlab\b.*\bglsl\b", re.DOTALL)
@@ -104,8 +104,8 @@ class RunTestFile:
     only: frozenset[str] = frozenset()
     alike: bool = False
 
-    def perform(self, worker: LabWorker) -> TestFileResult:
-        """See `shaderlab.workers.jobs.Request`. Raises UsageError: pytest is not installed."""
+    def perform(self, worker: Worker) -> TestFileResult:
+        """See `shaderlab.engine.jobs.Request`. Raises UsageError: pytest is not installed."""
         with extra("pytest", "running tests of functions"):
             import pytest
 
@@ -136,7 +136,7 @@ class RunTestFile:
 class _Session:
     """One session of pytest: what it collects, what it finds, and how far it is."""
 
-    def __init__(self, worker: LabWorker, file: Path, only: Collection[str]) -> None:
+    def __init__(self, worker: Worker, file: Path, only: Collection[str]) -> None:
         self._worker = worker
         self._file = file
         self._only = only
@@ -233,7 +233,7 @@ class MakeFunctionMutants:
     file: Path
     plan: MutationPlan
 
-    def perform(self, worker: LabWorker) -> list[Mutant]:
+    def perform(self, worker: Worker) -> list[Mutant]:
         worker.restart_limit(OPENING_SECONDS)
         result = RunTestFile(self.file, alike=True).perform(worker)
         names = ", ".join(r.variant for r in result.records if failed(r))
@@ -262,7 +262,7 @@ class JudgeFunctionMutant:
     file: Path
     mutant: FunctionMutant
 
-    def perform(self, worker: LabWorker) -> MutantResult:
+    def perform(self, worker: Worker) -> MutantResult:
         mutant = self.mutant
         texts = {mutant.source.text: mutant.text}
         result = RunTestFile(self.file, texts, mutant.tests, alike=True).perform(worker)
@@ -301,9 +301,7 @@ class Comparison:
     note: str
 
 
-def compare_texts(
-    worker: LabWorker, source: Source, text: str, names: Collection[str]
-) -> Comparison:
+def compare_texts(worker: Worker, source: Source, text: str, names: Collection[str]) -> Comparison:
     """Compare these functions of a source and of another text for it, bit by bit.
 
     A function that reads other samplers than a `sampler2D` can't be called at random arguments.

@@ -30,16 +30,17 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from shaderlab.engine.discovery import examined
+from shaderlab.engine.executors import WORDS
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path
 from shaderlab.model.options import CALL_LIMITS, Limits
 from shaderlab.report.plain_text import failed, failure, label
-from shaderlab.workers.sizing import WORDS
 
 if TYPE_CHECKING:
+    from shaderlab.engine.executors import Prefetcher
+    from shaderlab.engine.jobs import Job
     from shaderlab.model.records import Record
     from shaderlab.settings import Settings
-    from shaderlab.workers import Job, Prefetcher
 
 _TESTS = re.compile(rb"^\s*(?:async\s+)?def test|^\s*class \w*Test|^Test", re.MULTILINE)
 _PREFETCHER: pytest.StashKey[Prefetcher] = pytest.StashKey()
@@ -58,7 +59,7 @@ class CaseFile(pytest.File):
     """A case file; collecting it has the worker import it, which touches no device."""
 
     def collect(self) -> Iterator[CaseItem]:
-        from shaderlab.workers.jobs import jobs_of
+        from shaderlab.engine.jobs import jobs_of
 
         (facts,) = prefetcher_of(self.config).executor.load([self.path])
         if facts.error is not None:
@@ -116,8 +117,8 @@ def prefetcher_of(config: pytest.Config) -> Prefetcher:
     """What runs this process's cases, made when it is first needed."""
     prefetcher = config.stash.get(_PREFETCHER, None)
     if prefetcher is None:
+        from shaderlab.engine.executors import InProcessExecutor, Prefetcher, ProcessExecutor
         from shaderlab.model.options import RunOptions
-        from shaderlab.workers import InProcessExecutor, Prefetcher, ProcessExecutor
 
         workers, settings = _workers(config), _settings(config)
         limits = _limits(config)

@@ -15,8 +15,8 @@ from shaderlab.files import display_path
 from shaderlab.functions.records import Notes, take_notes
 
 if TYPE_CHECKING:
+    from shaderlab.engine.jobs import About
     from shaderlab.model.records import Record, Status
-    from shaderlab.workers.jobs import About
 
 ATTRIBUTE = "shaderlab_record"
 """A report's attribute with the record as plain data: pytest-xdist sends it on."""

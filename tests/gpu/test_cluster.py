@@ -17,12 +17,13 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from shaderlab.cli import cli
+from shaderlab.cli import cli, cluster, cluster_worker
+from shaderlab.cli.cluster import DaskExecutor
+from shaderlab.engine import jobs
+from shaderlab.engine.jobs import Job
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model import store
 from shaderlab.model.options import Limits, RunOptions
-from shaderlab.workers import Job, dask_bundles, dask_connection, dask_executor, dask_plugin, jobs
-from shaderlab.workers.dask_executor import DaskExecutor
 from tests.gpu import faulty
 
 distributed = pytest.importorskip("distributed")
@@ -152,7 +153,7 @@ def test_of_a_task_that_lost_its_workers_only_the_job_to_blame_is_a_crash(
                 raise KilledWorker(self.key, None, 3)
             records = {n: jobs.failed_record(job, "pass", "") for n, job in enumerate(self.jobs)}
             plain = {number: store.to_plain(record) for number, record in records.items()}
-            return dask_plugin.RemoteResult(records=plain, files={}, frames={})
+            return cluster_worker.RemoteResult(records=plain, files={}, frames={})
 
         def release(self) -> None:
             asked.append(self.key)
@@ -178,7 +179,7 @@ def test_many_jobs_share_a_task_and_each_thread_gets_several() -> None:
     many = [Job(file="slow.py", id="slow", variant=f"{n}") for n in range(1000)]
     tasks = list(executor._together([*many, replace(many[0], driver="softpipe")]))
     assert [job.variant for some in tasks for job in some] == [f"{n}" for n in range(1000)] + ["0"]
-    assert {len(some) for some in tasks[:-2]} == {dask_executor.TOGETHER} and len(tasks[-1]) == 1
+    assert {len(some) for some in tasks[:-2]} == {cluster.TOGETHER} and len(tasks[-1]) == 1
     assert {len(some) for some in executor._together(many[:40])} == {1}
 
 
@@ -266,8 +267,8 @@ def test_a_sweep_there_gives_the_table_of_one_here(
 
 
 def test_other_versions_there_are_refused(dask: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    other = {**dask_bundles.identity(), "numpy": "1.0"}
-    monkeypatch.setattr(dask_connection, "identity", lambda: other)
+    other = {**cluster.identity(), "numpy": "1.0"}
+    monkeypatch.setattr(cluster, "identity", lambda: other)
     with pytest.raises(UsageError, match=r"numpy \d.*here 1\.0") as raised:
         DaskExecutor(dask.scheduler_address)
     assert "same versions" in str(raised.value)
@@ -276,7 +277,7 @@ def test_other_versions_there_are_refused(dask: Any, monkeypatch: pytest.MonkeyP
 def test_without_a_scheduler_workers_or_dask_it_says_what_to_do(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(dask_connection, "CONNECT_SECONDS", 0.3)
+    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 0.3)
     with pytest.raises(UsageError, match="no Dask scheduler answers") as raised:
         DaskExecutor("tcp://127.0.0.1:9")
     assert "dask scheduler" in str(raised.value)
@@ -296,7 +297,7 @@ def test_without_a_scheduler_workers_or_dask_it_says_what_to_do(
 def test_a_cluster_that_goes_away_ends_the_run_with_a_remedy(
     slow: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(dask_executor, "LOOK_SECONDS", 0.2)
+    monkeypatch.setattr(cluster, "LOOK_SECONDS", 0.2)
     found: list[str] = []
     with distributed.LocalCluster(
         n_workers=1, threads_per_worker=1, processes=False, dashboard_address=":0"
@@ -320,7 +321,7 @@ def test_a_bundle_is_made_of_its_content_alone(tmp_path: Path) -> None:
         (tmp_path / name / "case.py").write_text("x = 1")
         (tmp_path / name / ".hidden").write_text(name)
         (tmp_path / name / "reports" / "index.html").write_text(name)
-    first, second = (dask_bundles.packed_folder(tmp_path / name) for name in ("a", "b"))
+    first, second = (cluster.packed_folder(tmp_path / name) for name in ("a", "b"))
     assert first == second
     folder = first.unpack(tmp_path)
     assert [p.name for p in folder.iterdir()] == ["case.py"]
@@ -331,11 +332,11 @@ def test_a_folder_that_is_too_large_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "large").write_bytes(b"x" * 2000)
-    monkeypatch.setattr(dask_bundles, "MOST_BYTES", 1000)
+    monkeypatch.setattr(cluster, "MOST_BYTES", 1000)
     with pytest.raises(UsageError, match="folder of its own"):
-        dask_bundles.packed_folder(tmp_path)
+        cluster.packed_folder(tmp_path)
 
 
 def test_nothing_is_written_outside_the_run(tmp_path: Path) -> None:
-    said = dask_executor.write_files({"../evil": b"x"}, tmp_path / "run")
+    said = cluster.write_files({"../evil": b"x"}, tmp_path / "run")
     assert "outside" in said and not (tmp_path / "evil").exists()

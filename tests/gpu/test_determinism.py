@@ -9,10 +9,11 @@ from typing import Any
 
 import pytest
 
+from shaderlab.engine.executors import ProcessExecutor
+from shaderlab.engine.jobs import Job
 from shaderlab.model import store
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
-from shaderlab.workers import Job, ProcessExecutor
 
 # Seeded noise as textures, a domain with figures and curves, meshes with depth and stencil.
 CASES = {

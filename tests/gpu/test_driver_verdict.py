@@ -17,7 +17,7 @@ from shaderlab.drivers import Backend, open_backend
 from shaderlab.drivers.opengl.backend import OpenGLBackend
 from shaderlab.drivers.opengl.device import GL, Device
 from shaderlab.errors import DriverError
-from shaderlab.workers import WorkerPool
+from shaderlab.workers.pool import WorkerPool
 
 VERTEX = (
     "#version 330 core\nin vec3 a;\nout vec3 n;\nvoid main() { n = a; gl_Position = a.xyzz; }\n"

@@ -149,7 +149,7 @@ def test_an_interrupted_run_goes_on_with_all_its_drivers(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     faulty.write_wave(tmp_path / "waves", "wave")
-    monkeypatch.setattr("shaderlab.cli.several_drivers.shutil.rmtree", lambda *_, **__: None)
+    monkeypatch.setattr("shaderlab.cli.compare_drivers.shutil.rmtree", lambda *_, **__: None)
     shared = ("--json", "out.json", "--no-pictures")
     started = ("./waves", "--drivers", "llvmpipe,llvmpipe-spirv", "--size", "16", "--report", "run")
     runs = []

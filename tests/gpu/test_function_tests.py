@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 from shaderlab.cli import cli, selecting
 from shaderlab.compiler.sources import Shaders
+from shaderlab.engine.worker import Worker
 from shaderlab.errors import CaseError
 from shaderlab.mutation import MutationPlan
 from shaderlab.mutation.function_tests import (
@@ -20,7 +21,6 @@ from shaderlab.mutation.function_tests import (
     RunTestFile,
     compare_texts,
 )
-from shaderlab.workers.lab_worker import LabWorker
 
 GLSL = """\
 float fade(float d, float reach) { return max(1.0 - d / reach, 0.0); }
@@ -73,11 +73,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture(scope="module")
-def worker() -> LabWorker:
-    return LabWorker()
+def worker() -> Worker:
+    return Worker()
 
 
-def made(worker: LabWorker, file: Path) -> dict[tuple[str, str], FunctionMutant]:
+def made(worker: Worker, file: Path) -> dict[tuple[str, str], FunctionMutant]:
     """The mutants by what they make of what."""
     found = {}
     for mutant in MakeFunctionMutants(file, MutationPlan()).perform(worker):
@@ -86,7 +86,7 @@ def made(worker: LabWorker, file: Path) -> dict[tuple[str, str], FunctionMutant]
     return found
 
 
-def test_a_file_of_tests_is_run_anew_each_time(worker: LabWorker, folder: Path) -> None:
+def test_a_file_of_tests_is_run_anew_each_time(worker: Worker, folder: Path) -> None:
     file = folder / "test_light.py"
     first = RunTestFile(file).perform(worker)
     assert [(r.variant, r.status) for r in first.records] == [
@@ -104,7 +104,7 @@ def test_a_file_of_tests_is_run_anew_each_time(worker: LabWorker, folder: Path) 
     assert broken.status == "error" and "SyntaxError" in broken.message
 
 
-def test_mutants_are_of_functions_that_tests_ask_for(worker: LabWorker, folder: Path) -> None:
+def test_mutants_are_of_functions_that_tests_ask_for(worker: Worker, folder: Path) -> None:
     file = folder / "test_light.py"
     mutants = made(worker, file)
     assert not any("3.0" in before for before, _ in mutants)  # nobody asks for it
@@ -127,7 +127,7 @@ def test_mutants_are_of_functions_that_tests_ask_for(worker: LabWorker, folder: 
     assert fate("2.0 * x", "2.02 * x", text=wrong)[0] == "invalid"
 
 
-def test_structures_and_textures_are_asked_for_other_values(worker: LabWorker) -> None:
+def test_structures_and_textures_are_asked_for_other_values(worker: Worker) -> None:
     text = """
         struct Light { vec3 at; float reach; };
         struct Surface { sampler2D color; float gain; };
@@ -151,14 +151,14 @@ def test_structures_and_textures_are_asked_for_other_values(worker: LabWorker) -
         assert found.differs is expected, (name, after, found.said)
 
 
-def test_texts_and_values_of_the_import_are_mutated_too(worker: LabWorker, folder: Path) -> None:
+def test_texts_and_values_of_the_import_are_mutated_too(worker: Worker, folder: Path) -> None:
     (folder / "test_inline.py").write_text(INLINE)
     file = folder / "test_inline.py"
     mutant = made(worker, file)["x + 1.0", "x - 1.0"]
     assert JudgeFunctionMutant(file, mutant).perform(worker).by == "test_import, test_law"
 
 
-def test_what_can_not_be_measured_is_said(worker: LabWorker, folder: Path) -> None:
+def test_what_can_not_be_measured_is_said(worker: Worker, folder: Path) -> None:
     file = folder / "test_light.py"
     file.write_text(TESTS.replace("== 0.0", "== 1.0"))
     with pytest.raises(CaseError, match="fails as it is: test_twice"):

@@ -15,6 +15,7 @@ from click.testing import CliRunner
 
 from shaderlab.cli import cli
 from shaderlab.engine.catalogue import load_case
+from shaderlab.engine.executors import ProcessExecutor
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import Limits
 from shaderlab.mutation import (
@@ -28,7 +29,6 @@ from shaderlab.mutation import (
 from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.mutants import Effect, PartError
 from shaderlab.mutation.state_mutants import mutate_state
-from shaderlab.workers import ProcessExecutor
 
 SHADER = """\
 #version 330 core

@@ -17,9 +17,9 @@ from xml.etree import ElementTree
 
 import pytest
 
+from shaderlab.engine.executors import ProcessExecutor
+from shaderlab.engine.jobs import jobs_of
 from shaderlab.model.options import RunOptions
-from shaderlab.workers import ProcessExecutor
-from shaderlab.workers.jobs import jobs_of
 from tests.gpu import faulty
 
 WAIT = "while not os.path.exists('{file}'): __import__('time').sleep(0.01)"

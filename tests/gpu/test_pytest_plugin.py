@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-import shaderlab.workers.lab_worker
+import shaderlab.engine.worker
 from shaderlab.engine.discovery import examined
 from tests.gpu import faulty
 
 STAND_IN = """
 import dataclasses, os
-import shaderlab.workers.lab_worker
+import shaderlab.engine.worker
 from shaderlab.model.records import Outcome, Record, Worst
 
 WORST = Worst(pixel=(3, 17), component=0, measured=(0.5,), reference=(0.25,), low=(0.2,),
@@ -36,7 +36,7 @@ class Lab:
     def close(self):
         print("lab closed")
 
-shaderlab.workers.lab_worker.SceneRunner = Lab
+shaderlab.engine.worker.SceneRunner = Lab
 """
 
 
@@ -47,7 +47,7 @@ def cases(
     """A pytester whose folder holds the case `lamp` and the stand-in lab."""
     monkeypatch.setenv("SHADERLAB_JOBS", "0")
     monkeypatch.setattr(
-        shaderlab.workers.lab_worker, "SceneRunner", shaderlab.workers.lab_worker.SceneRunner
+        shaderlab.engine.worker, "SceneRunner", shaderlab.engine.worker.SceneRunner
     )  # as it is after
     for file in case_folder.iterdir():
         (pytester.path / file.name).write_text(file.read_text())

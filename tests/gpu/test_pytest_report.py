@@ -7,11 +7,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from shaderlab.engine.jobs import About
 from shaderlab.model import store
 from shaderlab.model.records import Record
 from shaderlab.pytest_plugin.report import ReportWriter
 from shaderlab.report.findings import findings_of
-from shaderlab.workers.jobs import About
 
 LIGHT = "float half_of(float x) { return 0.5 * x; }\nfloat same(float x) { return x; }\n"
 TESTS = '''\

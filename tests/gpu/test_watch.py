@@ -14,10 +14,10 @@ from click.testing import CliRunner
 
 from shaderlab.cli import cli
 from shaderlab.cli.selecting import jobs_in
-from shaderlab.cli.watching.session import Session
+from shaderlab.cli.watching import Session
+from shaderlab.engine.executors import InProcessExecutor
+from shaderlab.engine.jobs import CaseFacts, Job
 from shaderlab.model.options import RunOptions
-from shaderlab.workers import InProcessExecutor, Job
-from shaderlab.workers.jobs import CaseFacts
 
 SHADER = """\
 #version 330 core

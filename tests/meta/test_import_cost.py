@@ -63,7 +63,7 @@ def test_listing_cases_loads_nothing_heavy() -> None:
 
 
 def test_a_worker_loads_nothing_heavy() -> None:
-    loaded = modules_after("import shaderlab.compiler.engines, shaderlab.workers.lab_worker")
+    loaded = modules_after("import shaderlab.compiler.engines, shaderlab.engine.worker")
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"click", "cattrs"})
 
 
@@ -80,7 +80,7 @@ def test_a_device_is_opened_without_pyopengls_wrappers() -> None:
 
 def test_a_command_starts_its_worker_before_it_loads_anything_large() -> None:
     """Not even NumPy: what the report needs is loaded while the worker gets ready."""
-    loaded = modules_after("import shaderlab.cli.run, shaderlab.workers.executor")
+    loaded = modules_after("import shaderlab.cli.run, shaderlab.engine.executors")
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"numpy", "cattrs"})
 
 

@@ -43,8 +43,8 @@ OWNERS: dict[str, set[str]] = {
     "rich": {"cli"},
     "hypothesis": {"functions", "mutation"},
     "pytest": {"mutation", "pytest_plugin"},
-    "distributed": {"workers"},
-    "dask": {"workers"},
+    "distributed": {"cli"},
+    "dask": {"cli"},
     "pyarrow": {"report"},
     "watchfiles": {"cli"},
 }

@@ -27,6 +27,7 @@ from shaderlab import (
     UniformBuffer,
     formula,
 )
+from shaderlab.cli.compare_drivers import disagreements
 from shaderlab.compiler.spirv import parse
 from shaderlab.drivers.opengl import drawing, linking, target, textures
 from shaderlab.drivers.opengl.device import GL
@@ -34,7 +35,6 @@ from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import vec4
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Disagreement, Record
-from shaderlab.workers.drivers import disagreements
 
 ADDED = Blend(source="one", destination="one")
 PATHS = ("llvmpipe", "llvmpipe-spirv")

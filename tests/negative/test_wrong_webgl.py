@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
+from shaderlab.cli.compare_drivers import disagreements
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DriverError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Disagreement
-from shaderlab.workers.drivers import disagreements
 from tests.negative.test_wrong_paths import scene
 
 PATHS = ("llvmpipe", "webgl2")

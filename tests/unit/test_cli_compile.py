@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
-from shaderlab.cli.tallying import progress_bar
+from shaderlab.cli.compile import progress_bar
 
 GOOD = "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"
 BAD = "#version 330 core\nout vec4 c;\nvoid main()\n{\n    c = vec4(nothing);\n}\n"

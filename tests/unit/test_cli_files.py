@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.cli.files import find_latest, latest, new_run_folder, report_folder, write_json
+from shaderlab.cli.outputs import find_latest, latest, new_run_folder, report_folder, write_json
 from shaderlab.errors import UsageError
 
 

@@ -11,11 +11,10 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import COMMANDS, cli, list_cases
-from shaderlab.cli.case_index import kept_facts
-from shaderlab.cli.selecting import choose
+from shaderlab.cli.selecting import choose, kept_facts
 from shaderlab.engine import catalogue
+from shaderlab.engine.jobs import CaseFacts
 from shaderlab.errors import CaseError, UsageError
-from shaderlab.workers.jobs import CaseFacts
 from tests.catalogue import shipped
 
 

@@ -14,8 +14,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
+from shaderlab.engine import worker
 from shaderlab.model.records import Record
-from shaderlab.workers import lab_worker
 
 Install = Callable[[Mapping[str, Record]], list[Any]]
 
@@ -120,7 +120,7 @@ def test_an_interrupted_run_reports_what_it_did(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     fake_lab({})
-    lab = lab_worker.SceneRunner()
+    lab = worker.SceneRunner()
     run = type(lab).run
 
     def interrupt(self: Any, scene: Any) -> Record:

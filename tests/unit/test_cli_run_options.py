@@ -13,8 +13,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
+from shaderlab.cli.journal import read
 from shaderlab.model.records import Record
-from shaderlab.workers.journal import read
 
 Install = Callable[[Mapping[str, Record]], list[Any]]
 

@@ -9,8 +9,7 @@ import re
 import pytest
 from rich.console import Console
 
-from shaderlab.cli.rows import case_table
-from shaderlab.cli.showing import MOST_CASES, Show
+from shaderlab.cli.showing import MOST_CASES, Show, case_table
 from shaderlab.model.records import Record, Run
 
 

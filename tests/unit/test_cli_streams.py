@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab import cli
-from shaderlab.cli.streams import lasting, problem, settled
+from shaderlab.cli.outputs import lasting, problem, settled
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="devices of Linux")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab.cli.doctor import examine
 from shaderlab.compiler import compile_cache, compile_program, library
 from shaderlab.compiler.compile_cache import (
     Store,
@@ -16,7 +17,6 @@ from shaderlab.compiler.compile_cache import (
     compilers_digest,
     files_digest,
 )
-from shaderlab.doctor import examine
 from shaderlab.errors import ShaderError
 
 LATER = time.time() + 3600

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shaderlab.workers.difference_pictures import shades
+from shaderlab.cli.compare_drivers import shades
 
 
 def test_pictures_of_differences_grow_darker_and_small() -> None:

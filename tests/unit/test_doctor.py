@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
-from shaderlab.doctor import examine
+from shaderlab.cli.doctor import examine
 from shaderlab.errors import DriverError
 
 

@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from shaderlab.cli.compare_drivers import apart
+from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan, read
+from shaderlab.engine.executors import ProcessExecutor
+from shaderlab.engine.jobs import Job, failed_record
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.activity import Activity, doing
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
-from shaderlab.workers import ProcessExecutor
-from shaderlab.workers.drivers import apart
-from shaderlab.workers.jobs import Job, failed_record
-from shaderlab.workers.journal import FILE_NAME, Journal, RunPlan, read
 
 JOB = Job(file="cases/lamp.py", id="lamp", variant="near", title="A lamp", section="5.1")
 PLAN = RunPlan(

@@ -13,9 +13,10 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
+from shaderlab.engine import executors
+from shaderlab.engine.executors import ProcessExecutor
+from shaderlab.engine.jobs import CaseFacts, Job, LoadCase
 from shaderlab.model.options import RunOptions
-from shaderlab.workers import Job, ProcessExecutor, executor, sizing
-from shaderlab.workers.jobs import CaseFacts, LoadCase
 from shaderlab.workers.pool import ItemResult
 
 
@@ -27,18 +28,18 @@ from shaderlab.workers.pool import ItemResult
 def test_a_worker_for_every_few_variants(
     variants: int, cores: int, workers: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sizing, "cores", lambda: cores)
-    assert sizing.suitable(variants) == workers
+    monkeypatch.setattr(executors, "cores", lambda: cores)
+    assert executors.suitable(variants) == workers
 
 
 def test_cores_are_those_that_this_process_may_use(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "cpu_count", lambda: 64)
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3, 5}, raising=False)
-    assert sizing.cores() == 2
+    assert executors.cores() == 2
     monkeypatch.delattr(os, "sched_getaffinity")
-    assert sizing.cores() == 64
+    assert executors.cores() == 64
     monkeypatch.setattr(os, "cpu_count", lambda: None)
-    assert sizing.cores() == 1
+    assert executors.cores() == 1
 
 
 class Pool:
@@ -77,8 +78,8 @@ POOLS: list[Pool] = []
 
 @pytest.fixture
 def pools(monkeypatch: pytest.MonkeyPatch) -> list[Pool]:
-    monkeypatch.setattr(executor, "WorkerPool", Pool)
-    monkeypatch.setattr(sizing, "cores", lambda: 8)
+    monkeypatch.setattr(executors, "WorkerPool", Pool)
+    monkeypatch.setattr(executors, "cores", lambda: 8)
     POOLS.clear()
     return POOLS
 
@@ -107,4 +108,4 @@ def test_many_case_files_are_sent_together(pools: list[Pool]) -> None:
 @pytest.mark.parametrize("command", ["run", "sweep", "mutate"])
 def test_help_says_how_many_there_are(command: str) -> None:
     said = " ".join(CliRunner().invoke(cli, [command, "-h"]).output.split())
-    assert f"[default: ({sizing.WORDS}); x>=0]" in said
+    assert f"[default: ({executors.WORDS}); x>=0]" in said

@@ -10,7 +10,7 @@ import pytest
 from shaderlab.compiler import WORK, FileResult, compile_glsl, shader_files
 from shaderlab.compiler.shader_files import Roots, find_shaders
 from shaderlab.errors import ShaderError, UsageError
-from shaderlab.workers import WorkerPool
+from shaderlab.workers.pool import WorkerPool
 
 GOOD = "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"
 BAD = GOOD.replace("1.0", "nothing")

@@ -9,7 +9,7 @@ import pytest
 
 from shaderlab.compiler import WORK, Shaders, compile_glsl, compile_program
 from shaderlab.model.options import Limits
-from shaderlab.workers import WorkerPool
+from shaderlab.workers.pool import WorkerPool
 
 HEAD = "#version 450 core\nuniform float x;\nout vec4 c;\n"
 KILLERS = {

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from benchmarks.trees import storm
 from shaderlab.compiler import WORK, compile_glsl
-from shaderlab.workers import WorkerPool
+from shaderlab.workers.pool import WorkerPool
 
 COUNT = 300
 

@@ -12,8 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
-from shaderlab.cli.files import report_folder
-from shaderlab.cli.old_runs import mark_named, remove_old
+from shaderlab.cli.outputs import mark_named, remove_old, report_folder
 from shaderlab.errors import UsageError
 from shaderlab.report import runs
 

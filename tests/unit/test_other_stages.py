@@ -13,9 +13,9 @@ from shaderlab.analysis.audit import Audit, audit_program
 from shaderlab.analysis.equivalence.answer import Answer
 from shaderlab.analysis.equivalence.comparison import compare_programs
 from shaderlab.analysis.interpreter import FLOAT64, Bands, Program, interpret, load
+from shaderlab.analysis.requests import AuditCase
 from shaderlab.compiler import Shaders
 from shaderlab.errors import NotInterpretedError
-from shaderlab.workers.audit_shaders import AuditCase
 
 STRIP = """#version 330 core
 layout (triangles) in;

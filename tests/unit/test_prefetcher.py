@@ -7,12 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab.engine.executors import NEAR, Prefetcher
+from shaderlab.engine.jobs import About, CaseFacts, Job, failed_record
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
-from shaderlab.workers import Job, Prefetcher
-from shaderlab.workers.jobs import About, CaseFacts, failed_record
-from shaderlab.workers.prefetcher import NEAR
 
 JOBS = [Job(file="lamp.py", id="lamp", variant=str(number)) for number in range(100)]
 

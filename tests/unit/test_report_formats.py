@@ -11,7 +11,8 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from shaderlab.cli import cli, files
+from shaderlab.cli import cli, outputs as files
+from shaderlab.cli.outputs import SUMMARY_VARIABLE
 from shaderlab.errors import UsageError
 from shaderlab.model.records import Run
 from shaderlab.report import formats
@@ -76,13 +77,13 @@ def test_a_jobs_summary_keeps_what_earlier_steps_wrote(
 ) -> None:
     summary = tmp_path / "summary.md"
     summary.write_text("## Earlier\n\n")
-    monkeypatch.setenv(files.SUMMARY_VARIABLE, str(summary))
+    monkeypatch.setenv(SUMMARY_VARIABLE, str(summary))
     (tmp_path / "link.md").symlink_to("summary.md")
     outputs = {"markdown": str(tmp_path / "link.md"), "json": str(tmp_path / "out.json")}
     for _ in range(2):
         assert not list(files.write_outputs(run(), outputs))
     (text,) = (f.render(run()) for f in formats.FORMATS if f.name == "markdown")
     assert summary.read_text() == f"## Earlier\n\n\n{text}\n{text}"
-    monkeypatch.delenv(files.SUMMARY_VARIABLE)
+    monkeypatch.delenv(SUMMARY_VARIABLE)
     assert not list(files.write_outputs(run(), outputs))
     assert summary.read_text() == text

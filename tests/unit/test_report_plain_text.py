@@ -10,7 +10,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shaderlab.cli.rows import case_table
+from shaderlab.cli.showing import case_table
 from shaderlab.model.records import DriverResult, Record
 from shaderlab.report.formats import junit, markdown
 from shaderlab.report.plain_text import conditions, failure, label, numbers, summary

@@ -15,14 +15,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
+from shaderlab.cli.sweep_table import Grid, Parameter, SweepTable, grid, parameters, plots
+from shaderlab.engine.jobs import CaseFacts
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.model import store
 from shaderlab.model.records import Outcome, Record, Worst
 from shaderlab.report import table
-from shaderlab.workers.jobs import CaseFacts
-from shaderlab.workers.sweep_grid import Grid, Parameter, grid, parameters
-from shaderlab.workers.sweep_plots import plots
-from shaderlab.workers.sweep_table import SweepTable
 
 FACTS = CaseFacts(
     file="lamp.py",
@@ -176,8 +174,8 @@ def test_plots_are_over_the_longest_parameter_with_few_series(passing: Record) -
 def test_a_plot_of_many_points_has_the_worst_of_each_part(
     passing: Record, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("shaderlab.workers.sweep_plots.MOST_DOTS", 5)
-    monkeypatch.setattr("shaderlab.workers.sweep_plots.PARTS", 3)
+    monkeypatch.setattr("shaderlab.cli.sweep_table.MOST_DOTS", 5)
+    monkeypatch.setattr("shaderlab.cli.sweep_table.PARTS", 3)
     jobs = grid(FACTS, "near", parameters(["reach=1:6:6"]))
     far = {4: 1.5}
     made = {n: measured(passing, "", far.get(n, 0.1 + 0.01 * n), 1.0) for n in range(6)}

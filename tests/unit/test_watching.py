@@ -12,8 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.cli.watching.changes import Changes, Contents
-from shaderlab.cli.watching.requests import OpenedFiles
+from shaderlab.cli.watching import Changes, Contents, OpenedFiles
 from shaderlab.engine.discovery import imported_files
 from shaderlab.report.live import live_report
 

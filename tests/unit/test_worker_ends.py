@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.workers import WorkerPool
+from shaderlab.workers.pool import WorkerPool
 
 WORK = """
 import os, subprocess, sys, time
@@ -31,7 +31,7 @@ def work(items):
 """
 PARENT = """
 import sys
-from shaderlab.workers import WorkerPool
+from shaderlab.workers.pool import WorkerPool
 
 with WorkerPool("mine:work") as pool:
     for result in pool.run(sys.argv[1:]):

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.workers import WorkerPool, process
+from shaderlab.workers import process
+from shaderlab.workers.pool import WorkerPool
 
 WORK = """
 import os

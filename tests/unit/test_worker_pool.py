@@ -14,11 +14,10 @@ from typing import Any
 
 import pytest
 
+from shaderlab.engine.jobs import LoadCase
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import Limits
-from shaderlab.workers import WorkerPool
-from shaderlab.workers.jobs import LoadCase
-from shaderlab.workers.pool import ItemResult
+from shaderlab.workers.pool import ItemResult, WorkerPool
 
 WORK = """
 import ctypes, os, signal, subprocess, sys, time
@@ -295,7 +294,7 @@ def test_workers_take_no_file_of_a_user_for_a_module_of_pythons(
     for name in ("here/numpy", "copy", "random", "tempfile"):
         (tmp_path / f"{name}.py").write_text("raise RuntimeError('the wrong module')\n")
     monkeypatch.chdir(tmp_path / "here")
-    with WorkerPool("shaderlab.workers.lab_worker:LabWorker", limits=LIMITS) as pool:
+    with WorkerPool("shaderlab.engine.worker:Worker", limits=LIMITS) as pool:
         (result,) = pool.run([LoadCase(Path("nowhere.py"))])
     assert "there is no such case file" in str(result.value)
 

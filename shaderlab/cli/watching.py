@@ -1,22 +1,281 @@
-"""A session of watching: what is judged, what it depends on, and what a saved file asks for."""
+"""Watching: files that are saved, what depends on them, and judging that again by warm workers."""
 
 from __future__ import annotations
 
 import contextlib
+import importlib.util
+import math
+import os
+import queue
+import sys
+import threading
+import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from hashlib import blake2b
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from shaderlab.engine.discovery import imported_files, is_own
-from shaderlab.errors import CaseError
+from shaderlab.engine.executors import LocalExecutor, error_text
+from shaderlab.engine.jobs import CaseFacts, Job, failed_record
+from shaderlab.errors import CaseError, ShaderlabError, extra
+from shaderlab.files import read_regular
+from shaderlab.functions.evaluation import use_worker
+from shaderlab.functions.library import load
 from shaderlab.functions.records import record_of_test
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record, Status
-from shaderlab.workers.executor import LocalExecutor, error_text
-from shaderlab.workers.jobs import CaseFacts, Job, failed_record
+from shaderlab.mutation.function_tests import RunTestFile
 from shaderlab.workers.pool import ItemResult
 
-from .requests import LoadWatched, RunWatched, RunWatchedTests
+if TYPE_CHECKING:
+    from shaderlab.engine.executors import LocalExecutor
+    from shaderlab.engine.worker import Worker
+    from shaderlab.model.records import Record
+
+
+_STEP = 15
+"""Milliseconds without another event that end a moment: an editor's save is several events."""
+_LONGEST = 200
+_MISSING = 0.15
+"""Seconds that a file may be missing: some editors remove it and write it anew."""
+_CLOCK_TICK = 0.02
+"""Seconds by which a file's time may lag behind the clock."""
+
+
+class Changes:
+    """Watches folders, in a thread; a context manager.
+
+    Args:
+        folders: with everything below them, but for what tools write (.git, __pycache__, …).
+
+    Raises:
+        UsageError: the extra "watch" is not installed.
+    """
+
+    def __init__(self, folders: Iterable[Path]) -> None:
+        with extra("watch", "shaderlab watch"):
+            import watchfiles
+        self._watch = watchfiles.watch
+        self._filter = watchfiles.DefaultFilter()
+        self._batches: queue.SimpleQueue[set[Path]] = queue.SimpleQueue()
+        self._stop = threading.Event()
+        self._threads: list[threading.Thread] = []
+        self._folders: set[Path] = set()
+        self.add(folders)
+
+    def __enter__(self) -> Changes:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stop.set()
+        for thread in self._threads:
+            thread.join(2.0)
+
+    def add(self, folders: Iterable[Path], *, below: bool = True) -> None:
+        """Watch further folders, unless they lie in those that are watched; with `below` also
+        everything below them."""
+        for folder in sorted(set(folders)):
+            known = any(folder.is_relative_to(one) for one in self._folders)
+            if known or not folder.is_dir():
+                continue
+            if below:
+                self._folders.add(folder)
+            ready = threading.Event()
+            thread = threading.Thread(target=self._serve, args=[folder, ready, below], daemon=True)
+            self._threads.append(thread)
+            thread.start()
+            ready.wait(5.0)
+
+    def next(self, timeout: float | None = None) -> set[Path]:
+        """The files of the next moment, and of all that have passed; none after the time."""
+        try:
+            found = self._batches.get(timeout=timeout)
+        except queue.Empty:
+            return set()
+        while not self._batches.empty():
+            found |= self._batches.get()
+        return found
+
+    def pending(self) -> bool:
+        """Whether something has changed that `next` has not given yet."""
+        return not self._batches.empty()
+
+    def settled(self, found: set[Path], known: Collection[Path]) -> set[Path]:
+        """The files, and those that change while one that is known is missing for a moment."""
+        until = time.monotonic() + _MISSING
+        while any(path in known and not path.exists() for path in found):
+            rest = until - time.monotonic()
+            if rest <= 0:
+                break
+            found = found | self.next(rest)
+        return found
+
+    def _serve(self, folder: Path, ready: threading.Event, below: bool) -> None:
+        moments = self._watch(
+            folder,
+            watch_filter=self._filter,
+            debounce=_LONGEST,
+            step=_STEP,
+            rust_timeout=200,
+            yield_on_timeout=True,
+            stop_event=self._stop,
+            recursive=below,
+            raise_interrupt=False,
+        )
+        ready.set()
+        for moment in moments:
+            if moment:
+                self._batches.put({Path(name) for _, name in moment})
+
+
+class Contents:
+    """What is in files, so that one that was only touched is no change."""
+
+    def __init__(self) -> None:
+        self._known: dict[Path, bytes] = {}
+
+    def learn(self, files: Iterable[Path], since: float = math.inf) -> None:
+        """Take files that are not known yet as they are now, but for those that were written after
+        `since` (seconds as of `time.time`): who read them may have read something else."""
+        for path in files:
+            if path not in self._known and _written(path) < since - _CLOCK_TICK:
+                self._known[path] = _digest(path)
+
+    def changed(self, files: Iterable[Path]) -> set[Path]:
+        """Of these files, those that are not known, or have other contents; known as they are
+        now from then on."""
+        found = set()
+        for path in files:
+            digest = _digest(path)
+            if self._known.get(path) != digest:
+                self._known[path] = digest
+                found.add(path)
+        return found
+
+
+def _written(path: Path) -> float:
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return 0.0
+
+
+def _digest(path: Path) -> bytes:
+    try:
+        return blake2b(read_regular(path), digest_size=16).digest()
+    except OSError:
+        return b""
+
+
+@dataclass(frozen=True)
+class WarmUp:
+    """Asks for a call and its judgement, so that what the first of them takes is done before."""
+
+    def perform(self, worker: Worker) -> None:
+        with use_worker(worker):
+            same = load("float same(float x) { return x; }").same
+            same.check(lambda x: x, [1.0, 2.0])
+
+
+def warm_up(executor: LocalExecutor) -> None:
+    """Have an executor's worker get ready, in the background."""
+
+    def perform() -> None:
+        with contextlib.suppress(ShaderlabError):  # the next request reports it
+            list(executor.perform([WarmUp()]))
+
+    threading.Thread(target=perform, daemon=True).start()
+
+
+@dataclass(frozen=True)
+class LoadWatched:
+    """Asks for a file's `CaseFacts`, or why there are none, and the files that it reads."""
+
+    file: Path
+
+    def perform(self, worker: Worker) -> tuple[CaseFacts | CaseError, set[Path]]:
+        with _files(worker) as files:
+            try:
+                found: CaseFacts | CaseError = worker.facts(self.file)
+            except CaseError as error:
+                found = error
+        return found, files
+
+
+@dataclass(frozen=True)
+class RunWatched:
+    """Asks for a job's `Record`, of its shaders as they are now, and the files that it reads."""
+
+    job: Job
+    options: RunOptions
+
+    def perform(self, worker: Worker) -> tuple[Record, set[Path]]:
+        """See `shaderlab.engine.jobs.Request`. Raises CaseError."""
+        worker.lab(self.options).forget_shaders()
+        with _files(worker) as files:
+            record = worker.run(self.job, self.options)
+        return record, files
+
+
+@dataclass(frozen=True)
+class RunWatchedTests:
+    """Asks for the records of a file's tests of GLSL functions, and the files that they read."""
+
+    file: Path
+
+    def perform(self, worker: Worker) -> tuple[Sequence[Record], set[Path]]:
+        """See `shaderlab.engine.jobs.Request`. Raises UsageError: pytest is not installed."""
+        with _files(worker) as files:
+            result = RunTestFile(self.file).perform(worker)
+        return result.records, files
+
+
+@contextmanager
+def _files(worker: Worker) -> Iterator[set[Path]]:
+    opened: OpenedFiles = worker.keep("opened files", None, OpenedFiles)
+    with opened.noted() as files:
+        yield files
+
+
+class OpenedFiles:
+    """Notes the files that this process opens for reading, those that are not there too.
+
+    Python can't take an audit hook back: a process has one of these, and keeps it.
+    """
+
+    def __init__(self) -> None:
+        self._names: set[str] | None = None
+        sys.addaudithook(self._hear)
+
+    @contextmanager
+    def noted(self) -> Iterator[set[Path]]:
+        """The files of the project that the block reads; filled when it ends."""
+        found: set[Path] = set()
+        self._names = set()
+        try:
+            yield found
+        finally:
+            names, self._names = self._names, None
+            found |= {path for path in map(_source, names) if is_own(path)}
+
+    def _hear(self, event: str, arguments: tuple[Any, ...]) -> None:
+        if event != "open" or self._names is None:
+            return
+        name, _, flags = arguments
+        if isinstance(name, str | bytes) and flags & os.O_ACCMODE == os.O_RDONLY:
+            self._names.add(os.fsdecode(name))
+
+
+def _source(name: str) -> Path:
+    """A file's path; that of the source where Python reads what it has compiled."""
+    if name.endswith(".pyc"):
+        with contextlib.suppress(ValueError, NotImplementedError):
+            name = importlib.util.source_from_cache(name)
+    return Path(os.path.abspath(name))
+
 
 Select = Callable[[Sequence[CaseFacts]], Sequence[Job]]
 

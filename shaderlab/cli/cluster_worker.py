@@ -18,13 +18,12 @@ from typing import Any
 
 from distributed import Worker, WorkerPlugin, get_worker
 
+from shaderlab.cli.cluster import SHIPPED, Address, Bundle, homes, identity, renamed
 from shaderlab.engine.discovery import data_folder
+from shaderlab.engine.executors import ProcessExecutor
+from shaderlab.engine.jobs import About, CaseFacts, Job
 from shaderlab.errors import CaseError
 from shaderlab.model.options import Limits, RunOptions
-
-from .dask_bundles import SHIPPED, Address, Bundle, homes, identity, renamed
-from .executor import ProcessExecutor
-from .jobs import About, CaseFacts, Job
 
 IDLE_SECONDS = 120.0
 """The processes end after this time without work, as the cluster may be shared."""
@@ -205,7 +204,7 @@ def identify_worker() -> Callable[[], dict[str, str]]:
 
     def identify() -> dict[str, str]:
         try:
-            from .dask_bundles import identity
+            from shaderlab.cli.cluster import identity
         except ImportError as error:
             return {"error": str(error)}
         return identity()

@@ -1,27 +1,37 @@
-"""Where the command line puts what it makes: run folders, the pointer to the latest, outputs."""
+"""Where the command line puts what it makes: run folders, the pointer to the latest, outputs; and
+standard streams that a full disk can't break.
+"""
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import datetime
+import errno
+import fcntl
+import io
 import itertools
 import json
 import os
+import re
+import shutil
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 import click
 
 from shaderlab.cli import FAILED, OK, USAGE
-from shaderlab.cli.old_runs import mark_named, require_no_foreign_page
+from shaderlab.cli.journal import FILE_NAME
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import NO_ROOM, replacing, write_named
+from shaderlab.files import NO_ROOM, hold_standard_descriptors, replacing, write_named
 from shaderlab.report.formats import FINDING_FORMATS, FORMATS, Format
 
 if TYPE_CHECKING:
     from shaderlab.model.records import Run
     from shaderlab.report.findings import Finding
+
 
 REPORTS = Path("reports")
 LATEST = "latest"
@@ -188,3 +198,132 @@ def write_output(text: str, file: str, *, append: bool = False) -> None:
 
 def _unwritable(path: Path, error: OSError, remedy: str | None = None) -> UsageError:
     return UsageError(f"can't write here: {error.strerror or error}", file=path, remedy=remedy)
+
+
+KEEP = 20
+"""How many runs stay where the project does not say."""
+NAMED = ".named"
+_STAMP = re.compile(r"\d{8}-\d{6}(-\d+)?")
+_OWN_FILES = (FILE_NAME, "run.json", "mutants.json")
+
+
+def mark_named(folder: Path) -> None:
+    """Note that somebody named this run's folder, so that it is never removed."""
+    if _STAMP.fullmatch(folder.name):
+        with contextlib.suppress(OSError):
+            (folder / NAMED).touch()
+
+
+def require_no_foreign_page(folder: Path) -> None:
+    """Raise UsageError where a report would replace an index.html that is none."""
+    page = folder / "index.html"
+    if page.exists() and not any((folder / name).exists() for name in _OWN_FILES):
+        from shaderlab.report.runs import is_list
+
+        if is_list(page):
+            return
+        raise UsageError(
+            "this page is no report of shaderlab, and a report would replace it",
+            file=page,
+            remedy="name a folder of its own with --report, or remove the page",
+        )
+
+
+def remove_old(parent: Path, keep: int) -> int:
+    """Remove all but the last `keep` of the runs that the lab named by their time; 0 keeps all.
+
+    Folders of other names, those that were named on a command line, links, runs that are going on
+    and folders without a journal stay, and don't count.
+
+    Returns:
+        How many were removed.
+    """
+    if not keep:
+        return 0
+    with contextlib.suppress(OSError):
+        runs = sorted(filter(_may_go, parent.iterdir()), key=lambda run: run.stat().st_mtime)
+        for run in runs[:-keep]:
+            shutil.rmtree(run, ignore_errors=True)
+        return len(runs[:-keep])
+    return 0
+
+
+def _may_go(folder: Path) -> bool:
+    made = _STAMP.fullmatch(folder.name) and not folder.is_symlink() and folder.is_dir()
+    journal = folder / FILE_NAME
+    if not made or (folder / NAMED).exists() or not journal.is_file():
+        return False
+    try:
+        with journal.open("rb") as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:  # another process is writing to it
+        return False
+    return True
+
+
+_PLAIN = {"✓": "+", "✗": "x", "–": "-", "→": "->", "…": "...", "·": "-", "×": "x", "≤": "<="}
+"""What stands for a character in an encoding without it; "?" for all others."""
+
+
+def _plainly(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    lacking = error.object[error.start : error.end]
+    return "".join(_PLAIN.get(character, "?") for character in lacking), error.end
+
+
+codecs.register_error("shaderlab.plainly", _plainly)
+
+
+class _Lasting(io.FileIO):
+    """Writes to a descriptor; what can't be written is lost, and `problem` says why."""
+
+    problem: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        try:
+            return super().write(data)
+        except OSError as error:
+            self.problem = error
+            return len(data)
+
+
+def lasting(stream: TextIO) -> TextIO:
+    """A text stream to the same descriptor to which writing never fails.
+
+    Characters that its encoding lacks are written in plain ones: a terminal without ✓ gets a "+".
+    """
+    raw = _Lasting(stream.fileno(), "wb", closefd=False)
+    return io.TextIOWrapper(
+        io.BufferedWriter(raw),
+        encoding=stream.encoding,
+        errors="shaderlab.plainly",
+        line_buffering=getattr(stream, "line_buffering", False),
+    )
+
+
+def problem(stream: TextIO) -> str:
+    """Why something written to a `lasting` stream was lost; "" if nothing was, or if its reader
+    has gone and so wants no more."""
+    stream.flush()
+    raw = getattr(getattr(stream, "buffer", None), "raw", None)
+    found = raw.problem if isinstance(raw, _Lasting) else None
+    return "" if found is None or found.errno == errno.EPIPE else found.strerror or str(found)
+
+
+def open_streams() -> None:
+    """Make this process's standard streams last, and keep their numbers from being given to
+    files where they are closed."""
+    hold_standard_descriptors()
+    for name in ("stdout", "stderr"):
+        with contextlib.suppress(AttributeError, OSError):  # none, or none of the system's
+            setattr(sys, name, lasting(getattr(sys, name)))
+
+
+def settled(status: str | int | None) -> str | int | None:
+    """The exit status, which is no success where output was lost; says so on standard error."""
+    lost = problem(sys.stdout) if sys.stdout is not None else ""
+    if not lost:
+        return status
+    print(f"shaderlab: can't write to standard output: {lost}", file=sys.stderr)
+    return status or FAILED

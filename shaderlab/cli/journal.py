@@ -1,8 +1,8 @@
-"""A run's records as lines of a file, each written when it is there: what survives a power cut.
+"""A run's plan and records as lines of a file, each written as soon as it is there.
 
 `records.jsonl` begins with one line about the run (what was asked for), then has a line for each
-record, in the order in which they came. A line that was cut short counts as not written.
-Lines are read one at a time: a sweep has a hundred thousand (`shaderlab.workers.sweep_records`).
+record, in the order in which they came. A line that was cut short counts as not written. Lines are
+read one at a time: a sweep has a hundred thousand.
 """
 
 from __future__ import annotations
@@ -17,13 +17,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
+from shaderlab.cli.sweep_table import Grid
+from shaderlab.engine.jobs import Job
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import NO_ROOM, open_regular
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
-
-from .jobs import Job
-from .sweep_grid import Grid
 
 FILE_NAME = "records.jsonl"
 _BLOCK = 1 << 16

@@ -1,10 +1,12 @@
-"""Executors turn jobs into records: a `ProcessExecutor` in worker processes, an
-`InProcessExecutor` in this one, a `shaderlab.workers.dask_executor.DaskExecutor` on a cluster.
+"""Executors turn jobs into records: a `ProcessExecutor` in worker processes, an `InProcessExecutor`
+in this one, a `shaderlab.cli.cluster.DaskExecutor` on a cluster.
 """
 
 from __future__ import annotations
 
 import contextlib
+import itertools
+import os
 import time
 from collections.abc import Callable, Generator, Hashable, Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -14,20 +16,66 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from shaderlab.engine import package_versions
+from shaderlab.engine.jobs import (
+    About,
+    CaseFacts,
+    DescribeDriver,
+    Job,
+    LoadCase,
+    RunJob,
+    failed_record,
+)
 from shaderlab.errors import CaseError
 from shaderlab.model.options import Limits, RunOptions
+from shaderlab.workers.pool import ItemResult, WorkerPool
 
-from .jobs import About, CaseFacts, DescribeDriver, Job, LoadCase, RunJob, failed_record
-from .pool import ItemResult, WorkerPool
-from .sizing import loads, suitable
-
-# Workers are started before anything that they do not need is imported here.
 if TYPE_CHECKING:
+    from shaderlab.engine.worker import Worker
     from shaderlab.model.records import Record
 
-    from .lab_worker import LabWorker
 
-LAB_WORK = "shaderlab.workers.lab_worker:LabWorker"
+MOST = 4
+"""More are started only where they are asked for: each may take all that `--memory` allows, and
+what more of them gain was not measured."""
+VARIANTS_EACH = 4
+"""A worker takes about as long to start as so many variants to run, so fewer do not repay it."""
+LOADS = 8
+"""So many case files are sent to a worker at once, where there are many: to load a small one takes
+a worker little longer than sending it."""
+TURNS = 4
+"""Each of as many workers as there may be gets files so often, lest one waits for another's."""
+WORDS = f"one for every {VARIANTS_EACH} variants, as cores allow, at most {MOST}"
+
+
+def cores() -> int:
+    """The processors that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # macOS and Windows have no such list
+        return os.cpu_count() or 1
+
+
+def suitable(variants: int) -> int:
+    """How many workers run so many variants in the least time; one at least.
+
+    >>> suitable(VARIANTS_EACH), suitable(0)
+    (1, 1)
+    """
+    return max(1, min(variants // VARIANTS_EACH, cores(), MOST))
+
+
+def loads(files: int) -> int:
+    """How many case files a worker is sent at once.
+
+    >>> loads(5), loads(64), loads(1000)
+    (1, 4, 8)
+    """
+    return max(1, min(files // (MOST * TURNS), LOADS))
+
+
+# Workers are started before anything that they do not need is imported here.
+
+LAB_WORK = "shaderlab.engine.worker:Worker"
 """What workers that judge scenes call, as of `shaderlab.workers.pool.WorkerPool`."""
 Key = Callable[[Any], Hashable]
 
@@ -178,15 +226,15 @@ class InProcessExecutor(LocalExecutor):
         worker: performs the requests; by default one of its own.
     """
 
-    def __init__(self, driver: str | None = None, worker: LabWorker | None = None) -> None:
+    def __init__(self, driver: str | None = None, worker: Worker | None = None) -> None:
         self._driver = driver
         self._given = worker
 
     @cached_property
-    def _worker(self) -> LabWorker:
-        from .lab_worker import LabWorker
+    def _worker(self) -> Worker:
+        from shaderlab.engine.worker import Worker
 
-        return self._given or LabWorker()
+        return self._given or Worker()
 
     def about(self) -> About:
         about = DescribeDriver(self._driver).perform(self._worker)
@@ -227,3 +275,75 @@ def _facts(file: Path, result: ItemResult) -> CaseFacts:
     return CaseFacts(
         file=str(file), id=file.stem.replace("_", "-"), error=error, status=result.status
     )
+
+
+NEAR = 32
+"""How far ahead a job may be for those before it to be run, and their records dropped: an executor
+has about as many under way. Beyond, a new start costs less."""
+
+
+class Prefetcher:
+    """Gives an executor jobs before their records are asked for.
+
+    Args:
+        executor: what runs the jobs.
+        options: how they are run.
+        ahead: whether any job is run before it is asked for.
+    """
+
+    def __init__(self, executor: Executor, options: RunOptions, ahead: bool = True) -> None:
+        self.executor = executor
+        self._options = options
+        self._ahead = ahead
+        self._results: Generator[tuple[Job, Record]] | None = None
+        self._expected: dict[Job, None] = {}  # an ordered set
+        self._records: dict[Job, Record] = {}
+
+    def record(self, job: Job, following: Callable[[], Iterable[Job]]) -> Record:
+        """The record of a job, run now unless it was prefetched.
+
+        No record is given twice: a job that is asked for again is run again.
+
+        Args:
+            job: the job.
+            following: gives those that are likely to be asked for after it, in order. It is
+                called only if `job` itself was not expected.
+
+        Raises:
+            ShaderlabError: no worker can be started at all.
+        """
+        if job not in itertools.islice(self._expected, NEAR):
+            self._begin([job, *following()] if self._ahead else [job])
+        while next(iter(self._expected)) != job:  # these were passed over
+            passed = next(iter(self._expected))
+            del self._expected[passed]
+            self._records.pop(passed, None)
+        assert self._results is not None
+        try:
+            while job not in self._records:
+                other, record = next(self._results)
+                if other in self._expected:
+                    self._records[other] = record
+        except BaseException:
+            self.stop()
+            raise
+        del self._expected[job]
+        return self._records.pop(job)
+
+    def stop(self) -> None:
+        """Begin no more jobs; what is under way is not waited for."""
+        if self._results is not None:
+            self._results.close()
+        self._results = None
+        self._expected.clear()
+        self._records.clear()
+
+    def close(self) -> None:
+        """End everything, and the executor with it."""
+        self.stop()
+        self.executor.close()
+
+    def _begin(self, jobs: list[Job]) -> None:
+        self.stop()
+        self._expected = dict.fromkeys(jobs)
+        self._results = self.executor.run(jobs, self._options)

@@ -1,7 +1,7 @@
 """The state of a process that performs requests.
 
-A worker imports this module before it says that it is ready, so that the time limit of its first
-request is not spent on imports.
+A worker imports this module before it reports ready, so that the time limit of its first request
+is not spent on imports.
 """
 
 from __future__ import annotations
@@ -15,21 +15,20 @@ from typing import Any
 import numpy as np
 
 from shaderlab import drivers as backends
-from shaderlab.analysis import features
 from shaderlab.drivers import known_driver, prepare_process
 from shaderlab.engine.catalogue import load_case
+from shaderlab.engine.evaluation import register_features
+from shaderlab.engine.jobs import CaseFacts, Job, Request
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 from shaderlab.model.scene import Ramp
-
-from .jobs import CaseFacts, Job, Request
-from .worker import Channel
+from shaderlab.workers.worker import Channel
 
 
-class LabWorker:
+class Worker:
     """The state of a process that performs requests: an open lab, and case files loaded once.
 
     Args:
@@ -38,7 +37,7 @@ class LabWorker:
     """
 
     def __init__(self, channel: Channel | None = None) -> None:
-        features.register()
+        register_features()
         self._channel = channel
         self._lab: SceneRunner | None = None
         self._driver = ""

@@ -1,7 +1,7 @@
-"""What executors are given and what they give back, as plain data that crosses processes.
+"""Jobs and requests as plain data that crosses processes, and what comes back.
 
-An executor asks its workers by requests, picklable objects with `perform(worker)`; other
-rooms have requests of their own. The processes that ask import this module, so it imports little.
+A request is a picklable object with `perform(worker)`; features define requests of their own. The
+commands import this module before the first worker is ready, so it imports little.
 """
 
 from __future__ import annotations
@@ -15,9 +15,8 @@ from shaderlab.errors import CaseError, UsageError, nearest
 from shaderlab.model.options import RunOptions
 
 if TYPE_CHECKING:
+    from shaderlab.engine.worker import Worker
     from shaderlab.model.records import Record, Status
-
-    from .lab_worker import LabWorker
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +93,7 @@ class About:
 class Request(Protocol):
     """Something to do in a worker."""
 
-    def perform(self, worker: LabWorker) -> Any:
+    def perform(self, worker: Worker) -> Any:
         """Do it, and return a picklable result."""
 
 
@@ -104,7 +103,7 @@ class DescribeDriver:
 
     driver: str | None
 
-    def perform(self, worker: LabWorker) -> About:
+    def perform(self, worker: Worker) -> About:
         return About(driver=dict(worker.lab(RunOptions(driver=self.driver)).driver))
 
 
@@ -114,7 +113,7 @@ class LoadCase:
 
     file: Path
 
-    def perform(self, worker: LabWorker) -> CaseFacts:
+    def perform(self, worker: Worker) -> CaseFacts:
         return worker.facts(self.file)
 
 
@@ -125,7 +124,7 @@ class RunJob:
     job: Job
     options: RunOptions
 
-    def perform(self, worker: LabWorker) -> Record:
+    def perform(self, worker: Worker) -> Record:
         return worker.run(self.job, self.options)
 
 

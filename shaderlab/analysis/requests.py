@@ -1,0 +1,196 @@
+"""What `audit`, `diff` and `explain` ask of a worker, where a shader that never ends costs one
+answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from shaderlab.analysis.audit import Audit, Plan as AuditPlan, audit_program
+from shaderlab.analysis.equivalence.answer import Answer
+from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
+from shaderlab.analysis.interpreter import Program, load
+from shaderlab.compiler.shader_files import ShaderFile
+from shaderlab.compiler.sources import Shaders, Source
+from shaderlab.errors import FormulaError, NotInterpretedError, in_file
+from shaderlab.files import display_path
+from shaderlab.model.options import RunOptions
+from shaderlab.model.records import Explanation
+
+if TYPE_CHECKING:
+    from shaderlab.engine.worker import Worker
+
+
+@dataclass(frozen=True)
+class ShaderOfFile:
+    """A shader file, and the folders that it includes from besides its own."""
+
+    file: ShaderFile
+    include: Sequence[str] = ()
+
+    def source(self, stage: str | None) -> Source:
+        """Its text with includes expanded. Raises ShaderError."""
+        folders = dict.fromkeys([self.file.root, *self.include])
+        return Shaders([Path(folder) for folder in folders]).load(self.file.name, stage)
+
+
+@dataclass(frozen=True)
+class CompareFiles:
+    """Asks for the `Answer` on two shader files, as a list.
+
+    Raises as `shaderlab.analysis.interpreter.load` and `compare_programs`.
+    """
+
+    old: ShaderOfFile
+    new: ShaderOfFile
+    stage: str | None
+    plan: Plan
+
+    def perform(self, worker: Worker) -> list[Answer]:
+        worker.note("compiling")
+        old, new = (_program(shader.source(self.stage)) for shader in (self.old, self.new))
+        worker.note("interpreting")
+        with in_file(self.old.file.path):
+            return [compare_programs(old, new, self.plan)]
+
+
+@dataclass(frozen=True)
+class CompareInCase:
+    """Asks for an `Answer` on each stage of a case's draws that other files for some of its shaders
+    change, on the inputs that the case gives it. `reverse` if those files are the old shaders.
+
+    Raises as `rewritten`, `shaderlab.analysis.interpreter.load` and `compare_programs`.
+    """
+
+    case: Path
+    files: Mapping[str, Path]
+    reverse: bool
+    plan: Plan
+    options: RunOptions
+
+    def perform(self, worker: Worker) -> list[Answer]:
+        from shaderlab.analysis.case_stages import rewritten
+
+        worker.note("drawing the case")
+        lab, case = worker.lab(self.options), worker.case(str(self.case))
+        (found,) = rewritten(lab, case, [self.files])
+        answers = []
+        for one in found:
+            worker.note("interpreting")
+            pair = (one.new, one.old) if self.reverse else (one.old, one.new)
+            old, new = map(_program, pair)
+            with in_file(pair[0].path):
+                answers.append(compare_programs(old, new, self.plan, one.given))
+        return answers
+
+
+def _program(source: Source) -> Program:
+    with in_file(source.path):
+        return load(source)
+
+
+@dataclass(frozen=True)
+class AuditFile:
+    """Asks for the `Audit` of a shader file, as a list.
+
+    Raises as `shaderlab.analysis.interpreter.load` and `audit_program`.
+    """
+
+    shader: ShaderOfFile
+    stage: str | None
+    plan: AuditPlan
+
+    @property
+    def name(self) -> str:
+        """What is audited, in words."""
+        return self.shader.file.path
+
+    def perform(self, worker: Worker) -> list[Audit]:
+        worker.note("compiling")
+        with in_file(self.shader.file.path):
+            program = load(self.shader.source(self.stage))
+            worker.note("interpreting")
+            return [audit_program(program, self.plan)]
+
+
+@dataclass(frozen=True)
+class AuditCase:
+    """Asks for an `Audit` of each stage of a case's draws, on what those give it.
+
+    Raises as `shaderlab.analysis.case_stages.stages` and `shaderlab.analysis.interpreter.load`.
+    """
+
+    case: Path
+    plan: AuditPlan
+    options: RunOptions
+
+    @property
+    def name(self) -> str:
+        """What is audited, in words."""
+        return str(self.case)
+
+    def perform(self, worker: Worker) -> list[Audit]:
+        from shaderlab.analysis.case_stages import stages
+
+        worker.note("drawing the case")
+        lab, case = worker.lab(self.options), worker.case(str(self.case))
+        audits = []
+        for source, given in stages(lab, case):
+            worker.note("interpreting")
+            try:
+                if not given:
+                    raise NotInterpretedError(
+                        f"not audited: what the case gives a {source.stage} stage can't be "
+                        "captured; audit the file",
+                        file=source.path,
+                    )
+                with in_file(display_path(source.path)):
+                    audits.append(audit_program(load(source), self.plan, given))
+            except (NotInterpretedError, FormulaError) as error:
+                audits.append(Audit(file=source.path, hazards=(), tried=0, refused=str(error)))
+        return audits
+
+
+@dataclass(frozen=True)
+class ExplainPixel:
+    """Asks for the `Explanation` of a draw at a pixel, by default the one whose band is widest.
+
+    `pass_name` is None for the last pass; `draw` counts from 0, from the last one if negative.
+    """
+
+    file: Path
+    variant: str
+    pass_name: str | None
+    draw: int
+    pixel: tuple[int, int] | None
+    options: RunOptions
+
+    def perform(self, worker: Worker) -> Explanation:
+        from shaderlab.analysis.explain import explain, widest_pixel
+
+        lab, scene = worker.lab(self.options), worker.scenes(str(self.file))[self.variant]
+        key = scene.draw_key(self.pass_name, self.draw)
+        with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
+            return explain(evaluation, key, self.pixel or widest_pixel(evaluation, key))
+
+
+@dataclass(frozen=True)
+class ExplainFile:
+    """Asks for the `Explanation` of a shader file at the invocation, of some that are made up,
+    whose band is widest; and for what that gets, by name."""
+
+    shader: ShaderOfFile
+    ranges: Mapping[str, str]
+
+    def perform(self, worker: Worker) -> tuple[Explanation, Mapping[str, tuple[float, ...]]]:
+        from shaderlab.analysis.explain import explain_file
+        from shaderlab.analysis.interpreter import load
+
+        worker.note("compiling")
+        with in_file(self.shader.file.path):
+            program = load(self.shader.source(None))
+            worker.note("interpreting")
+            return explain_file(program, self.ranges)

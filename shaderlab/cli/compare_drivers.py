@@ -1,0 +1,310 @@
+"""`shaderlab run --drivers`: how far the pixels of each scene lie apart on several drivers, and
+which driver lies outside the reference's band."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.text import Text
+
+from shaderlab.cli.journal import RunPlan
+from shaderlab.cli.recorded_run import RecordedRun
+from shaderlab.cli.showing import plain_table
+from shaderlab.errors import AssetError
+from shaderlab.model import pictures
+from shaderlab.model.frame import Array
+from shaderlab.model.records import Agreement, Disagreement, DrawnOutput, DriverResult, Record, Run
+from shaderlab.report.drivers import AGREEMENTS, driver_table
+from shaderlab.report.plain_text import label, printable
+
+FRAMES = "drawn"
+"""The folder in the run's own that holds what each driver drew, until that is compared."""
+
+
+def on_each(plan: RunPlan, drivers: Sequence[str]) -> RunPlan:
+    """The plan with a job for each driver; unchanged if none is named."""
+    if not drivers:
+        return plan
+    assert plan.options.folder is not None
+    jobs = tuple(replace(job, driver=name) for name in drivers for job in plan.jobs)
+    frames = plan.options.folder / FRAMES
+    return replace(plan, jobs=jobs, options=replace(plan.options, frames=frames))
+
+
+def compared_drivers(recorded: RecordedRun, plan: RunPlan) -> RecordedRun:
+    """The run with its drivers compared; unchanged where it has one, or was interrupted."""
+    frames = plan.options.frames
+    if frames is None or not recorded.complete:
+        return recorded
+
+    apart = []
+    for difference in disagreements(recorded.records, frames):
+        found = difference.found
+        if plan.options.pictures and difference.shades is not None:
+            found = replace(found, image=write_picture(recorded.folder, found, difference.shades))
+        apart.append(found)
+    shutil.rmtree(frames, ignore_errors=True)
+    drivers = tuple(results(recorded.records, apart))
+    return replace(recorded, run=replace(recorded.run, drivers=drivers, disagreements=tuple(apart)))
+
+
+_ORDER: tuple[Agreement, ...] = ("equal", "within", "outside")
+_MOST_REASONS = 3
+
+
+def results(records: Sequence[Record], apart: Sequence[Disagreement]) -> Iterator[DriverResult]:
+    """What became of each scene on each driver.
+
+    Args:
+        records: of all drivers, those of the first one first.
+        apart: how they compare.
+    """
+    renderers: dict[str, str] = {}
+    for record in records:
+        if record.driver:
+            renderers.setdefault(record.driver_name, record.driver.partition(";")[0])
+    first = records[0].driver_name if records else ""
+    agreement: dict[tuple[str, str, str], Agreement] = {}
+    for each in apart:
+        if each.drivers[0] == first:
+            key = (each.id, each.variant, each.drivers[1])
+            agreement[key] = max(agreement.get(key, "equal"), each.verdict, key=_ORDER.index)
+    for record in records:
+        worst = [o.worst for o in record.expectations if o.worst is not None]
+        yield DriverResult(
+            driver=record.driver_name,
+            renderer=renderers.get(record.driver_name, ""),
+            id=record.id,
+            variant=record.variant,
+            status=record.status,
+            ulp=max((w.ulp for w in worst), default=0.0),
+            widths=max((w.widths for w in worst), default=0.0),
+            message=_reason(record),
+            agrees=agreement.get(record.key, ""),
+            not_asked=len(record.not_asked),
+        )
+
+
+def _reason(record: Record) -> str:
+    """Why a record did not pass, in a few lines."""
+    if record.status == "pass":
+        return ""
+    lines = record.message.splitlines()[:1]
+    wrong = [outcome for outcome in record.expectations if outcome.status != "pass"]
+    for outcome in wrong[:_MOST_REASONS]:
+        said = outcome.message.splitlines()[:1]
+        said = said or [f"{outcome.outside} of {outcome.judged} values outside"]
+        if outcome.explanation is not None and outcome.explanation.verdict:
+            said.append(outcome.explanation.verdict)
+        lines.append(f"{outcome.name}: {'; '.join(said)}")
+    if len(wrong) > _MOST_REASONS:
+        lines.append(f"… and {len(wrong) - _MOST_REASONS} more")
+    return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A disagreement, and its picture's shades; None where the outputs are equal."""
+
+    found: Disagreement
+    shades: Array | None = None
+
+
+def disagreements(records: Sequence[Record], frames: Path) -> Iterator[Difference]:
+    """Each output of each scene, compared between every two drivers.
+
+    Arrays are read only where digests differ; without them nothing is said of an output.
+
+    Args:
+        records: of all drivers.
+        frames: the folder in which each driver's frames were stored in a folder of its own.
+    """
+    scenes: dict[tuple[str, str], list[Record]] = {}
+    for record in records:
+        scenes.setdefault((record.id, record.variant), []).append(record)
+    for scene in scenes.values():
+        arrays: dict[str, Mapping[str, Array]] = {}
+        for first, second in combinations(scene, 2):
+            others = {output.name: output for output in second.drawn}
+            for output in first.drawn:
+                other = others.get(output.name)
+                if other is not None and other.size == output.size:
+                    yield from _compared(first, second, output, other, frames, arrays)
+
+
+def _compared(
+    first: Record,
+    second: Record,
+    output: DrawnOutput,
+    other: DrawnOutput,
+    frames: Path,
+    arrays: dict[str, Mapping[str, Array]],
+) -> Iterator[Difference]:
+    from shaderlab.engine.pictures import load_frames
+
+    steps = None
+    if output.digest != other.digest:
+        for record in (first, second):
+            name = record.driver_name
+            if name not in arrays:
+                arrays[name] = load_frames(frames / name, record.id, record.variant)
+        values = [arrays[record.driver_name].get(output.name) for record in (first, second)]
+        one, two = values
+        if one is None or two is None or one.shape != two.shape:
+            return
+        steps = apart(one, two)
+    differing = 0 if steps is None else int((steps > 0).sum())
+    outside = tuple(
+        record.driver_name
+        for record, drawn in ((first, output), (second, other))
+        if differing and drawn.failed
+    )
+    found = Disagreement(
+        id=first.id,
+        variant=first.variant,
+        output=output.name,
+        drivers=(first.driver_name, second.driver_name),
+        pixels=output.size[0] * output.size[1],
+        differing=differing,
+        ulp=0.0 if steps is None else float(steps.max(initial=0.0)),
+        verdict="outside" if outside else "within" if differing else "equal",
+        outside=outside,
+    )
+    if steps is None or not differing:
+        yield Difference(found)
+        return
+    row, column = np.unravel_index(int(steps.argmax()), steps.shape)
+    yield Difference(replace(found, pixel=(int(column), int(row))), shades(steps))
+
+
+def apart(a: Array, b: Array) -> Array:
+    """By how much the pixels of two images (height, width, components) differ at most, (height,
+    width).
+
+    The distance is in units in the last place for floats, in steps for integers; two NaN are the
+    same, NaN and a number are infinitely far apart.
+    """
+    if a.dtype.kind != "f":
+        steps = np.abs(a.astype(np.int64) - b.astype(np.int64)).astype(np.float64)
+    else:
+        kind = {2: np.int16, 4: np.int32, 8: np.int64}[a.dtype.itemsize]
+        steps = np.abs(_ordered(a, kind) - _ordered(b, kind)).astype(np.float64)
+        nan_a, nan_b = np.isnan(a), np.isnan(b)
+        steps[nan_a & nan_b] = 0.0
+        steps[nan_a ^ nan_b] = np.inf
+    found: Array = steps.max(axis=-1)
+    return found
+
+
+def _ordered(values: Array, kind: type) -> Array:
+    """Floats as integers that count them in order: neighbours are 1 apart, both zeros are 0."""
+    bits = np.ascontiguousarray(values).view(kind).astype(np.int64)
+    return np.where(bits < 0, np.int64(np.iinfo(kind).min) - bits, bits)
+
+
+_LARGEST_STEP = 2.0**24
+_SIDE = 320
+_BAND = np.array([[255, 255, 255], [198, 219, 239], [107, 174, 214], [33, 113, 181], [8, 48, 107]])
+_OUTSIDE = np.array([[255, 255, 255], [252, 187, 161], [251, 106, 74], [203, 24, 29], [103, 0, 13]])
+
+
+def shades(apart: Array) -> Array:
+    """How dark each pixel of a picture is, 0 (equal) to 4, uint8 (height, width).
+
+    On a logarithmic scale to 2^24 units in the last place; of a large output each square of pixels
+    gets the shade of the one that is furthest apart.
+
+    Args:
+        apart: by how much each pixel differs, (height, width).
+    """
+    apart = _reduced(apart, -(-max(apart.shape) // _SIDE))
+    share = np.minimum(
+        np.log2(1.0 + np.minimum(apart, _LARGEST_STEP)) / np.log2(1.0 + _LARGEST_STEP), 1.0
+    )
+    found: Array = np.where(apart > 0, 1 + np.minimum(share * 4.0, 3.0).astype(int), 0)
+    return found.astype(np.uint8)
+
+
+def write_picture(folder: Path, found: Disagreement, shades: Array) -> str:
+    """Write a picture into a run's folder; returns its path in there, "" where it can't be written.
+
+    Equal pixels are white; blue are those where both lie in their bands, red where a driver leaves
+    one.
+    """
+    table = _OUTSIDE if found.verdict == "outside" else _BAND
+    words = "\0".join((found.id, found.variant, found.output, *found.drivers))
+    name = hashlib.blake2s(os.fsencode(words), digest_size=8).hexdigest()
+    relative = f"images/apart-{name}.png"
+    path = folder / relative
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        pictures.save_png(path, shades, min_side=1, palette=table.astype(np.uint8))
+    except (AssetError, OSError):
+        return ""
+    return relative
+
+
+def _reduced(apart: Array, factor: int) -> Array:
+    """The largest value of each square of `factor` × `factor`; those at the ends are smaller."""
+    rows, columns = (range(0, length, factor) for length in apart.shape)
+    found: Array = np.maximum.reduceat(np.maximum.reduceat(apart, rows, axis=0), columns, axis=1)
+    return found
+
+
+_STYLES = {"✓": "green", "–": "yellow", "✗": "red"}
+_MOST_LINES = 40
+
+
+def show_drivers(run: Run, console: Console) -> None:
+    """A table of cases and drivers, why a driver did not pass, and what lies outside of a band;
+    nothing for a run on one driver."""
+    table = driver_table(run, {})
+    if table is None:
+        return
+    names = [name for name, _ in table.drivers]
+    shown = plain_table("case", "variants", *names, right={"variants"}, whole={"case", *names})
+    for case_id, count, cells in table.by_case():
+        texts = (Text(cell, _STYLES.get(cell[0], "")) for cell in cells)
+        shown.add_row(Text(printable(case_id)), Text(str(count)), *texts)
+    console.print()
+    console.print(shown)
+    console.print()
+    total = table.outputs.total()
+    for verdict, words in AGREEMENTS.items():
+        console.print(f"{table.outputs[verdict]} of {total} outputs: {words}")
+    for result, labels in _alike(run.drivers):
+        style = "yellow" if result.status == "unsupported" else "red"
+        head = f"{result.status} on {result.driver}: {', '.join(labels)}"
+        console.print(printable("\n  ".join([head, *result.message.splitlines()])), style=style)
+    outside = [each for each in table.apart if each.verdict == "outside"]
+    for each in outside[:_MOST_LINES]:
+        console.print(printable(_line(each)))
+    if len(outside) > _MOST_LINES:
+        console.print(f"… and {len(outside) - _MOST_LINES} more")
+
+
+def _alike(results: Iterable[DriverResult]) -> Iterator[tuple[DriverResult, list[str]]]:
+    """What did not pass: one result and the scenes of all that say the same."""
+    found: dict[tuple[str, str, str], list[DriverResult]] = {}
+    for result in results:
+        if result.status != "pass":
+            found.setdefault((result.driver, result.status, result.message), []).append(result)
+    for alike in found.values():
+        yield alike[0], [label(result.id, result.variant) for result in alike]
+
+
+def _line(each: Disagreement) -> str:
+    name = f"{label(each.id, each.variant)}: {each.output}"
+    pair = " | ".join(each.drivers)
+    return (
+        f"{name}  {pair}: {each.differing} of {each.pixels} pixels differ, by {each.ulp:.4g} ULP "
+        f"at most; outside on {', '.join(each.outside)}"
+    )

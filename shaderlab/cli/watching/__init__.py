@@ -1,1 +1,0 @@
-"""Watching: files that are saved, and what depends on them, judged again by warm workers."""
