@@ -11,7 +11,7 @@ import numpy as np
 from shaderlab.analysis.audit import Spread, spread
 from shaderlab.analysis.inputs import given_fragments, inputs_of
 from shaderlab.analysis.interpreter import load
-from shaderlab.engine.expectations.base import Context, OfOutput, judge_rows
+from shaderlab.engine.expectations.base import Context, OutputExpectation
 from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.activity import doing
@@ -43,7 +43,7 @@ class SpreadOf(Need):
 
 
 @dataclass(frozen=True)
-class Portable(OfOutput):
+class Portable(OutputExpectation):
     """Devices differ by no more than `codes` codes of 8 bits at an output of a fragment shader, on
     what a draw gives it.
 
@@ -66,8 +66,9 @@ class Portable(OfOutput):
     codes: float = 1.0
     precision: Literal["highp", "mediump"] = "highp"
 
-    def __post_init__(self) -> None:
-        self.name_by_default(f"portable {self.output} at {self.precision}")
+    @property
+    def default_name(self) -> str:
+        return f"portable {self.output} at {self.precision}"
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         if self.judges_vertices(scene, programs):
@@ -94,7 +95,7 @@ class Portable(OfOutput):
             measured="no number" if np.isinf(one.codes) else f"{one.codes:.3g} codes",
             ok=not message,
         )
-        return judge_rows(self.name, self.kind, [row], message, judged=1)
+        return self.judge_rows([row], message, judged=1)
 
 
 portable = Portable

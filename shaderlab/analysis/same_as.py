@@ -9,7 +9,7 @@ from shaderlab.analysis.equivalence.answer import Answer
 from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
 from shaderlab.analysis.inputs import given_fragments, given_vertices
 from shaderlab.analysis.interpreter import load
-from shaderlab.engine.expectations.base import Context, OfDraw, judge_rows
+from shaderlab.engine.expectations.base import Context, DrawExpectation
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.activity import doing
@@ -48,7 +48,7 @@ class ComparedWith(Need):
 
 
 @dataclass(frozen=True)
-class SameAs(OfDraw):
+class SameAs(DrawExpectation):
     """A draw's fragment shader, or its vertex shader, computes the same mathematics as `approved`,
     a shader that somebody looked at and found right: on all inputs that it got in the scene, and on
     others like them.
@@ -67,10 +67,13 @@ class SameAs(OfDraw):
     _: KW_ONLY
     outputs: Sequence[str] = ("FragColor",)
 
+    @property
+    def default_name(self) -> str:
+        return f"same as {self.approved}"
+
     def __post_init__(self) -> None:
         if not self.outputs or isinstance(self.outputs, str):
             raise CaseError(f"same_as {self.approved!r}: outputs is a sequence of names")
-        self.name_by_default(f"same as {self.approved}")
 
     def reads(self, scene: Scene) -> Iterable[Read]:
         pass_name, draw = self.key(scene)
@@ -95,7 +98,7 @@ class SameAs(OfDraw):
             )
         message = "; ".join(f"{row.label} {row.measured}" for row in rows if not row.ok)
         judged = sum(known[name].judged for name in self.outputs)
-        return judge_rows(self.name, self.kind, rows, message, judged=judged)
+        return self.judge_rows(rows, message, judged=judged)
 
 
 same_as = SameAs

@@ -22,14 +22,13 @@ from shaderlab.bands import Band
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.textures import for_output
 from shaderlab.engine.evaluation import Evaluation
-from shaderlab.engine.expectations import judge_rows
 from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.engine.judging.formats import stored
 from shaderlab.errors import DeviceLostError, NotInterpretedError, ShaderlabError
 from shaderlab.model.activity import doing
 from shaderlab.model.expectation import Judgement, Need
 from shaderlab.model.frame import PassDraw
-from shaderlab.model.records import ModulesRecord, Row
+from shaderlab.model.records import ModulesRecord, Outcome, Row
 
 from .invocations import Invocations, fragments, program_of, stage_of
 
@@ -93,8 +92,8 @@ class SelfCheck:
         record = ModulesRecord(
             judged=whole.judged, outputs=tuple(whole.outputs), left_out=tuple(whole.left_out)
         )
-        judgement = judge_rows(_NAME, "module", whole.rows, whole.message, judged=whole.judged)
-        return record, judgement
+        outcome = Outcome.of_rows(_NAME, "module", whole.rows, whole.message, whole.judged)
+        return record, Judgement(outcome=outcome)
 
     @cached_property
     def _planned(self) -> Sequence[PassDraw]:

@@ -39,8 +39,11 @@ class Misfit(NamedTuple):
 
 
 class Checked:
-    """Base of dataclasses whose fields must have the types that they are annotated with. They are
-    checked before the class's own `__post_init__`."""
+    """Base of dataclasses whose fields must have the types that they are annotated with.
+
+    They are checked first. The `__post_init__` of each class follows, a base's before a derived
+    one's; none has to call another.
+    """
 
     def __init_subclass__(cls, **given: Any) -> None:
         super().__init_subclass__(**given)
@@ -49,7 +52,7 @@ class Checked:
 
             @functools.wraps(own)
             def checked(self: Checked) -> None:
-                Checked.__post_init__(self)
+                super(cls, self).__post_init__()  # type: ignore[misc]
                 own(self)
 
             cls.__post_init__ = checked  # type: ignore[method-assign]

@@ -19,7 +19,7 @@ from shaderlab.model.checked import Checked
 from shaderlab.model.scene import Pixel
 
 from .frame import Frame, Need as Need, PassDraw, Programs as Programs, TypedNeed as TypedNeed
-from .records import Curve, Outcome, Plot
+from .records import Curve, Outcome, Plot, Row
 
 _MOST_CALLERS = 32
 
@@ -105,10 +105,14 @@ class Expectation(Checked, ABC):
         callers: Sequence[tuple[str, int]] = self.__dict__.get("_callers", ())
         return next((line for name, line in callers if os.path.abspath(name) == wanted), 0)
 
-    def name_by_default(self, name: str) -> None:
-        """Take this name if the case gives none; for `__post_init__`."""
+    def __post_init__(self) -> None:
         if not self.name:
-            object.__setattr__(self, "name", name)
+            object.__setattr__(self, "name", self.default_name)
+
+    @property
+    def default_name(self) -> str:
+        """Its name if the case gives none."""
+        return self.kind
 
     def reads(self, scene: Scene) -> Iterable[Read]:
         """The outputs that it judges, told from names alone; one that does not exist is no error
@@ -146,6 +150,13 @@ class Expectation(Checked, ABC):
         Raises:
             CaseError, FormulaError: it asks for what is not there.
         """
+
+    def judge_rows(
+        self, rows: Sequence[Row], message: str, judged: int, rows_per_variant: bool = True
+    ) -> Judgement:
+        """Return a judgement of a table's rows: it fails where there is a message."""
+        outcome = Outcome.of_rows(self.name, self.kind, rows, message, judged, rows_per_variant)
+        return Judgement(outcome=outcome)
 
 
 def _callers() -> Iterator[tuple[str, int]]:

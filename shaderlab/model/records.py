@@ -6,7 +6,7 @@ without loss. The public JSON of `shaderlab run --json` is a view of it (docs/gu
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -170,6 +170,28 @@ class Outcome:
     values: str = ""
     explanation: Explanation | None = None
     line: int = 0
+
+    @classmethod
+    def of_rows(
+        cls,
+        name: str,
+        kind: str,
+        rows: Sequence[Row],
+        message: str,
+        judged: int,
+        rows_per_variant: bool = True,
+    ) -> Outcome:
+        """Return the outcome of a table's rows: it fails where there is a message."""
+        return cls(
+            name=name,
+            kind=kind,
+            status="fail" if message else "pass",
+            message=message,
+            judged=judged,
+            outside=sum(not row.ok for row in rows),
+            rows=tuple(rows),
+            rows_per_variant=rows_per_variant,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

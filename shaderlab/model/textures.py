@@ -113,7 +113,6 @@ class Texture(Sampling):
     upload: str = "data"
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         one_of("Texture", "upload", self.upload, TEXTURE_UPLOADS)
         self._check_format(self.format)
         self._check_levels(self.mipmaps)
@@ -134,7 +133,6 @@ class Output(Sampling):
     mipmaps: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         if not self.pass_name or not self.name:
             raise CaseError(
                 f"Output: {self.path!r} names no output of a pass",
@@ -169,7 +167,6 @@ class TextureArray(Sampling):
     mipmaps: bool = False
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         self._check_format(self.format)
         self._check_levels(self.mipmaps)
         object.__setattr__(self, "layers", tuple(self.layers))
@@ -189,7 +186,6 @@ class Texture3D(TextureArray):
     _AXES: ClassVar[str] = "str"
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         if self.mipmaps or self.filter[0] != self.filter[1]:
             raise CaseError(
                 f"Texture3D: mipmaps={self.mipmaps}, filter={self.filter}: the lab knows no levels "
@@ -217,7 +213,6 @@ class CubeTexture(Sampling):
     seamless: bool = True
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         self._check_format(self.format)
         self._check_levels(self.mipmaps)
         object.__setattr__(self, "faces", tuple(self.faces))
@@ -243,7 +238,6 @@ class CompressedTexture(Sampling):
     size: tuple[int, int] = (0, 0)
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         if (self.file is None) == (not self.blocks):
             raise CaseError("CompressedTexture: give either file or blocks, format and size")
         if self.compare is not None:

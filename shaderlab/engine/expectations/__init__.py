@@ -15,7 +15,7 @@ from shaderlab.model.expectation import (
 from shaderlab.model.frame import Frame as Frame
 from shaderlab.model.records import Outcome as Outcome, Row as Row
 
-from .base import OfDraw as OfDraw, OfOutput as OfOutput, judge_rows as judge_rows
+from .base import DrawExpectation as DrawExpectation, OutputExpectation as OutputExpectation
 from .needs import (
     CapturedFragments as CapturedFragments,
     CapturedVertices as CapturedVertices,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,9 +14,9 @@ from shaderlab.drivers.programs.prepare import Preparer, step
 from shaderlab.drivers.programs.vertex_capture import vertex_outputs
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.case import Scene
-from shaderlab.model.expectation import Expectation, Judgement, Need, Programs, Read
+from shaderlab.model.expectation import Expectation, Need, Programs, Read
 from shaderlab.model.frame import Bindings, PassDraw
-from shaderlab.model.records import Outcome, Row, Verdict
+from shaderlab.model.records import Verdict
 from shaderlab.model.scene import Pass, Pixel
 
 
@@ -68,7 +68,7 @@ class Asked(Need):
 
 
 @dataclass(frozen=True, kw_only=True)
-class OfDraw(Expectation):
+class DrawExpectation(Expectation):
     """An expectation of one draw: of the pass `pass_name` (the last one by default), the draw
     `draw` (negative numbers count from the last)."""
 
@@ -84,7 +84,7 @@ class OfDraw(Expectation):
 
 
 @dataclass(frozen=True, kw_only=True)
-class OfOutput(Expectation):
+class OutputExpectation(Expectation):
     """An expectation of one output of one draw.
 
     `output` is named as the fragment shader spells it ("FragColor"), with its pass before it where
@@ -101,6 +101,10 @@ class OfOutput(Expectation):
     output: str
     draw: int = -1
     discards: Callable[..., Any] | None = None
+
+    @property
+    def default_name(self) -> str:
+        return self.output
 
     def key(self, scene: Scene) -> PassDraw:
         """The pass and draw that the output comes from. Raises CaseError if there is none."""
@@ -148,29 +152,6 @@ class OfOutput(Expectation):
         if generated:
             raise CaseError(f"{name!r} is the lab's own vertex stage's: draw a mesh to judge it")
         return True
-
-
-def judge_rows(
-    name: str,
-    kind: str,
-    rows: Sequence[Row],
-    message: str,
-    judged: int,
-    rows_per_variant: bool = True,
-) -> Judgement:
-    """A judgement of rows: it fails where there is a message."""
-    return Judgement(
-        outcome=Outcome(
-            name=name,
-            kind=kind,
-            status="fail" if message else "pass",
-            message=message,
-            judged=judged,
-            outside=sum(not row.ok for row in rows),
-            rows=tuple(rows),
-            rows_per_variant=rows_per_variant,
-        )
-    )
 
 
 Named = tuple[str, str]

@@ -18,7 +18,7 @@ from ..judging.banded import judge_band
 from ..judging.chunks import PLACE
 from ..judging.inputs import Inputs, evaluate
 from .base import Context
-from .formula import OfReference, Reference
+from .formula import Reference, ReferenceExpectation
 from .needs import CapturedFragments, inputs_of
 
 WAYS = 256
@@ -32,7 +32,7 @@ STEEPEST = 4
 
 
 @dataclass(frozen=True)
-class Boundaries(OfReference):
+class Boundaries(ReferenceExpectation):
     """The band derived from `reference` holds on both sides of the places where the reference
     changes most: steps, edges, thin lines.
 
@@ -54,8 +54,9 @@ class Boundaries(OfReference):
     reference: Reference
     _: KW_ONLY
 
-    def __post_init__(self) -> None:
-        self.name_by_default(f"{self.output} at its boundaries")
+    @property
+    def default_name(self) -> str:
+        return f"{self.output} at its boundaries"
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         if self.is_of_vertex(scene, programs):

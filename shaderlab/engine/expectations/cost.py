@@ -15,7 +15,7 @@ from shaderlab.model.frame import Frame, Timing
 from shaderlab.model.records import Plot, PlotPoint, Row
 from shaderlab.model.state import one_of
 
-from .base import Asked, judge_rows
+from .base import Asked
 
 Number = Callable[[float], int]
 Best = Mapping[tuple[str, float], float]
@@ -49,7 +49,6 @@ class Cost(Expectation):
 
     series: Mapping[str, Mapping[float, Any]]
     _: KW_ONLY
-    name: str = "cost"
     claim: str = ""
     cheaper: tuple[str, str] | None = None
     draw_calls: Mapping[str, Number] = field(default_factory=dict)
@@ -96,7 +95,7 @@ class Cost(Expectation):
         if self.cheaper is not None:
             rows.append(self._claim(best, *self.cheaper))
         message = f"other counts than expected: {', '.join(wrong)}" if wrong else ""
-        found = judge_rows(self.name, self.kind, rows, message, judged=len(best))
+        found = self.judge_rows(rows, message, judged=len(best))
         return replace(found, plot=self._times(best))
 
     def _row(self, label: str, number: float, taken: list[Timing]) -> Row:

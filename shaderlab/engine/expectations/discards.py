@@ -24,7 +24,7 @@ from shaderlab.model.frame import Array, Fragments, Frame, PassDraw, every_compo
 from ..judging.formats import name_of, source_of
 from ..judging.inputs import evaluate, wanted
 from ..judging.reference_bands import CHUNK
-from .base import OfOutput
+from .base import OutputExpectation
 from .needs import CapturedFragments, Probe, inputs_of
 
 
@@ -81,7 +81,7 @@ class KeptOut:
         Raises:
             FormulaError: a rule fails, or is no comparison.
         """
-        if isinstance(expectation, OfOutput):
+        if isinstance(expectation, OutputExpectation):
             samples = frame.answers.get(Probe(expectation))
             if samples is not None and samples.discarded:
                 return (
@@ -111,17 +111,17 @@ class KeptOut:
             return f"surplus: {_places(surplus)} {of}, which its rule says is discarded"
         return ""
 
-    def _rule_of(self, key: PassDraw) -> OfOutput | None:
+    def _rule_of(self, key: PassDraw) -> OutputExpectation | None:
         """The rule of a draw, or else of another one of the same fragment shader."""
         shader = self._programs[key[0]][key[1]].draw.shaders[-1]
         return self._rules.get(key) or self._rules.get(shader)
 
 
-def _rules_of(scene: Scene) -> Mapping[PassDraw | str, OfOutput]:
+def _rules_of(scene: Scene) -> Mapping[PassDraw | str, OutputExpectation]:
     """The expectations of a whole scene that say what is discarded, by draw and by shader."""
-    rules: dict[PassDraw | str, OfOutput] = {}
+    rules: dict[PassDraw | str, OutputExpectation] = {}
     for expectation in scene.expect:
-        if isinstance(expectation, OfOutput) and expectation.discards is not None:
+        if isinstance(expectation, OutputExpectation) and expectation.discards is not None:
             key = expectation.key(scene)
             rules.setdefault(key, expectation)
             rules.setdefault(scene.find_pass(key[0]).draws[key[1]].shaders[-1], expectation)
@@ -129,7 +129,7 @@ def _rules_of(scene: Scene) -> Mapping[PassDraw | str, OfOutput]:
 
 
 def _faults(
-    key: PassDraw, frame: Frame, by_depth: bool, rule: OfOutput | None
+    key: PassDraw, frame: Frame, by_depth: bool, rule: OutputExpectation | None
 ) -> tuple[Array, Array]:
     """Where fragments are missing, and where some are seen that should be discarded."""
     found: Fragments = frame.answers[CapturedFragments(key)]
@@ -163,7 +163,7 @@ def _seen_alike(found: Fragments, everything: Fragments, at: Array) -> Array:
 
 
 def _truth(
-    rule: OfOutput, frame: Frame, key: PassDraw, fragments: Fragments, where: Array
+    rule: OutputExpectation, frame: Frame, key: PassDraw, fragments: Fragments, where: Array
 ) -> Truth:
     """Whether each of some fragments is discarded, (count,)."""
     reference: Any = rule.discards

@@ -8,7 +8,7 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from shaderlab.engine.expectations.base import Asked, OfDraw, judge_rows
+from shaderlab.engine.expectations.base import Asked, DrawExpectation
 from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.calls import COUNTERS, GL_ERRORS, error_name
@@ -21,7 +21,7 @@ from shaderlab.model.state import one_of
 
 
 @dataclass(frozen=True)
-class AttributeLayout(OfDraw):
+class AttributeLayout(DrawExpectation):
     """OpenGL reads each attribute at (offset, stride) or (offset, stride, divisor), in bytes.
 
     It is asked for GL_VERTEX_ATTRIB_ARRAY_POINTER, _STRIDE and _DIVISOR; a matrix is read where
@@ -34,8 +34,10 @@ class AttributeLayout(OfDraw):
     kind = "memory"
 
     attributes: Mapping[str, Sequence[int]]
-    _: KW_ONLY
-    name: str = "memory layout"
+
+    @property
+    def default_name(self) -> str:
+        return "memory layout"
 
     def __post_init__(self) -> None:
         for attribute, entry in self.attributes.items():
@@ -64,14 +66,13 @@ class AttributeLayout(OfDraw):
                     note="" if found is None else f"buffer {found.buffer}",
                 )
             )
-        return memory_table(self.name, rows)
+        return self.judge_rows(rows, _find_misplaced(rows), judged=len(rows))
 
 
-def memory_table(name: str, rows: Sequence[Row]) -> Judgement:
-    """A judgement of where things lie; it fails where one lies elsewhere."""
+def _find_misplaced(rows: Sequence[Row]) -> str:
+    """Say what lies elsewhere than expected; "" if nothing does."""
     wrong = [row.label for row in rows if not row.ok]
-    message = f"elsewhere than expected: {', '.join(wrong)}" if wrong else ""
-    return judge_rows(name, "memory", rows, message, judged=len(rows))
+    return f"elsewhere than expected: {', '.join(wrong)}" if wrong else ""
 
 
 def _spelt(offset: int, stride: int, divisor: int) -> str:
@@ -83,7 +84,7 @@ attribute_layout = AttributeLayout
 
 
 @dataclass(frozen=True)
-class BlockLayout(OfDraw):
+class BlockLayout(DrawExpectation):
     """The members of a uniform block lie at these offsets, and it takes `size` bytes.
 
     Members are named as in `UniformBuffer`. Both the lab's layout and the driver's are judged;
@@ -97,8 +98,9 @@ class BlockLayout(OfDraw):
     _: KW_ONLY
     size: int | None = None
 
-    def __post_init__(self) -> None:
-        self.name_by_default(f"layout of {self.block}")
+    @property
+    def default_name(self) -> str:
+        return f"layout of {self.block}"
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield Asked("blocks", (self.key(scene),))
@@ -135,14 +137,14 @@ class BlockLayout(OfDraw):
                     ok=self.size == reading.placed_size <= reading.size,
                 )
             )
-        return memory_table(self.name, rows)
+        return self.judge_rows(rows, _find_misplaced(rows), judged=len(rows))
 
 
 block_layout = BlockLayout
 
 
 @dataclass(frozen=True)
-class Query(OfDraw):
+class Query(DrawExpectation):
     """A draw makes the driver count exactly this much, or at least or at most so much.
 
     The pass is drawn once more with a query around the draw, earlier draws having filled the
@@ -163,11 +165,14 @@ class Query(OfDraw):
     at_least: int | None = None
     at_most: int | None = None
 
+    @property
+    def default_name(self) -> str:
+        return self.counter.replace("_", " ")
+
     def __post_init__(self) -> None:
         one_of("query", "counter", self.counter, COUNTERS)
         if (self.equals is None) == (self.at_least is None and self.at_most is None):
             raise CaseError(f"query {self.counter!r}: give equals=, or at_least= and at_most=")
-        self.name_by_default(self.counter.replace("_", " "))
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield Asked("count", (self.key(scene), self.counter))
@@ -187,23 +192,26 @@ class Query(OfDraw):
         words = self.counter.replace("_", " ")
         row = Row(label=words, expected=expected, measured=str(count), ok=ok)
         message = "" if ok else f"{count} {words}, not {expected}"
-        return judge_rows(self.name, self.kind, [row], message, judged=1)
+        return self.judge_rows([row], message, judged=1)
 
 
 query = Query
 
 
 @dataclass(frozen=True)
-class GlError(OfDraw):
+class GlError(DrawExpectation):
     """The draw raises this error ("invalid_operation", …); any other error fails the case."""
 
     kind = "GL error"
 
     error: str
 
+    @property
+    def default_name(self) -> str:
+        return f"GL {self.error}"
+
     def __post_init__(self) -> None:
         one_of("gl_error", "error", self.error, tuple(GL_ERRORS))
-        self.name_by_default(f"GL {self.error}")
 
     def raises_gl_errors(self, scene: Scene) -> frozenset[PassDraw]:
         return frozenset({self.key(scene)})
@@ -218,14 +226,14 @@ class GlError(OfDraw):
         measured = ", ".join(error_name(e) for e in errors) or error_name(0)
         row = Row(label="glGetError", expected=error_name(want), measured=measured, ok=ok)
         message = "" if ok else f"the draw raises {measured}"
-        return judge_rows(self.name, self.kind, [row], message, judged=1)
+        return self.judge_rows([row], message, judged=1)
 
 
 gl_error = GlError
 
 
 @dataclass(frozen=True, kw_only=True)
-class InactiveUniforms(OfDraw):
+class InactiveUniforms(DrawExpectation):
     """Of all uniforms that a draw's program declares, exactly these have location −1."""
 
     kind = "inactive uniforms"
@@ -254,7 +262,7 @@ class InactiveUniforms(OfDraw):
         ]
         wrong = [row.label for row in rows if not row.ok]
         message = f"not as expected: {', '.join(wrong)}" if wrong else ""
-        return judge_rows(self.name, self.kind, rows, message, judged=len(rows) or 1)
+        return self.judge_rows(rows, message, judged=len(rows) or 1)
 
 
 @checked_arguments
@@ -269,7 +277,7 @@ def inactive_uniforms(
 
 
 @dataclass(frozen=True)
-class Coverage(OfDraw):
+class Coverage(DrawExpectation):
     """Exactly `pixels` pixels show the draw in the end: those that it covers, that pass every test
     and are not discarded, and that no later draw of the pass covers."""
 
@@ -277,7 +285,6 @@ class Coverage(OfDraw):
 
     pixels: int
     _: KW_ONLY
-    name: str = "coverage"
 
     def reads(self, scene: Scene) -> Iterable[Read]:
         yield Read(self.key(scene)[0], "coverage")
@@ -291,7 +298,7 @@ class Coverage(OfDraw):
         ok = count == self.pixels
         row = Row(label="pixels", expected=str(self.pixels), measured=str(count), ok=ok)
         message = "" if ok else f"{count} pixels are covered, not {self.pixels}"
-        return judge_rows(self.name, self.kind, [row], message, judged=covered.size)
+        return self.judge_rows([row], message, judged=covered.size)
 
 
 coverage = Coverage

@@ -50,6 +50,10 @@ class EnergyConserving(OutputLaw):
     polar: int = 32
     around: int = 64
 
+    @property
+    def default_name(self) -> str:
+        return f"{self.output} conserves energy"
+
     def __post_init__(self) -> None:
         if min(self.polar, self.around) < 4 or self.polar % 2 or self.around % 2:
             raise CaseError("energy_conserving: polar and around must be even, 4 or more")
@@ -57,7 +61,6 @@ class EnergyConserving(OutputLaw):
             raise CaseError(f"energy_conserving: {self.normal} is no normal")
         if not 0.0 < self.limit < np.inf:
             raise CaseError(f"energy_conserving: a limit of {self.limit} holds nothing")
-        self.name_by_default(f"{self.output} conserves energy")
 
     @property
     def steps(self) -> Sequence[Mapping[str, Any]]:

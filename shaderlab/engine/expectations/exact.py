@@ -16,12 +16,12 @@ from shaderlab.model.records import Outcome, Worst
 from shaderlab.model.textures import Output
 
 from ..judging.distance import plain
-from .base import OfOutput
+from .base import OutputExpectation
 from .needs import find_image
 
 
 @dataclass(frozen=True)
-class Exact(OfOutput):
+class Exact(OutputExpectation):
     """Every pixel of `output` equals `equals` bit for bit.
 
     `equals` is a number or vector, an array (height, width, components) with row 0 at the
@@ -37,9 +37,6 @@ class Exact(OfOutput):
     equals: Any
     _: KW_ONLY
     pictured: bool = True
-
-    def __post_init__(self) -> None:
-        self.name_by_default(self.output)
 
     def reads(self, scene: Scene) -> Iterable[Read]:
         yield Read(self.key(scene)[0], self.own_name(scene))

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.engine.expectations.base import judge_rows
-from shaderlab.engine.expectations.formula import Formula, OfReference, Reference, Sweep
+from shaderlab.engine.expectations.formula import Formula, Reference, ReferenceExpectation, Sweep
 from shaderlab.engine.expectations.needs import (
     CapturedFragments,
     Probe,
@@ -34,7 +33,7 @@ Figure = float | Sequence[float]
 
 
 @dataclass(frozen=True)
-class Value(OfReference):
+class Value(ReferenceExpectation):
     """A figure as printed (rounded to `digits` decimals) holds for the formula and the shader.
 
     `at` gives some inputs by name (the others stay as the case has them) and the program is run
@@ -56,7 +55,6 @@ class Value(OfReference):
     def __post_init__(self) -> None:
         if self.digits < 0:
             raise CaseError(f"value of {self.output!r}: digits must not be negative")
-        self.name_by_default(self.output)
 
     def reads(self, scene: Scene) -> Iterable[Read]:
         pixel = self.at if isinstance(self.at, Pixel) else None
@@ -106,7 +104,7 @@ class Value(OfReference):
         ok = rounds_to(measured, self.equals, self.digits)
         message = "" if ok else f"measured {shown(measured)}"
         row = self._row(measured, measured, ok)
-        return judge_rows(self.name, self.kind, [row], message, judged=int(np.size(measured)))
+        return self.judge_rows([row], message, judged=int(np.size(measured)))
 
     def _reference(self, scene: Scene) -> Any:
         """The value's own reference, or that of the formula of the same output."""
@@ -165,7 +163,7 @@ class Computed(Expectation):
         note = self.note or "float64, no shader"
         row = figure_row(self.name, self.equals, self.digits, got, None, ok, note)
         message = "" if ok else f"the reference gives {shown(got, self.digits + 3)}"
-        return judge_rows(self.name, self.kind, [row], message, judged=1, rows_per_variant=False)
+        return self.judge_rows([row], message, judged=1, rows_per_variant=False)
 
 
 computed = Computed

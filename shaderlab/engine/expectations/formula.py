@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Rules
-from shaderlab.engine.expectations.base import OfOutput
+from shaderlab.engine.expectations.base import OutputExpectation
 from shaderlab.engine.expectations.needs import (
     CapturedFragments,
     CapturedVertices,
@@ -30,7 +30,7 @@ Reference = Callable[..., Any]
 
 
 @dataclass(frozen=True, kw_only=True)
-class OfReference(OfOutput):
+class ReferenceExpectation(OutputExpectation):
     """An expectation that holds an output against a reference's band.
 
     Attributes:
@@ -75,14 +75,14 @@ class OfReference(OfOutput):
 
 
 @dataclass(frozen=True)
-class Formula(OfReference):
+class Formula(ReferenceExpectation):
     """Every covered pixel (or vertex) of `output` lies in the band derived from `reference`.
 
     The reference's parameters are found by name: captured varyings (or attributes), uniforms
     (`light.constant` as `light_constant`), textures, `frag_coord`, and what `given` adds.
 
     Args:
-        output: see `OfOutput`.
+        output: see `OutputExpectation`.
         reference: a formula over float64 arrays and bands alike, built with `shaderlab.glslmath`.
         draw: which draw of the pass the inputs come from; the last by default.
         given: further inputs by name, as exact float32 values.
@@ -103,7 +103,6 @@ class Formula(OfReference):
         for implementation in self.also.values():
             if implementation is self.reference:
                 raise CaseError(f"formula {self.output!r}: also= has the reference itself")
-        self.name_by_default(self.output)
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         key = self.key(scene)
@@ -201,7 +200,7 @@ class LaidOut:
 
 
 @dataclass(frozen=True)
-class Sweep(OfReference):
+class Sweep(ReferenceExpectation):
     """The band holds while the input `over` takes each of `values`; the report draws the curve.
 
     `at` gives other inputs by name; those that it leaves out stay as the case has them. For the
@@ -219,8 +218,11 @@ class Sweep(OfReference):
     at: Mapping[str, UniformValue] = field(default_factory=dict)
     log_x: bool = False
 
+    @property
+    def default_name(self) -> str:
+        return f"{self.output} over {self.over}"
+
     def __post_init__(self) -> None:
-        self.name_by_default(f"{self.output} over {self.over}")
         object.__setattr__(self, "values", tuple(float(v) for v in self.values))
         if not self.values:
             raise CaseError(

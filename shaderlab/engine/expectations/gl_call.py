@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from shaderlab.engine.expectations.base import Context, judge_rows
+from shaderlab.engine.expectations.base import Context
 from shaderlab.errors import CaseError
 from shaderlab.model.activity import doing
 from shaderlab.model.calls import (
@@ -97,7 +97,7 @@ class GlCall(Expectation):
         wrong = next((row for row in rows if not row.ok), None)
         verb = "raises" if wrong is rows[0] else "answers"
         message = f"{reply.at} {verb} {wrong.measured}" if wrong else ""
-        return judge_rows(self.name, self.kind, rows, message, judged=len(rows))
+        return self.judge_rows(rows, message, judged=len(rows))
 
 
 @checked_arguments
@@ -207,7 +207,7 @@ class GlCalls(Expectation):
                 message = f"{self._in_words()} is called before {self.after}"
         if not ok:
             rows += [Row(label=str(c), expected="", measured="", ok=True) for c in same[:_SHOWN]]
-        return judge_rows(self.name, self.kind, rows, message, judged=len(rows))
+        return self.judge_rows(rows, message, judged=len(rows))
 
     def _matches(self, call: TracedCall) -> bool:
         return all(call.arguments.get(name) == word for name, word in self.arguments.items())

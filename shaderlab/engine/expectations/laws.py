@@ -26,7 +26,7 @@ from shaderlab.model.scene import UniformValue
 
 from ..judging import laws
 from ..judging.distance import plain, shown, ulp_distance
-from .base import OfOutput
+from .base import OutputExpectation
 from .needs import Probe
 
 Figure = float | Sequence[float]
@@ -54,7 +54,7 @@ class Finding:
 
 
 @dataclass(frozen=True, kw_only=True)
-class OutputLaw(OfOutput):
+class OutputLaw(OutputExpectation):
     """A law of an output while inputs vary; `at` are other inputs by name, those that it leaves out
     stay as the case has them."""
 
@@ -131,10 +131,13 @@ class EachValue(OutputLaw):
     over: str
     values: Sequence[Any]
 
+    @property
+    def default_name(self) -> str:
+        return f"{self.output} {self.law.title}"
+
     def __post_init__(self) -> None:
         if not self.steps:
             raise CaseError(f"{self.kind} {self.output!r}: needs values of {self.over!r}")
-        self.name_by_default(f"{self.output} {self.law.title}")
 
     @property
     @abstractmethod
@@ -218,11 +221,13 @@ class Monotone(EachValue):
     direction: str = "increasing"
     strict: bool = False
 
+    @property
+    def default_name(self) -> str:
+        return f"{self.output} {self.direction}"
+
     def __post_init__(self) -> None:
         if len(self.values) < 2 or any(a >= b for a, b in pairwise(self.values)):
             raise CaseError(f"monotone {self.output!r}: values must be two or more that rise")
-        self.name_by_default(f"{self.output} {self.direction}")
-        super().__post_init__()
 
     @property
     def law(self) -> laws.Monotone:
@@ -253,7 +258,6 @@ class Even(EachValue):
     within: float = 0.0
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         if trivial := self.law.find_trivial(self.inputs):
             raise CaseError(f"{self.kind} {self.output!r} could not fail: {trivial}")
 
@@ -288,7 +292,6 @@ class Symmetric(Even):
     def __post_init__(self) -> None:
         if self.ulps is not None:
             laws.reject_old_spelling("symmetric", {"ulps": 0}, {"ulps": f"ulp={self.ulps!r}"})
-        super().__post_init__()
 
     @property
     def law(self) -> laws.Symmetric:
@@ -332,10 +335,13 @@ class MeanOf(OutputLaw):
     values: Sequence[UniformValue]
     significance: float = 1e-3
 
+    @property
+    def default_name(self) -> str:
+        return f"mean of {self.output}"
+
     def __post_init__(self) -> None:
         if len(self.values) < 30 or not 0.0 < self.significance < 1.0:
             raise CaseError("mean_of: needs 30 samples or more, and a significance between 0 and 1")
-        self.name_by_default(f"mean of {self.output}")
 
     @property
     def steps(self) -> Sequence[Mapping[str, Any]]:

@@ -16,7 +16,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from shaderlab.engine.expectations.base import OfDraw
+from shaderlab.engine.expectations.base import DrawExpectation
 from shaderlab.engine.expectations.needs import find_image
 from shaderlab.engine.judging.formats import located, source_of
 from shaderlab.engine.judging.inputs import parameter_name
@@ -192,7 +192,7 @@ Statistic = Callable[..., Any]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measure(OfDraw):
+class Measure(DrawExpectation):
     """A statistic computed from the frame, each of its readings within its bound."""
 
     kind = "measure"

@@ -13,7 +13,7 @@ from shaderlab.drivers.programs import images
 from shaderlab.drivers.programs.bind import declared, exact_inputs, value_arrays
 from shaderlab.drivers.programs.prepare import PreparedDraw
 from shaderlab.drivers.programs.stages import changes_inputs, elements, may_keep_out
-from shaderlab.engine.expectations.base import Context, OfOutput
+from shaderlab.engine.expectations.base import Context, OutputExpectation
 from shaderlab.engine.judging.inputs import Inputs
 from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.model.activity import doing
@@ -82,7 +82,9 @@ class Probe(Need):
         steps: inputs and uniforms of each run, by name; all have the same names.
     """
 
-    def __init__(self, expectation: OfOutput, steps: Sequence[Mapping[str, Any]] = ()) -> None:
+    def __init__(
+        self, expectation: OutputExpectation, steps: Sequence[Mapping[str, Any]] = ()
+    ) -> None:
         self._expectation = expectation
         self._steps = steps
 
@@ -204,7 +206,7 @@ class Subject:
 
 
 def subject_of(
-    expectation: OfOutput, given: Mapping[str, UniformValue], scene: Scene, frame: Frame
+    expectation: OutputExpectation, given: Mapping[str, UniformValue], scene: Scene, frame: Frame
 ) -> Subject:
     """The vertices or the covered pixels of an output, with what their shader got.
 

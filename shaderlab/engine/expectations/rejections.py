@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
-from shaderlab.engine.expectations.base import Context, judge_rows
+from shaderlab.engine.expectations.base import Context
 from shaderlab.errors import CaseError, DriverError, ShaderlabError
 from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
@@ -113,7 +113,7 @@ class CompileFails(Expectation):
             if not rows[-1].ok:
                 wrong = "accepts" if verdicts.driver.ok else "refuses another place of"
                 message = message or f"the driver {wrong} {what}"
-        return judge_rows(self.name, self.kind, rows, message, judged=len(rows) or 1)
+        return self.judge_rows(rows, message, judged=len(rows) or 1)
 
     def _driver_row(self, verdict: Verdict, errors: Sequence[Place]) -> Row:
         expected = "refused, in its own words" if self.driver else "either"
@@ -220,10 +220,13 @@ class Refused(Expectation):
     remedy: str = ""
 
     def __post_init__(self) -> None:
-        own = self.what if isinstance(self.what, str) else ""
-        self.name_by_default(f"{own or self.file or 'it'} is refused")
         if self.file is None:
-            object.__setattr__(self, "file", own)
+            object.__setattr__(self, "file", self.what if isinstance(self.what, str) else "")
+
+    @property
+    def default_name(self) -> str:
+        own = self.what if isinstance(self.what, str) else ""
+        return f"{own or self.file or 'it'} is refused"
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield RaisedError(self.what)
@@ -244,7 +247,7 @@ class Refused(Expectation):
             message = "the lab takes it, but must refuse it"
         elif not all(row.ok for row in rows):
             message = "the lab refuses it in other words: " + str(error).replace("\n", " ")
-        return judge_rows(self.name, self.kind, rows, message, judged=len(rows))
+        return self.judge_rows(rows, message, judged=len(rows))
 
 
 def _parts(message: str, file: str | None, line: int | None, remedy: str | None) -> dict[str, str]:
