@@ -97,11 +97,11 @@ def _imported() -> list[CaseFacts]:
 
 def _loaded(targets: Sequence[str]) -> list[CaseFacts]:
     from shaderlab.cli.selecting import distinct, files_of
-    from shaderlab.engine.discovery import place
+    from shaderlab.engine.discovery import sort_key
 
     with contextlib.closing(make_local_executor(None, Limits(), None, early=False)) as executor:
         found = distinct(executor.load(files_of(targets)))
-    return sorted(found, key=lambda case: place(case.section, case.id))
+    return sorted(found, key=lambda case: sort_key(case.section, case.id))
 
 
 def _chapter(case: CaseFacts) -> str:

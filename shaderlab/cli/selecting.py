@@ -19,7 +19,13 @@ from pathlib import Path
 
 import click
 
-from shaderlab.engine.discovery import case_files, data_folder, is_case_file, place, shipped_cases
+from shaderlab.engine.discovery import (
+    case_files,
+    data_folder,
+    is_case_file,
+    shipped_cases,
+    sort_key,
+)
 from shaderlab.engine.jobs import CaseFacts, Job, jobs_of
 from shaderlab.errors import CaseError, UsageError, nearest
 from shaderlab.files import cache_root, read_regular, write_bytes
@@ -50,7 +56,7 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
     if every:
         load = _with_index(load)
     facts = dict(zip(files, distinct(load(files)), strict=True))
-    in_order = sorted((facts[f] for f in shipped), key=lambda case: place(case.section, case.id))
+    in_order = sorted((facts[f] for f in shipped), key=lambda case: sort_key(case.section, case.id))
     chosen = [(case, None) for case in in_order] + [(facts[file], v) for file, v in wanted]
     jobs: dict[tuple[str, str, str], Job] = {}
     for case, variant in chosen:
@@ -245,7 +251,7 @@ def kept_facts(course: Path, load: Callable[[], list[CaseFacts]]) -> list[CaseFa
 
 
 def _in_order(found: list[CaseFacts]) -> list[CaseFacts]:
-    return sorted(found, key=lambda case: place(case.section, case.id))
+    return sorted(found, key=lambda case: sort_key(case.section, case.id))
 
 
 def _key(course: Path) -> str:

@@ -17,7 +17,7 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shaderlab.engine.discovery import imported_files, is_own
+from shaderlab.engine.discovery import imported_files, is_project_file
 from shaderlab.engine.executors import LocalExecutor, error_text
 from shaderlab.engine.jobs import CaseFacts, Job, failed_record
 from shaderlab.errors import CaseError, ShaderlabError, extra
@@ -259,7 +259,7 @@ class OpenedFiles:
             yield found
         finally:
             names, self._names = self._names, None
-            found |= {path for path in map(_source, names) if is_own(path)}
+            found |= {path for path in map(_source, names) if is_project_file(path)}
 
     def _hear(self, event: str, arguments: tuple[Any, ...]) -> None:
         if event != "open" or self._names is None:
@@ -474,7 +474,7 @@ class Session:
                 case_id = watched.file.stem.replace("_", "-")
                 found = CaseFacts(file=str(watched.file), id=case_id, error=found, status=status)
             watched.facts = found
-            own = {path for path in imported_files(watched.file) if is_own(path)}
+            own = {path for path in imported_files(watched.file) if is_project_file(path)}
             watched.files |= {watched.file, *files, *own}
         if wanted:
             facts = [w.facts for w in self._watched.values() if w.facts is not None]

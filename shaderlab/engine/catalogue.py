@@ -21,7 +21,7 @@ from shaderlab.files import search_folder
 from shaderlab.model.case import Case
 from shaderlab.settings import settings_of
 
-from .discovery import TREE_FILE, chapter_title, data_folder, place, tree_of
+from .discovery import TREE_FILE, chapter_title, data_folder, sort_key, tree_of
 
 _PACKAGE = "shaderlab_cases_"
 _FOR_CASES = ("shaderlab", "shaderlab.glslmath", "shaderlab.glslmath.sampling", "shaderlab.assets")
@@ -44,7 +44,7 @@ def load_cases(files: Iterable[Path]) -> dict[str, Case]:
                 remedy="rename one of the two files: a case's id is its file's name",
             )
         cases[case.id] = case
-    return dict(sorted(cases.items(), key=lambda item: place(item[1].section, item[0])))
+    return dict(sorted(cases.items(), key=lambda item: sort_key(item[1].section, item[0])))
 
 
 def load_case(path: Path) -> Case:

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.compiler.sources import Source
-from shaderlab.engine.discovery import files_below, is_own
+from shaderlab.engine.discovery import files_below, is_project_file
 from shaderlab.errors import CaseError, ShaderError, ShaderlabError, extra
 from shaderlab.files import display_path
 from shaderlab.functions.declarations import Type
@@ -189,7 +189,7 @@ def _forgetting_own_modules() -> Iterator[None]:
     finally:
         for name in set(sys.modules) - before:
             file = getattr(sys.modules[name], "__file__", None)
-            if file and is_own(Path(os.path.abspath(file))):
+            if file and is_project_file(Path(os.path.abspath(file))):
                 del sys.modules[name]
 
 

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from shaderlab.engine.discovery import examined
+from shaderlab.engine.discovery import inspect_file
 from shaderlab.engine.executors import WORDS
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path
@@ -251,11 +251,11 @@ def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> 
 
 
 def _examined(file: Path, config: pytest.Config) -> str | None:
-    """What `shaderlab.engine.discovery.examined` says; of two hooks that ask for the
+    """What `shaderlab.engine.discovery.inspect_file` says; of two hooks that ask for the
     same file, the first has it parsed."""
     asked, reason = config.stash.get(_EXAMINED, (None, None))
     if asked != file:
-        reason = examined(file)
+        reason = inspect_file(file)
         config.stash[_EXAMINED] = (file, reason)
     return reason
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import shaderlab.engine.worker
-from shaderlab.engine.discovery import examined
+from shaderlab.engine.discovery import inspect_file
 from tests.gpu import faulty
 
 STAND_IN = """
@@ -123,7 +123,7 @@ def test_a_file_is_examined_once(
 
     def noted(file: Path) -> str | None:
         asked.append(file)
-        return examined(file)
+        return inspect_file(file)
 
     monkeypatch.setattr("shaderlab.pytest_plugin.examined", noted)
     pytester.makepyfile(test_own="def test_own(): pass", test_other="", helper="")

@@ -10,7 +10,7 @@ from shaderlab.engine.discovery import (
     case_files,
     chapter_title,
     data_folder,
-    examined,
+    inspect_file,
     is_case_file,
     shipped_cases,
     tree_of,
@@ -57,7 +57,7 @@ def test_cases(tmp_path: Path, text: str) -> None:
 def test_other_files(tmp_path: Path, text: str) -> None:
     file = tmp_path / "lamp.py"
     file.write_text(text)
-    assert not is_case_file(file) and not examined(file)
+    assert not is_case_file(file) and not inspect_file(file)
 
 
 @pytest.mark.parametrize(
@@ -79,10 +79,10 @@ def test_a_file_that_takes_case_and_is_none_has_a_reason(
 ) -> None:
     file = tmp_path / "lamp.py"
     file.write_text(text)
-    assert not is_case_file(file) and reason in (examined(file) or "")
+    assert not is_case_file(file) and reason in (inspect_file(file) or "")
     named: list[tuple[Path, str]] = []
     assert not list(case_files(tmp_path, lambda path, why: named.append((path, why))))
-    assert named == [(file, examined(file))]
+    assert named == [(file, inspect_file(file))]
 
 
 def test_a_case_made_by_a_module_of_the_same_project_is_one(tmp_path: Path) -> None:
@@ -110,9 +110,9 @@ def test_only_names_that_begin_with_an_underscore_are_left_out(
 ) -> None:
     file = tmp_path / name
     file.write_text(IMPORT + "case = Case()\n")
-    assert is_case_file(file) == (not reason) and reason in (examined(file) or "")
+    assert is_case_file(file) == (not reason) and reason in (inspect_file(file) or "")
     file.rename(tmp_path / "lamp.txt")
-    assert not is_case_file(tmp_path / "lamp.txt") and not examined(tmp_path / "lamp.txt")
+    assert not is_case_file(tmp_path / "lamp.txt") and not inspect_file(tmp_path / "lamp.txt")
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
