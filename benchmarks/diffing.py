@@ -17,9 +17,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from benchmarks.rewrites import Rewrite, rewrites
+from shaderlab.analysis.answer import Answer
 from shaderlab.analysis.case_stages import rewritten
-from shaderlab.analysis.equivalence.answer import Answer
-from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
+from shaderlab.analysis.comparison import Plan, compare_programs
 from shaderlab.analysis.invocations import program_of
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases

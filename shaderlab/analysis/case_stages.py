@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from shaderlab.analysis.inputs import Given, given_fragments, given_vertices
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.engine.evaluation import Evaluation
@@ -15,6 +14,8 @@ from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Case
 from shaderlab.model.frame import PassDraw
+
+from .batches import InputBatch, fragment_batch, vertex_batch
 
 _MOST = 2048  # invocations of a draw
 
@@ -25,17 +26,17 @@ class Rewritten:
 
     old: Source
     new: Source
-    given: list[Given] = field(default_factory=list)
+    given: list[InputBatch] = field(default_factory=list)
 
 
-def stages(lab: SceneRunner, case: Case) -> list[tuple[Source, list[Given]]]:
+def stages(lab: SceneRunner, case: Case) -> list[tuple[Source, list[InputBatch]]]:
     """Each stage of a case's draws, once, and the inputs that those give it: those of fragment and
     vertex stages that ran; nothing for other stages, whose inputs can't be captured.
 
     Raises:
         ShaderlabError: the case can't be drawn, or what a draw gives can't be captured.
     """
-    found: dict[str, tuple[Source, list[Given]]] = {}
+    found: dict[str, tuple[Source, list[InputBatch]]] = {}
     for scene in case.scenes():
         programs = lab.prepare_for_opengl(scene)
         with lab.evaluation(scene, programs) as evaluation:
@@ -94,14 +95,14 @@ def _is_own(source: Source, draw: PreparedDraw) -> bool:
     return source.stage == "vertex" and draw.draw.mesh is None
 
 
-def _given(evaluation: Evaluation, key: PassDraw, stage: str) -> Iterator[Given]:
+def _given(evaluation: Evaluation, key: PassDraw, stage: str) -> Iterator[InputBatch]:
     """What a draw gives a stage, if that can be captured."""
     bindings = evaluation.drawn.bindings[key]
     if stage == "vertex":
         vertices = CapturedVertices(key)
-        yield given_vertices(evaluation.answer(vertices), bindings, _MOST)
+        yield vertex_batch(evaluation.answer(vertices), bindings, _MOST)
         del evaluation.answers[vertices]  # of many draws, all are more than fits into memory
     elif stage == "fragment":
         fragments = CapturedFragments(key)
-        yield given_fragments(evaluation.answer(fragments), bindings, _MOST)
+        yield fragment_batch(evaluation.answer(fragments), bindings, _MOST)
         del evaluation.answers[fragments]

@@ -14,25 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.analysis.equivalence.comparison import example
-from shaderlab.analysis.inputs import (
-    Given,
-    declared_ranges,
-    drawn,
-    inputs_of,
-    roles_of,
-    unknown_names,
-)
-from shaderlab.analysis.interpreter import (
-    FLOAT32,
-    FLOAT64,
-    Arithmetic,
-    Bands,
-    Program,
-    Stored,
-    interpret,
-)
-from shaderlab.analysis.interpreter.running import is_vector, precision_loss, row_of, width
 from shaderlab.bands import Band, Integer, Truth
 from shaderlab.bands.rounding import ulp
 from shaderlab.engine.evaluation import Evaluation
@@ -44,7 +25,11 @@ from shaderlab.files import display_path
 from shaderlab.model.frame import Array, PassDraw
 from shaderlab.model.records import Explanation, Outcome, Step
 
+from .batches import InputBatch
 from .driver_values import driver_values
+from .inputs import declared_ranges, domains_of, inputs_of, sample_inputs, unknown_names
+from .interpreter import FLOAT32, FLOAT64, Arithmetic, Bands, Program, Stored, interpret
+from .interpreter.running import is_vector, precision_loss, row_of, width
 from .invocations import Invocations, fragments
 from .self_check import outside, shows_what_is_written
 
@@ -223,15 +208,17 @@ def explain_file(
     inputs = inputs_of(program)
     for name in unknown_names(list(ranges), inputs):
         raise UsageError(f"the shader does not read {name!r}", remedy=nearest(name, inputs))
-    made_up = drawn(inputs, roles_of(inputs.values(), declared_ranges(program), ranges), most, 0)
+    made_up = sample_inputs(
+        inputs, domains_of(inputs.values(), declared_ranges(program), ranges), most, 0
+    )
     row = _widest(_as_invocations(program, made_up))
     rows = made_up.rows_with(np.array([row]), program)
     some = _as_invocations(program, made_up.part(rows))
     steps = steps_at(some, traced(some, Bands()), {}, int(np.flatnonzero(rows == row)[0]))
-    return Explanation(pixel=(0, 0), steps=steps), example(made_up, row, inputs)
+    return Explanation(pixel=(0, 0), steps=steps), made_up.example(row, inputs)
 
 
-def _as_invocations(program: Program, given: Given) -> Invocations:
+def _as_invocations(program: Program, given: InputBatch) -> Invocations:
     return Invocations(
         program=program, each=given.each, bindings=given.bindings, measured={}, formats={}
     )
@@ -300,18 +287,18 @@ def _by_name(explained: Explanation) -> dict[str, list[Step]]:
 
 
 def _blaming(
-    explained: Explanation, step: Step, words: str, other: str, shown: str = ""
+    explained: Explanation, step: Step, words: str, other: str, format_inputs: str = ""
 ) -> Explanation:
     file = display_path(step.file, step.line)
     value = _shown(np.array(step.value))
     if step.name == "condition":
-        value, shown = ("true", "false") if step.value[0] else ("false", "true")
-    elif not shown:
+        value, format_inputs = ("true", "false") if step.value[0] else ("false", "true")
+    elif not format_inputs:
         pairs = zip(step.low, step.high, strict=True)
-        shown = ", ".join(f"{low:.9g} … {high:.9g}" for low, high in pairs)
+        format_inputs = ", ".join(f"{low:.9g} … {high:.9g}" for low, high in pairs)
     return replace(
         explained,
-        verdict=f"{words}; first at {file}: {step.name} is {value}, {other} {shown}",
+        verdict=f"{words}; first at {file}: {step.name} is {value}, {other} {format_inputs}",
         file=step.file,
         line=step.line,
     )

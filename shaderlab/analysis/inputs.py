@@ -11,10 +11,11 @@ from typing import Literal
 import numpy as np
 
 from shaderlab.compiler.reflection import is_used, leaves, used_paths
-from shaderlab.compiler.spirv import Op, StorageClass, type_name, unwrap
+from shaderlab.compiler.spirv import StorageClass, type_name, unwrap
 from shaderlab.errors import NotInterpretedError, UsageError
-from shaderlab.model.frame import Array, Bindings, Fragments, Samples, Texels
+from shaderlab.model.frame import Array, Bindings, Texels
 
+from .batches import InputBatch, quads_of
 from .interpreter import Program
 from .interpreter.interpret import interface_name
 from .interpreter.program import INPUTS
@@ -94,7 +95,7 @@ Kind = Literal["number", "unit", "rotation", "affine", "projection", "texture"]
 
 
 @dataclass(frozen=True)
-class Role:
+class InputDomain:
     """Which values an input is given.
 
     Attributes:
@@ -132,17 +133,17 @@ class Role:
         return f"{text}, >= {self.above}" if self.above else text
 
     @property
-    def freed(self) -> Role | None:
+    def relaxed(self) -> InputDomain | None:
         """The role without its assumption; None where somebody said it, or nothing is assumed."""
         if self.source in ("given", "declared") or self.kind in ("projection", "texture"):
             return None
         if self.source == "learned":
-            free = Role("number", -np.inf, np.inf, "given")
+            free = InputDomain("number", -np.inf, np.inf, "given")
             return free if self.kind == "unit" or self.low == 0.0 else None
         if self.kind in ("unit", "rotation", "affine"):
-            return Role("number", -2.0, 2.0)
+            return InputDomain("number", -2.0, 2.0)
         wide = self.high - self.low
-        return Role("number", self.low - wide, self.high + wide)
+        return InputDomain("number", self.low - wide, self.high + wide)
 
 
 # By a word of the name: the last one that is here counts.
@@ -186,9 +187,9 @@ _BUILT_IN = {
 }  # fmt: skip
 
 
-def roles_of(
-    inputs: Iterable[Input], declared: Mapping[str, str], given: Mapping[str, str]
-) -> dict[str, Role]:
+def domains_of(
+    inputs: Iterable[Input], declared: Mapping[str, str], ranges: Mapping[str, str]
+) -> dict[str, InputDomain]:
     """The role of each input, by name.
 
     Args:
@@ -203,23 +204,23 @@ def roles_of(
     found = {}
     for one in inputs:
         plain = re.sub(r"\[\d+\]", "", one.name)
-        said = given.get(one.name, given.get(plain, ""))
+        said = ranges.get(one.name, ranges.get(plain, ""))
         comment = declared.get(plain.rpartition(".")[2], "")
         if said or comment:
-            role = _said(said or comment, one.name)
-            found[one.name] = replace(role, source="given" if said else "declared")
+            domain = _said(said or comment, one.name)
+            found[one.name] = replace(domain, source="given" if said else "declared")
         else:
             found[one.name] = _assumed(one)
     for one in inputs:
-        lower = lower_one(one.name, found)
+        lower = lower_partner(one.name, found)
         if lower and found[one.name].kind == found[lower].kind == "number":
             found[one.name] = replace(found[one.name], above=lower)
     return found
 
 
-def _said(text: str, name: str) -> Role:
+def _said(text: str, name: str) -> InputDomain:
     if text == "unit":
-        return Role("unit")
+        return InputDomain("unit")
     parts = re.split(r"\.\.|:", text)
     try:
         low, high = map(float, parts)
@@ -227,32 +228,34 @@ def _said(text: str, name: str) -> Role:
         low, high = 1.0, 0.0
     if not -1e38 < low <= high < 1e38:
         raise UsageError(f"{name}: {text!r} is no range", remedy="write a..b, a:b or unit")
-    return Role("number", low, high)
+    return InputDomain("number", low, high)
 
 
-def _assumed(one: Input) -> Role:
+def _assumed(one: Input) -> InputDomain:
     words = words_of(one.name)
     if "sampler" in one.type:
-        return Role("texture")
+        return InputDomain("texture")
     if one.workgroup is not None:
         local = max(one.workgroup) if one.type == "uvec3" else math.prod(one.workgroup)
         groups = 1 if "Local" in one.name else WORKGROUPS
-        return Role("number", 0.0, groups * (1 if "Group" in one.name else local) - 1.0)
+        return InputDomain("number", 0.0, groups * (1 if "Group" in one.name else local) - 1.0)
     if one.name in _BUILT_IN:
-        return Role("number", *_BUILT_IN[one.name])
+        return InputDomain("number", *_BUILT_IN[one.name])
     if "mat" in one.type:
         turns = one.type != "mat4" or {"rotation", "normal", "turn"} & set(words)
-        return Role("projection" if "projection" in words else "rotation" if turns else "affine")
+        return InputDomain(
+            "projection" if "projection" in words else "rotation" if turns else "affine"
+        )
     if one.type in ("vec2", "vec3") and is_direction(one.name):
-        return Role("unit")
+        return InputDomain("unit")
     if one.type in ("bool", "bvec2", "bvec3", "bvec4"):
-        return Role("number")
+        return InputDomain("number")
     if not one.type.startswith(("float", "vec")):
-        return Role("number", 0.0, 4.0)
+        return InputDomain("number", 0.0, 4.0)
     for word in reversed(words):
         if word in _RANGES:
-            return Role("number", *_RANGES[word])
-    return Role("number") if one.type == "float" else Role("number", -2.0, 2.0)
+            return InputDomain("number", *_RANGES[word])
+    return InputDomain("number") if one.type == "float" else InputDomain("number", -2.0, 2.0)
 
 
 def words_of(name: str) -> list[str]:
@@ -274,7 +277,7 @@ def is_place(name: str) -> bool:
     return bool(_PLACES & set(words_of(name)))
 
 
-def lower_one(name: str, names: Iterable[str]) -> str:
+def lower_partner(name: str, names: Iterable[str]) -> str:
     """The input that is named as the lower one of a pair in which this one is the higher."""
     start, own = _split(name)
     for high, low in _ORDERS:
@@ -291,155 +294,18 @@ def _split(name: str) -> tuple[str, str]:
     return start + dot, own.lower()
 
 
-def keep_in_order(each: dict[str, Array], roles: Mapping[str, Role]) -> None:
+def keep_in_order(each: dict[str, Array], domains: Mapping[str, InputDomain]) -> None:
     """Exchange values of inputs where the higher one of a pair is below the lower one."""
-    for name, role in roles.items():
-        if role.above in each and name in each and each[name].shape == each[role.above].shape:
-            low, high = each[role.above], each[name]
-            each[role.above], each[name] = np.minimum(low, high), np.maximum(low, high)
+    for name, domain in domains.items():
+        if domain.above in each and name in each and each[name].shape == each[domain.above].shape:
+            low, high = each[domain.above], each[name]
+            each[domain.above], each[name] = np.minimum(low, high), np.maximum(low, high)
 
 
-def unknown_names(given: Sequence[str], inputs: Iterable[str]) -> list[str]:
+def unknown_names(ranges: Sequence[str], inputs: Iterable[str]) -> list[str]:
     """Which of the given names are no input's."""
     known = {*inputs, *(re.sub(r"\[\d+\]", "", name) for name in inputs)}
-    return [name for name in given if name not in known]
-
-
-_DERIVATIVES = range(Op.DPdx, Op.FwidthCoarse + 1)
-
-
-@dataclass(frozen=True, eq=False)
-class Given:
-    """What some invocations get.
-
-    Attributes:
-        each: what differs between them, by name, a row for each.
-        bindings: what does not.
-        count: how many there are.
-    """
-
-    each: Mapping[str, Array]
-    bindings: Bindings
-    count: int
-
-    def rows_with(self, rows: Array, program: Program) -> Array:
-        """Some rows, and where the program asks for derivatives those of their quads."""
-        places = self.each.get("gl_FragCoord")
-        if places is None or not asks_for_neighbours(program, self.bindings):
-            return rows
-        cells = cells_of(places)
-        return np.flatnonzero(np.isin(cells, cells[rows]))
-
-    def part(self, rows: Array) -> Given:
-        """Some of the invocations."""
-        each = {n: v if len(v) == 1 else v[rows] for n, v in self.each.items()}
-        return Given(each, self.bindings, len(rows))
-
-
-def cells_of(places: Array) -> Array:
-    """A number for the quad of each gl_FragCoord."""
-    cell = np.floor(places[:, :2] / 2.0).astype(np.int64)
-    found: Array = cell[:, 1] * (1 << 20) + cell[:, 0]
-    return found
-
-
-def asks_for_neighbours(program: Program, bindings: Bindings) -> bool:
-    """Whether invocations depend on their quads: by derivatives, or by mipmaps."""
-    if any(texels.filter[0] != texels.filter[1] for texels in bindings.textures.values()):
-        return True
-    return any(one.op in _DERIVATIVES for one in program.definitions.values())
-
-
-def merged(givens: Sequence[Given], program: Program, most: int) -> list[Given]:
-    """What several draws gave, as few sets: those with the same textures become one, in which
-    uniforms differ between invocations; of each draw as many, `most` in all. Draws whose
-    invocations depend on their neighbours stay apart."""
-    found: list[Given] = []
-    groups: dict[int, list[Given]] = {}
-    for given in givens:
-        if asks_for_neighbours(program, given.bindings):
-            found.append(given)
-        else:
-            groups.setdefault(_looks(given.bindings), []).append(given)
-    for group in groups.values():
-        share = max(most // len(group), 16)
-        parts = [
-            g.part(np.unique(np.linspace(0, g.count - 1, min(share, g.count)).astype(int)))
-            for g in group
-        ]
-        found.append(parts[0] if len(parts) == 1 else joined(parts))
-    return found
-
-
-def _looks(bindings: Bindings) -> int:
-    """A number that is the same for the same textures."""
-    parts: list[object] = []
-    for name, texels in sorted(bindings.textures.items()):
-        parts += [name, texels.filter, texels.wrap, texels.compare, texels.kind, texels.format]
-        parts += [level.tobytes() for level in (texels.values, *texels.smaller)]
-    return hash(tuple(parts))
-
-
-def joined(parts: Sequence[Given]) -> Given:
-    """Sets with the same textures as one, in which uniforms differ between invocations."""
-    count = sum(part.count for part in parts)
-    each = {}
-    names = [{**part.each, **part.bindings.uniforms} for part in parts]
-    for name in names[0]:
-        if not all(name in others for others in names):
-            continue  # another stage's, which not all of these draws have
-        rows = []
-        for part in parts:
-            values = part.each.get(name)
-            if values is None:
-                values = np.asarray(part.bindings.uniforms[name])[None]
-            rows.append(np.broadcast_to(values, (part.count, *values.shape[1:])))
-        each[name] = np.concatenate(rows)
-    return Given(each, replace(parts[0].bindings, uniforms={}), count)
-
-
-def given_fragments(captured: Fragments, bindings: Bindings, most: int) -> Given:
-    """What a draw gave its fragment shader, those pixels too that it discards."""
-    captured = captured.undiscarded or captured
-    y, x = np.nonzero(captured.covered)
-    rows = whole_quads(x, y, most)
-    at = (y[rows], x[rows])
-    each = {name: values[at] for name, values in captured.inputs.items()}
-    return Given({**each, "gl_FragCoord": captured.frag_coord[at]}, bindings, len(rows))
-
-
-def given_vertices(captured: Samples, bindings: Bindings, most: int) -> Given:
-    """What a draw gave its vertex shader."""
-    inputs = (captured.entering or captured).inputs
-    # Copied, for a part keeps the whole of an array alive.
-    each = {name: values[:most].copy() for name, values in inputs.items()}
-    return Given(each, bindings, max((len(values) for values in each.values()), default=0))
-
-
-def whole_quads(x: Array, y: Array, most: int | None, always: Sequence[int] = ()) -> Array:
-    """The pixels of quads from all over a picture, and those of the pixels `always`; all where
-    there are not too many."""
-    if most is None or len(x) <= most:
-        return np.arange(len(x))
-    seen = np.zeros(((int(y.max()) >> 1) + 1, (int(x.max()) >> 1) + 1), np.bool_)
-    seen[y >> 1, x >> 1] = True
-    rows, columns = np.nonzero(seen)
-    taken = scattered(len(rows), most // 4)
-    seen[:] = False
-    seen[rows[taken], columns[taken]] = True
-    seen[y[list(always)] >> 1, x[list(always)] >> 1] = True
-    return np.flatnonzero(seen[y >> 1, x >> 1])
-
-
-def scattered(count: int, most: int) -> Array:
-    """`most` of so many numbers from 0, one at random from each of as many equal stretches: in the
-    order of a picture's pixels they follow no pattern of it. The same ones at each call."""
-    if count <= most:
-        return np.arange(count)
-    edges = np.linspace(0, count, most + 1)
-    found = edges[:-1] + np.random.default_rng(0).random(most) * np.diff(edges)
-    numbers = np.minimum(found.astype(np.int64), count - 1)
-    return numbers[np.diff(numbers, prepend=-1) > 0]
+    return [name for name in ranges if name not in known]
 
 
 _SIDE = 8  # of a texture
@@ -447,7 +313,9 @@ _CORNERS = 0.08  # the share of numbers that are an end of their range, 0 or 1
 _PIXELS = 64  # in a row
 
 
-def drawn(inputs: Mapping[str, Input], roles: Mapping[str, Role], count: int, seed: int) -> Given:
+def sample_inputs(
+    inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], count: int, seed: int
+) -> InputBatch:
     """Inputs for `count` invocations, uniforms as well, which differ between them here.
 
     Raises:
@@ -458,49 +326,51 @@ def drawn(inputs: Mapping[str, Input], roles: Mapping[str, Role], count: int, se
     textures: dict[str, Texels] = {}
     size = None
     for name, one in inputs.items():
-        role = roles[name]
+        domain = domains[name]
         if one.workgroup:
             size = one.workgroup
-        elif role.kind == "texture":
+        elif domain.kind == "texture":
             textures[name] = _texture(one, rng)
         elif name in ("gl_VertexID", "gl_VertexIndex"):
             each[name] = np.arange(count, dtype=np.int64)[:, None]
         elif name == "gl_FragCoord":
             each[name] = _places(count, rng)
         elif "mat" in one.type:
-            each[name] = _matrices(one.type, role, count, rng)
+            each[name] = _matrices(one.type, domain, count, rng)
         else:
-            each[name] = _numbers(one.type, role, count, rng)
+            each[name] = _numbers(one.type, domain, count, rng)
     if size is not None:
         groups = rng.integers(0, WORKGROUPS, (count, 3))
         each |= number_invocations(size, groups, rng.integers(0, size, (count, 3)))
-    keep_in_order(each, roles)
+    keep_in_order(each, domains)
     if "gl_FragCoord" not in each:
         each["gl_FragCoord"] = _places(count, rng)  # of derivatives' neighbours
-    return Given(each, Bindings(textures=textures), count)
+    return InputBatch(each, Bindings(textures=textures), count)
 
 
-def _numbers(type_: str, role: Role, count: int, rng: np.random.Generator) -> Array:
+def _numbers(type_: str, domain: InputDomain, count: int, rng: np.random.Generator) -> Array:
     size = int(type_[-1]) if type_[-1].isdigit() else 1
-    if role.kind == "unit":
+    if domain.kind == "unit":
         v = rng.normal(size=(count, size))
         few = rng.random(count) < _CORNERS  # along an axis
         v[few] = np.sign(v[few]) * (np.abs(v[few]) == np.abs(v[few]).max(axis=1, keepdims=True))
         found: Array = (v / np.linalg.norm(v, axis=1, keepdims=True)).astype(np.float32)
         return found
     if type_.startswith(("int", "ivec", "uint", "uvec", "bool", "bvec")):
-        whole = rng.integers(int(role.low), int(role.high) + 1, (count, size))
-        if role.high - role.low > 2.0**16:  # of each magnitude as many
+        whole = rng.integers(int(domain.low), int(domain.high) + 1, (count, size))
+        if domain.high - domain.low > 2.0**16:  # of each magnitude as many
             whole = whole >> rng.integers(0, 32, (count, size))
             return whole % 2**32 if type_[0] == "u" else whole
         return whole if type_[0] == "i" else np.abs(whole) if type_[0] == "u" else whole > 0
-    x = rng.uniform(role.low, role.high, (count, size))
-    if role.low > 0.0 and role.high > 20.0 * role.low:  # of each magnitude as many
-        x = np.exp(rng.uniform(np.log(role.low), np.log(role.high), (count, size)))
-    ends = np.array([e for e in (role.low, role.high, 0.0, 1.0) if role.low <= e <= role.high])
+    x = rng.uniform(domain.low, domain.high, (count, size))
+    if domain.low > 0.0 and domain.high > 20.0 * domain.low:  # of each magnitude as many
+        x = np.exp(rng.uniform(np.log(domain.low), np.log(domain.high), (count, size)))
+    ends = np.array(
+        [e for e in (domain.low, domain.high, 0.0, 1.0) if domain.low <= e <= domain.high]
+    )
     corner = rng.random((count, size)) < _CORNERS
     x = np.where(corner, rng.choice(ends, (count, size)), x)
-    return np.asarray(np.clip(x.astype(np.float32), role.low, role.high), np.float32)
+    return np.asarray(np.clip(x.astype(np.float32), domain.low, domain.high), np.float32)
 
 
 def _places(count: int, rng: np.random.Generator) -> Array:
@@ -510,14 +380,14 @@ def _places(count: int, rng: np.random.Generator) -> Array:
     return np.stack([x, y, z, w], axis=1).astype(np.float32)
 
 
-def _matrices(type_: str, role: Role, count: int, rng: np.random.Generator) -> Array:
+def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Generator) -> Array:
     """Matrices as the interpreter has them, (count, rows, columns)."""
     columns, rows = (int(d) for d in (type_[3:].split("x") * 2)[:2])
-    if role.kind == "number" or columns != rows:
-        return rng.uniform(role.low, role.high, (count, rows, columns)).astype(np.float32)
+    if domain.kind == "number" or columns != rows:
+        return rng.uniform(domain.low, domain.high, (count, rows, columns)).astype(np.float32)
     size = columns
     found = np.broadcast_to(np.eye(size), (count, size, size)).copy()
-    if role.kind == "projection" and size == 4:
+    if domain.kind == "projection" and size == 4:
         focal, aspect = rng.uniform(0.7, 2.5, count), rng.uniform(0.5, 2.0, count)
         near, far = rng.uniform(0.1, 1.0, count), rng.uniform(5.0, 100.0, count)
         found[:, 0, 0], found[:, 1, 1] = focal / aspect, focal
@@ -527,7 +397,7 @@ def _matrices(type_: str, role: Role, count: int, rng: np.random.Generator) -> A
     turn = min(size, 3)
     q, _ = np.linalg.qr(rng.normal(size=(count, turn, turn)))
     q = q * np.sign(np.linalg.det(q))[:, None, None] if turn == 3 else q
-    if role.kind == "affine":
+    if domain.kind == "affine":
         q = q * rng.uniform(0.4, 2.5, (count, 1, turn))
         found[:, :3, 3] = rng.uniform(-4.0, 4.0, (count, 3))
     found[:, :turn, :turn] = q
@@ -565,24 +435,24 @@ _NEAR = 1e-3  # how far from 1 the length of a unit vector is found
 _AFFINE = np.array([0.0, 0.0, 0.0, 1.0])
 
 
-def learned(captured: Sequence[Given]) -> dict[str, Role]:
+def learn_domains(captured: Sequence[InputBatch]) -> dict[str, InputDomain]:
     """What the captures' floats are, by name."""
     values: dict[str, list[Array]] = {}
-    for given in captured:
-        for name, rows in [*given.each.items(), *given.bindings.uniforms.items()]:
+    for batch in captured:
+        for name, rows in [*batch.each.items(), *batch.bindings.uniforms.items()]:
             array = np.asarray(rows)
             if array.dtype.kind == "f" and name != "gl_FragCoord":
-                own = array if name in given.each else array[None]
+                own = array if name in batch.each else array[None]
                 values.setdefault(name, []).append(own)
     found = {name: _role(name, arrays) for name, arrays in values.items()}
-    for name, role in found.items():
-        lower = lower_one(name, found)
-        if lower and role.kind == found[lower].kind == "number":
-            found[name] = replace(role, above=lower)
+    for name, domain in found.items():
+        lower = lower_partner(name, found)
+        if lower and domain.kind == found[lower].kind == "number":
+            found[name] = replace(domain, above=lower)
     return found
 
 
-def _role(name: str, arrays: Sequence[Array]) -> Role:
+def _role(name: str, arrays: Sequence[Array]) -> InputDomain:
     shape = arrays[0].shape[1:]
     flat = np.concatenate([a.reshape(-1, *shape[-1:]) for a in arrays])
     if len(shape) == 2 and shape[0] == shape[1] and shape[0] > 1:
@@ -592,44 +462,44 @@ def _role(name: str, arrays: Sequence[Array]) -> Role:
         if shape[0] < 4 or (whole[:, 3] == _AFFINE).all():
             turns = np.abs(square - np.eye(turn.shape[1])).max() < _NEAR
             moves = shape[0] == 4 and not (whole[:, :3, 3] == 0.0).all()
-            return Role("rotation" if turns and not moves else "affine", source="learned")
-        return Role("projection", source="learned")
+            return InputDomain("rotation" if turns and not moves else "affine", source="learned")
+        return InputDomain("projection", source="learned")
     with np.errstate(all="ignore"):
         length = np.linalg.norm(flat.astype(np.float64), axis=-1)
         unit = shape[-1:] in ((2,), (3,)) and bool((np.abs(length - 1.0) < _NEAR).all())
         if unit and (is_direction(name) or (flat < 0.0).any()):
-            return Role("unit", source="learned")
+            return InputDomain("unit", source="learned")
         low = 0.0 if flat.min(initial=0.0) >= 0.0 else -np.inf
         high = 1.0 if low == 0.0 and flat.max(initial=0.0) <= 1.0 else np.inf
-    return Role("number", low, high, "learned")
+    return InputDomain("number", low, high, "learned")
 
 
-def varied(given: Given, roles: Mapping[str, Role], seed: int) -> Given:
+def vary_inputs(batch: InputBatch, domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
     """Other inputs of the same roles: uniforms differ between quads of pixels now, and texels have
     changed places."""
     rng = np.random.default_rng([29, seed])
-    group = _groups(given)
-    each = dict(given.each)
-    for name, values in given.bindings.uniforms.items():
+    group = _groups(batch)
+    each = dict(batch.each)
+    for name, values in batch.bindings.uniforms.items():
         array = np.asarray(values)
-        if name in roles and name not in each:
-            each[name] = np.repeat(array[None], given.count, axis=0)
-    for name, role in roles.items():
+        if name in domains and name not in each:
+            each[name] = np.repeat(array[None], batch.count, axis=0)
+    for name, domain in domains.items():
         if name in each:
-            each[name] = _varied(each[name], role, group, rng)
-    keep_in_order(each, roles)
+            each[name] = _varied(each[name], domain, group, rng)
+    keep_in_order(each, domains)
     if "gl_FragCoord" in each:
         each["gl_FragCoord"] = _moved(each["gl_FragCoord"], rng)
-    textures = {name: _shuffled(texels, rng) for name, texels in given.bindings.textures.items()}
-    return Given(each, replace(given.bindings, textures=textures), given.count)
+    textures = {name: _shuffled(texels, rng) for name, texels in batch.bindings.textures.items()}
+    return InputBatch(each, replace(batch.bindings, textures=textures), batch.count)
 
 
-def _groups(given: Given) -> Array:
+def _groups(batch: InputBatch) -> Array:
     """A number for each invocation, the same in a quad of pixels."""
-    places = given.each.get("gl_FragCoord")
+    places = batch.each.get("gl_FragCoord")
     if places is None:
-        return np.arange(given.count)
-    found: Array = np.unique(cells_of(places), return_inverse=True)[1].ravel()
+        return np.arange(batch.count)
+    found: Array = np.unique(quads_of(places), return_inverse=True)[1].ravel()
     return found
 
 
@@ -642,30 +512,32 @@ def _moved(places: Array, rng: np.random.Generator) -> Array:
     return found
 
 
-def _varied(values: Array, role: Role, group: Array, rng: np.random.Generator) -> Array:
+def _varied(values: Array, domain: InputDomain, group: Array, rng: np.random.Generator) -> Array:
     """Values of the same role, changed alike in each group."""
     count, shape = int(group.max(initial=0)) + 1, values.shape[1:]
     if len(values) == 1:
         values = np.repeat(values, len(group), axis=0)
     x = values.astype(np.float64)
-    if role.kind in ("rotation", "affine", "projection") and len(shape) == 2:
-        return _turned(x, role, group, count, rng)
-    if role.kind == "unit":
+    if domain.kind in ("rotation", "affine", "projection") and len(shape) == 2:
+        return _turned(x, domain, group, count, rng)
+    if domain.kind == "unit":
         x = x + rng.normal(scale=0.4, size=(count, *shape))[group]
         return np.asarray(x / np.linalg.norm(x, axis=-1, keepdims=True), np.float32)
     size = max(float(np.nanmax(np.abs(x), initial=0.0)), 0.1)
     x = x * np.exp(rng.uniform(-0.7, 0.7, (count, *shape)))[group]
-    low = 0.0 if role.low == 0.0 else -1.0
+    low = 0.0 if domain.low == 0.0 else -1.0
     moved = rng.uniform(low, 1.0, (count, *shape)) * 0.2 * size
     x = x + np.where(rng.random((count, *shape)) < 0.5, moved, 0.0)[group]
-    if role.source != "learned":  # what was learned does not hold: signs are free
+    if domain.source != "learned":  # what was learned does not hold: signs are free
         x = np.where((rng.random((count, *shape)) < 0.3)[group], -x, x)
-    return np.asarray(np.clip(x, role.low, role.high), np.float32)
+    return np.asarray(np.clip(x, domain.low, domain.high), np.float32)
 
 
-def _turned(x: Array, role: Role, group: Array, count: int, rng: np.random.Generator) -> Array:
+def _turned(
+    x: Array, domain: InputDomain, group: Array, count: int, rng: np.random.Generator
+) -> Array:
     size = x.shape[-1]
-    if role.kind == "projection":
+    if domain.kind == "projection":
         return np.asarray(
             x * np.exp(rng.uniform(-0.3, 0.3, (count, size, size)))[group], np.float32
         )
@@ -673,9 +545,9 @@ def _turned(x: Array, role: Role, group: Array, count: int, rng: np.random.Gener
     q, r = np.linalg.qr(np.eye(turn) + 0.3 * rng.normal(size=(count, turn, turn)))
     by = np.broadcast_to(np.eye(size), (count, size, size)).copy()
     by[:, :turn, :turn] = q * np.sign(np.einsum("nii->ni", r))[:, None, :]
-    if role.kind == "affine":
+    if domain.kind == "affine":
         by[:, :turn, :turn] *= np.exp(rng.uniform(-0.3, 0.3, (count, 1, turn)))
-    if role.kind == "affine" and size == 4:
+    if domain.kind == "affine" and size == 4:
         by[:, :3, 3] = rng.uniform(-0.3, 0.3, (count, 3))
     return np.asarray(x @ by[group], np.float32)
 

@@ -9,13 +9,14 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from shaderlab.analysis.inputs import asks_for_neighbours, scattered, whole_quads
-from shaderlab.analysis.interpreter import Program, load
 from shaderlab.compiler.sources import Source
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.errors import NotInterpretedError
 from shaderlab.model.frame import Array, Bindings, Fragments, PassDraw
+
+from .batches import asks_for_neighbours, scatter, whole_quads
+from .interpreter import Program, load
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -124,7 +125,7 @@ def _sample(captured: Fragments, most: int, whole: bool) -> Array | None:
         y, x = np.nonzero(captured.covered)
         return whole_quads(x, y, most, ends)
     chosen = np.zeros(len(places), np.bool_)
-    chosen[scattered(len(places), most)] = chosen[ends] = True
+    chosen[scatter(len(places), most)] = chosen[ends] = True
     return np.flatnonzero(chosen)
 
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shaderlab.analysis.answer import Answer
 from shaderlab.analysis.audit import Audit, Plan as AuditPlan, audit_program
-from shaderlab.analysis.equivalence.answer import Answer
-from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
+from shaderlab.analysis.comparison import Plan, compare_programs
 from shaderlab.analysis.interpreter import Program, load
 from shaderlab.compiler.shader_files import ShaderFile
 from shaderlab.compiler.sources import Shaders, Source

@@ -5,10 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import KW_ONLY, dataclass
 
-from shaderlab.analysis.equivalence.answer import Answer
-from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
-from shaderlab.analysis.inputs import given_fragments, given_vertices
-from shaderlab.analysis.interpreter import load
 from shaderlab.engine.expectations.base import Context, DrawExpectation
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.errors import CaseError, nearest
@@ -17,6 +13,11 @@ from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs, Read
 from shaderlab.model.frame import Frame, PassDraw
 from shaderlab.model.records import Row
+
+from .answer import Answer
+from .batches import fragment_batch, vertex_batch
+from .comparison import Plan, compare_programs
+from .interpreter import load
 
 _MOST = 2048  # invocations
 _PLAN = Plan(rounds=1, accuracy=False)
@@ -38,13 +39,13 @@ class ComparedWith(Need):
         bindings = context.bindings[self.key]
         if source.stage == "fragment":
             fragments = CapturedFragments(self.key).answer(context)
-            given = given_fragments(fragments, bindings, _MOST)
+            batch = fragment_batch(fragments, bindings, _MOST)
         else:
-            given = given_vertices(CapturedVertices(self.key).answer(context), bindings, _MOST)
-        if not given.count:
+            batch = vertex_batch(CapturedVertices(self.key).answer(context), bindings, _MOST)
+        if not batch.count:
             raise CaseError("same_as: the draw has no invocation to compare on")
         with doing("judge", f"comparing {own.name} with {self.approved}"):
-            return compare_programs(load(source), load(own), _PLAN, [given])
+            return compare_programs(load(source), load(own), _PLAN, [batch])
 
 
 @dataclass(frozen=True)

@@ -32,8 +32,8 @@ from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
 
 if TYPE_CHECKING:
-    from shaderlab.analysis.equivalence.answer import Answer
-    from shaderlab.analysis.equivalence.comparison import Plan
+    from shaderlab.analysis.answer import Answer
+    from shaderlab.analysis.comparison import Plan
     from shaderlab.engine.executors import LocalExecutor
 
 
@@ -89,7 +89,7 @@ def command(
       shaderlab diff lamp.frag --against HEAD~1
       shaderlab diff lib/phong.glsl my_phong.glsl --case specular
     """
-    from shaderlab.analysis.equivalence.comparison import Plan
+    from shaderlab.analysis.comparison import Plan
 
     if (new is None) == (against is None):
         raise UsageError("name two shaders, OLD and NEW, or one and --against REV")

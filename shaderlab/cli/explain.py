@@ -90,10 +90,10 @@ def command(
     Exit code: 0 shown, 1 the shader can't be interpreted, or the driver leaves what it allows,
     2 wrong usage.
     """
-    from shaderlab.analysis.equivalence.answer import shown
     from shaderlab.cli.selecting import one
 
     with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
+        from shaderlab.analysis.answer import format_inputs
         from shaderlab.analysis.requests import ExplainFile, ExplainPixel
         from shaderlab.engine.executors import error_text
 
@@ -123,7 +123,7 @@ def command(
     if isinstance(request, ExplainFile):
         explained, inputs = result.value
         others = {"inputs": {name: list(values) for name, values in inputs.items()}}
-        where = f"with {shown(inputs, len(inputs))}"
+        where = f"with {format_inputs(inputs, len(inputs))}"
     else:
         explained = result.value
     if json_file is not None:

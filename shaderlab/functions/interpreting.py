@@ -8,9 +8,9 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
+from shaderlab.analysis.answer import Answer, OutputAnswer
 from shaderlab.analysis.audit import Audit, Plan as AuditPlan, audit_program
-from shaderlab.analysis.equivalence.answer import Answer, OutputAnswer
-from shaderlab.analysis.equivalence.comparison import Plan as ComparisonPlan, compare_programs
+from shaderlab.analysis.comparison import Plan as ComparisonPlan, compare_programs
 from shaderlab.analysis.inputs import inputs_of, unknown_names
 from shaderlab.analysis.interpreter import Program, load
 from shaderlab.analysis.requests import ShaderOfFile

@@ -12,12 +12,14 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from shaderlab.analysis.equivalence import comparing as locating
-from shaderlab.analysis.equivalence.answer import Answer
-from shaderlab.analysis.equivalence.comparing import Noisy, Step
-from shaderlab.analysis.equivalence.comparison import Plan, compare_programs
-from shaderlab.analysis.inputs import Given, learned, merged, varied
+from shaderlab.analysis import differences as locating
+from shaderlab.analysis.answer import Answer
+from shaderlab.analysis.batches import InputBatch, merge_batches
+from shaderlab.analysis.comparison import Plan, compare_programs
+from shaderlab.analysis.differences import Step
+from shaderlab.analysis.inputs import learn_domains, vary_inputs
 from shaderlab.analysis.interpreter import FLOAT64, Numbers, Program, interpret, load
+from shaderlab.analysis.noise import PerturbedFloat
 from shaderlab.cli.diff import command
 from shaderlab.compiler import Shaders
 from shaderlab.errors import NotInterpretedError, ShaderlabError, UsageError
@@ -285,7 +287,7 @@ def test_captured_inputs_are_varied_and_stay_what_they_are() -> None:
     move = np.eye(4, dtype=np.float32)
     move[:3, :3], move[:3, 3] = turn, (1.0, 2.0, 3.0)
     y, x = np.indices((8, 8)).reshape(2, 64) + 0.5
-    given = Given(
+    given = InputBatch(
         {
             "normal": normal.astype(np.float32),
             "uv": rng.uniform(size=(64, 2)).astype(np.float32),
@@ -302,12 +304,12 @@ def test_captured_inputs_are_varied_and_stay_what_they_are() -> None:
         ),
         64,
     )
-    roles = learned([given])
+    roles = learn_domains([given])
     assert {name: role.kind for name, role in roles.items()} == {
         "normal": "unit", "uv": "number", "model": "affine", "turn": "rotation",
         "far": "number", "near": "number",
     }  # fmt: skip
-    found = varied(given, roles, 1).each
+    found = vary_inputs(given, roles, 1).each
     np.testing.assert_allclose(np.linalg.norm(found["normal"], axis=1), 1.0, rtol=1e-6)
     assert not np.allclose(found["normal"], normal)
     assert found["uv"].min() >= 0.0 and found["uv"].max() <= 1.0
@@ -321,7 +323,7 @@ def test_captured_inputs_are_varied_and_stay_what_they_are() -> None:
 
 def test_draws_are_compared_together_where_pixels_do_not_depend_on_each_other() -> None:
     draws = [
-        Given(
+        InputBatch(
             {"x": np.full((count, 1), count, np.float32)},
             Bindings(uniforms={"u": np.float32([count]), **more}),
             count,
@@ -329,10 +331,10 @@ def test_draws_are_compared_together_where_pixels_do_not_depend_on_each_other() 
         for count, more in ((3, {"model": np.eye(4)}), (2, {}))
     ]
     text = "in float x; uniform float u; out float o; void main() { o = x * u; }"
-    (one,) = merged(draws, program(text), 64)
+    (one,) = merge_batches(draws, program(text), 64)
     assert one.count == 5 and set(one.each) == {"x", "u"}
     assert one.each["u"].ravel().tolist() == [3.0, 3.0, 3.0, 2.0, 2.0]
-    assert len(merged(draws, program(text.replace("x *", "dFdx(x) *")), 64)) == 2
+    assert len(merge_batches(draws, program(text.replace("x *", "dFdx(x) *")), 64)) == 2
 
 
 def test_a_loop_that_does_not_end_is_not_interpreted() -> None:
@@ -346,7 +348,7 @@ def test_a_loop_that_does_not_end_is_not_interpreted() -> None:
 
 
 def test_noise_errs_by_what_rounding_may() -> None:
-    rough, plain = Noisy(count=3, copies=2), Noisy()
+    rough, plain = PerturbedFloat(count=3, copies=2), PerturbedFloat()
     x = np.float32([[0.1], [0.5], [3.0]] * 3)
     given = (rough.exact(x) / plain.exact(x) - 1.0).reshape(3, 3)
     assert (given[0] == 0.0).all() and (given[:, 1:] == 0.0).all()

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from benchmarks.auditing import STAGES, Planted, audit_of, is_found, planted
+from shaderlab.analysis.answer import Answer
 from shaderlab.analysis.audit import Audit, audit_program
-from shaderlab.analysis.equivalence.answer import Answer
-from shaderlab.analysis.equivalence.comparison import compare_programs
+from shaderlab.analysis.comparison import compare_programs
 from shaderlab.analysis.interpreter import FLOAT64, Bands, Program, interpret, load
 from shaderlab.analysis.requests import AuditCase
 from shaderlab.compiler import Shaders

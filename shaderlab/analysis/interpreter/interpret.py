@@ -6,6 +6,7 @@ a whole array, "Block.member" for members of a block that has an instance name, 
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -237,7 +238,9 @@ def interpret(
         max_loop_iterations=max_loop_iterations, max_blocks=max_blocks,
         trace=trace, flow=flow, watch=watch,
     )  # fmt: skip
-    with np.errstate(all="ignore"):  # what is no number is a result like any other
+    # What is no number is a result like any other.
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
         memory = memory_of(program, each, bindings, arithmetic)
         if unwritten:
             memory |= undefined_outputs(program, arithmetic)

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import operator
-import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Integer, Truth
+from shaderlab.bands import Integer
 from shaderlab.compiler.spirv import Glsl450, Op
 from shaderlab.model.frame import Array
 
-from ..equivalence.comparing import flattened
-from ..inputs import Given
-from ..interpreter import FLOAT32, Arithmetic, Interpreted, Program, interpret
-from ..interpreter.program import Instruction
-from ..interpreter.running import Run, Watch
-from ..interpreter.values import Flags, PathState, Pointer, local_ids, number_invocations
+from .interpreter.program import Instruction
+from .interpreter.running import Run
+from .interpreter.values import Flags, PathState, Pointer
 
 _ACCESS = (Op.AccessChain, Op.InBoundsAccessChain)
 # Which operand the index is.
@@ -38,7 +34,7 @@ class Place:
 
 
 @dataclass(eq=False)
-class Watched:
+class WatchedInstruction:
     """An instruction that may go wrong.
 
     Attributes:
@@ -66,7 +62,7 @@ class Watcher:
     def __init__(self, count: int, workgroup_size: int = 1) -> None:
         self.count = count
         self.workgroup_size = workgroup_size
-        self.found: dict[Place, Watched] = {}
+        self.found: dict[Place, WatchedInstruction] = {}
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         checks = CHECKS.get(number_of(at.op, at.operands), ())
@@ -144,7 +140,9 @@ class Watcher:
         lane = np.where(fails, groups.argmax(axis=1), closest)
         known = self.found.get(place)
         if known is None:
-            known = Watched(at, check, np.full(self.count, np.inf), np.zeros(self.count, np.bool_))
+            known = WatchedInstruction(
+                at, check, np.full(self.count, np.inf), np.zeros(self.count, np.bool_)
+            )
             self.found[place] = known
         closer = np.abs(least) < np.abs(known.margin) if check.crosses else least < known.margin
         known.margin = np.where(closer, least, known.margin)
@@ -159,34 +157,6 @@ class Watcher:
 
 
 _KEPT = 4  # rows whose operands are kept
-
-
-def run_watched(
-    program: Program, given: Given, watch: Watch | None = None, arithmetic: Arithmetic = FLOAT32
-) -> Interpreted:
-    """Run a program on some invocations; on whole workgroups where those share variables or wait:
-    an output then holds what all of one gave, and is as wide. Raises as `interpret` does."""
-    size, count = program.workgroup_size, given.count
-    each = given.each if size == 1 else _each_of_workgroups(program, given)
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
-        found = interpret(
-            program, each, given.bindings, arithmetic,
-            count=count * size, workgroup_size=size, watch=watch, unwritten=True,
-        )  # fmt: skip
-    if size == 1:
-        return found
-    outputs = {name: v.reshape(count, -1) for name, v in flattened(found.outputs)}
-    return replace(found, outputs=outputs, discarded=Truth.known(np.zeros(count, np.bool_)))
-
-
-def _each_of_workgroups(program: Program, given: Given) -> dict[str, Array]:
-    """What each invocation of workgroups gets."""
-    size, shape = program.workgroup_size, program.local_size
-    each = {n: v if len(v) == 1 else np.repeat(v, size, axis=0) for n, v in given.each.items()}
-    groups = given.each.get("gl_WorkGroupID", np.zeros((given.count, 3), np.int64))
-    local = np.tile(local_ids(shape), (given.count, 1))
-    return each | number_invocations(shape, np.repeat(groups, size, axis=0), local)
 
 
 def _component(values: list[Any], margin: Array, bad: Flags, row: int) -> tuple[float, ...]:

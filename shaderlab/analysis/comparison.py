@@ -13,37 +13,22 @@ import numpy as np
 from shaderlab.errors import NotInterpretedError, UsageError, nearest
 from shaderlab.files import display_path
 
-from ..inputs import (
-    Given,
-    Input,
-    Role,
-    asks_for_neighbours,
-    declared_ranges,
-    drawn,
-    inputs_of,
-    joined,
-    learned,
-    merged,
-    roles_of,
-    unknown_names,
-    varied,
-)
-from ..interpreter import Program
 from .answer import Answer, Numerics, OutputAnswer
-from .comparing import (
-    MOST,
-    Compared,
-    Noisy,
-    Ran,
-    accuracy,
-    bands_of,
-    compare,
-    confirmed,
-    discards,
-    first,
-    jumps,
-    run,
+from .batches import InputBatch, asks_for_neighbours, join_batches, merge_batches
+from .differences import MOST, accuracy, bands_of, discards, first, jumps
+from .inputs import (
+    Input,
+    InputDomain,
+    declared_ranges,
+    domains_of,
+    inputs_of,
+    learn_domains,
+    sample_inputs,
+    unknown_names,
+    vary_inputs,
 )
+from .interpreter import Program
+from .noise import Compared, PerturbedFloat, Ran, compare, confirm, run
 
 _SMALL = 1024  # invocations; sets of no more than so many are run together
 _BITS = range(194, 206)  # SPIR-V's instructions from OpShiftRightLogical to OpBitCount
@@ -71,14 +56,14 @@ class Plan:
 class _Set:
     """What both programs gave on a set of inputs, and how their outputs compare, by name."""
 
-    given: Given
+    batch: InputBatch
     old: Ran
     new: Ran
     compared: dict[tuple[str, str], Compared] = field(default_factory=dict)
 
 
 def compare_programs(
-    old: Program, new: Program, plan: Plan | None = None, captured: Sequence[Given] = ()
+    old: Program, new: Program, plan: Plan | None = None, captured: Sequence[InputBatch] = ()
 ) -> Answer:
     """Whether two programs of one stage compute the same.
 
@@ -106,25 +91,29 @@ def compare_programs(
                 f"{name} is {mine[name].type} in one, {theirs[name].type} in the other"
             )
     if captured:
-        captured = merged(captured, old, plan.count)
-        roles = learned(captured)
+        captured = merge_batches(captured, old, plan.count)
+        domains = learn_domains(captured)
 
-        def make(roles: Mapping[str, Role], seed: int) -> Given:
-            return varied(captured[seed % len(captured)], roles, seed)
+        def make(domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
+            return vary_inputs(captured[seed % len(captured)], domains, seed)
     else:
         declared = {**declared_ranges(old), **declared_ranges(new)}
-        roles = roles_of(inputs.values(), declared, plan.ranges)
+        domains = domains_of(inputs.values(), declared, plan.ranges)
 
-        def make(roles: Mapping[str, Role], seed: int) -> Given:
-            return drawn(inputs, roles, plan.count, seed)
+        def make(domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
+            return sample_inputs(inputs, domains, plan.count, seed)
 
-    comparison = _Comparison((old, new), inputs, roles, make, plan)
+    comparison = _Comparison((old, new), inputs, domains, make, plan)
     return Answer(
         old=_file(old),
         new=_file(new),
         outputs=tuple(comparison.outputs(captured)),
         notes=tuple(_notes(mine, theirs)),
-        inputs={name: f"{role} ({role.source})" for name, role in roles.items() if name in inputs},
+        inputs={
+            name: f"{domain} ({domain.source})"
+            for name, domain in domains.items()
+            if name in inputs
+        },
     )
 
 
@@ -145,18 +134,18 @@ class _Comparison:
 
     programs: tuple[Program, Program]
     inputs: Mapping[str, Input]
-    roles: Mapping[str, Role]
-    make: Callable[[Mapping[str, Role], int], Given]
+    domains: Mapping[str, InputDomain]
+    make: Callable[[Mapping[str, InputDomain], int], InputBatch]
     plan: Plan
     _in_bands: tuple[Mapping[str, Any] | None, ...] = ()
     _freed: dict[tuple[str, ...], list[_Set]] = field(default_factory=dict)
 
-    def outputs(self, captured: Sequence[Given]) -> Iterator[OutputAnswer]:
+    def outputs(self, captured: Sequence[InputBatch]) -> Iterator[OutputAnswer]:
         """An answer for each output, on captured inputs and on rounds of others."""
         sets: list[_Set] = []
         pairs: list[tuple[str, str]] = []
-        for given in self._inputs(captured):
-            sets.append(self._run(given))
+        for batch in self._inputs(captured):
+            sets.append(self._run(batch))
             pairs = self._names(sets)
             if all(self._is_settled(sets, *pair) for pair in pairs):
                 break
@@ -171,31 +160,31 @@ class _Comparison:
                 answer = replace(answer, conditions=tuple(self._conditions(name, other)))
             yield answer
 
-    def _inputs(self, captured: Sequence[Given]) -> Iterator[Given]:
+    def _inputs(self, captured: Sequence[InputBatch]) -> Iterator[InputBatch]:
         """Captured inputs, rounds of others, and both sides of jumps between those."""
-        given = None
-        for given in itertools.chain(captured, self._made()):
-            yield given
-        if given is not None and self.plan.rounds:
-            around = jumps(self.programs, given, self.roles)
+        batch = None
+        for batch in itertools.chain(captured, self._made()):
+            yield batch
+        if batch is not None and self.plan.rounds:
+            around = jumps(self.programs, batch, self.domains)
             if around is not None:
                 yield around
 
-    def _made(self) -> Iterator[Given]:
+    def _made(self) -> Iterator[InputBatch]:
         """The rounds of inputs: one after the other, or small ones together where they can be."""
-        rounds = (self.make(self.roles, seed) for seed in range(self.plan.rounds))
-        small: list[Given] = []
-        for given in rounds:
-            alone = bool(given.bindings.textures) or given.count > _SMALL
-            if alone or any(asks_for_neighbours(p, given.bindings) for p in self.programs):
-                yield given
+        rounds = (self.make(self.domains, seed) for seed in range(self.plan.rounds))
+        small: list[InputBatch] = []
+        for batch in rounds:
+            alone = bool(batch.bindings.textures) or batch.count > _SMALL
+            if alone or any(asks_for_neighbours(p, batch.bindings) for p in self.programs):
+                yield batch
             else:
-                small.append(given)
+                small.append(batch)
         if small:
-            yield joined(small)
+            yield join_batches(small)
 
-    def _run(self, given: Given) -> _Set:
-        return _Set(given, run(self.programs[0], given), run(self.programs[1], given))
+    def _run(self, batch: InputBatch) -> _Set:
+        return _Set(batch, run(self.programs[0], batch), run(self.programs[1], batch))
 
     def _is_settled(self, sets: Sequence[_Set], name: str, other: str) -> bool:
         """Whether an output is known to be another one: more inputs add nothing."""
@@ -208,7 +197,7 @@ class _Comparison:
         if (name, other) not in one.compared:
             first = compare(one.old, one.new, name, other)
             names = (name, other)
-            one.compared[names] = confirmed(self.programs, one.given, first, names)
+            one.compared[names] = confirm(self.programs, one.batch, first, names)
         return one.compared[name, other]
 
     def _names(self, sets: Sequence[_Set]) -> list[tuple[str, str]]:
@@ -241,7 +230,7 @@ class _Comparison:
             different=different,
             apart=float(finite.max()) if finite.size else float("inf"),
             why="value" if finite.size else compared.why,
-            example=example(one.given, row, self.inputs),
+            example=one.batch.example(row, self.inputs),
             gives=(_value(one.old, name, row), _value(one.new, other, row)),
             place=self._place(one, row),
         )
@@ -249,7 +238,7 @@ class _Comparison:
     def _place(self, one: _Set, row: int) -> str:
         """The first line that stores another value at an invocation; where only one program
         discards, the line where it does."""
-        found, old, new = first(self.programs, one.given, row, Noisy(), _apart)
+        found, old, new = first(self.programs, one.batch, row, PerturbedFloat(), _apart)
         if found is not None:
             return _written(self.programs[1], found.line)
         for program, ran, taken in zip(self.programs, (one.old, one.new), (old, new), strict=True):
@@ -261,7 +250,7 @@ class _Comparison:
 
     def _numerics(self, one: _Set, name: str, other: str) -> Numerics | None:
         """How the accuracy changes, on some of the first inputs."""
-        some = one.given.part(np.arange(min(one.given.count, MOST)))
+        some = one.batch.part(np.arange(min(one.batch.count, MOST)))
         old, new = self._bands(some)
         if old is None or new is None or name not in old or other not in new:
             return None
@@ -272,43 +261,45 @@ class _Comparison:
         return Numerics(
             worse=found.worse,
             better=found.better,
-            near=example(some, found.row, self.inputs),
+            near=some.example(found.row, self.inputs),
             place="" if found.step is None else _written(self.programs[1], found.step.line),
         )
 
-    def _bands(self, given: Given) -> tuple[Mapping[str, Any] | None, ...]:
+    def _bands(self, batch: InputBatch) -> tuple[Mapping[str, Any] | None, ...]:
         if not self._in_bands:
-            self._in_bands = tuple(bands_of(program, given) for program in self.programs)
+            self._in_bands = tuple(bands_of(program, batch) for program in self.programs)
         return self._in_bands
 
     def _conditions(self, name: str, other: str) -> Iterator[str]:
         """What an output is the same under: assumptions about inputs without which it is not."""
-        freed = tuple(n for n, role in self.roles.items() if role.freed is not None)
-        if not freed or not self._differs_without(freed, name, other):
+        relaxed = tuple(n for n, domain in self.domains.items() if domain.relaxed is not None)
+        if not relaxed or not self._differs_without(relaxed, name, other):
             return
-        for input_ in freed:
+        for input_ in relaxed:
             if self._differs_without((input_,), name, other):
-                yield self.roles[input_].condition(input_)
+                yield self.domains[input_].condition(input_)
 
-    def _differs_without(self, freed: tuple[str, ...], name: str, other: str) -> bool:
+    def _differs_without(self, relaxed: tuple[str, ...], name: str, other: str) -> bool:
         """Whether an output differs without what is assumed of some inputs."""
-        if freed not in self._freed:
-            self._freed[freed] = list(self._sets_without(freed))
-        sets = self._freed[freed]
+        if relaxed not in self._freed:
+            self._freed[relaxed] = list(self._sets_without(relaxed))
+        sets = self._freed[relaxed]
         return any(self._compared(one, name, other).different.any() for one in sets)
 
-    def _sets_without(self, freed: tuple[str, ...]) -> Iterator[_Set]:
-        roles = {n: (n in freed and role.freed) or role for n, role in self.roles.items()}
-        yield self._run(self.make(roles, self.plan.rounds))
+    def _sets_without(self, relaxed: tuple[str, ...]) -> Iterator[_Set]:
+        domains = {
+            n: (n in relaxed and domain.relaxed) or domain for n, domain in self.domains.items()
+        }
+        yield self._run(self.make(domains, self.plan.rounds))
         whole = {
-            n: Role("number", -(2.0**31), 2.0**31 - 1.0)
-            for n in freed
-            if n in self.inputs and self.inputs[n].whole and roles[n].source == "assumed"
+            n: InputDomain("number", -(2.0**31), 2.0**31 - 1.0)
+            for n in relaxed
+            if n in self.inputs and self.inputs[n].whole and domains[n].source == "assumed"
         }
         if whole and any(map(_works_on_bits, self.programs)):
             # Where a loop goes on for as long as such a number says, nothing is said.
             with contextlib.suppress(NotInterpretedError):
-                yield self._run(self.make({**roles, **whole}, self.plan.rounds))
+                yield self._run(self.make({**domains, **whole}, self.plan.rounds))
 
 
 def _works_on_bits(program: Program) -> bool:
@@ -333,21 +324,6 @@ def _worst(compared: Compared) -> int:
     apart = np.where(compared.different, compared.apart, -1.0)
     finite = np.where(np.isfinite(apart), apart, -1.0)
     return int(finite.argmax() if finite.max() >= 0.0 else apart.argmax())
-
-
-def example(given: Given, row: int, inputs: Mapping[str, Input]) -> dict[str, tuple[float, ...]]:
-    """The inputs of one invocation, by name."""
-    found = {}
-    for name in inputs:
-        values = given.each.get(name)
-        if values is not None:
-            one = values[row if len(values) > 1 else 0]
-        elif name in given.bindings.uniforms:
-            one = np.asarray(given.bindings.uniforms[name])
-        else:
-            continue
-        found[name] = tuple(float(v) for v in np.ravel(one))
-    return found
 
 
 def _value(ran: Ran, name: str, row: int) -> tuple[float, ...]:

@@ -16,17 +16,15 @@ from shaderlab.bands import Integer, Truth
 from shaderlab.compiler.spirv import ExecutionMode, Op, StorageClass
 from shaderlab.model.frame import Array, Texels
 
-from ..equivalence.comparing import flattened
-from ..equivalence.comparison import example
-from ..inputs import Given, Input, cells_of
-from ..interpreter import Interpreted, Numbers, Program
-from ..interpreter.flow import HANDLERS
-from ..interpreter.program import Instruction, Type
-from ..interpreter.running import Run
-from ..interpreter.values import Flags, PathState, Pointer, fetch, format_place, null
-from .consequences import alone, depending
-from .hazard import Hazard
-from .watching import Place, run_watched
+from .batches import InputBatch, flatten_outputs, quads_of, run_batch
+from .checks import Place
+from .hazards import Hazard, find_dependents
+from .inputs import Input
+from .interpreter import Interpreted, Numbers, Program
+from .interpreter.flow import HANDLERS
+from .interpreter.program import Instruction, Type
+from .interpreter.running import Run
+from .interpreter.values import Flags, PathState, Pointer, fetch, format_place, null
 
 READ, UNWRITTEN = "uninitialised read", "output not written"
 _VALUES = (0.21, 3.4)
@@ -95,7 +93,7 @@ class _Filling:
         assert isinstance(pointer, Pointer) and self.rows is not None
         type_, _ = run.program.variables[pointer.variable]
         name = format_place(run.program.name(pointer.variable), type_, pointer.path)
-        parts = [v for _, v in flattened({"": result})] if _has_numbers(result) else []
+        parts = [v for _, v in flatten_outputs({"": result})] if _has_numbers(result) else []
         here = state.mask[self.rows]
         values = [(v[self.rows][here] if len(v) > 1 else v).ravel() for v in parts]
         self.loads.append((at.line, name, np.concatenate(values) if values else np.zeros(0)))
@@ -118,31 +116,31 @@ def _stand_in(value: Any, number: float) -> Any:
 
 
 def undefined_values(
-    program: Program, given: Given, inputs: Mapping[str, Input]
+    program: Program, batch: InputBatch, inputs: Mapping[str, Input]
 ) -> Iterator[Hazard]:
     """What is read before it is written and changes an output, and outputs not written."""
     watch = _Filling(_VALUES[0])
-    plain = _run(program, given, watch)
-    whole = _run(program, given, _Filling(_VALUES[1]))
-    if _differing(plain, whole, given.count):
+    plain = _run(program, batch, watch)
+    whole = _run(program, batch, _Filling(_VALUES[1]))
+    if _differing(plain, whole, batch.count):
         for id_ in watch.filled:
-            other = _run(program, given, _Filling(_VALUES[1], id_))
-            for output, row in list(_differing(plain, other, given.count).items())[:1]:
-                yield _read(program, given, row, id_, output, inputs)
-    other = _run(program, given, _Filling(_VALUES[0]), _VALUES[1])
-    for output, row in _differing(plain, other, given.count, unwritten=True).items():
+            other = _run(program, batch, _Filling(_VALUES[1], id_))
+            for output, row in list(_differing(plain, other, batch.count).items())[:1]:
+                yield _read(program, batch, row, id_, output, inputs)
+    other = _run(program, batch, _Filling(_VALUES[0]), _VALUES[1])
+    for output, row in _differing(plain, other, batch.count, unwritten=True).items():
         file, line = _declaration(program, output)
         yield Hazard(
             file=file, line=line, kind=UNWRITTEN,
             message=f"{UNWRITTEN}: {_in_words(program, output)}, or a part of it has none",
-            inputs=example(given, row, inputs),
+            inputs=batch.example(row, inputs),
         )  # fmt: skip
 
 
 def _run(
-    program: Program, given: Given, watch: _Filling, outputs: float = _VALUES[0]
+    program: Program, batch: InputBatch, watch: _Filling, outputs: float = _VALUES[0]
 ) -> Interpreted:
-    return run_watched(program, given, watch, _Filled(value=outputs))
+    return run_batch(program, batch, _Filled(value=outputs), watch=watch)
 
 
 def _differing(
@@ -154,8 +152,8 @@ def _differing(
     if (gone != gone_too).any():
         return {"discard": int((gone != gone_too).argmax())}
     found = {}
-    others = dict(flattened(other.outputs))
-    for name, a in flattened(one.outputs):
+    others = dict(flatten_outputs(other.outputs))
+    for name, a in flatten_outputs(one.outputs):
         b = others.get(name)
         built_in = unwritten and name.startswith(_INTERFACE)
         if b is None or (built_in and not name.startswith(_NEEDED)):
@@ -167,10 +165,15 @@ def _differing(
 
 
 def _read(
-    program: Program, given: Given, row: int, id_: int, output: str, inputs: Mapping[str, Input]
+    program: Program,
+    batch: InputBatch,
+    row: int,
+    id_: int,
+    output: str,
+    inputs: Mapping[str, Input],
 ) -> Hazard:
     """The hazard of a variable's value that nobody stored: at the first line that loads it."""
-    some, own = alone(program, given, row)
+    some, own = batch.alone(row, program)
     size = program.workgroup_size
     rows = slice(own * size, (own + 1) * size)
     watches = [_Filling(value, id_, rows) for value in _VALUES]
@@ -188,7 +191,7 @@ def _read(
     return Hazard(
         file=file, line=line, kind=READ,
         message=f"{READ}: {name} has no value here, and {output} depends on it",
-        inputs=example(given, row, inputs),
+        inputs=batch.example(row, inputs),
     )  # fmt: skip
 
 
@@ -251,7 +254,7 @@ def _has_mipmaps(texels: Texels) -> bool:
 
 
 def divergent(
-    program: Program, given: Given, inputs: Mapping[str, Input], *, made_up: bool
+    program: Program, batch: InputBatch, inputs: Mapping[str, Input], *, made_up: bool
 ) -> Iterator[Hazard]:
     """Derivatives in divergent control flow on which an output depends.
 
@@ -265,16 +268,16 @@ def divergent(
     if program.stage != "fragment" or not ops & {*_DERIVATIVES, *_SAMPLES}:
         return
     if made_up:
-        given = _smooth(given, inputs)
-    quads = np.unique(cells_of(given.each["gl_FragCoord"]), return_inverse=True)[1].ravel()
+        batch = _smooth(batch, inputs)
+    quads = np.unique(quads_of(batch.each["gl_FragCoord"]), return_inverse=True)[1].ravel()
     watch = _Divergent(quads)
-    run_watched(program, given, watch)
+    run_batch(program, batch, watch=watch)
     for place, (row, at, mipmapped) in watch.found.items():
         if not mipmapped and not made_up:
             continue
         quad = np.flatnonzero(quads == quads[row])
-        some, own = given.part(quad), int(np.flatnonzero(quad == row)[0])
-        outputs = depending(program, some, own, place)
+        some, own = batch.part(quad), int(np.flatnonzero(quad == row)[0])
+        outputs = find_dependents(program, some, own, place)
         if not outputs:
             continue
         file, line = program.place(at.line)
@@ -284,21 +287,21 @@ def divergent(
             file=file, line=line, kind=KIND,
             message=words if mipmapped else f"{words}; only if the texture has mipmaps",
             evident=mipmapped,
-            inputs=example(given, row, inputs),
+            inputs=batch.example(row, inputs),
             outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
             calls=tuple(program.place(call)[1] for call in place.calls),
         )  # fmt: skip
 
 
-def _smooth(given: Given, inputs: Mapping[str, Input]) -> Given:
+def _smooth(batch: InputBatch, inputs: Mapping[str, Input]) -> InputBatch:
     """Whole quads whose pixels get the same uniforms, and nearly the same varyings."""
-    places = given.each["gl_FragCoord"]
-    cells = cells_of(places)
+    places = batch.each["gl_FragCoord"]
+    cells = quads_of(places)
     _, first, of = np.unique(cells, return_index=True, return_inverse=True)
     rng = np.random.default_rng(17)
     offset = (places[:, :2] - places[first][of.ravel(), :2]).astype(np.float64)
     each: dict[str, Array] = {"gl_FragCoord": places}
-    for name, values in given.each.items():
+    for name, values in batch.each.items():
         if name == "gl_FragCoord":
             continue
         same = values[first][of.ravel()]
@@ -310,7 +313,7 @@ def _smooth(given: Given, inputs: Mapping[str, Input]) -> Given:
             moved = sum(np.expand_dims(offset[:, k], extra) * slope[k] for k in (0, 1))
             same = (same + moved).astype(np.float32)
         each[name] = same
-    return Given(each, given.bindings, given.count)
+    return InputBatch(each, batch.bindings, batch.count)
 
 
 RACE, DIVERGENT, TOO_MANY = (
@@ -419,24 +422,24 @@ def _numbers(value: Any, count: int) -> Array:
 
 
 def between_invocations(
-    program: Program, given: Given, inputs: Mapping[str, Input]
+    program: Program, batch: InputBatch, inputs: Mapping[str, Input]
 ) -> Iterator[Hazard]:
     """Races for shared variables, barriers that not all come to, and more vertices than a geometry
     stage declares."""
     if program.workgroup_size > 1:
-        given = given.part(np.arange(min(given.count, _MOST)))
+        batch = batch.part(np.arange(min(batch.count, _MOST)))
         watch = _Accesses(program.workgroup_size)
-        run_watched(program, given, watch)
+        run_batch(program, batch, watch=watch)
         for (kind, line), (row, words) in watch.found.items():
-            yield _hazard(program, kind, line, words, example(given, row, inputs))
+            yield _hazard(program, kind, line, words, batch.example(row, inputs))
     if program.stage == "geometry":
         most = program.module.modes[ExecutionMode.OutputVertices][0]
-        emitted = run_watched(program, given).outputs["EmitVertex()"].lo[:, 0]
+        emitted = run_batch(program, batch).outputs["EmitVertex()"].lo[:, 0]
         if (emitted > most).any():
             row = int(emitted.argmax())
             words = f"{emitted[row]} are emitted, {most} declared"
             line = program.line_of(Op.EmitVertex)
-            yield _hazard(program, TOO_MANY, line, words, example(given, row, inputs))
+            yield _hazard(program, TOO_MANY, line, words, batch.example(row, inputs))
 
 
 def _hazard(

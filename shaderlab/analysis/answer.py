@@ -40,7 +40,7 @@ class Numerics:
         less = self.worse >= self.better
         how = "less" if less else "more"
         text = f"up to {_number(max(self.worse, self.better))} ULP {how} accurate"
-        text += f" near {shown(self.near, 2)}" if self.near else ""
+        text += f" near {format_inputs(self.near, 2)}" if self.near else ""
         return f"{text}, from {self.place}" if self.place else text
 
 
@@ -99,7 +99,7 @@ class OutputAnswer:
         if self.place:
             text += f"; first at {self.place}"
         if self.example:
-            text += f"\n    with {shown(self.example)}"
+            text += f"\n    with {format_inputs(self.example)}"
             text += f"\n    {_vector(self.gives[0])} became {_vector(self.gives[1])}"
         return text
 
@@ -186,7 +186,7 @@ def _numbers(values: tuple[float, ...]) -> list[float | None]:
     return [value if math.isfinite(value) else None for value in values]
 
 
-def shown(inputs: Mapping[str, tuple[float, ...]], most: int = _SHOWN) -> str:
+def format_inputs(inputs: Mapping[str, tuple[float, ...]], most: int = _SHOWN) -> str:
     """Some inputs as "x = 0.25, normal = (0, 0, 1)"."""
     some = [f"{name} = {_vector(values)}" for name, values in list(inputs.items())[:most]]
     return ", ".join(some) + (", …" if len(inputs) > most else "")

@@ -9,17 +9,15 @@ import numpy as np
 
 from shaderlab.errors import UsageError, nearest
 
-from ..equivalence.comparison import example
-from ..inputs import Given, Input, Role, declared_ranges, inputs_of, merged, roles_of, unknown_names
-from ..interpreter import Program
-from ..interpreter.values import NUMBERS
-from .consequences import depending, reached_by_0
-from .hazard import Audit, Hazard
-from .mediump import mediump
-from .portability import Spread, portability, sample
-from .searching import DRAWN, EQUAL, Hunt, Witness, watched, witnesses_of
+from .batches import InputBatch, merge_batches
+from .checks import INDEX, OVERFLOW
+from .hazards import Audit as Audit, Hazard as Hazard, find_dependents, reached_by_0
+from .inputs import Input, InputDomain, declared_ranges, domains_of, inputs_of, unknown_names
+from .interpreter import Program
+from .interpreter.values import NUMBERS
+from .portability import find_spreads, widest_spreads
+from .search import DRAWN, EQUAL, Counterexample, InputSearch, counterexamples_of, watch_batch
 from .undefined import between_invocations, divergent, undefined_values
-from .watching import INDEX, OVERFLOW
 
 _MOST = 16_384  # invocations that a case's draws give, of those with the same textures
 
@@ -40,7 +38,7 @@ class Plan:
 
 
 def audit_program(
-    program: Program, plan: Plan | None = None, captured: Sequence[Given] = ()
+    program: Program, plan: Plan | None = None, captured: Sequence[InputBatch] = ()
 ) -> Audit:
     """What may go wrong in a program.
 
@@ -59,36 +57,40 @@ def audit_program(
     for name in unknown_names(list(plan.ranges), inputs):
         raise UsageError(f"the shader does not read {name!r}", remedy=nearest(name, inputs))
     if captured:
-        captured = merged(captured, program, _MOST)
-        witnesses = [
-            witness
-            for given in captured
-            for witness in witnesses_of(watched(program, given), given, np.full(given.count, DRAWN))
+        captured = merge_batches(captured, program, _MOST)
+        examples = [
+            example
+            for batch in captured
+            for example in counterexamples_of(
+                watch_batch(program, batch), batch, np.full(batch.count, DRAWN)
+            )
         ]
-        tried, roles = sum(given.count for given in captured), {}
+        tried, domains = sum(batch.count for batch in captured), {}
         sets = list(captured)
     else:
         if program.workgroup_size > 1:
             inputs = _of_workgroups(inputs)
-        roles = roles_of(inputs.values(), declared_ranges(program), plan.ranges)
-        hunt = Hunt(program, inputs, roles, plan.count)
-        hunt.run()
-        witnesses, tried = list(hunt.witnesses.values()), hunt.tried
-        sets = [hunt.drawn]
-    hazards = [f for w in witnesses for f in _hazards(program, w, inputs)]
-    for given in sets:
-        hazards += undefined_values(program, given, inputs)
-        hazards += divergent(program, given, inputs, made_up=not captured)
-        hazards += between_invocations(program, given, inputs)
+        domains = domains_of(inputs.values(), declared_ranges(program), plan.ranges)
+        search = InputSearch(program, inputs, domains, plan.count)
+        search.run()
+        examples, tried = list(search.examples.values()), search.tried
+        sets = [search.sample_inputs]
+    hazards = [f for w in examples for f in _hazards(program, w, inputs)]
+    for batch in sets:
+        hazards += undefined_values(program, batch, inputs)
+        hazards += divergent(program, batch, inputs, made_up=not captured)
+        hazards += between_invocations(program, batch, inputs)
     spreads = (
-        [s for given in sets for s in spread(program, given, inputs)] if plan.precision else []
+        [s for batch in sets for s in find_spreads(program, batch, inputs)]
+        if plan.precision
+        else []
     )
     return Audit(
         file="" if program.source is None else program.source.path,
         hazards=tuple(_distinct(hazards)),
         tried=tried,
-        inputs=_in_words(roles, inputs, captured),
-        spreads=tuple(widest(spreads)),
+        inputs=_in_words(domains, inputs, captured),
+        spreads=tuple(widest_spreads(spreads)),
     )
 
 
@@ -102,60 +104,36 @@ def _of_workgroups(inputs: Mapping[str, Input]) -> dict[str, Input]:
     return found
 
 
-def spread(
-    program: Program,
-    given: Given,
-    inputs: Mapping[str, Input],
-    precisions: Sequence[str] = ("highp", "mediump"),
-) -> list[Spread]:
-    """How far devices may differ at each float output, on some of the invocations."""
-    if program.stage not in ("vertex", "fragment"):
-        return []
-    some = sample(given)
-    found = portability(program, some, inputs) if "highp" in precisions else []
-    if "mediump" in precisions and program.stage == "fragment":
-        found += mediump(program, some, inputs)
-    return found
-
-
-def widest(spreads: Sequence[Spread]) -> list[Spread]:
-    """The widest of each output and precision."""
-    found: dict[tuple[str, str], Spread] = {}
-    for one in spreads:
-        known = found.setdefault((one.output, one.precision), one)
-        if (one.codes, one.ulp) > (known.codes, known.ulp):
-            found[one.output, one.precision] = one
-    return list(found.values())
-
-
 def _in_words(
-    roles: Mapping[str, Role], inputs: Mapping[str, Input], captured: Sequence[Given]
+    domains: Mapping[str, InputDomain], inputs: Mapping[str, Input], captured: Sequence[InputBatch]
 ) -> dict[str, str]:
     if captured:
         return dict.fromkeys(inputs, "as the case gives it")
-    return {name: f"{role} ({role.source})" for name, role in roles.items()}
+    return {name: f"{domain} ({domain.source})" for name, domain in domains.items()}
 
 
-def _hazards(program: Program, witness: Witness, inputs: Mapping[str, Input]) -> Sequence[Hazard]:
+def _hazards(
+    program: Program, example: Counterexample, inputs: Mapping[str, Input]
+) -> Sequence[Hazard]:
     """The hazard about an instruction; none where no output depends on what it gives."""
-    place, one = witness.place, witness.watched
-    outputs = depending(program, witness.given, witness.row, place)
+    place, one = example.place, example.watched
+    outputs = find_dependents(program, example.batch, example.row, place)
     if not outputs and place.kind != INDEX.kind:
         return ()
-    if witness.crossing and not reached_by_0(
-        program, witness.given, witness.row, place, witness.operands[-1]
+    if example.crossing and not reached_by_0(
+        program, example.batch, example.row, place, example.operands[-1]
     ):
         return ()
     file, line = program.place(one.at.line)
-    words = one.check.words(*witness.operands)
-    if witness.crossing:
+    words = one.check.words(*example.operands)
+    if example.crossing:
         words = f"{words}, nearly: the divisor passes through 0 here"
     if one.check.possible:
         words += f"; {one.check.possible}"
-    if witness.origin != DRAWN:
+    if example.origin != DRAWN:
         words += (
             "; only if two inputs are equal"
-            if witness.origin == EQUAL
+            if example.origin == EQUAL
             else "; only if an input is 0"
         )
     return (
@@ -164,8 +142,8 @@ def _hazards(program: Program, witness: Witness, inputs: Mapping[str, Input]) ->
             line=line,
             kind=place.kind,
             message=f"{place.kind}: {words}" if not words.startswith(place.kind) else words,
-            evident=witness.origin == DRAWN and not one.check.possible,
-            inputs=example(witness.given, witness.row, inputs),
+            evident=example.origin == DRAWN and not one.check.possible,
+            inputs=example.batch.example(example.row, inputs),
             outputs={}
             if program.workgroup_size > 1
             else {name: tuple(map(float, value)) for name, value in outputs.items()},

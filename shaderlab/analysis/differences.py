@@ -1,0 +1,306 @@
+"""Where two programs differ: inputs on both sides of jumps, the first value stored otherwise, and
+how accurate each is."""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands import Band
+from shaderlab.compiler.spirv import Op
+from shaderlab.errors import FormulaError, NotInterpretedError
+from shaderlab.model.frame import Array
+
+from .batches import InputBatch, run_batch
+from .inputs import InputDomain
+from .interpreter import Arithmetic, Bands, Program, Stored
+from .noise import run
+
+PAIRS = 192
+_PARTS, _ROUNDS = 8, 6  # each round looks for the steepest of so many parts
+_SMOOTH = 2  # after so many rounds a change that goes on shrinking is no jump
+_SHRINKS = 0.5  # what is left of a smooth change from one round to the next, at most
+_JUMP = 1e9  # how far apart something and nothing are
+
+
+@dataclass(frozen=True, eq=False)
+class _Ways:
+    """Straight ways from invocations to others, each along all inputs that vary, or along one."""
+
+    start: InputBatch
+    end: Mapping[str, Array]
+    domains: Mapping[str, InputDomain]
+
+    def at(self, t: Array) -> InputBatch:
+        """The inputs at a share of each way, (count,)."""
+        each = dict(self.start.each)
+        for name, end in self.end.items():
+            start = each[name]
+            value = start + t[:, None] * (end - start)
+            if name in self.domains and self.domains[name].kind == "unit":
+                with np.errstate(invalid="ignore"):
+                    value = value / np.linalg.norm(value, axis=1, keepdims=True)
+            each[name] = value.astype(np.float32)
+        return InputBatch(each, self.start.bindings, self.start.count)
+
+    def repeated(self, times: int) -> _Ways:
+        """Each way several times, all of them one after the other."""
+        rows = np.tile(np.arange(self.start.count), times)
+        end = {name: values[rows] for name, values in self.end.items()}
+        return _Ways(self.start.part(rows), end, self.domains)
+
+
+def jumps(
+    programs: tuple[Program, Program],
+    batch: InputBatch,
+    domains: Mapping[str, InputDomain],
+) -> InputBatch | None:
+    """Inputs on both sides of places where one of the programs jumps; None where nothing can be
+    varied steadily."""
+    ways = _ways(batch, domains, np.random.default_rng(23))
+    if ways is None:
+        return None
+    ends = []
+    for program in programs:
+        ends += [ways.at(t) for t in _steepest(program, ways)]
+    if not ends:
+        return None
+    each = {n: np.concatenate([end.each[n] for end in ends]) for n in ends[0].each}
+    return InputBatch(each, batch.bindings, len(ends) * PAIRS)
+
+
+def _steepest(program: Program, ways: _Ways) -> tuple[Array, ...]:
+    """Both ends of the steepest little part of each way, (count,); nothing where a program changes
+    smoothly along all of them."""
+    all_ = np.arange(PAIRS)
+    low, high, before = np.zeros(PAIRS), np.ones(PAIRS), np.full(PAIRS, np.inf)
+    for number in range(_ROUNDS):
+        t = low + np.linspace(0.0, 1.0, _PARTS + 1)[:, None] * (high - low)
+        changes = _changes(_values(program, ways.repeated(_PARTS + 1).at(t.ravel())), _PARTS + 1)
+        steepest = changes.argmax(axis=0)
+        low, high = (t[steepest + k, all_] for k in (0, 1))
+        change = changes[steepest, all_]
+        if number >= _SMOOTH and (change <= _SHRINKS * before).all():
+            return ()
+        before = change
+    return low, high
+
+
+def _ways(
+    batch: InputBatch, domains: Mapping[str, InputDomain], rng: np.random.Generator
+) -> _Ways | None:
+    steady = [
+        name
+        for name, values in batch.each.items()
+        if name != "gl_FragCoord" and len(values) == batch.count
+        if values.dtype.kind == "f" and values.ndim == 2
+    ]
+    if not steady or batch.count < 2:
+        return None
+    rows = rng.integers(0, batch.count, (2, PAIRS))
+    start, end = (batch.part(each) for each in rows)
+    alone = rng.integers(0, len(steady), PAIRS)
+    alone[: PAIRS // 2] = -1  # along all of them
+    ends = {}
+    for i, name in enumerate(steady):
+        moves = ((alone == -1) | (alone == i))[:, None]
+        ends[name] = np.where(moves, end.each[name], start.each[name])
+    return _Ways(start, ends, domains)
+
+
+def _values(program: Program, batch: InputBatch) -> dict[str, Array]:
+    """Outputs without noise, with a jump's height where nothing is drawn or defined."""
+    ran = run(program, batch, 0)
+    gone = ran.discarded[0][:, None]
+    return {
+        name: np.where(gone, _JUMP, np.where(np.isfinite(v[0]), v[0], -_JUMP))
+        for name, v in ran.outputs.items()
+    } or {"": np.where(gone, _JUMP, 0.0)}
+
+
+def _changes(values: Mapping[str, Array], points: int) -> Array:
+    """How much outputs change from one point of each way to the next, (points - 1, ways)."""
+    found = []
+    for output in values.values():
+        along = output.reshape(points, -1, output.shape[-1])
+        found.append(np.abs(np.diff(along, axis=0)).max(axis=-1))
+    most: Array = np.max(found, axis=0)
+    return most
+
+
+MOST = 512
+"""Invocations whose bands are looked at."""
+_SMALL = 2.0**-8  # of an output's largest value: below it, what counts is the ULP of this
+_ULPS, _RATIO = 1.0, 1.25  # wider by more than both is less accurate
+
+
+@dataclass(frozen=True, eq=False)
+class Accuracy:
+    """How much accuracy a program loses against another one.
+
+    Attributes:
+        worse, better: ULP of the output's value that a band is wider or narrower, at most.
+        row: the invocation where that is, of whichever is more.
+        step: the first stored value whose band is wider there, or narrower; None if none is.
+    """
+
+    worse: float
+    better: float
+    row: int
+    step: Step | None
+
+
+def bands_of(program: Program, batch: InputBatch) -> Mapping[str, Any] | None:
+    """A program's outputs as bands; None where it can't be run in them."""
+    try:
+        return run_batch(program, batch, Bands(), unwritten=False).outputs
+    except (NotInterpretedError, FormulaError):
+        return None
+
+
+def accuracy(
+    programs: tuple[Program, Program], batch: InputBatch, bands: tuple[Any, Any], values: Array
+) -> Accuracy | None:
+    """How the accuracy of an output changes from one program to the other.
+
+    Args:
+        programs: the old and the new one.
+        given: what they get.
+        bands: the output of both.
+        values: the output in float64, (count, components).
+
+    Returns:
+        None where the output has no bands, such as an integer's, or all of them are open.
+    """
+    if not all(isinstance(band, Band) for band in bands):
+        return None
+    size = min(bands[0].shape[-1], bands[1].shape[-1], values.shape[-1])
+    values = values[:, :size]
+    with np.errstate(all="ignore"):
+        floor = _SMALL * np.nanmax(np.abs(values), axis=0, initial=0.0)
+        ulp = np.spacing(np.maximum(np.abs(values), floor).astype(np.float32)).astype(np.float64)
+        old, new = (_off(band, values, size) / ulp for band in bands)
+        known = np.isfinite(old) & np.isfinite(new)
+        if not known.any():
+            return None
+        wider = np.where(known & (new > _RATIO * old), new - old, 0.0).max(axis=-1)
+        narrower = np.where(known & (old > _RATIO * new), old - new, 0.0).max(axis=-1)
+    worse, better = (float(v.max()) if v.max() > _ULPS else 0.0 for v in (wider, narrower))
+    row = int((wider if worse >= better else narrower).argmax())
+    step = None
+    if worse or better:
+        differ = _wider if worse >= better else _narrower
+        step, _, _ = first(programs, batch, row, Bands(), differ)
+    return Accuracy(worse, better, row, step)
+
+
+def _off(band: Band, values: Array, size: int) -> Array:
+    """How far a device may be from the value, (count, size)."""
+    off: Array = np.maximum(band.hi[..., :size] - values, values - band.lo[..., :size])
+    return off
+
+
+def _wider(old: Any, new: Any) -> bool:
+    if not (isinstance(old, Band) and isinstance(new, Band)) or old.shape[1:] != new.shape[1:]:
+        return False
+    with np.errstate(all="ignore"):
+        before, after = old.hi - old.lo, new.hi - new.lo
+        size = np.maximum(np.abs(new.lo), np.abs(new.hi)).astype(np.float32)
+        return bool((after > _RATIO * before + 0.5 * np.spacing(size)).any())
+
+
+def _narrower(old: Any, new: Any) -> bool:
+    return _wider(new, old)
+
+
+_SOON, _MORE = 128, 16  # stored values that are compared first; how many times as many then
+Differ = Callable[[Any, Any], bool]
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """A value that was stored: the variable, how often it had been before, its line, the value."""
+
+    name: str
+    turn: int
+    line: int
+    value: Any
+
+
+class _EnoughError(Exception):
+    """As many values were stored as are looked at."""
+
+
+def steps(
+    program: Program, batch: InputBatch, row: int, arithmetic: Arithmetic, most: int | None = None
+) -> list[Step]:
+    """What an invocation stores, in order, all of it or so many values at most. Its quad runs with
+    it where that matters."""
+    quad, own = batch.alone(row, program)
+    found: list[Step] = []
+    turns: Counter[str] = Counter()
+
+    def note(stored: Stored) -> None:
+        if stored.mask[own] and not isinstance(stored.value, tuple):
+            value = stored.value
+            lane = value[own : own + 1] if value.shape[0] > 1 else value
+            found.append(Step(stored.name, turns[stored.name], stored.line, lane))
+            turns[stored.name] += 1
+            if len(found) == most:
+                raise _EnoughError
+
+    with suppress(_EnoughError):
+        run_batch(program, quad, arithmetic, trace=note, unwritten=False)
+    return found
+
+
+def first(
+    programs: tuple[Program, Program],
+    batch: InputBatch,
+    row: int,
+    arithmetic: Arithmetic,
+    differ: Differ,
+) -> tuple[Step | None, list[Step], list[Step]]:
+    """The first step of an invocation in which the new program stores another value than the old
+    one, None where none is; and what either stored up to there, or beyond."""
+    most = _SOON
+    while True:
+        old, new = (steps(program, batch, row, arithmetic, most) for program in programs)
+        pairs = _in_order(old, new)
+        found = next((b for a, b in pairs if differ(a.value, b.value)), None)
+        if found is not None:
+            return found, old, new
+        if max(len(old), len(new)) < most:
+            return _later(old, new, len(pairs), differ), old, new
+        most *= _MORE
+
+
+def _in_order(old: list[Step], new: list[Step]) -> list[tuple[Step, Step]]:
+    """The steps of both up to where they store to other variables, or in another order."""
+    pairs = zip(old, new, strict=False)
+    return list(itertools.takewhile(lambda pair: pair[0].name == pair[1].name, pairs))
+
+
+def _later(old: list[Step], new: list[Step], start: int, differ: Differ) -> Step | None:
+    """The first of the new program's later steps that another value is stored in than in the old
+    one's step of the same variable. What functions return has no name, and is left out."""
+    known = {(step.name, step.turn): step for step in old if step.name != "return"}
+    later = (step for step in new[start:] if (step.name, step.turn) in known)
+    return next((b for b in later if differ(known[b.name, b.turn].value, b.value)), None)
+
+
+def discards(program: Program) -> list[int]:
+    """The lines at which a program discards."""
+    return sorted(
+        instruction.line
+        for function in program.functions.values()
+        for block in function.blocks.values()
+        for instruction in block
+        if instruction.op == Op.Kill
+    )

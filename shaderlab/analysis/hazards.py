@@ -1,0 +1,231 @@
+"""Hazards as data and in words, and what depends on a value that went wrong."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands import Integer
+from shaderlab.files import display_path
+from shaderlab.model.frame import Array
+
+from .answer import format_inputs
+from .batches import InputBatch, flatten_outputs, run_batch
+from .checks import FLOATS, Place, arguments_of
+from .interpreter import Program
+from .interpreter.program import Instruction
+from .interpreter.running import Run, Watch
+from .interpreter.values import PathState
+from .portability import Spread
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hazard:
+    """A hazard of a shader.
+
+    Attributes:
+        file, line: where it is.
+        kind: of hazard, such as "division by 0".
+        message: what happens there, in words.
+        evident: whether the inputs below do it, in float32, and an output depends on it; else it
+            is possible: `message` says what it takes.
+        inputs: an invocation at which it happens, by name.
+        outputs: what that invocation writes, by the names of the outputs that depend on it.
+        calls: the lines of the calls that lead there, the outermost first.
+    """
+
+    file: str
+    line: int
+    kind: str
+    message: str
+    evident: bool = True
+    inputs: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    outputs: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    calls: tuple[int, ...] = ()
+
+    def __str__(self) -> str:
+        text = f"{display_path(self.file, self.line)}: {self.message}"
+        if not self.evident:
+            text += " (possible)"
+        if self.inputs:
+            text += f"\n    with {format_inputs(self.inputs)}"
+        if self.outputs:
+            text += f"\n    {format_inputs(self.outputs)}"
+        return text
+
+    def data(self) -> dict[str, Any]:
+        """The hazard as JSON."""
+        return {
+            **vars(self),
+            "inputs": {name: _numbers(values) for name, values in self.inputs.items()},
+            "outputs": {name: _numbers(values) for name, values in self.outputs.items()},
+            "calls": list(self.calls),
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Audit:
+    """What was found in one shader.
+
+    Attributes:
+        file: the shader.
+        hazards: by line, evident ones and possible ones.
+        tried: how many invocations were run.
+        inputs: what each input was given, in words, by name.
+        refused: why nothing can be said of it, if so.
+        spreads: how far devices may differ at each output, if that was asked for.
+    """
+
+    file: str
+    hazards: tuple[Hazard, ...]
+    tried: int
+    inputs: Mapping[str, str] = field(default_factory=dict)
+    refused: str = ""
+    spreads: tuple[Spread, ...] = ()
+
+    @property
+    def clean(self) -> bool | None:
+        """Whether there is no evident hazard; None where that can't be said."""
+        if self.refused:
+            return None
+        return not any(hazard.evident for hazard in self.hazards)
+
+    def lines(self, possible: bool = True) -> Iterator[str]:
+        """The audit in words, with possible hazards or with their number alone."""
+        if self.refused:
+            yield f"can't say: {self.refused}"
+            return
+        yield from map(str, self.spreads)
+        evident = [hazard for hazard in self.hazards if hazard.evident]
+        yield from map(str, self.hazards if possible else evident)
+        text = f"{len(evident) or 'no'} hazard{'' if len(evident) == 1 else 's'}"
+        others = len(self.hazards) - len(evident)
+        if others:
+            text += f", {others} possible"
+        yield f"{display_path(self.file)}: {text} on {self.tried:,} inputs"
+
+    def data(self) -> dict[str, Any]:
+        """The audit as JSON."""
+        return {
+            "file": self.file,
+            "clean": self.clean,
+            "hazards": [hazard.data() for hazard in self.hazards],
+            "tried": self.tried,
+            "inputs": dict(self.inputs),
+            "refused": self.refused,
+            "spreads": [spread.data() for spread in self.spreads],
+        }
+
+
+def _numbers(values: tuple[float, ...]) -> list[float | str]:
+    """As JSON has them, which has no NaN and no infinity."""
+    return [value if math.isfinite(value) else str(value) for value in values]
+
+
+_VALUES = (None, 0.37, 41.0, -2.6, 7.5e3)
+_STAND_IN = 0.5
+_DISCARDED = "discard"
+
+
+@dataclass(frozen=True)
+class _Replacing:
+    """A `Watch` that gives an instruction another result, or leaves it as it is with None. Other
+    results that are no number although all operands are become one: they would hide what depends
+    on this one."""
+
+    place: Place
+    value: float | None
+
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
+        if at.id == self.place.id and tuple(run.calls) == self.place.calls:
+            return result if self.value is None else _other(result, self.value)
+        if isinstance(result, np.ndarray) and at.op in FLOATS and not np.isfinite(result).all():
+            values = run.values(arguments_of(at.op, at.operands))
+            if all(np.isfinite(v).all() for v in values if isinstance(v, np.ndarray)):
+                return np.where(np.isfinite(result), result, np.float32(_STAND_IN))
+        return result
+
+
+@dataclass
+class _Zeroing:
+    """A `Watch` that makes every result 0 that is a certain number.
+
+    Attributes:
+        reached: whether an instruction is run with such an operand even so.
+    """
+
+    place: Place
+    number: float
+    reached: bool = False
+
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
+        if at.id == self.place.id and tuple(run.calls) == self.place.calls:
+            self.reached = True
+        if isinstance(result, np.ndarray):
+            return np.where(result == np.float32(self.number), np.float32(0.0), result)
+        return result
+
+
+def _other(result: Any, value: float) -> Any:
+    if isinstance(result, tuple):
+        return tuple(_other(part, value) for part in result)
+    if isinstance(result, Integer):
+        return Integer(np.full_like(result.lo, int(abs(value))), unsigned=result.unsigned)
+    if isinstance(result, np.ndarray):
+        return np.full_like(result, value)
+    return result
+
+
+def written_outputs(
+    program: Program, batch: InputBatch, row: int, watch: Watch | None = None
+) -> Mapping[str, Array]:
+    """What an invocation writes, by output; `"discard"` is 1 where it is discarded."""
+    result = run_batch(program, batch, watch=watch)
+    found = _as_they_are(result.outputs, row)
+    gone = bool(np.broadcast_to(result.discarded.all_true, (batch.count,))[row])
+    found[_DISCARDED] = np.array([float(gone)])
+    return found
+
+
+def _as_they_are(outputs: Mapping[str, Any], row: int) -> dict[str, Array]:
+    found: dict[str, Array] = {}
+    for name, value in outputs.items():
+        if isinstance(value, tuple):
+            found |= _as_they_are({f"{name}[{i}]": part for i, part in enumerate(value)}, row)
+        elif isinstance(value, np.ndarray):
+            found[name] = value[row].astype(np.float64).ravel()
+        else:
+            found |= {n: v[row] for n, v in flatten_outputs({name: value})}
+    return found
+
+
+def find_dependents(
+    program: Program, batch: InputBatch, row: int, place: Place
+) -> dict[str, Array]:
+    """The outputs that depend on an instruction's result at an invocation, as they are."""
+    some, own = batch.alone(row, program)
+    plain = written_outputs(program, some, own)
+    others = [written_outputs(program, some, own, _Replacing(place, value)) for value in _VALUES]
+    return {name: value for name, value in plain.items() if _differs(name, others)}
+
+
+def _differs(name: str, runs: Sequence[Mapping[str, Array]]) -> bool:
+    values = [run[name] for run in runs if name in run]
+    return len(values) < len(runs) or any(
+        not np.array_equal(value, values[0], equal_nan=True) for value in values
+    )
+
+
+def reached_by_0(
+    program: Program, batch: InputBatch, row: int, place: Place, number: float
+) -> bool:
+    """Whether an instruction is run where a number is 0 that is nearly so at an invocation; not so
+    if a condition is before it, such as `x != 0.0`."""
+    some, own = batch.alone(row, program)
+    watch = _Zeroing(place, number)
+    written_outputs(program, some, own, watch)
+    return watch.reached

@@ -1,0 +1,262 @@
+"""float64 with a little noise: how far two ways to compute the same may lie apart."""
+
+from __future__ import annotations
+
+import math
+import struct
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from shaderlab.model.frame import Array
+
+from .batches import InputBatch, flatten_outputs
+from .interpreter import Numbers, Program, interpret
+from .interpreter.values import Flags
+
+_OPERATION = 2.0**-52
+_INPUT = 2.0**-24  # a float32 is within half of an ULP of what it stands for, at most
+_POOL = 1 << 17
+_BEYOND = (1 << 29) - 1  # the bits of a float64 that a float32 has not
+_DOUBLE = struct.Struct("<d")
+
+# Functions that round nothing.
+_EXACT = frozenset(
+    {"negate", "abs", "sign", "floor", "ceil", "trunc", "round", "roundEven", "min", "max",
+     "clamp", "step", "transpose"}
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class PerturbedFloat(Numbers):
+    """float64 in which every rounding errs by its full size, this way or that.
+
+    All runs are one: the invocations come 1 + `copies` times, one block of `count` after the other.
+    The first block is float64 without noise, and each of the others errs in its own way.
+
+    Operations err by 2^-52; numbers that the shader got or whose author wrote more digits than a
+    float32 has, by half of a float32 ULP. What needs no rounding has no error: results of as
+    many bits as a float32 has, inputs all of whose numbers have few bits.
+
+    GLSL's undefined results are NaN in all blocks: pow of a negative base, what is read before it
+    is written.
+    """
+
+    dtype: Any = np.float64
+    count: int = 1
+    copies: int = 0
+
+    def exact(self, values: Any) -> Array:
+        found: Array = np.asarray(values, np.float32).astype(np.float64)
+        rounded = (found.astype(np.float16) != found).any(axis=-1, keepdims=True)
+        return self._shaken(found, np.broadcast_to(rounded, found.shape), _INPUT, "input")
+
+    def literal(self, value: float) -> Array:
+        found: Array = super().literal(value)
+        return self._shaken(found, found != np.float32(value), _INPUT, f"literal {value!r}")
+
+    def undefined(self) -> Array:
+        return np.full((1, 1), np.nan)
+
+    def call(self, function: str, *values: Any) -> Any:
+        found = Numbers.call(self, function, *values)
+        if function == "pow":
+            x, y = values
+            found = np.where((x < 0.0) | ((x == 0.0) & (y <= 0.0)), np.nan, found)
+        return found if function in _EXACT else self._computed(found, function)
+
+    def rounded(self, value: Any) -> Any:
+        return self._computed(super().rounded(value), "rounded")
+
+    def _computed(self, value: Any, salt: str) -> Any:
+        if not self.copies or type(value) is not np.ndarray:
+            return value
+        if len(value) == 1:
+            return self._shaken(value, _needs_rounding(value), _OPERATION, salt)
+        found, noisy = value.copy(), value[self.count :]
+        factors = _factors(noisy.shape, _OPERATION, _place(salt, value.item(0)))
+        np.multiply(noisy, factors, out=found[self.count :], where=_needs_rounding(noisy))
+        return found
+
+    def _shaken(self, value: Array, rounded: Array, size: float, salt: str) -> Array:
+        """The value with an error in each block but the first where it was rounded, from -1 to -.5
+        or from .5 to 1 times `size`: none is lucky enough to be right. Errors follow from the
+        numbers, so that the same expression of two shaders errs alike. A value with one row gets
+        one for each invocation."""
+        if not self.copies or not np.logical_or.reduce(rounded, axis=None):
+            return value
+        block = self.count
+        if len(value) == 1:
+            block = 1
+            value, rounded = (np.repeat(x, 1 + self.copies, axis=0) for x in (value, rounded))
+        exact = value[block:]
+        factors = _factors(exact.shape, size, _place(salt, value.item(0)))
+        found = value.copy()
+        np.multiply(exact, factors, out=found[block:], where=rounded[block:])
+        return found if block == self.count else np.repeat(found, self.count, axis=0)
+
+
+def _needs_rounding(values: Array) -> Flags:
+    """Where numbers have more bits than a float32."""
+    found: Flags = (values.view(np.int64) & _BEYOND) != 0
+    return found
+
+
+def _place(salt: str, number: float) -> int:
+    """Where in the pool an operation's errors begin."""
+    return zlib.crc32(_DOUBLE.pack(number), _seed(salt)) % _POOL
+
+
+@cache
+def _seed(salt: str) -> int:
+    return zlib.crc32(salt.encode())
+
+
+def _factors(shape: tuple[int, ...], size: float, start: int) -> Array:
+    pool, count = _pool(size), math.prod(shape)
+    if count > _POOL:
+        return np.resize(pool[start:], count).reshape(shape)
+    return pool[start : start + count].reshape(shape)
+
+
+@cache
+def _pool(size: float) -> Array:
+    generator = np.random.default_rng(20)
+    errors = generator.uniform(0.5, 1.0, 2 * _POOL)
+    found: Array = 1.0 + size * np.where(generator.random(2 * _POOL) < 0.5, -errors, errors)
+    return found
+
+
+COPIES = 3
+"""Runs with noise, besides the one without."""
+_FEW, _SURE = 200, 12  # so few invocations are asked again, with so many runs
+_FAR = 2.0**20  # pixels between two runs
+TIMES = 16.0
+"""How many times the spread two outputs may lie apart."""
+_TINY = float(np.finfo(np.float32).tiny)  # smaller ones are zero on many devices
+_HUGE = float(np.finfo(np.float32).max)
+
+
+@dataclass(frozen=True, eq=False)
+class Ran:
+    """What a program gave, without noise (first) and with: outputs (runs, count, components) by
+    name, NaN where there is no float32; and whether an invocation was discarded, (runs, count)."""
+
+    outputs: Mapping[str, Array]
+    discarded: Flags
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """How an output of two programs compares, by invocation, (count,).
+
+    Attributes:
+        different: where it is another one.
+        judged: where that can be told: what noise decides, and what neither program draws or
+            defines, is left out.
+        apart: how far the two are apart, infinite where only one is there.
+        why: "value", "coverage" or "definedness" of the first that differs; "" if none does.
+    """
+
+    different: Flags
+    judged: Flags
+    apart: Array
+    why: str
+
+
+def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
+    """A program on some inputs, without noise and so many times with it.
+
+    Raises:
+        NotInterpretedError: it does what the interpreter does not know, or does not end.
+        FormulaError: it reads what is not given.
+    """
+    times, count = 1 + copies, batch.count
+    each = {
+        name: values if len(values) == 1 else np.concatenate([values] * times)
+        for name, values in batch.each.items()
+    }
+    found = interpret(
+        program, each, batch.bindings, PerturbedFloat(count=count, copies=copies),
+        count=count * times, places=_apart(each.get("gl_FragCoord"), count), unwritten=True,
+    )  # fmt: skip
+    gone = np.broadcast_to(found.discarded.all_true, (count * times,))
+    outputs = {
+        name: values.reshape(times, count, values.shape[-1])
+        for name, values in flatten_outputs(found.outputs)
+    }
+    return Ran(outputs, gone.reshape(times, count))
+
+
+def _apart(places: Array | None, count: int) -> Array | None:
+    """The pixels of each run elsewhere, so that no run's are the neighbours of another's."""
+    if places is None:
+        return None
+    found = places[:, :2].astype(np.float64)
+    found[:, 1] += np.arange(len(found)) // count * _FAR
+    return found
+
+
+def confirm(
+    programs: tuple[Program, Program], batch: InputBatch, compared: Compared, names: tuple[str, str]
+) -> Compared:
+    """The comparison once more, with more noise, where few invocations differ: by chance the first
+    noise may have cancelled there."""
+    rows = np.flatnonzero(compared.different)
+    if not 0 < len(rows) <= _FEW:
+        return compared
+    taken = np.union1d(*(batch.rows_with(rows, program) for program in programs))
+    some = batch.part(taken)
+    old, new = (run(program, some, _SURE) for program in programs)
+    again = compare(old, new, *names)
+    different, judged, apart = (
+        compared.different.copy(),
+        compared.judged.copy(),
+        compared.apart.copy(),
+    )
+    different[rows] = again.different[np.isin(taken, rows)]
+    judged[rows] &= again.judged[np.isin(taken, rows)]
+    apart[rows] = again.apart[np.isin(taken, rows)]
+    return Compared(different, judged, apart, again.why)
+
+
+def compare(old: Ran, new: Ran, name: str, other: str) -> Compared:
+    """How the old program's output `name` and the new one's `other` compare."""
+    a, b = old.outputs.get(name), new.outputs.get(other)
+    nothing = np.full((*old.discarded.shape, 1), np.nan)  # where all were discarded
+    a, b = nothing if a is None else a, nothing if b is None else b
+    size = min(a.shape[-1], b.shape[-1])
+    a, b = a[..., :size], b[..., :size]
+    there = [_in_all(~ran.discarded) for ran in (old, new)]
+    gone = [_in_all(ran.discarded) for ran in (old, new)]
+    coverage = (there[0] & gone[1]) | (gone[0] & there[1])
+    both = there[0] & there[1]
+
+    known = [np.isfinite(x) for x in (a, b)]
+    always, never = [_in_all(k) for k in known], [_in_all(~k) for k in known]
+    only_one = (always[0] & never[1]) | (never[0] & always[1])
+    defined = only_one.any(axis=-1) & both
+
+    with np.errstate(all="ignore"):
+        spread = np.maximum(np.abs(a[1:] - a[0]).max(axis=0), np.abs(b[1:] - b[0]).max(axis=0))
+        apart = np.abs(a[0] - b[0])
+        here = always[0] & always[1] & both[:, None]
+        value = (here & (apart > TIMES * spread + _TINY)).any(axis=-1)
+        scale = np.maximum(np.abs(a[0]), np.abs(b[0]))
+        vague = (here & (spread > 1e-2 * scale + _TINY)).all(axis=-1)
+        far = np.where(here, apart, 0.0).max(axis=-1, initial=0.0)
+    different = coverage | defined | value
+    judged = different | gone[0] & gone[1] | (both & here.any(axis=-1) & ~vague)
+    kinds = {"coverage": coverage, "definedness": defined, "value": value}
+    first = next((kind for kind, flags in kinds.items() if flags.any()), "")
+    return Compared(different, judged, np.where(coverage | defined, np.inf, far), first)
+
+
+def _in_all(flags: Flags) -> Flags:
+    """What holds in every run."""
+    found: Flags = np.logical_and.reduce(flags, axis=0)
+    return found

@@ -1,0 +1,425 @@
+"""portable: how far conforming devices may differ at an output, at highp and at mediump."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from shaderlab.bands import Integer
+from shaderlab.bands.rounding import ulp
+from shaderlab.compiler.spirv import Decoration, Op
+from shaderlab.engine.expectations.base import Context, OutputExpectation
+from shaderlab.engine.expectations.needs import CapturedFragments
+from shaderlab.errors import CaseError, FormulaError, NotInterpretedError, nearest
+from shaderlab.files import display_path
+from shaderlab.model.activity import doing
+from shaderlab.model.case import Scene
+from shaderlab.model.expectation import Judgement, Need, Programs
+from shaderlab.model.frame import Array, Frame, PassDraw
+from shaderlab.model.records import Row
+
+from .answer import format_inputs
+from .batches import InputBatch, flatten_outputs, fragment_batch, run_batch
+from .differences import steps
+from .inputs import Input, inputs_of
+from .interpreter import (
+    FLOAT16,
+    FLOAT32,
+    FLOAT64,
+    Arithmetic,
+    Bands,
+    Numbers,
+    Program,
+    Stored,
+    load,
+)
+from .interpreter.flow import HANDLERS
+from .interpreter.program import Instruction
+from .interpreter.running import Run, Watch, is_vector, precision_loss
+from .interpreter.values import PathState
+
+MOST = 512
+"""Invocations that are looked at."""
+CODES = 255.0
+_SMALL = 2.0**-8  # of an output's largest value: below it, what counts is the ULP of this
+_MOST_NUMBERS = 4  # of an input that is shown
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spread:
+    """How far devices may differ at an output.
+
+    Attributes:
+        output: its name.
+        precision: "highp": what the precision rules allow; "mediump": what devices of 16 bits gave.
+        codes: in codes of 8 bits, of what lies within 0..1; infinite where one gave no number, 0 of
+            a stage that draws nothing.
+        ulp: in float32 ULP of the value, or of 1/256 of the output's largest if that is more; 0 at
+            mediump.
+        near: the inputs where the codes are most, of the ULP if codes are the same everywhere.
+        file, line: where most precision is lost there; "" and 0 if nowhere.
+        unbounded: the share of invocations for which the rules bound nothing.
+    """
+
+    output: str
+    precision: str
+    codes: float
+    ulp: float = 0.0
+    near: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    file: str = ""
+    line: int = 0
+    unbounded: float = 0.0
+
+    def __str__(self) -> str:
+        if self.precision == "mediump":
+            text = f"{self.output} at mediump: devices of 16 bits "
+            text += "give no number" if np.isinf(self.codes) else f"are {self.codes:.3g} codes off"
+        else:
+            text = f"{self.output}: conforming devices may differ by {self.ulp:.3g} ULP"
+            text += f", {self.codes:.2g} codes of 8 bits" if self.codes else ""
+        few = {name: values for name, values in self.near.items() if len(values) <= _MOST_NUMBERS}
+        if few:
+            text += f", near {format_inputs(few, 2)}"
+        if self.line:
+            text += f"; most is lost at {display_path(self.file, self.line)}"
+        if self.unbounded:
+            text += f"; not bounded at {100.0 * self.unbounded:.0f} % of inputs"
+        return text
+
+    def data(self) -> dict[str, Any]:
+        """The spread as JSON."""
+        return {
+            **vars(self),
+            "codes": self.codes if np.isfinite(self.codes) else None,
+            "near": {name: list(values) for name, values in self.near.items()},
+        }
+
+
+def portability(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> list[Spread]:
+    """How far the precision rules let each float output's values lie apart.
+
+    Returns:
+        nothing where bands can't be had.
+    """
+    try:
+        outputs = run_batch(program, batch, Bands()).outputs
+    except (NotInterpretedError, FormulaError):
+        return []
+    found = []
+    for name, band in outputs.items():
+        if not is_vector(band) or (name.startswith("gl_") and band.vacuous.all()):
+            continue
+        with np.errstate(all="ignore"):
+            wide = band.hi - band.lo
+            known = np.isfinite(wide) & ~band.vacuous
+            size = np.where(known, np.maximum(np.abs(band.lo), np.abs(band.hi)), 0.0)
+            steps = wide / ulp(np.maximum(size, _SMALL * size.max(axis=0)))
+            steps = np.where(known & (wide > 0.0), steps, 0.0).max(axis=-1)
+            codes = (np.clip(band.hi, 0.0, 1.0) - np.clip(band.lo, 0.0, 1.0)) * CODES
+            codes = np.where(known, codes, 0.0).max(axis=-1) * (program.stage == "fragment")
+        open_ones = float((~known).any(axis=-1).mean())
+        row = int((codes if codes.max() > 0.0 else steps).argmax())
+        file, line = _costliest_line(program, batch, row)
+        found.append(
+            Spread(
+                output=name, precision="highp", codes=float(codes.max()), ulp=float(steps.max()),
+                near=batch.example(row, inputs) if steps.max() else {}, file=file, line=line,
+                unbounded=open_ones,
+            )
+        )  # fmt: skip
+    return found
+
+
+def _costliest_line(program: Program, batch: InputBatch, row: int) -> tuple[str, int]:
+    """The line of the statement that loses most precision at an invocation; "" and 0 for none."""
+    some, own = batch.alone(row, program)
+    events: list[Stored] = []
+    run_batch(program, some, Bands(), trace=events.append, unwritten=False)
+    with np.errstate(all="ignore"):
+        costs = [
+            (precision_loss(event, own), event.line)
+            for event in events
+            if event.mask[own] and is_vector(event.value)
+        ]
+    finite = [one for one in costs if np.isfinite(one[0]) and one[0] > 0.0]
+    return program.place(max(finite)[1]) if finite else ("", 0)
+
+
+def sample(batch: InputBatch) -> InputBatch:
+    """Some of the invocations, whole quads from all over."""
+    if batch.count <= MOST:
+        return batch
+    start: Array = np.linspace(0, batch.count // 4 - 1, MOST // 4).astype(np.int64) * 4
+    return batch.part((start[:, None] + np.arange(4)).ravel())
+
+
+_DEVICES = 6
+_ROUNDED = frozenset({"add", "subtract", "multiply"})
+_EXACT = frozenset(
+    {"negate", "abs", "sign", "floor", "ceil", "trunc", "round", "roundEven", "min", "max",
+     "clamp", "step", "transpose"}
+)  # fmt: skip
+_ULPS = {"divide": 2.5, "inversesqrt": 2.0, "sqrt": 2.0, "atan": 5.0, "asin": 5.0, "acos": 5.0,
+         "pow": 4.0}  # fmt: skip
+_WITHIN = {"sin": 2.0**-7, "cos": 2.0**-7}
+_LOGARITHMS = ("log", "log2")
+
+
+@dataclass(frozen=True)
+class Half(Numbers):
+    """float16 as one device has it: operations round its way, and functions err within the table.
+
+    Attributes:
+        seed: which device.
+    """
+
+    dtype: Any = np.float16
+    seed: int = 0
+    rng: np.random.Generator = field(default_factory=np.random.default_rng, compare=False)
+
+    @classmethod
+    def device(cls, seed: int) -> Half:
+        """A device; an even one rounds to nearest, an odd one towards 0."""
+        return cls(seed=seed, rng=np.random.default_rng([16, seed]))
+
+    def call(self, function: str, *values: Any) -> Any:
+        halves = [_half(value) for value in values]
+        found = FLOAT16.call(function, *halves)
+        if isinstance(found, Integer | tuple) or function in _EXACT:
+            return found
+        with np.errstate(all="ignore"):
+            if function in _ROUNDED:
+                return self._towards_0(found, function, halves) if self.seed % 2 else found
+            return self._erring(found, function, halves)
+
+    def _towards_0(self, found: Array, function: str, values: Sequence[Any]) -> Array:
+        wide = FLOAT64.call(function, *(value.astype(np.float64) for value in values))
+        beyond = np.abs(found.astype(np.float64)) > np.abs(wide)
+        return np.where(beyond, np.nextafter(found, np.float16(0.0)), found)
+
+    def _erring(self, found: Array, function: str, values: Sequence[Any]) -> Array:
+        share = self.rng.uniform(-1.0, 1.0, found.shape)
+        if function in _WITHIN:
+            return (found + share * _WITHIN[function]).astype(np.float16)
+        most: Any = _ULPS.get(function, 1.0)
+        if function in ("exp", "exp2"):
+            most = 1.0 + 2.0 * np.abs(values[0].astype(np.float64))
+        wide = found.astype(np.float64)
+        step = np.abs(np.spacing(found)).astype(np.float64)
+        give = most * step
+        if function in _LOGARITHMS:
+            near_1 = (values[0] >= 0.5) & (values[0] <= 2.0)
+            give = np.where(near_1, 2.0**-7, 3.0 * step)
+        moved: Array = (wide + np.trunc(share * (give / step + 1.0)) * step).astype(np.float16)
+        return np.where(np.abs(moved - wide) <= give, moved, found)
+
+
+def _half(value: Any) -> Any:
+    with np.errstate(all="ignore"):
+        return value.astype(np.float16) if isinstance(value, np.ndarray) else value
+
+
+@dataclass
+class _Relaxed:
+    """A `Watch` of a run in float32 that computes what is mediump as a device of 16 bits does."""
+
+    device: Arithmetic
+
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
+        if not isinstance(result, np.ndarray) or not _is_relaxed(run.program, at.id):
+            return result
+        if at.op != Op.Load and at.op in HANDLERS:
+            own, run.arithmetic = run.arithmetic, self.device
+            try:
+                result = HANDLERS[at.op](run, at, state)
+            finally:
+                run.arithmetic = own
+        return _half(result).astype(np.float32)
+
+
+def _is_relaxed(program: Program, id_: int) -> bool:
+    return program.module.decorated(id_, Decoration.RelaxedPrecision) is not None
+
+
+def mediump(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> list[Spread]:
+    """How far devices of 16 bits are off at each float output, in codes of 8 bits.
+
+    What the shader declares as mediump or lowp is computed so; where it declares nothing,
+    everything.
+
+    Returns:
+        nothing where the program can't be run so.
+    """
+    relaxed = any(_is_relaxed(program, id_) for id_ in program.definitions)
+    try:
+        exact = _outputs(program, batch, FLOAT64)
+        devices = [
+            _outputs(program, batch, *_as_device(device, relaxed))
+            for device in (FLOAT16, *map(Half.device, range(_DEVICES)))
+        ]
+    except (NotInterpretedError, FormulaError):
+        return []
+    found = []
+    for name, values in exact.items():
+        off = np.max([_codes(device[name], values) for device in devices], axis=0)
+        row = int(off.argmax())
+        file, line = _first(program, batch, row) if off[row] > 0.0 else ("", 0)
+        found.append(
+            Spread(
+                output=name, precision="mediump", codes=float(off[row]), file=file, line=line,
+                near=batch.example(row, inputs) if off[row] > 0.0 else {},
+            )
+        )  # fmt: skip
+    return found
+
+
+def _as_device(device: Arithmetic, relaxed: bool) -> tuple[Arithmetic, Watch | None]:
+    return (FLOAT32, _Relaxed(device)) if relaxed else (device, None)
+
+
+def _outputs(
+    program: Program, batch: InputBatch, arithmetic: Arithmetic, watch: Watch | None = None
+) -> dict[str, Array]:
+    outputs = run_batch(program, batch, arithmetic, watch=watch).outputs
+    floats = {n: v for n, v in outputs.items() if isinstance(v, np.ndarray | tuple)}
+    return dict(flatten_outputs(floats))
+
+
+def _codes(values: Array, exact: Array) -> Array:
+    """How many codes of 8 bits apart, (count,); infinite where only the exact one is a number."""
+    known = np.isfinite(exact)
+    with np.errstate(all="ignore"):
+        off = np.abs(np.clip(values, 0.0, 1.0) - np.clip(exact, 0.0, 1.0)) * CODES
+    off = np.where(np.isfinite(values), off, np.inf)
+    found: Array = np.where(known, off, 0.0).max(axis=-1)
+    return found
+
+
+def _first(program: Program, batch: InputBatch, row: int) -> tuple[str, int]:
+    """The line whose value is the first that lies far off: by more than a quarter of what is worst
+    among all of them."""
+    pairs = zip(
+        steps(program, batch, row, FLOAT16), steps(program, batch, row, FLOAT64), strict=False
+    )
+    found = []
+    for a, b in pairs:
+        if a.name != b.name or not isinstance(a.value, np.ndarray):
+            continue
+        half, exact = a.value.astype(np.float64), b.value.astype(np.float64)
+        with np.errstate(all="ignore"):
+            size = np.maximum(np.abs(exact).max(), 2.0**-14)
+            found.append((float(np.nan_to_num(np.abs(half - exact).max() / size, nan=np.inf)), a))
+    worst = max((off for off, _ in found), default=0.0)
+    far = 1e3 if np.isinf(worst) else worst / 4.0
+    line = next((step.line for off, step in found if off > far), 0)
+    return program.place(line) if line else ("", 0)
+
+
+def find_spreads(
+    program: Program,
+    batch: InputBatch,
+    inputs: Mapping[str, Input],
+    precisions: Sequence[str] = ("highp", "mediump"),
+) -> list[Spread]:
+    """How far devices may differ at each float output, on some of the invocations."""
+    if program.stage not in ("vertex", "fragment"):
+        return []
+    some = sample(batch)
+    found = portability(program, some, inputs) if "highp" in precisions else []
+    if "mediump" in precisions and program.stage == "fragment":
+        found += mediump(program, some, inputs)
+    return found
+
+
+def widest_spreads(spreads: Sequence[Spread]) -> list[Spread]:
+    """The widest of each output and precision."""
+    found: dict[tuple[str, str], Spread] = {}
+    for one in spreads:
+        known = found.setdefault((one.output, one.precision), one)
+        if (one.codes, one.ulp) > (known.codes, known.ulp):
+            found[one.output, one.precision] = one
+    return list(found.values())
+
+
+_MOST = 2048  # invocations
+
+
+@dataclass(frozen=True)
+class SpreadOf(Need):
+    """How far devices may differ at the outputs of a draw's fragment shader, on what it got."""
+
+    key: PassDraw
+    precision: str
+
+    def answer(self, context: Context) -> list[Spread]:
+        draw = context.session.programs[self.key[0]][self.key[1]]
+        source = next(one for one in draw.sources if one.stage == "fragment")
+        fragments = CapturedFragments(self.key).answer(context)
+        batch = fragment_batch(fragments, context.bindings[self.key], _MOST)
+        if not batch.count:
+            raise CaseError("portable: the draw has no fragment to ask about")
+        program = load(source)
+        with doing("judge", f"asking how portable {source.name} is"):
+            return find_spreads(program, batch, inputs_of(program), (self.precision,))
+
+
+@dataclass(frozen=True)
+class Portable(OutputExpectation):
+    """Devices differ by no more than `codes` codes of 8 bits at an output of a fragment shader, on
+    what a draw gives it.
+
+    At "highp" that is what the precision rules allow two conforming devices. At "mediump" it is
+    what sampled devices of 16 bits are off: what the shader declares as mediump is computed so,
+    or everything where it declares nothing.
+
+    Args:
+        output: the fragment shader's, with its pass before it where there are several.
+        codes: how far they may be apart.
+        precision: "highp" or "mediump".
+        draw: which draw of the pass.
+        name: how outcomes call it.
+    """
+
+    kind = "portable"
+
+    output: str
+    _: KW_ONLY
+    codes: float = 1.0
+    precision: Literal["highp", "mediump"] = "highp"
+
+    @property
+    def default_name(self) -> str:
+        return f"portable {self.output} at {self.precision}"
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        if self.judges_vertices(scene, programs):
+            raise CaseError(f"portable: {self.output!r} is no fragment shader's output")
+        yield SpreadOf(self.key(scene), self.precision)
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        found: list[Spread] = frame.answers[SpreadOf(self.key(scene), self.precision)]
+        known = {one.output: one for one in found}
+        name = self.own_name(scene)
+        if name not in known:
+            raise CaseError(
+                f"portable: nothing can be said of {name!r}", remedy=nearest(name, known)
+            )
+        one = known[name]
+        message = ""
+        if one.codes > self.codes:
+            message = str(one)
+        elif one.unbounded:
+            message = f"the rules bound nothing at {100.0 * one.unbounded:.3g} % of pixels"
+        row = Row(
+            label=name,
+            expected=f"at most {self.codes:g} codes apart",
+            measured="no number" if np.isinf(one.codes) else f"{one.codes:.3g} codes",
+            ok=not message,
+        )
+        return self.judge_rows([row], message, judged=1)
+
+
+portable = Portable
