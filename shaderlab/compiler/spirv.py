@@ -224,8 +224,6 @@ def parse(data: bytes) -> Module:
 
 def _declare(module: Module, instruction: Instruction) -> None:
     op, words, at = instruction.op, instruction.words, instruction.at
-    if op == Op.Undef or Op.ConstantTrue <= op <= Op.SpecConstantOp:
-        module.values[words[1]] = instruction
     if op == Op.Name:
         module.names[words[0]] = _string(words[1:])
     elif op == Op.MemberName:
@@ -245,12 +243,12 @@ def _declare(module: Module, instruction: Instruction) -> None:
         module.pointers[words[0]] = (words[2], words[1])
     elif Op.TypeVoid <= op <= Op.TypeStruct:
         module.types[words[0]] = Instruction(op, words[1:], at)
-    elif op in (Op.Constant, Op.SpecConstant):
-        module.constants[words[1]] = words[2]
-        if op == Op.SpecConstant:
+    elif op == Op.Undef or Op.ConstantTrue <= op <= Op.SpecConstantOp:
+        module.values[words[1]] = instruction
+        if op in (Op.Constant, Op.SpecConstant):
+            module.constants[words[1]] = words[2]
+        if op in (Op.SpecConstantTrue, Op.SpecConstantFalse, Op.SpecConstant):
             module.specials[words[1]] = instruction
-    elif op in (Op.SpecConstantTrue, Op.SpecConstantFalse):
-        module.specials[words[1]] = instruction
     elif op == Op.Variable:
         module.variables[words[1]] = module.pointers[words[0]]
         if len(words) > 3:
