@@ -130,9 +130,20 @@ class ExecutionMode(IntEnum):
 
 
 class Capability(IntEnum):
-    """The capabilities that are asked for or added."""
+    """The capabilities of the stages that the lab draws with."""
 
+    Matrix, Shader, Geometry, Tessellation = range(4)
+    Float64, Int64 = 10, 11
+    Int16, TessellationPointSize, GeometryPointSize, ImageGatherExtended = range(22, 26)
+    StorageImageMultisample, UniformBufferArrayDynamicIndexing = 27, 28
+    SampledImageArrayDynamicIndexing, StorageBufferArrayDynamicIndexing = 29, 30
+    StorageImageArrayDynamicIndexing, ClipDistance, CullDistance = 31, 32, 33
+    ImageCubeArray, SampleRateShading = 34, 35
+    InputAttachment = 40
+    Sampled1D, Image1D, SampledCubeArray, SampledBuffer, ImageBuffer = range(43, 48)
+    StorageImageExtendedFormats, ImageQuery, DerivativeControl = 49, 50, 51
     TransformFeedback = 53
+    StorageImageReadWithoutFormat, StorageImageWriteWithoutFormat, MultiViewport = 55, 56, 57
 
 
 class Instruction(NamedTuple):

@@ -147,12 +147,12 @@ def test_a_browser_that_is_gone_is_a_crash_and_one_that_hangs_is_given_up(
 def test_what_is_not_there_is_an_error_with_its_remedy(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from shaderlab.drivers.webgl import device, essl
+    from shaderlab.drivers.webgl import device
 
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("SHADERLAB_CHROMIUM", raising=False)
     with pytest.raises(DriverError, match=r"(?s)no spirv-cross.*apt-get install spirv-cross"):
-        essl.cross_compiler()
+        device.find_cross_compiler()
     with pytest.raises(DriverError, match=r"(?s)no Chromium.*apt-get install chromium"):
         device.Browser()
     monkeypatch.setenv("SHADERLAB_CHROMIUM", str(tmp_path / "none"))
@@ -206,12 +206,12 @@ def test_points_off_screen_are_dropped(lab: SceneRunner, tmp_path: Path) -> None
     ],
 )
 def test_states_that_webgl2_lacks_are_named(state: State, says: str) -> None:
-    from shaderlab.drivers.webgl.state import check
+    from shaderlab.drivers.webgl.program import check_state
 
     with pytest.raises(UnsupportedError, match=says):
-        check(state, samples=4, encodes=True)
+        check_state(state, samples=4, encodes=True)
     plain = State(srgb=True, blend=Blend(destination="one_minus_constant_color"))
-    check(plain, samples=4, encodes=True)
+    check_state(plain, samples=4, encodes=True)
 
 
 def test_depths_are_the_codes_that_were_handed_over() -> None:

@@ -81,7 +81,7 @@ def call(name: str, change: Callable[..., tuple[Any, ...]]) -> Plant:
 
 def essl(stage: str, old: str, new: str) -> Plant:
     """The translation of a stage writes something else."""
-    return function("essl", "_essl", lambda before: (
+    return function("program", "_essl", lambda before: (
         lambda named, *rest: before(named, *rest).replace(old, new)
         if named == stage else before(named, *rest)
     ))  # fmt: skip

@@ -17,7 +17,7 @@ from shaderlab.errors import DriverError
 from .. import mesa_variables, variables_set
 
 if TYPE_CHECKING:
-    from .backend import VulkanBackend
+    from .session import VulkanBackend
 import shutil
 from pathlib import Path
 
@@ -32,8 +32,8 @@ def open_backend(driver: str) -> VulkanBackend:
         DriverError: the package or the driver is not installed, or the device lacks what the lab
             needs.
     """
-    from .backend import VulkanBackend
     from .device import open_device
+    from .session import VulkanBackend
 
     return VulkanBackend(open_device(driver))
 

@@ -1,16 +1,17 @@
-"""A draw that is ready: its program, its pipeline and all that it reads are on the device."""
+"""What a draw reads on the device: vertices, uniforms, textures; and a draw that is ready."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.reflection import Variable
+from shaderlab.compiler.reflection import Block, Variable
 from shaderlab.errors import UnsupportedError
-from shaderlab.model.frame import Array, Image
+from shaderlab.model.frame import Array, AttributeReading, Image
+from shaderlab.model.mesh import PRIMITIVES, Mesh
 from shaderlab.model.scene import Target
 from shaderlab.model.state import COMPARISONS, State
 from shaderlab.model.textures import (
@@ -22,14 +23,34 @@ from shaderlab.model.textures import (
     level_sizes,
 )
 
-from .. import Size
-from ..programs.textures import DEPTH, blocks_of, contents, find_image, format_of, kind_of
+from ..programs import blocks
+from ..programs.textures import (
+    DEPTH,
+    blocks_of,
+    contents,
+    find_image,
+    format_of,
+    kind_of,
+    numpy_type,
+)
 from ..resources import COVERING, UNREADABLE, DeviceTexels, SceneTextures
-from . import state as fixed
-from .api import NULL, Structs, lib
-from .device import Commands, Device, Resources, recording
+from .device import (
+    GENERAL,
+    NULL,
+    Buffer,
+    Commands,
+    Device,
+    Resources,
+    Structs,
+    check,
+    constant,
+    ffi,
+    lib,
+    recording,
+)
 from .images import (
     DeviceImage,
+    RenderTarget,
     copy_level,
     fill,
     generate_levels,
@@ -39,11 +60,226 @@ from .images import (
     stored_as,
     write,
 )
-from .program import DEFAULT_BLOCK, BoundImage, Layout, Linker, Program, new_set
-from .target import RenderTarget
-from .vertices import VertexBuffers, VertexLayout
+from .program import (
+    DEFAULT_BLOCK,
+    SAMPLED,
+    STORED,
+    UNIFORM,
+    Binding,
+    Layout,
+    Linker,
+    Program,
+    VertexLayout,
+    sampler_place,
+    viewport,
+)
 
-_GRAPHICS = 0
+_INDEX_TYPE = constant("INDEX_TYPE_UINT32")
+_WHOLE_SIZE = 2**64 - 1  # the package has VK_WHOLE_SIZE as -1
+_FORMATS = {"f": "SFLOAT", "i": "SINT", "u": "UINT"}
+
+
+def layout_of(mesh: Mesh | None, declared: Mapping[str, Variable]) -> VertexLayout:
+    """The layout of a mesh, made for a vertex stage that declares these inputs."""
+    if mesh is None:
+        return VertexLayout()
+    streams: list[tuple[int, int, int, int]] = []
+    attributes: list[tuple[int, int, int, int]] = []
+    # Vulkan's first number for a topology is that of points, and so on in the order of PRIMITIVES.
+    topology = PRIMITIVES.index(mesh.primitive)
+    arrays = _converted(mesh, declared).inputs
+    for name, place in mesh.placements().items():
+        variable = declared.get(name)
+        if variable is None or variable.location is None:
+            continue
+        array = arrays[name]
+        columns = array.shape[2] if array.ndim == 3 else 1
+        size = array.shape[1]
+        letter = "u" if numpy_type(variable.type) is np.uint32 else array.dtype.kind
+        channels = "".join(f"{channel}32" for channel in "RGBA"[:size])
+        format = constant(f"FORMAT_{channels}_{_FORMATS[letter]}")
+        for column in range(columns):
+            offset = column * size * array.itemsize
+            attributes.append((variable.location + column, len(streams), format, offset))
+        streams.append((place.buffer, place.offset, place.stride, place.divisor))
+    return VertexLayout(tuple(streams), tuple(attributes), topology)
+
+
+@dataclass(frozen=True)
+class VertexBuffers:
+    """A mesh's buffers on the device; `count` is how many vertices a draw takes."""
+
+    buffers: tuple[Buffer, ...]
+    indices: Buffer | None
+    count: int
+
+    def draw(self, commands: Commands, layout: VertexLayout, instances: int) -> None:
+        """Record the draw call, for a pipeline of this layout."""
+        streams = layout.streams
+        if streams:
+            handles = [self.buffers[buffer].handle for buffer, *_ in streams]
+            own = commands.structs.array("VkBuffer", handles)
+            starts = commands.structs.array("VkDeviceSize", [offset for _, offset, *_ in streams])
+            lib.vkCmdBindVertexBuffers(commands.handle, 0, len(handles), own, starts)
+        if self.indices is None:
+            lib.vkCmdDraw(commands.handle, self.count, instances, 0, 0)
+            return
+        lib.vkCmdBindIndexBuffer(commands.handle, self.indices.handle, 0, _INDEX_TYPE)
+        lib.vkCmdDrawIndexed(commands.handle, self.count, instances, 0, 0, 0)
+
+
+def upload(
+    resources: Resources, mesh: Mesh | None, declared: Mapping[str, Variable]
+) -> VertexBuffers:
+    """The buffers of a mesh, or three vertices without attributes."""
+    if mesh is None:
+        return VertexBuffers((), None, 3)
+    parts = _converted(mesh, declared).parts()
+    buffers = tuple(
+        resources.buffer("vertex_buffer", b"".join(piece for _, piece in own)) for own in parts
+    )
+    if mesh.indices is None:
+        return VertexBuffers(buffers, None, mesh.vertices)
+    indices = resources.buffer("index_buffer", mesh.indices.astype(np.uint32))
+    return VertexBuffers(buffers, indices, len(mesh.indices))
+
+
+def readings(layout: VertexLayout, declared: Mapping[str, Variable]) -> dict[str, AttributeReading]:
+    """Where a pipeline of this layout reads each attribute."""
+    streams = {location: layout.streams[number] for location, number, _, _ in layout.attributes}
+    found = {}
+    for name, variable in declared.items():
+        if variable.location in streams:
+            buffer, offset, stride, divisor = streams[variable.location]
+            found[name] = AttributeReading(
+                buffer=buffer, offset=offset, stride=stride, divisor=divisor
+            )
+    return found
+
+
+def _converted(mesh: Mesh, declared: Mapping[str, Variable]) -> Mesh:
+    """The mesh with integers made floats where the shader reads floats, as OpenGL converts them."""
+
+    def fitting(given: Mapping[str, Array]) -> dict[str, Array]:
+        return {
+            name: array.astype(np.float32) if _converts(array, declared.get(name)) else array
+            for name, array in given.items()
+        }
+
+    kinds = {name: _converts(array, declared.get(name)) for name, array in mesh.inputs.items()}
+    if not any(kinds.values()):
+        return mesh
+    return replace(
+        mesh,
+        attributes=fitting(mesh.attributes),
+        instance_attributes=fitting(mesh.instance_attributes),
+    )
+
+
+def _converts(array: Array, variable: Variable | None) -> bool:
+    return (
+        variable is not None
+        and array.dtype.kind in "iu"
+        and numpy_type(variable.type) is np.float32
+    )
+
+
+@dataclass(frozen=True)
+class BoundImage:
+    """A texture for a binding: its view and its sampler."""
+
+    view: Any
+    sampler: Any
+
+
+def new_set(
+    resources: Resources,
+    layout: Any,
+    bindings: Mapping[str, Binding],
+    buffers: Mapping[str, Any],
+    images: Mapping[str, BoundImage],
+) -> Any:
+    """A set with these buffers by the names of their blocks, and textures by their samplers' names
+    as in OpenGL; NULL if there is nothing to bind."""
+    if not bindings:
+        return NULL
+    structs = Structs()
+    sizes = [(binding.kind, binding.count) for binding in bindings.values()]
+    pool = resources.create("DescriptorPool", structs(
+        "DescriptorPoolCreateInfo", maxSets=1, poolSizeCount=len(sizes), pPoolSizes=sizes
+    ))  # fmt: skip
+    made = ffi.new("VkDescriptorSet *")
+    info = structs(
+        "DescriptorSetAllocateInfo", descriptorPool=pool, descriptorSetCount=1, pSetLayouts=[layout]
+    )
+    check(lib.vkAllocateDescriptorSets(resources.device.handle, info, made), "binding")
+    writes = []
+    for name, buffer in buffers.items():
+        whole = structs("DescriptorBufferInfo", buffer=buffer, range=_WHOLE_SIZE)
+        own = bindings[name]
+        writes.append(structs(
+            "WriteDescriptorSet", dstSet=made[0], dstBinding=own.number, descriptorCount=1,
+            descriptorType=own.kind, pBufferInfo=[whole],
+        ))  # fmt: skip
+    for name, image in images.items():
+        place = sampler_place(name, bindings)
+        if place is None:
+            continue
+        shown = structs(
+            "DescriptorImageInfo", sampler=image.sampler, imageView=image.view, imageLayout=GENERAL
+        )
+        writes.append(structs(
+            "WriteDescriptorSet", dstSet=made[0], dstBinding=place[0].number, descriptorCount=1,
+            dstArrayElement=place[1], descriptorType=SAMPLED, pImageInfo=[shown],
+        ))  # fmt: skip
+    changed = structs.array("VkWriteDescriptorSet", writes)
+    lib.vkUpdateDescriptorSets(resources.device.handle, len(writes), changed, 0, NULL)
+    return made[0]
+
+
+_NONE: Mapping[str, Buffer] = {}
+
+
+def block_buffers(
+    own: Resources,
+    bindings: Mapping[str, Binding],
+    values: Mapping[str, Array],
+    stored: Mapping[str, Buffer] = _NONE,
+) -> dict[str, Any]:
+    """A buffer's handle for each block.
+
+    Args:
+        own: what the buffers are released with.
+        bindings: a program's.
+        values: uniforms and members of blocks by the names that OpenGL has for them.
+        stored: storage buffers by the names of their blocks.
+
+    Raises:
+        UnsupportedError: a storage block has no buffer.
+    """
+    found = {}
+    for name, binding in bindings.items():
+        if binding.kind == STORED:
+            if name not in stored:
+                raise UnsupportedError(f"{name}: storage buffers have no values here")
+            found[name] = stored[name].handle
+        elif binding.kind == UNIFORM:
+            assert binding.block is not None
+            data = _packed(binding.block, values)
+            found[name] = own.buffer("uniform_buffer", data).handle
+    return found
+
+
+def _packed(block: Block, values: Mapping[str, Array]) -> bytes:
+    """A block's bytes; what a struct got for the samplers that were lifted out of it is 0."""
+    given = dict(values)
+    for member in block.members.values():
+        if block.name == DEFAULT_BLOCK and member.name not in given:
+            given[member.name] = np.zeros(1, np.float32)
+    return blocks.packed(block, given)
+
+
+_GRAPHICS = constant("PIPELINE_BIND_POINT_GRAPHICS")
 
 
 @dataclass(frozen=True)
@@ -58,10 +294,11 @@ class Ready:
     instances: int
     descriptors: Any
 
-    def record(self, commands: Commands, size: Size) -> None:
-        """Record the draw, between a target's `begin` and its `end`."""
+    def record(self, commands: Commands, target: RenderTarget) -> None:
+        """Record the draw into a target."""
         structs, handle = commands.structs, commands.handle
-        box, scissor = fixed.viewport(self.state, size)
+        box, scissor = viewport(self.state, target.size)
+        target.begin(commands, self.locations, srgb=self.state.srgb)
         near, far = self.state.depth_range
         lib.vkCmdBindPipeline(handle, _GRAPHICS, self.program.pipeline(self.layout))
         lib.vkCmdSetViewport(handle, 0, 1, structs(
@@ -75,6 +312,7 @@ class Ready:
             lib.vkCmdBindDescriptorSets(handle, _GRAPHICS, self.program.layout, 0, 1, own, 0, NULL)
         if min(box[2:]) > 0:
             self.vertices.draw(commands, self.layout.vertices, self.instances)
+        target.end(commands)
 
 
 _USES = ("sampled", "transfer_src", "transfer_dst")
@@ -220,9 +458,13 @@ class BoundTextures(SceneTextures[RenderTarget]):
         return tuple(self._read(image, level)[..., :channels] for level in levels)
 
 
-_NOT_SEAMLESS = 4
-_BORDERS = {(0.0, 0.0, 0.0, 0.0): 0, (0.0, 0.0, 0.0, 1.0): 2, (1.0, 1.0, 1.0, 1.0): 4}
-_CUSTOM_BORDER = 1000287003
+_NOT_SEAMLESS = constant("SAMPLER_CREATE_NON_SEAMLESS_CUBE_MAP_BIT_EXT")
+_BORDERS = {
+    (0.0, 0.0, 0.0, 0.0): constant("BORDER_COLOR_FLOAT_TRANSPARENT_BLACK"),
+    (0.0, 0.0, 0.0, 1.0): constant("BORDER_COLOR_FLOAT_OPAQUE_BLACK"),
+    (1.0, 1.0, 1.0, 1.0): constant("BORDER_COLOR_FLOAT_OPAQUE_WHITE"),
+}
+_CUSTOM_BORDER = constant("BORDER_COLOR_FLOAT_CUSTOM_EXT")
 # A texture without mipmaps has no level but the first; up to here its filters are told apart by
 # the level of detail, as the specification recommends for OpenGL's two filters without mipmaps.
 _ONE_LEVEL = 0.25
@@ -289,20 +531,29 @@ def fetched(
     Returns:
         (height, width, channels)
     """
-    texts = {"vertex": COVERING, "fragment": _FETCH.format(kind=kind)}
-    program = linker.link(texts)
-    colors = {"color": word}
-    with Resources(linker.device) as own, RenderTarget(linker.device, Target(), colors, size) as to:
+    program = linker.link({"vertex": COVERING, "fragment": _FETCH.format(kind=kind)})
+    with (
+        Resources(linker.device) as own,
+        RenderTarget(linker.device, Target(), {"color": word}, size) as target,
+    ):
         sampler = own.create("Sampler", Structs()("SamplerCreateInfo", maxLod=1000.0))
         buffer = own.buffer("uniform_buffer", number.to_bytes(16, "little"))
-        bound = new_set(
-            own, program.set_layout, program.bindings, {DEFAULT_BLOCK: buffer.handle},
-            {"texels": BoundImage(view, sampler)},
-        )  # fmt: skip
-        layout = Layout(VertexLayout(), ((0, word),), "", 1, State())
-        ready = Ready(program, layout, {0: "color"}, State(), VertexBuffers((), None, 3), 1, bound)
-        with recording(linker.device) as commands:
-            to.begin(commands, ready.locations)
-            ready.record(commands, size)
-            to.end(commands)
-        return to.read("color").values
+        images = {"texels": BoundImage(view, sampler)}
+        draw_covering(own, program, target, {DEFAULT_BLOCK: buffer.handle}, images)
+        return target.read("color").values
+
+
+def draw_covering(
+    own: Resources,
+    program: Program,
+    target: RenderTarget,
+    buffers: Mapping[str, Any],
+    images: Mapping[str, BoundImage],
+) -> None:
+    """Draw one triangle over a whole target; `buffers` and `images` as for `new_set`."""
+    locations = program.locations(target.colors)
+    layout = Layout(VertexLayout(), tuple(target.formats(locations).items()), "", 1, State())
+    bound = new_set(own, program.set_layout, program.bindings, buffers, images)
+    vertices = VertexBuffers((), None, 3)
+    with recording(own.device) as commands:
+        Ready(program, layout, locations, State(), vertices, 1, bound).record(commands, target)

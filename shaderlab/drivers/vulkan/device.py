@@ -1,19 +1,119 @@
-"""An open Vulkan device: what it offers, its queue and its memory types."""
+"""Vulkan as the package `vulkan` declares it: its functions, a device, memory and commands.
+
+Source: Khronos, Vulkan 1.3 Specification.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import functools
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
 
-from shaderlab.errors import DriverError
+from shaderlab.errors import DeviceLostError, DriverError
 from shaderlab.model.frame import Array
 
 from . import environment
-from .api import NULL, Structs, check, constant, ffi, lib
+
+try:
+    import vulkan
+except (ImportError, OSError) as error:  # OSError: there is no loader
+    raise DriverError(
+        f"no Vulkan loader, or not the package for it ({error})",
+        remedy="pip install 'shaderlab[vulkan]' · Debian/Ubuntu: apt-get install libvulkan1",
+    ) from error
+
+ffi: Any = vulkan.ffi
+lib: Any = vulkan.lib
+NULL = ffi.NULL
+
+
+def constant(name: str) -> int:
+    """A constant by its name without "VK_"."""
+    return int(getattr(vulkan, f"VK_{name}"))
+
+
+def check(result: int, what: str) -> None:
+    """Raise for a result that is an error.
+
+    Raises:
+        DeviceLostError: the device is lost; nothing more can be done with it.
+        MemoryError: memory ran out.
+        DriverError: any other error.
+    """
+    if result >= 0:
+        return
+    if result == constant("ERROR_DEVICE_LOST"):
+        raise DeviceLostError(f"the device was lost: {what}")
+    if result in map(constant, ("ERROR_OUT_OF_HOST_MEMORY", "ERROR_OUT_OF_DEVICE_MEMORY")):
+        raise MemoryError(f"{what}: the driver ran out of memory")
+    raise DriverError(f"{what}: {result_name(result)}")
+
+
+def result_name(result: int) -> str:
+    """A result code's name."""
+    error = vulkan.exception_codes.get(result)
+    return error.__name__ if error is not None else f"VkResult {result}"
+
+
+class Structs:
+    """Makes structures, and keeps all that they point to as long as it is there itself.
+
+    `structs("Viewport", width=8.0)` is a pointer to a new VkViewport, its sType set. A list or an
+    array for a pointer becomes a C array, a text a C string, and a pointer to a structure is copied
+    where a structure is wanted.
+    """
+
+    def __init__(self) -> None:
+        self._kept: list[Any] = []
+
+    def __call__(self, name: str, **fields: Any) -> Any:
+        made = ffi.new(f"Vk{name} *")
+        types = _fields(name)
+        if "sType" in types:
+            made.sType = _structure_type(name)
+        for name_, value in fields.items():
+            setattr(made, name_, self._value(types[name_], value))
+        self._kept.append(made)
+        return made
+
+    def array(self, kind: str, values: Sequence[Any]) -> Any:
+        """A C array, such as `array("VkBuffer", [a, b])`; NULL for no values."""
+        return self._value(ffi.typeof(f"{kind} *"), list(values))
+
+    def _value(self, kind: Any, value: Any) -> Any:
+        if kind.kind == "pointer":
+            return ffi.cast(kind, self._pointer(kind, value))
+        if kind.kind in ("struct", "union") and isinstance(value, ffi.CData):
+            return value[0] if ffi.typeof(value).kind == "pointer" else value
+        return value
+
+    def _pointer(self, kind: Any, value: Any) -> Any:
+        if isinstance(value, str):
+            value = ffi.new("char[]", value.encode())
+        elif isinstance(value, list | tuple):
+            items = [self._value(kind.item, item) for item in value]
+            value = ffi.new(f"{kind.item.cname}[]", items) if items else NULL
+        elif isinstance(value, np.ndarray | bytes):
+            value = ffi.from_buffer(value)
+        self._kept.append(value)
+        return value
+
+
+@functools.cache
+def _fields(name: str) -> dict[str, Any]:
+    return {field: known.type for field, known in ffi.typeof(f"Vk{name}").fields}
+
+
+@functools.cache
+def _structure_type(name: str) -> int:
+    words = re.sub(r"(?<=[a-z])(?=[A-Z0-9])|(?<=\d)(?=[A-Z][a-z])", "_", name)
+    return constant(f"STRUCTURE_TYPE_{words.upper()}")
+
 
 REQUIRED_VERSION = (1, 3)
 # What the lab can't do without, so that a shader means what it means in OpenGL: the clip volume,
@@ -38,7 +138,10 @@ _CORE = {"DynamicRenderingFeatures": ("dynamicRendering",)}
 # Slower, and of no use to shaders that stay inside of their arrays.
 _UNWANTED = ("robustBufferAccess",)
 # The machine's own device is the most capable one: VkPhysicalDeviceType, best first.
-_PREFERRED = (2, 1, 3, 4, 0)
+_PREFERRED = [
+    constant(f"PHYSICAL_DEVICE_TYPE_{kind}")
+    for kind in ("DISCRETE_GPU", "INTEGRATED_GPU", "VIRTUAL_GPU", "CPU", "OTHER")
+]
 
 
 @dataclass(frozen=True)
@@ -234,9 +337,10 @@ def _created(function: str, kind: str, owner: Any, info: Any) -> Any:
     return made[0]
 
 
-_HOST = 0x2 | 0x4  # visible to this process, without flushing
-_CACHED = 0x8
-_DEVICE_LOCAL = 0x1
+# Visible to this process, without flushing.
+_HOST = constant("MEMORY_PROPERTY_HOST_VISIBLE_BIT") | constant("MEMORY_PROPERTY_HOST_COHERENT_BIT")
+_CACHED = constant("MEMORY_PROPERTY_HOST_CACHED_BIT")
+_DEVICE_LOCAL = constant("MEMORY_PROPERTY_DEVICE_LOCAL_BIT")
 
 
 @dataclass(frozen=True)
@@ -317,12 +421,14 @@ class Resources:
         return self.own("Memory", made[0])
 
 
-_ONE_TIME = 1
-_ALL_STAGES = 0x10000
-_ALL_READS_AND_WRITES = 0x18000
-_HOST_STAGE, _HOST_READS = 0x4000, 0x2000
-_WHOLE = 0xFFFFFFFF
-GENERAL = 1
+_ONE_TIME = constant("COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT")
+_ALL_STAGES = constant("PIPELINE_STAGE_ALL_COMMANDS_BIT")
+_ALL_READS_AND_WRITES = constant("ACCESS_MEMORY_READ_BIT") | constant("ACCESS_MEMORY_WRITE_BIT")
+_HOST_STAGE = constant("PIPELINE_STAGE_HOST_BIT")
+_HOST_READS = constant("ACCESS_HOST_READ_BIT")
+_REMAINING = constant("REMAINING_MIP_LEVELS")  # array layers have the same number
+_SAME_FAMILY = constant("QUEUE_FAMILY_IGNORED")
+GENERAL = constant("IMAGE_LAYOUT_GENERAL")
 """The image layout that every image is in from its first use on."""
 
 
@@ -361,8 +467,8 @@ class Commands:
         """Bring a new image into the layout in which it stays."""
         change = self.structs(
             "ImageMemoryBarrier", dstAccessMask=_ALL_READS_AND_WRITES, newLayout=GENERAL,
-            srcQueueFamilyIndex=_WHOLE, dstQueueFamilyIndex=_WHOLE, image=image,
-            subresourceRange=(aspect, 0, _WHOLE, 0, _WHOLE),
+            srcQueueFamilyIndex=_SAME_FAMILY, dstQueueFamilyIndex=_SAME_FAMILY, image=image,
+            subresourceRange=(aspect, 0, _REMAINING, 0, _REMAINING),
         )  # fmt: skip
         lib.vkCmdPipelineBarrier(
             self.handle, _ALL_STAGES, _ALL_STAGES, 0, 0, NULL, 0, NULL, 1, change

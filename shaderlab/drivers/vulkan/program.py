@@ -1,9 +1,7 @@
-"""From a program's text to the SPIR-V modules that Vulkan runs.
+"""Programs of SPIR-V modules: what they bind, and a pipeline for each layout they are drawn with.
 
-The text is the one that OpenGL gets, but for what Vulkan counts otherwise: pictures are kept with
-their lowest row first, so a point's coordinates run the other way than Vulkan has them, and window
-coordinates from the upper corner take the target's height; and a point has the size that its last
-stage writes, in Vulkan always.
+Pictures lie in memory with their lowest row first, as in OpenGL, and nothing is flipped: Vulkan
+takes that row for the upper one, so that what it calls clockwise is counter-clockwise to OpenGL.
 """
 
 from __future__ import annotations
@@ -11,41 +9,69 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
-
-import numpy as np
 
 from shaderlab.compiler.reflection import Block, Variable, own_variables, reflect, stage_variables
 from shaderlab.compiler.sources import Source
-from shaderlab.compiler.spirv import Decoration, Module, StorageClass, interface_name, parse, unwrap
+from shaderlab.compiler.spirv import (
+    Capability,
+    Decoration,
+    Module,
+    StorageClass,
+    interface_name,
+    parse,
+    unwrap,
+)
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.activity import doing
-from shaderlab.model.frame import Array
-from shaderlab.model.state import State
+from shaderlab.model.mesh import PRIMITIVES
+from shaderlab.model.state import (
+    BLEND_EQUATIONS,
+    BLEND_FACTORS,
+    COMPARISONS,
+    Blend,
+    Depth,
+    Rectangle,
+    State,
+    Stencil,
+)
 
-from ..programs import blocks
 from ..programs.module_texts import compiled_to_modules, counted_as_declared, numbered, sources_of
+from ..programs.textures import COLOR
 from ..resources import ProgramCache
-from . import state as fixed
-from .api import NULL, Structs, check, ffi, lib
-from .device import GENERAL, Buffer, Device, Resources
+from .device import NULL, Device, Resources, Structs, check, constant, ffi, lib
 from .images import STENCIL_ASPECT, aspects, vulkan_format
-from .vertices import VertexLayout
 
 # Source: SPIR-V Specification 1.6 (Capability) and Vulkan 1.3 Specification, appendix Vulkan
 # Environment for SPIR-V: what each capability takes; those without a feature are always there.
-_CAPABILITIES = {
-    0: "", 1: "", 40: "", 43: "", 44: "", 46: "", 47: "", 49: "", 50: "", 51: "",
-    2: "geometryShader", 10: "shaderFloat64", 11: "shaderInt64",
-    22: "shaderInt16", 23: "shaderTessellationAndGeometryPointSize",
-    24: "shaderTessellationAndGeometryPointSize", 25: "shaderImageGatherExtended",
-    27: "shaderStorageImageMultisample", 28: "shaderUniformBufferArrayDynamicIndexing",
-    29: "shaderSampledImageArrayDynamicIndexing", 30: "shaderStorageBufferArrayDynamicIndexing",
-    31: "shaderStorageImageArrayDynamicIndexing", 32: "shaderClipDistance",
-    33: "shaderCullDistance", 34: "imageCubeArray", 35: "sampleRateShading",
-    45: "imageCubeArray", 55: "shaderStorageImageReadWithoutFormat",
-    56: "shaderStorageImageWriteWithoutFormat", 57: "multiViewport",
+_CAPABILITIES: dict[int, str] = {
+    **dict.fromkeys((
+        Capability.Matrix, Capability.Shader, Capability.InputAttachment,
+        Capability.Sampled1D, Capability.Image1D, Capability.SampledBuffer,
+        Capability.ImageBuffer, Capability.StorageImageExtendedFormats,
+        Capability.ImageQuery, Capability.DerivativeControl,
+    ), ""),
+    Capability.Geometry: "geometryShader",
+    Capability.Float64: "shaderFloat64",
+    Capability.Int64: "shaderInt64",
+    Capability.Int16: "shaderInt16",
+    Capability.TessellationPointSize: "shaderTessellationAndGeometryPointSize",
+    Capability.GeometryPointSize: "shaderTessellationAndGeometryPointSize",
+    Capability.ImageGatherExtended: "shaderImageGatherExtended",
+    Capability.StorageImageMultisample: "shaderStorageImageMultisample",
+    Capability.UniformBufferArrayDynamicIndexing: "shaderUniformBufferArrayDynamicIndexing",
+    Capability.SampledImageArrayDynamicIndexing: "shaderSampledImageArrayDynamicIndexing",
+    Capability.StorageBufferArrayDynamicIndexing: "shaderStorageBufferArrayDynamicIndexing",
+    Capability.StorageImageArrayDynamicIndexing: "shaderStorageImageArrayDynamicIndexing",
+    Capability.ClipDistance: "shaderClipDistance",
+    Capability.CullDistance: "shaderCullDistance",
+    Capability.ImageCubeArray: "imageCubeArray",
+    Capability.SampleRateShading: "sampleRateShading",
+    Capability.SampledCubeArray: "imageCubeArray",
+    Capability.StorageImageReadWithoutFormat: "shaderStorageImageReadWithoutFormat",
+    Capability.StorageImageWriteWithoutFormat: "shaderStorageImageWriteWithoutFormat",
+    Capability.MultiViewport: "multiViewport",
 }  # fmt: skip
 _POINT = re.compile(r"\bgl_PointCoord\b")
 
@@ -79,11 +105,14 @@ def check_capabilities(device: Device, modules: Mapping[str, bytes]) -> None:
                 raise UnsupportedError(f"the {stage} stage takes {feature}: this device has none")
 
 
-SAMPLED, UNIFORM, STORED = 1, 6, 7
+SAMPLED, UNIFORM, STORED = (
+    constant(f"DESCRIPTOR_TYPE_{kind}")
+    for kind in ("COMBINED_IMAGE_SAMPLER", "UNIFORM_BUFFER", "STORAGE_BUFFER")
+)
 """Kinds of descriptors: a texture with its sampler, a uniform buffer, a storage buffer."""
 DEFAULT_BLOCK = "gl_DefaultUniformBlock"
 """The block that uniforms outside of blocks become members of."""
-_ALL_GRAPHICS = 0x1F
+_ALL_GRAPHICS = constant("SHADER_STAGE_ALL_GRAPHICS")
 _MEMBER = re.compile(r"(\w+)(\[\d+\])?\.(\w+)(\[\d+\])?")
 
 
@@ -96,14 +125,6 @@ class Binding:
     kind: int
     count: int = 1
     block: Block | None = None
-
-
-@dataclass(frozen=True)
-class BoundImage:
-    """A texture for a binding: its view and its sampler."""
-
-    view: Any
-    sampler: Any
 
 
 def bindings_of(modules: Mapping[str, bytes]) -> dict[str, Binding]:
@@ -163,95 +184,38 @@ def new_set_layout(resources: Resources, bindings: Mapping[str, Binding]) -> Any
     return resources.create("DescriptorSetLayout", info)
 
 
-def new_set(
-    resources: Resources,
-    layout: Any,
-    bindings: Mapping[str, Binding],
-    buffers: Mapping[str, Any],
-    images: Mapping[str, BoundImage],
-) -> Any:
-    """A set with these buffers by the names of their blocks, and textures by their samplers' names
-    as in OpenGL; NULL if there is nothing to bind."""
-    if not bindings:
-        return NULL
-    structs = Structs()
-    sizes = [(binding.kind, binding.count) for binding in bindings.values()]
-    pool = resources.create("DescriptorPool", structs(
-        "DescriptorPoolCreateInfo", maxSets=1, poolSizeCount=len(sizes), pPoolSizes=sizes
-    ))  # fmt: skip
-    made = ffi.new("VkDescriptorSet *")
-    info = structs(
-        "DescriptorSetAllocateInfo", descriptorPool=pool, descriptorSetCount=1, pSetLayouts=[layout]
-    )
-    check(lib.vkAllocateDescriptorSets(resources.device.handle, info, made), "binding")
-    writes = []
-    for name, buffer in buffers.items():
-        whole = structs("DescriptorBufferInfo", buffer=buffer, range=0xFFFFFFFFFFFFFFFF)
-        own = bindings[name]
-        writes.append(structs(
-            "WriteDescriptorSet", dstSet=made[0], dstBinding=own.number, descriptorCount=1,
-            descriptorType=own.kind, pBufferInfo=[whole],
-        ))  # fmt: skip
-    for name, image in images.items():
-        place = sampler_place(name, bindings)
-        if place is None:
-            continue
-        shown = structs(
-            "DescriptorImageInfo", sampler=image.sampler, imageView=image.view, imageLayout=GENERAL
-        )
-        writes.append(structs(
-            "WriteDescriptorSet", dstSet=made[0], dstBinding=place[0].number, descriptorCount=1,
-            dstArrayElement=place[1], descriptorType=SAMPLED, pImageInfo=[shown],
-        ))  # fmt: skip
-    changed = structs.array("VkWriteDescriptorSet", writes)
-    lib.vkUpdateDescriptorSets(resources.device.handle, len(writes), changed, 0, NULL)
-    return made[0]
+@dataclass(frozen=True)
+class VertexLayout:
+    """Where a pipeline reads vertices from.
 
-
-_NONE: Mapping[str, Buffer] = {}
-
-
-def block_buffers(
-    own: Resources,
-    bindings: Mapping[str, Binding],
-    values: Mapping[str, Array],
-    stored: Mapping[str, Buffer] = _NONE,
-) -> dict[str, Any]:
-    """A buffer's handle for each block.
-
-    Args:
-        own: what the buffers are released with.
-        bindings: a program's.
-        values: uniforms and members of blocks by the names that OpenGL has for them.
-        stored: storage buffers by the names of their blocks.
-
-    Raises:
-        UnsupportedError: a storage block has no buffer.
+    Attributes:
+        streams: for each attribute, the number of its buffer, where it begins there and its stride,
+            in bytes, and 1 if it goes on once an instance. Each is a binding of its own, since
+            attributes that follow one another in a buffer have strides of their own.
+        attributes: of each vector that is read, its location, its stream, its VkFormat and its
+            offset from the stream's beginning.
+        topology: the VkPrimitiveTopology.
     """
-    found = {}
-    for name, binding in bindings.items():
-        if binding.kind == STORED:
-            if name not in stored:
-                raise UnsupportedError(f"{name}: storage buffers have no values here")
-            found[name] = stored[name].handle
-        elif binding.kind == UNIFORM:
-            assert binding.block is not None
-            data = _packed(binding.block, values)
-            found[name] = own.buffer("uniform_buffer", data).handle
-    return found
+
+    streams: tuple[tuple[int, int, int, int], ...] = ()
+    attributes: tuple[tuple[int, int, int, int], ...] = ()
+    topology: int = PRIMITIVES.index("triangles")
+
+    def input_state(self, structs: Structs) -> Any:
+        """The structure that tells a pipeline."""
+        return structs(
+            "PipelineVertexInputStateCreateInfo",
+            vertexBindingDescriptionCount=len(self.streams),
+            pVertexBindingDescriptions=[
+                (number, stride, divisor)
+                for number, (_, _, stride, divisor) in enumerate(self.streams)
+            ],
+            vertexAttributeDescriptionCount=len(self.attributes),
+            pVertexAttributeDescriptions=list(self.attributes),
+        )
 
 
-def _packed(block: Block, values: Mapping[str, Array]) -> bytes:
-    """A block's bytes; what a struct got for the samplers that were lifted out of it is 0."""
-    given = dict(values)
-    for member in block.members.values():
-        if block.name == DEFAULT_BLOCK and member.name not in given:
-            given[member.name] = np.zeros(1, np.float32)
-    return blocks.packed(block, given)
-
-
-_STAGES = {"vertex": 1, "tess_control": 2, "tess_evaluation": 4, "geometry": 8, "fragment": 16}
-_VIEWPORT, _SCISSOR = 0, 1
+_DYNAMIC = [constant("DYNAMIC_STATE_VIEWPORT"), constant("DYNAMIC_STATE_SCISSOR")]
 
 
 @dataclass(frozen=True)
@@ -328,7 +292,10 @@ class Program:
         )  # fmt: skip
         stages = [
             structs(
-                "PipelineShaderStageCreateInfo", stage=_STAGES[stage], module=made, pName="main"
+                "PipelineShaderStageCreateInfo",
+                stage=constant(f"SHADER_STAGE_{stage.upper()}_BIT"),
+                module=made,
+                pName="main",
             )
             for stage, made in self._stages.items()
         ]
@@ -342,13 +309,13 @@ class Program:
             pViewportState=structs(
                 "PipelineViewportStateCreateInfo", pNext=clip, viewportCount=1, scissorCount=1
             ),
-            pRasterizationState=fixed.rasterisation(structs, device, layout.state),
-            pMultisampleState=fixed.multisampling(structs, device, layout.state, layout.samples),
-            pDepthStencilState=fixed.depth_and_stencil(structs, layout.state),
-            pColorBlendState=fixed.blending(structs, layout.state, colors, count),
+            pRasterizationState=rasterisation(structs, device, layout.state),
+            pMultisampleState=multisampling(structs, device, layout.state, layout.samples),
+            pDepthStencilState=depth_and_stencil(structs, layout.state),
+            pColorBlendState=blending(structs, layout.state, colors, count),
             pDynamicState=structs(
-                "PipelineDynamicStateCreateInfo", dynamicStateCount=2,
-                pDynamicStates=[_VIEWPORT, _SCISSOR],
+                "PipelineDynamicStateCreateInfo", dynamicStateCount=len(_DYNAMIC),
+                pDynamicStates=_DYNAMIC,
             ),
         )  # fmt: skip
         made = ffi.new("VkPipeline *")
@@ -387,3 +354,115 @@ class Linker(ProgramCache[Program]):
                 return Program(self.device, modules)
 
         return self.get(tuple(sorted(texts.items())), linked)
+
+
+# What Vulkan numbers in another order than `shaderlab.model.state`, where words stand in Vulkan's.
+_STENCIL = (
+    "keep", "zero", "replace", "incr", "decr", "invert", "incr_wrap", "decr_wrap",
+)  # fmt: skip
+_FACES = (None, "front", "back", "front_and_back")
+_WINDINGS = ("cw", "ccw")  # exchanged: see above
+_LAST_VERTEX = constant("PROVOKING_VERTEX_MODE_LAST_VERTEX_EXT")
+_BRESENHAM = constant("LINE_RASTERIZATION_MODE_BRESENHAM_EXT")
+
+
+def in_pipeline(state: State) -> State:
+    """What of a state a pipeline is made with; the rest is set when it draws."""
+    return replace(
+        state, cell=None, viewport=None, scissor=None, depth_range=(0.0, 1.0), point_size=None
+    )
+
+
+def viewport(state: State, size: tuple[int, int]) -> tuple[Rectangle, Rectangle]:
+    """A draw's viewport and scissor in pixels of a target of `size`."""
+    whole = (0, 0, *size)
+    cell = None if state.cell is None else state.cell.rectangle(size)
+    return cell or state.viewport or whole, _inside(cell or state.scissor or whole, size)
+
+
+def _inside(box: Rectangle, size: tuple[int, int]) -> Rectangle:
+    """The part of a rectangle that lies on the target: Vulkan takes no negative corners."""
+    left, low = max(box[0], 0), max(box[1], 0)
+    right, top = min(box[0] + box[2], size[0]), min(box[1] + box[3], size[1])
+    return left, low, max(right - left, 0), max(top - low, 0)
+
+
+def rasterisation(structs: Structs, device: Device, state: State) -> Any:
+    """Which faces are drawn, which vertex flat values come from, and how lines are drawn."""
+    chain = structs(
+        "PipelineRasterizationProvokingVertexStateCreateInfoEXT", provokingVertexMode=_LAST_VERTEX
+    )
+    if "bresenhamLines" in device.features and state.sample_shading is None:
+        chain = structs(
+            "PipelineRasterizationLineStateCreateInfoEXT", pNext=chain,
+            lineRasterizationMode=_BRESENHAM,
+        )  # fmt: skip
+    factor, units = state.polygon_offset or (0.0, 0.0)
+    return structs(
+        "PipelineRasterizationStateCreateInfo", pNext=chain, cullMode=_FACES.index(state.cull),
+        frontFace=_WINDINGS.index(state.front_face), lineWidth=1.0,
+        depthBiasEnable=state.polygon_offset is not None, depthBiasSlopeFactor=factor,
+        depthBiasConstantFactor=units,
+    )  # fmt: skip
+
+
+def multisampling(structs: Structs, device: Device, state: State, samples: int) -> Any:
+    """How samples are covered and shaded. Raises UnsupportedError."""
+    if samples > 1 and not state.multisample:
+        raise UnsupportedError("multisample=False: Vulkan covers the samples of a target always")
+    if state.sample_shading is not None and "sampleRateShading" not in device.features:
+        raise UnsupportedError("sample_shading: this device has no sampleRateShading")
+    return structs(
+        "PipelineMultisampleStateCreateInfo", rasterizationSamples=samples,
+        sampleShadingEnable=state.sample_shading is not None,
+        minSampleShading=state.sample_shading or 0.0,
+        alphaToCoverageEnable=state.alpha_to_coverage and samples > 1,
+    )  # fmt: skip
+
+
+def depth_and_stencil(structs: Structs, state: State) -> Any:
+    """The tests of depth and stencil."""
+    depth = state.depth or Depth()
+    front = state.stencil or Stencil()
+    return structs(
+        "PipelineDepthStencilStateCreateInfo", depthTestEnable=state.depth is not None,
+        depthWriteEnable=state.depth is not None and depth.write,
+        depthCompareOp=COMPARISONS.index(depth.func),
+        stencilTestEnable=state.stencil is not None, front=_stencil(structs, front),
+        back=_stencil(structs, state.stencil_back or front),
+    )  # fmt: skip
+
+
+def _stencil(structs: Structs, stencil: Stencil) -> Any:
+    return structs(
+        "StencilOpState", failOp=_STENCIL.index(stencil.fail),
+        depthFailOp=_STENCIL.index(stencil.depth_fail), passOp=_STENCIL.index(stencil.depth_pass),
+        compareOp=COMPARISONS.index(stencil.func), compareMask=stencil.mask,
+        writeMask=stencil.write_mask, reference=stencil.reference,
+    )  # fmt: skip
+
+
+def blending(structs: Structs, state: State, formats: Mapping[int, str], count: int) -> Any:
+    """How colours are mixed into attachments, whose formats are by the locations of outputs."""
+    blend = state.blend or Blend()
+    mask = sum(1 << channel for channel, on in enumerate(state.color_mask) if on)
+    words = {
+        "srcColorBlendFactor": BLEND_FACTORS.index(blend.source),
+        "dstColorBlendFactor": BLEND_FACTORS.index(blend.destination),
+        "colorBlendOp": BLEND_EQUATIONS.index(blend.equation),
+        "srcAlphaBlendFactor": BLEND_FACTORS.index(blend.source_alpha or blend.source),
+        "dstAlphaBlendFactor": BLEND_FACTORS.index(blend.destination_alpha or blend.destination),
+        "alphaBlendOp": BLEND_EQUATIONS.index(blend.equation_alpha or blend.equation),
+    }
+    each = [
+        structs(
+            "PipelineColorBlendAttachmentState", colorWriteMask=mask if place in formats else 0,
+            blendEnable=state.blend is not None and place in formats
+            and not COLOR[formats[place]].integer, **words,
+        )
+        for place in range(count)
+    ]  # fmt: skip
+    return structs(
+        "PipelineColorBlendStateCreateInfo", attachmentCount=count, pAttachments=each,
+        blendConstants=blend.constant,
+    )  # fmt: skip

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .backend import WebGLBackend
+    from .session import WebGLBackend
 
 
 def open_backend(driver: str) -> WebGLBackend:
@@ -19,8 +19,8 @@ def open_backend(driver: str) -> WebGLBackend:
         DriverError: there is no browser, no package that drives it or no SPIRV-Cross, or the
             browser has no WebGL2 that draws to floats.
     """
-    from .backend import WebGLBackend
     from .device import open_device
+    from .session import WebGLBackend
 
     return WebGLBackend(open_device())
 
@@ -31,6 +31,6 @@ def prepare_process(driver: str) -> None:
 
 def preload() -> None:
     """Import what drives a browser, for processes that are forked from this one."""
-    from . import backend
+    from . import session
 
-    assert backend
+    assert session

@@ -25,8 +25,6 @@ import numpy as np
 from shaderlab.errors import DeviceLostError, DriverError, UnsupportedError
 from shaderlab.model.frame import Array
 
-from .essl import cross_compiler
-
 _ARRAYS = {
     np.dtype(np.uint8): "Uint8Array", np.dtype(np.float16): "Uint16Array",
     np.dtype(np.uint16): "Uint16Array", np.dtype(np.int32): "Int32Array",
@@ -300,6 +298,22 @@ def _memory_unlimited() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
+_INSTALL_SPIRV_CROSS = (
+    "Debian/Ubuntu: apt-get install spirv-cross · Fedora: dnf install spirv-tools · "
+    "Arch: pacman -S spirv-cross"
+)
+
+
+def find_cross_compiler() -> str:
+    """The command of SPIRV-Cross. Raises DriverError if it is not there."""
+    found = shutil.which("spirv-cross")
+    if found is None:
+        raise DriverError(
+            "no spirv-cross, which makes ESSL of modules", remedy=_INSTALL_SPIRV_CROSS
+        )
+    return found
+
+
 _NEEDED = "EXT_color_buffer_float"
 
 
@@ -340,7 +354,7 @@ def open_device() -> Device:
     Raises:
         DriverError: something is not installed, or the browser does not draw to floats.
     """
-    cross_compiler()
+    find_cross_compiler()
     browser = Browser()
     try:
         gl = Calls(browser)

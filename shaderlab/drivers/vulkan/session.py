@@ -1,0 +1,398 @@
+"""Vulkan behind the protocol of `shaderlab.drivers`: the backend and its sessions."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from shaderlab.compiler.diagnostics import DRIVER
+from shaderlab.compiler.reflection import Variable
+from shaderlab.compiler.sources import Source
+from shaderlab.compiler.spirv import ExecutionMode, parse
+from shaderlab.errors import DriverError, ShaderError, UnsupportedError
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import (
+    Array,
+    AttributeReading,
+    Bindings,
+    BlockReading,
+    PassDraw,
+    Timing,
+)
+from shaderlab.model.records import Verdict
+from shaderlab.model.scene import Target
+from shaderlab.model.state import State
+
+from ..passes import DeviceBackend, PassSession
+from ..programs import blocks, stages
+from ..programs.blocks import uniform_blocks
+from ..programs.module_texts import HEIGHT, as_drawn, sources_of
+from ..programs.prepare import PreparedDraw, Programs
+from ..programs.stages import Piece
+from ..programs.vertex_capture import corners
+from ..protocol import Answers, Evaluation, Size
+from ..resources import COVERING
+from .bindings import (
+    BoundImage,
+    BoundTextures,
+    Ready,
+    block_buffers,
+    draw_covering,
+    layout_of,
+    new_set,
+    readings,
+    upload,
+)
+from .device import (
+    Buffer,
+    Device,
+    Resources,
+    Structs,
+    check,
+    constant,
+    ffi,
+    lib,
+    recording,
+)
+from .images import RenderTarget, fill, new_image, new_view
+from .program import (
+    Layout,
+    Linker,
+    Program,
+    check_capabilities,
+    for_vulkan,
+    in_pipeline,
+    modules_of,
+    sampler_place,
+)
+
+# Source: Vulkan 1.3 Specification, chapter Queries.
+_STATISTICS = {
+    "vertices_submitted": "INPUT_ASSEMBLY_VERTICES",
+    "primitives_submitted": "INPUT_ASSEMBLY_PRIMITIVES",
+    "vertex_shader_invocations": "VERTEX_SHADER_INVOCATIONS",
+    "geometry_shader_invocations": "GEOMETRY_SHADER_INVOCATIONS",
+    "geometry_primitives_emitted": "GEOMETRY_SHADER_PRIMITIVES",
+    "clipping_input_primitives": "CLIPPING_INVOCATIONS",
+    "clipping_output_primitives": "CLIPPING_PRIMITIVES",
+    "fragment_shader_invocations": "FRAGMENT_SHADER_INVOCATIONS",
+}
+_STORES = "vertexPipelineStoresAndAtomics"
+
+
+class VulkanSession(PassSession[RenderTarget, Linker]):
+    """One scene on the device: its targets and textures, kept until the session ends."""
+
+    device: Device
+    _textures: BoundTextures
+
+    def __init__(
+        self, linker: Linker, scene: Scene, programs: Programs, size: Size, stack: ExitStack
+    ) -> None:
+        super().__init__(linker, scene, programs, size, stack)
+        self.subpixel_step = 2.0**-self.device.limits.subPixelPrecisionBits
+        self._resources = stack.enter_context(Resources(self.device))
+        self._textures = BoundTextures(
+            self.folder, self.images, self.targets, self._resources, linker
+        )
+        self._shared = blocks.SharedLayouts()
+
+    def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
+        return RenderTarget(self.device, target, colors, size)
+
+    def render(
+        self,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        target: RenderTarget,
+        *,
+        texts: Mapping[str, str] | None = None,
+        fixed_state: State | None = None,
+        query: tuple[Any, int] | None = None,
+    ) -> None:
+        """As `PassSession.render`; `query` is a pool of one query, and the flags it begins with."""
+        with Resources(self.device) as own:
+            ready = self.ready(own, draw, bindings, target, texts=texts, fixed_state=fixed_state)
+            with recording(self.device) as commands:
+                if query is not None:
+                    lib.vkCmdResetQueryPool(commands.handle, query[0], 0, 1)
+                    lib.vkCmdBeginQuery(commands.handle, query[0], 0, query[1])
+                ready.record(commands, target)
+                if query is not None:
+                    lib.vkCmdEndQuery(commands.handle, query[0], 0)
+
+    def ready(
+        self,
+        own: Resources,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        target: RenderTarget,
+        *,
+        texts: Mapping[str, str] | None = None,
+        fixed_state: State | None = None,
+        stored: Mapping[str, Buffer] | None = None,
+    ) -> Ready:
+        """All that a draw takes, on the device; `own` are what is released after it.
+
+        Args:
+            texts, fixed_state: as in `render`.
+            stored: storage buffers by the names of their blocks.
+        """
+        description, state = draw.draw, fixed_state or draw.draw.state
+        if not description.vertex_array:
+            raise UnsupportedError("vertex_array=False: Vulkan has no vertex arrays to leave out")
+        program = self.program(draw, texts or draw.texts)
+        locations = program.locations(target.colors)
+        layout = Layout(
+            layout_of(description.mesh, program.attributes),
+            tuple(target.formats(locations, srgb=state.srgb).items()),
+            target.depth, target.samples, in_pipeline(state),
+        )  # fmt: skip
+        values = {**bindings.uniforms, HEIGHT: np.array([target.size[1]], np.float32)}
+        return Ready(
+            program, layout, locations, state,
+            upload(own, description.mesh, program.attributes), description.instances,
+            self._descriptors(own, program, draw, values, stored or {}),
+        )  # fmt: skip
+
+    def program(self, draw: PreparedDraw, texts: Mapping[str, str]) -> Program:
+        """The program of a draw, its stages having these texts."""
+        own = dict(texts)
+        if "fragment" in own:
+            own["fragment"] = for_vulkan(own["fragment"])
+        own = as_drawn(draw.draw, own)
+        return self.linker.link(own, draw.sources)
+
+    def _descriptors(
+        self,
+        own: Resources,
+        program: Program,
+        draw: PreparedDraw,
+        values: dict[str, Array],
+        stored: Mapping[str, Buffer],
+    ) -> object:
+        values |= draw.ramps
+        for name, block in blocks.uniform_blocks(draw.interface).items():
+            self._shared.check(draw.draw.blocks[name], block)
+        buffers = block_buffers(own, program.bindings, values, stored)
+        images: dict[str, BoundImage] = {}
+        for name, source in draw.draw.textures.items():
+            if sampler_place(name, program.bindings) is None:
+                self._inactive.add(name)
+                continue
+            images[name] = self._textures.bound(draw.interface.uniforms[name], source)
+        return new_set(own, program.set_layout, program.bindings, buffers, images)
+
+    def vertex_outputs(
+        self,
+        draw: PreparedDraw,
+        texts: Mapping[str, str],
+        parts: Sequence[Piece],
+        bindings: Bindings,
+        count: int | None,
+    ) -> Mapping[Piece, Array]:
+        """Store them in a storage buffer, as the interface has it.
+
+        Raises:
+            UnsupportedError: the device's vertex stages can't write to buffers.
+        """
+        if _STORES not in self.device.features:
+            raise UnsupportedError(f"capturing vertices: this device has no {_STORES}")
+        mesh = draw.draw.mesh
+        assert mesh is not None
+        most, each = 1, mesh.vertices
+        if "geometry" in texts:
+            module = parse(modules_of(sources_of(draw.texts, draw.sources))["geometry"])
+            most = module.modes[ExecutionMode.OutputVertices][0]
+            each = most * len(corners(mesh))
+        program = stages.storing(texts, parts, most)
+        words = stages.words_of(parts) * each * draw.draw.instances
+        own = {stages.PER_INSTANCE: np.array([each], np.int32)}
+        given = replace(bindings, uniforms={**bindings.uniforms, **own})
+        with (
+            Resources(self.device) as resources,
+            RenderTarget(self.device, Target(), {}, (1, 1)) as target,
+        ):
+            buffer = resources.buffer("storage_buffer", size=4 * words)
+            ready = self.ready(
+                resources, draw, given, target, texts=program, stored={stages.BLOCK: buffer}
+            )
+            with recording(self.device) as commands:
+                ready.record(commands, target)
+            return stages.restored(parts, buffer.bytes[: 4 * words].copy().view(np.uint32))
+
+    def _count(self, key: PassDraw, counter: str) -> int:
+        """What one draw makes the device count, its pass drawn once more.
+
+        Raises:
+            UnsupportedError: the device does not count this.
+        """
+        kind, feature, bits = "OCCLUSION", "occlusionQueryPrecise", 0
+        if counter == "primitives_generated":
+            kind, feature = "PRIMITIVES_GENERATED_EXT", "primitivesGeneratedQuery"
+        elif counter in _STATISTICS:
+            kind, feature = "PIPELINE_STATISTICS", "pipelineStatisticsQuery"
+            bits = constant(f"QUERY_PIPELINE_STATISTIC_{_STATISTICS[counter]}_BIT")
+        if feature not in self.device.features:
+            raise UnsupportedError(f"counting {counter}: this device has no {feature}")
+        precise = constant("QUERY_CONTROL_PRECISE_BIT") if kind == "OCCLUSION" else 0
+        with Resources(self.device) as own, self.fresh_target(key[0]) as target:
+            pool = own.create("QueryPool", Structs()(
+                "QueryPoolCreateInfo", queryType=constant(f"QUERY_TYPE_{kind}"), queryCount=1,
+                pipelineStatistics=bits,
+            ))  # fmt: skip
+            for index, draw in enumerate(self.programs[key[0]][: key[1] + 1]):
+                query = (pool, precise) if index == key[1] else None
+                self.render(draw, self.bindings[key[0], index], target, query=query)
+            found = ffi.new("uint64_t *")
+            flags = constant("QUERY_RESULT_64_BIT") | constant("QUERY_RESULT_WAIT_BIT")
+            result = lib.vkGetQueryPoolResults(self.device.handle, pool, 0, 1, 8, found, 8, flags)
+            check(result, f"counting {counter}")
+            return int(found[0])
+
+    def _time(self, pass_name: str, repeats: int) -> Timing:
+        """How long a pass takes to draw, from its first command until the device has finished.
+
+        Pipelines, buffers and targets are made beforehand. The first time through, when drivers
+        compile, does not count.
+        """
+        prepared = self.programs[pass_name]
+        seconds = []
+        with Resources(self.device) as own, self.fresh_target(pass_name) as target:
+            ready = [
+                self.ready(own, draw, self.bindings[pass_name, index], target)
+                for index, draw in enumerate(prepared)
+            ]
+            vertices = sum(each.vertices.count * each.instances for each in ready)
+            for turn in range(repeats + 1):
+                target.clear()
+                start = time.perf_counter()
+                with recording(self.device) as commands:
+                    for each in ready:
+                        each.record(commands, target)
+                if turn:
+                    seconds.append(time.perf_counter() - start)
+        return Timing(draw_calls=len(prepared), vertices=vertices, seconds=tuple(seconds))
+
+    def _read_attributes(self, key: PassDraw) -> Mapping[str, AttributeReading]:
+        """Return where the pipeline of a draw of a mesh reads each attribute. Vulkan has no query
+        for it; it is read from the structure that makes the pipeline."""
+        draw = self.programs[key[0]][key[1]]
+        if draw.draw.mesh is None:
+            return {}
+        declared = self.program(draw, draw.texts).attributes
+        return readings(layout_of(draw.draw.mesh, declared), declared)
+
+    def _read_blocks(self, key: PassDraw) -> Mapping[str, BlockReading]:
+        """Return where the draw's modules have the members of each uniform block, which is where a
+        driver reads them."""
+        draw = self.programs[key[0]][key[1]]
+        bindings = self.program(draw, draw.texts).bindings
+        found = {}
+        for name, placed in uniform_blocks(draw.interface).items():
+            block = bindings[name].block if name in bindings else None
+            found[name] = BlockReading(
+                offsets={m.name: m.offset for m in block.members.values()} if block else {},
+                size=block.size if block else 0,
+                placed={m.name: m.offset for m in placed.members.values()},
+                placed_size=placed.size,
+            )
+        return found
+
+    answers: ClassVar[Answers] = {
+        **PassSession.answers,
+        "count": _count,
+        "time": _time,
+        "attributes": _read_attributes,
+        "blocks": _read_blocks,
+    }
+
+
+_INPUT, _SHARED = "shaderlab_input", "shaderlab_shared"
+
+
+class VulkanBackend(DeviceBackend):
+    """Draws scenes on one device; keeps programs from one to the next."""
+
+    linker_class = Linker
+    session_class = VulkanSession
+    device: Device
+    _linker: Linker
+
+    def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
+        """Check that the device has each capability of the program's modules: it has no compiler
+        for GLSL that could refuse it."""
+        try:
+            modules = modules_of(sources)
+        except ShaderError as error:
+            raise DriverError(
+                "a Vulkan driver takes no GLSL, and this program has no SPIR-V modules",
+                file=error.file, line=error.line,
+            ) from error  # fmt: skip
+        check_capabilities(self.device, modules)
+        return Verdict(target=DRIVER, ok=True)
+
+    def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
+        with Resources(self.device) as own:
+            images = self._textures(own, evaluation)
+            if len(inputs):
+                images[_INPUT] = _upload_inputs(own, evaluation, inputs)
+            first = 0
+            for source, words in evaluation.passes:
+                outputs[first : first + words] = self._draw_words(evaluation, source, images)
+                first += words
+
+    def _draw_words(
+        self, evaluation: Evaluation, source: Source, images: dict[str, BoundImage]
+    ) -> Array:
+        """Draw one pass: (words, height, width, lanes)."""
+        texts = {"vertex": COVERING, "fragment": for_vulkan(source.text)}
+        program = self._linker.link(texts, [source])
+        colors = dict.fromkeys(program.outputs, _format(evaluation))
+        with (
+            Resources(self.device) as own,
+            RenderTarget(self.device, Target(), colors, evaluation.size) as target,
+        ):
+            used = {n: i for n, i in images.items() if sampler_place(n, program.bindings)}
+            values = dict(evaluation.uniforms)
+            members = [b.block.members for b in program.bindings.values() if b.block is not None]
+            count = next((m[_SHARED].array for m in members if _SHARED in m), None)
+            if count is not None:
+                values[_SHARED] = evaluation.shared[:count]
+            buffers = block_buffers(own, program.bindings, values)
+            draw_covering(own, program, target, buffers, used)
+            locations = program.locations(colors)
+            return np.stack([target.read(locations[at]).values for at in sorted(locations)])
+
+    def _textures(self, own: Resources, evaluation: Evaluation) -> dict[str, BoundImage]:
+        textures = BoundTextures(Path(evaluation.folder), {}, {}, own, self._linker)
+        found = {}
+        for name, (kind, source) in evaluation.textures.items():
+            variable = Variable(name=name, type=kind)
+            textures.texels("the function", variable, source)  # raises where they don't fit
+            found[name] = textures.bound(variable, source)
+        return found
+
+    def close(self) -> None:
+        self._linker.release()
+        self.device.close()
+
+
+def _format(evaluation: Evaluation) -> str:
+    return "r32ui" if evaluation.lanes == 1 else "rgba32ui"
+
+
+def _upload_inputs(own: Resources, evaluation: Evaluation, inputs: Array) -> BoundImage:
+    image = new_image(
+        own, _format(evaluation), evaluation.size, "sampled", "transfer_dst", kind="2DArray",
+        layers=len(inputs),
+    )  # fmt: skip
+    fill(own.device, image, [inputs])
+    sampler = own.create("Sampler", Structs()("SamplerCreateInfo"))
+    return BoundImage(new_view(own, image, sampled=True), sampler)

@@ -1,0 +1,312 @@
+"""Programs of ESSL 3.00, which SPIRV-Cross makes of SPIR-V modules, and fixed-function state."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.compiler.reflection import Interface, Variable
+from shaderlab.compiler.sources import Source
+from shaderlab.errors import UnsupportedError
+from shaderlab.model.activity import doing
+from shaderlab.model.frame import Array
+from shaderlab.model.state import Blend, Depth, State, Stencil
+
+from ..programs import stages
+from ..programs.blocks import uniform_blocks
+from ..programs.module_texts import compiled_to_modules, counted_as_declared, numbered, sources_of
+from ..resources import ProgramCache
+from .device import Calls, Device, Object, Objects, find_cross_compiler
+
+_STAGES = ("vertex", "fragment")
+_MOST_LOCATIONS = 32
+_SECONDS = 30
+
+
+@dataclass(frozen=True)
+class Translated:
+    """A program's stages in ESSL, and what it declares."""
+
+    texts: Mapping[str, str]
+    interface: Interface
+
+
+def translated(
+    texts: Mapping[str, str], known: Sequence[Source] = (), *, keep_names: bool = False
+) -> Translated:
+    """A program in ESSL.
+
+    What one stage hands to the other goes by its location: of blocks and structs ESSL has none
+    there, and SPIRV-Cross names their members by the instance, which stages name as they like.
+
+    Args:
+        texts: by stage, in GLSL.
+        known: sources, some of whose texts these may be.
+        keep_names: whether a vertex stage's outputs keep their names.
+
+    Raises:
+        ShaderError: it is no GLSL.
+        UnsupportedError: ESSL 3.00 can't say it.
+    """
+    for stage in texts:
+        if stage not in _STAGES:
+            raise UnsupportedError(f"the {stage} stage: WebGL2 has none")
+    own = {
+        stage: numbered(counted_as_declared(text) if stage == "fragment" else text)
+        for stage, text in texts.items()
+    }
+    with doing("compile"):
+        compiled = compiled_to_modules(sources_of(own, known), "opengl", "WebGL2")
+        assert compiled.interface is not None
+        modules = compiled.spirv["opengl"]
+        return Translated(
+            {stage: _essl(stage, modules[stage], keep_names) for stage in own}, compiled.interface
+        )
+
+
+def _essl(stage: str, module: bytes, keep_names: bool) -> str:
+    command = [find_cross_compiler(), "-", "--es", "--version", "300"]
+    if not keep_names:
+        direction = "out" if stage == "vertex" else "in"
+        for place in range(_MOST_LOCATIONS):
+            name = f"{stages.PREFIX}at{place}"
+            command += ["--rename-interface-variable", direction, str(place), name]
+    done = subprocess.run(command, input=module, capture_output=True, timeout=_SECONDS)
+    if done.returncode:
+        said = done.stderr.decode("utf-8", "replace").strip().splitlines()
+        message = next((line for line in said if line.strip()), "it does not say why")
+        raise UnsupportedError(f"the {stage} stage in ESSL 3.00: {message}")
+    return done.stdout.decode("utf-8")
+
+
+NO_BLOCK = 0xFFFFFFFF
+
+
+class Program:
+    """A linked program.
+
+    Raises:
+        UnsupportedError: the browser refuses its ESSL, which glslang took as GLSL.
+    """
+
+    def __init__(self, device: Device, source: Translated, feedback: Sequence[str] = ()) -> None:
+        self._objects = Objects(device.gl)
+        self.gl = device.gl
+        self.interface = source.interface
+        self.handle = self._objects.new("Program")
+        refused = refusal(self.gl, self.handle, source.texts, feedback)
+        if refused:
+            self.release()
+            raise UnsupportedError(refused)
+        self._find()
+
+    def _find(self) -> None:
+        """Ask where uniforms, blocks and outputs are; those without any effect are nowhere."""
+        gl, known = self.gl, self.interface
+        places = {name: gl.number() for name in known.uniforms}
+        blocks = uniform_blocks(known)
+        # SPIRV-Cross puts an underscore before words that ESSL reserves.
+        questions: list[tuple[Any, ...]] = [
+            *(
+                ("locate", self.handle, place.number, [name, f"{name}[0]", f"_{name}"])
+                for name, place in places.items()
+            ),
+            *(("getUniformBlockIndex", self.handle, name) for name in blocks),
+            *(("written", self.handle, [name, f"_{name}"]) for name in known.outputs),
+        ]
+        answers = iter(gl.ask_all(questions) if questions else [])
+        self.locations = {name: place for name, place in places.items() if next(answers)}
+        indices = {name: next(answers) for name in blocks}
+        self.blocks = {name: index for name, index in indices.items() if index != NO_BLOCK}
+        self._written = {name for name in known.outputs if next(answers)}
+
+    def set(self, name: str, values: Array) -> bool:
+        """Set a uniform, which is in use; False if it has no effect."""
+        if name not in self.locations:
+            return False
+        set_uniform(self.gl, self.locations[name], self.interface.uniforms[name], values)
+        return True
+
+    def outputs(self, names: Mapping[str, object]) -> dict[int, str]:
+        """Where the program writes those of its outputs that have these names."""
+        return {
+            variable.location: name
+            for name, variable in self.interface.outputs.items()
+            if name in names and name in self._written and variable.location is not None
+        }
+
+    def release(self) -> None:
+        """Delete it."""
+        self._objects.release()
+
+
+class Linker(ProgramCache[Program]):
+    """Programs by their stages' text in GLSL."""
+
+    device: Device
+
+    def link(
+        self,
+        texts: Mapping[str, str],
+        known: Sequence[Source] = (),
+        *,
+        feedback: Sequence[str] = (),
+    ) -> Program:
+        """The program of these stages.
+
+        Args:
+            texts: by stage.
+            known: sources, some of whose texts these may be.
+            feedback: the vertex outputs to be captured by transform feedback.
+
+        Raises:
+            ShaderError: it is no GLSL.
+            UnsupportedError: WebGL2 has no such program.
+        """
+
+        def linked() -> Program:
+            source = translated(texts, known, keep_names=bool(feedback))
+            with doing("link"):
+                return Program(self.device, source, feedback)
+
+        return self.get((tuple(sorted(texts.items())), tuple(feedback)), linked)
+
+
+def set_uniform(gl: Calls, location: Object, variable: Variable, values: Array) -> None:
+    """Set a uniform of the program in use.
+
+    Args:
+        gl: the device's calls.
+        location: where it is.
+        variable: what it is.
+        values: one value or an array of them, matrices as rows of columns.
+    """
+    kind = variable.type
+    if "mat" in kind:
+        size = kind.partition("mat")[2]
+        columns, _, rows = size.partition("x")
+        spelt = columns if rows in ("", columns) else size
+        turned = np.ascontiguousarray(np.swapaxes(values, -1, -2), np.float32)
+        getattr(gl, f"uniformMatrix{spelt}fv")(location, False, turned)
+        return
+    letter = {"u": "ui", "i": "i", "b": "i"}.get(kind[0], "f")
+    wanted = {"ui": np.uint32, "i": np.int32, "f": np.float32}[letter]
+    count = int(kind[-1]) if kind[-1].isdigit() else 1
+    getattr(gl, f"uniform{count}{letter}v")(location, np.ascontiguousarray(values, wanted))
+
+
+def refusal(
+    gl: Calls, program: Object, texts: Mapping[str, str], feedback: Sequence[str] = ()
+) -> str:
+    """Link a program of these stages in ESSL, or compile one alone: why it can't be done, or ""."""
+    refused = gl.ask("link", program, dict(texts), list(feedback))
+    if not refused:
+        return ""
+    stage, said = refused
+    what = f"the {stage} stage in WebGL2" if stage else "linking in WebGL2"
+    return f"{what}: {_first_error(said)}"
+
+
+def _first_error(said: str | None) -> str:
+    """The first error of a log, without its line, which is one of a text that nobody wrote."""
+    lines = [line.strip("\0 ") for line in (said or "").splitlines()]
+    errors = [line for line in lines if line.startswith("ERROR")] or [x for x in lines if x]
+    return re.sub(r"^ERROR: \d+:\d+: ", "", errors[0]) if errors else "it does not say why"
+
+
+_NO_DEPTH, _NO_STENCIL, _NO_BLEND = Depth(), Stencil(), Blend()
+
+
+def check_state(state: State, *, samples: int, encodes: bool) -> None:
+    """Raise UnsupportedError for what WebGL2 has not, though OpenGL has.
+
+    Args:
+        state: what a draw asks for.
+        samples: of its target.
+        encodes: whether the target has attachments of sRGB.
+    """
+    front, back = state.stencil or _NO_STENCIL, state.stencil_back or state.stencil or _NO_STENCIL
+    for lacks, what in (
+        (samples > 1 and not state.multisample,
+         "multisample=False: WebGL2 covers the samples of a target always"),
+        (state.sample_shading is not None, "sample_shading: WebGL2 shades pixels only"),
+        (encodes and not state.srgb,
+         "srgb=False: WebGL2 encodes whatever is drawn to attachments of sRGB"),
+        (state.depth_range[0] > state.depth_range[1],
+         "a depth_range from far to near: WebGL2 has none"),
+        ((front.reference, front.mask, front.write_mask)
+         != (back.reference, back.mask, back.write_mask),
+         "stencil_back: in WebGL2 both faces have one reference and one mask"),
+        (_mixes_constants(state.blend),
+         "a factor of the constant colour with one of the constant alpha: WebGL2 has none"),
+    ):  # fmt: skip
+        if lacks:
+            raise UnsupportedError(what)
+
+
+def apply_state(gl: Calls, state: State, size: tuple[int, int]) -> None:
+    """Make the context's state what `state` says, for a target of `size` pixels."""
+    whole = (0, 0, *size)
+    cell = None if state.cell is None else state.cell.rectangle(size)
+    scissor = cell or state.scissor
+    switches = {
+        "SCISSOR_TEST": scissor is not None,
+        "DEPTH_TEST": state.depth is not None,
+        "POLYGON_OFFSET_FILL": state.polygon_offset is not None,
+        "STENCIL_TEST": state.stencil is not None,
+        "BLEND": state.blend is not None,
+        "CULL_FACE": state.cull is not None,
+        "SAMPLE_ALPHA_TO_COVERAGE": state.alpha_to_coverage,
+        "RASTERIZER_DISCARD": False,
+    }
+    for capability, on in switches.items():
+        (gl.enable if on else gl.disable)(getattr(gl, capability))
+    gl.viewport(*(cell or state.viewport or whole))
+    gl.scissor(*(scissor or whole))
+    depth = state.depth or _NO_DEPTH
+    gl.depthFunc(_named(gl, depth.func))
+    gl.depthMask(depth.write)
+    gl.depthRange(*state.depth_range)
+    gl.polygonOffset(*(state.polygon_offset or (0.0, 0.0)))
+    _stencil(gl, gl.FRONT, state.stencil or _NO_STENCIL)
+    _stencil(gl, gl.BACK, state.stencil_back or state.stencil or _NO_STENCIL)
+    _blend(gl, state.blend or _NO_BLEND)
+    gl.cullFace(_named(gl, state.cull or "back"))
+    gl.frontFace(_named(gl, state.front_face))
+    gl.colorMask(*state.color_mask)
+
+
+def _mixes_constants(blend: Blend | None) -> bool:
+    factors = [] if blend is None else [blend.source, blend.destination]
+    constants = {word.removeprefix("one_minus_") for word in factors}
+    return constants == {"constant_color", "constant_alpha"}
+
+
+def _stencil(gl: Calls, face: int, stencil: Stencil) -> None:
+    gl.stencilFuncSeparate(face, _named(gl, stencil.func), stencil.reference, stencil.mask)
+    operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
+    gl.stencilOpSeparate(face, *(_named(gl, word) for word in operations))
+    gl.stencilMaskSeparate(face, stencil.write_mask)
+
+
+def _blend(gl: Calls, blend: Blend) -> None:
+    gl.blendFuncSeparate(
+        _named(gl, blend.source),
+        _named(gl, blend.destination),
+        _named(gl, blend.source_alpha or blend.source),
+        _named(gl, blend.destination_alpha or blend.destination),
+    )
+    gl.blendEquationSeparate(*(
+        _named(gl, word if word in ("min", "max") else f"func_{word}")
+        for word in (blend.equation, blend.equation_alpha or blend.equation)
+    ))  # fmt: skip
+    gl.blendColor(*blend.constant)
+
+
+def _named(gl: Calls, word: str) -> int:
+    return int(getattr(gl, word.upper()))

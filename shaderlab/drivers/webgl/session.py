@@ -1,0 +1,416 @@
+"""WebGL2 behind the protocol of `shaderlab.drivers`: the backend and its sessions."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from shaderlab.compiler.diagnostics import DRIVER
+from shaderlab.compiler.reflection import Variable
+from shaderlab.compiler.sources import Source
+from shaderlab.errors import DriverError, ShaderError, UnsupportedError
+from shaderlab.model.case import Scene
+from shaderlab.model.frame import (
+    Array,
+    AttributeReading,
+    Bindings,
+    BlockReading,
+    PassDraw,
+    Timing,
+)
+from shaderlab.model.mesh import Mesh
+from shaderlab.model.records import Verdict
+from shaderlab.model.scene import Target
+from shaderlab.model.state import State
+
+from ..passes import DeviceBackend, PassSession
+from ..programs import blocks, stages
+from ..programs.module_texts import HEIGHT, as_drawn
+from ..programs.prepare import PreparedDraw, Programs
+from ..programs.stages import Piece
+from ..programs.textures import components_of, numpy_type
+from ..protocol import Answers, Size
+from .device import Calls, Device, Object, Objects, decoded
+from .program import Linker, Program, apply_state, check_state, refusal, translated
+from .target import RenderTarget
+from .textures import BoundTextures
+
+_KINDS = {"f": "FLOAT", "i": "INT", "u": "UNSIGNED_INT"}
+
+
+@dataclass(frozen=True)
+class VertexArray:
+    """A vertex array and what a draw takes of it: `count` vertices of a primitive."""
+
+    handle: Object
+    primitive: str
+    count: int
+    indexed: bool
+    locations: Mapping[str, tuple[int, int]]
+
+    def draw(self, gl: Calls, instances: int) -> None:
+        """Issue the draw call."""
+        gl.bindVertexArray(self.handle)
+        mode = getattr(gl, self.primitive.upper())
+        if self.indexed:
+            gl.drawElementsInstanced(mode, self.count, gl.UNSIGNED_INT, 0, instances)
+        else:
+            gl.drawArraysInstanced(mode, 0, self.count, instances)
+
+    def readings(self, gl: Calls) -> dict[str, AttributeReading]:
+        """What WebGL2 itself says of each attribute's place."""
+        gl.bindVertexArray(self.handle)
+        found = {}
+        for name, (at, buffer) in self.locations.items():
+            offset, stride, divisor = gl.ask_all([
+                ("getVertexAttribOffset", at, gl.VERTEX_ATTRIB_ARRAY_POINTER),
+                ("getVertexAttrib", at, gl.VERTEX_ATTRIB_ARRAY_STRIDE),
+                ("getVertexAttrib", at, gl.VERTEX_ATTRIB_ARRAY_DIVISOR),
+            ])  # fmt: skip
+            found[name] = AttributeReading(
+                buffer=buffer, offset=offset, stride=stride, divisor=divisor
+            )
+        return found
+
+
+def vertex_array(own: Objects, mesh: Mesh | None, declared: Mapping[str, Variable]) -> VertexArray:
+    """A vertex array of a mesh for a vertex stage that declares these inputs, or one of three
+    vertices without attributes."""
+    gl, made = own.gl, own.new("VertexArray")
+    gl.bindVertexArray(made)
+    if mesh is None:
+        return VertexArray(made, "triangles", 3, False, {})
+    if mesh.indices is not None:
+        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, own.new("Buffer"))
+        gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.indices.astype("u4"), gl.STATIC_DRAW)
+    buffers = []
+    for parts in mesh.parts():
+        buffers.append(own.new("Buffer"))
+        gl.bindBuffer(gl.ARRAY_BUFFER, buffers[-1])
+        gl.bufferData(gl.ARRAY_BUFFER, b"".join(piece for _, piece in parts), gl.STATIC_DRAW)
+    locations = {}
+    for name, place in mesh.placements().items():
+        variable = declared.get(name)
+        if variable is None or variable.location is None:
+            continue
+        gl.bindBuffer(gl.ARRAY_BUFFER, buffers[place.buffer])
+        array, integer = mesh.inputs[name], numpy_type(variable.type)().dtype.kind in "iu"
+        columns = array.shape[2] if array.ndim == 3 else 1
+        letter = "u" if variable.type[0] == "u" else array.dtype.kind
+        kind = getattr(gl, _KINDS[letter])
+        size = array.shape[1]
+        for column in range(columns):
+            at = variable.location + column
+            offset = place.offset + column * size * array.itemsize
+            gl.enableVertexAttribArray(at)
+            if integer:
+                gl.vertexAttribIPointer(at, size, kind, place.stride, offset)
+            else:
+                gl.vertexAttribPointer(at, size, kind, False, place.stride, offset)
+            gl.vertexAttribDivisor(at, place.divisor)
+        locations[name] = (variable.location, place.buffer)
+    count = mesh.vertices if mesh.indices is None else len(mesh.indices)
+    return VertexArray(made, mesh.primitive, count, mesh.indices is not None, locations)
+
+
+_AT_ONCE = 8  # vectors; every device captures 16, and some of those are the author's own
+_CHANNELS = 4
+_FRAGMENT = "#version 330 core\nvoid main() {}\n"
+
+
+class WebGLSession(PassSession[RenderTarget, Linker]):
+    """One scene on the device: its targets and textures, kept until the session ends."""
+
+    device: Device
+    _textures: BoundTextures
+
+    def __init__(
+        self, linker: Linker, scene: Scene, programs: Programs, size: Size, stack: ExitStack
+    ) -> None:
+        super().__init__(linker, scene, programs, size, stack)
+        self.subpixel_step = 2.0 ** -self.device.gl.about["subpixel"]
+        own = stack.enter_context(Objects(self.device.gl))
+        self._textures = BoundTextures(self.folder, self.images, self.targets, self.device, own)
+        self._shared = blocks.SharedLayouts()
+
+    def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
+        return RenderTarget(self.device, target, colors, size)
+
+    def issue(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
+        super().issue(key, draw, target)
+
+        def note(errors: list[int]) -> None:
+            if errors:
+                self._gl_errors[key] = tuple(errors)
+
+        self.device.gl.ask_later(note, "errors")
+
+    def finish(self) -> None:
+        self.device.gl.ask("finish")
+
+    def render(
+        self,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        target: RenderTarget,
+        *,
+        texts: Mapping[str, str] | None = None,
+        fixed_state: State | None = None,
+    ) -> None:
+        state = fixed_state or draw.draw.state
+        encodes = "srgb8_alpha8" in target.colors.values()
+        check_state(state, samples=target.samples, encodes=encodes)
+        program = self.linker.link(as_drawn(draw.draw, texts or draw.texts), draw.sources)
+
+        def draw_to(vertices: VertexArray) -> None:
+            target.bind(program.outputs(target.colors))
+            apply_state(self.device.gl, state, target.size)
+            vertices.draw(self.device.gl, draw.draw.instances)
+
+        values = {HEIGHT: np.array([target.size[1]], np.float32)}
+        self.use(program, draw, bindings, values, draw_to)
+
+    def use(
+        self,
+        program: Program,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        values: Mapping[str, np.ndarray],
+        then: Callable[[VertexArray], None],
+    ) -> None:
+        """Set a program's uniforms and bind its textures and its mesh, and go on with the vertex
+        array.
+
+        Args:
+            program: of the draw, whatever its texts.
+            draw: what to draw.
+            bindings: its uniforms and textures.
+            values: further uniforms, by name.
+            then: what is done with it.
+
+        Raises:
+            UnsupportedError: WebGL2 has no such thing; the message names it.
+        """
+        if not draw.draw.vertex_array:
+            raise UnsupportedError("vertex_array=False: WebGL2 always has a vertex array")
+        gl = self.device.gl
+        with Objects(gl) as own:
+            gl.useProgram(program.handle)
+            self._uniforms(program, draw, {**bindings.uniforms, **values})
+            self._blocks(own, program, draw, bindings)
+            unit = 0
+            for name, source in draw.draw.textures.items():
+                if name not in program.locations:
+                    self._inactive.add(name)
+                    continue
+                self._textures.bind(unit, draw.interface.uniforms[name], source)
+                gl.uniform1i(program.locations[name], unit)
+                unit += 1
+            then(vertex_array(own, draw.draw.mesh, program.interface.attributes))
+            gl.bindVertexArray(None)
+
+    def _uniforms(
+        self, program: Program, draw: PreparedDraw, values: Mapping[str, np.ndarray]
+    ) -> None:
+        members = blocks.variables(draw.interface)
+        for name, value in {**values, **draw.ramps}.items():
+            if name not in members and not program.set(name, value):
+                self._inactive.add(name)
+        self._inactive.discard(HEIGHT)
+
+    def _blocks(
+        self, own: Objects, program: Program, draw: PreparedDraw, bindings: Bindings
+    ) -> None:
+        """A buffer for each uniform block."""
+        gl = self.device.gl
+        for point, (name, block) in enumerate(blocks.uniform_blocks(draw.interface).items()):
+            self._shared.check(draw.draw.blocks[name], block)
+            if name not in program.blocks:
+                self._inactive.add(name)
+                continue
+            buffer = own.new("Buffer")
+            gl.bindBuffer(gl.UNIFORM_BUFFER, buffer)
+            gl.bufferData(
+                gl.UNIFORM_BUFFER, blocks.packed(block, bindings.uniforms), gl.STATIC_DRAW
+            )
+            gl.uniformBlockBinding(program.handle, program.blocks[name], point)
+            gl.bindBufferBase(gl.UNIFORM_BUFFER, point, buffer)
+
+    def vertex_outputs(
+        self,
+        draw: PreparedDraw,
+        texts: Mapping[str, str],
+        parts: Sequence[Piece],
+        bindings: Bindings,
+        count: int | None,
+    ) -> Mapping[Piece, Array]:
+        """Capture them by transform feedback, as the interface has it."""
+        assert count is not None, "without a geometry stage it is known"
+        found: dict[Piece, Array] = {}
+        for start in range(0, len(parts), _AT_ONCE):
+            group = parts[start : start + _AT_ONCE]
+            text, names = stages.capture_vertex(texts["vertex"], group)
+            program = self.linker.link(
+                {**texts, "vertex": text, "fragment": _FRAGMENT}, feedback=tuple(names.values())
+            )
+            raw = self._feed_back(draw, program, bindings, 4 * _CHANNELS * len(group) * count)
+            rows = raw.reshape(count, len(group), _CHANNELS)
+            for number, piece in enumerate(group):
+                part = np.ascontiguousarray(rows[:, number, : components_of(piece.type)])
+                found[piece] = part.view(numpy_type(piece.type))
+        return found
+
+    def _feed_back(
+        self, draw: PreparedDraw, program: Program, bindings: Bindings, size: int
+    ) -> Array:
+        """The floats, of so many bytes, that a draw's vertices leave in a buffer.
+
+        Raises:
+            DriverError: a call that this takes raises an error.
+        """
+        gl = self.device.gl
+        with Objects(gl) as own:
+            buffer = own.new("Buffer")
+
+            def feed(vertices: VertexArray) -> None:
+                gl.bindFramebuffer(gl.FRAMEBUFFER, None)
+                gl.bindBuffer(gl.TRANSFORM_FEEDBACK_BUFFER, buffer)
+                gl.bufferData(gl.TRANSFORM_FEEDBACK_BUFFER, bytes(size), gl.STREAM_READ)
+                gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, buffer)
+                gl.enable(gl.RASTERIZER_DISCARD)
+                gl.beginTransformFeedback(gl.POINTS)
+                vertices.draw(gl, draw.draw.instances)
+                gl.endTransformFeedback()
+                gl.disable(gl.RASTERIZER_DISCARD)
+
+            self.use(program, draw, bindings, {}, feed)
+            data, errors = gl.ask_all(
+                [("contents", gl.TRANSFORM_FEEDBACK_BUFFER, size), ("errors",)]
+            )
+            gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, None)
+        if errors:
+            raise DriverError(f"capturing vertices: WebGL2 raised {', '.join(map(hex, errors))}")
+        return decoded(data, np.float32)
+
+    def _read_attributes(self, key: PassDraw) -> Mapping[str, AttributeReading]:
+        """Return what WebGL2 says of each attribute's place."""
+        draw = self.programs[key[0]][key[1]]
+        if draw.draw.mesh is None:
+            return {}
+        program = self.linker.link(as_drawn(draw.draw, draw.texts), draw.sources)
+        gl = self.device.gl
+        with Objects(gl) as own:
+            found = vertex_array(own, draw.draw.mesh, program.interface.attributes).readings(gl)
+            gl.bindVertexArray(None)
+        return found
+
+    def _read_blocks(self, key: PassDraw) -> Mapping[str, BlockReading]:
+        """Return what WebGL2 says of each block's members."""
+        draw = self.programs[key[0]][key[1]]
+        program = self.linker.link(as_drawn(draw.draw, draw.texts), draw.sources)
+        gl, found = self.device.gl, {}
+        for name, block in blocks.uniform_blocks(draw.interface).items():
+            offsets: dict[str, int] = {}
+            size = 0
+            if name in program.blocks:
+                index = program.blocks[name]
+                size, offsets = gl.ask_all([
+                    ("getActiveUniformBlockParameter", program.handle, index,
+                     gl.UNIFORM_BLOCK_DATA_SIZE),
+                    ("offsets", program.handle, index),
+                ])  # fmt: skip
+            placed = {member.name: member.offset for member in block.members.values()}
+            own = {}
+            for member in placed:
+                # SPIRV-Cross gives each block an instance: its members have its name in front.
+                for said in (f"{name}.{member}", f"{name}.{member}[0]"):
+                    if said in offsets:
+                        own[member] = offsets[said]
+            found[name] = BlockReading(
+                offsets=own, size=size, placed=placed, placed_size=block.size
+            )
+        return found
+
+    def _time(self, pass_name: str, repeats: int) -> Timing:
+        """How long a pass takes to draw, with all that this takes in Python and on the way to the
+        browser. The first time through, when the browser compiles, does not count."""
+        prepared = self.programs[pass_name]
+        seconds, vertices = [], 0
+        for draw in prepared:
+            mesh = draw.draw.mesh
+            count = (
+                3 if mesh is None else mesh.vertices if mesh.indices is None else len(mesh.indices)
+            )
+            vertices += count * draw.draw.instances
+        with self.fresh_target(pass_name) as target:
+            for turn in range(repeats + 1):
+                target.clear()
+                start = time.perf_counter()
+                for index, draw in enumerate(prepared):
+                    self.render(draw, self.bindings[pass_name, index], target)
+                self.finish()
+                if turn:
+                    seconds.append(time.perf_counter() - start)
+        return Timing(draw_calls=len(prepared), vertices=vertices, seconds=tuple(seconds))
+
+    def _count(self, key: PassDraw, counter: str) -> int:
+        raise UnsupportedError(f"counting {counter}: WebGL2 only says whether there was any")
+
+    def _locations(self, key: PassDraw) -> Mapping[str, int]:
+        """Number the uniforms: WebGL2 only says whether there is one."""
+        draw = self.programs[key[0]][key[1]]
+        program = self.linker.link(as_drawn(draw.draw, draw.texts), draw.sources)
+        active = list(program.locations)
+        return {
+            name: active.index(name) if name in active else -1 for name in draw.interface.uniforms
+        }
+
+    def _errors(self, key: PassDraw) -> Sequence[int]:
+        return self._gl_errors.get(key, ())
+
+    answers: ClassVar[Answers] = {
+        **PassSession.answers,
+        "count": _count,
+        "time": _time,
+        "attributes": _read_attributes,
+        "blocks": _read_blocks,
+        "locations": _locations,
+        "gl_errors": _errors,
+    }
+
+
+class WebGLBackend(DeviceBackend):
+    """Draws scenes in one browser; keeps programs from one to the next."""
+
+    linker_class = Linker
+    session_class = WebGLSession
+    device: Device
+
+    def in_use(self) -> AbstractContextManager[object]:
+        self.device.gl.start_afresh()
+        return super().in_use()
+
+    def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
+        """Of the ESSL that SPIRV-Cross makes of a program. A stage alone is only compiled."""
+        texts = {source.stage: source.text for source in sources}
+        try:
+            made = translated(texts, sources)
+        except UnsupportedError:
+            raise
+        except ShaderError as error:
+            raise DriverError(
+                "WebGL2 gets ESSL made of a module, and of this program there is none",
+                file=error.file, line=error.line,
+            ) from error  # fmt: skip
+        with Objects(self.device.gl) as own:
+            refused = refusal(self.device.gl, own.new("Program"), made.texts)
+        said = (sources[0].diagnostic(refused),) if refused else ()
+        return Verdict(target=DRIVER, ok=not refused, diagnostics=said)
+
+    def close(self) -> None:
+        self.device.close()
