@@ -22,8 +22,8 @@ from shaderlab.errors import AssetError
 from shaderlab.model import pictures
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Agreement, Disagreement, DrawnOutput, DriverResult, Record, Run
-from shaderlab.report.drivers import AGREEMENTS, driver_table
-from shaderlab.report.plain_text import label, printable
+from shaderlab.report.comparison import AGREEMENTS, compare_drivers
+from shaderlab.report.text import format_label, make_printable
 
 FRAMES = "drawn"
 """The folder in the run's own that holds what each driver drew, until that is compared."""
@@ -266,14 +266,14 @@ _MOST_LINES = 40
 def show_drivers(run: Run, console: Console) -> None:
     """A table of cases and drivers, why a driver did not pass, and what lies outside of a band;
     nothing for a run on one driver."""
-    table = driver_table(run, {})
+    table = compare_drivers(run, {})
     if table is None:
         return
     names = [name for name, _ in table.drivers]
     shown = plain_table("case", "variants", *names, right={"variants"}, whole={"case", *names})
     for case_id, count, cells in table.by_case():
         texts = (Text(cell, _STYLES.get(cell[0], "")) for cell in cells)
-        shown.add_row(Text(printable(case_id)), Text(str(count)), *texts)
+        shown.add_row(Text(make_printable(case_id)), Text(str(count)), *texts)
     console.print()
     console.print(shown)
     console.print()
@@ -283,10 +283,12 @@ def show_drivers(run: Run, console: Console) -> None:
     for result, labels in _alike(run.drivers):
         style = "yellow" if result.status == "unsupported" else "red"
         head = f"{result.status} on {result.driver}: {', '.join(labels)}"
-        console.print(printable("\n  ".join([head, *result.message.splitlines()])), style=style)
-    outside = [each for each in table.apart if each.verdict == "outside"]
+        console.print(
+            make_printable("\n  ".join([head, *result.message.splitlines()])), style=style
+        )
+    outside = [each for each in table.differences if each.verdict == "outside"]
     for each in outside[:_MOST_LINES]:
-        console.print(printable(_line(each)))
+        console.print(make_printable(_line(each)))
     if len(outside) > _MOST_LINES:
         console.print(f"… and {len(outside) - _MOST_LINES} more")
 
@@ -298,11 +300,11 @@ def _alike(results: Iterable[DriverResult]) -> Iterator[tuple[DriverResult, list
         if result.status != "pass":
             found.setdefault((result.driver, result.status, result.message), []).append(result)
     for alike in found.values():
-        yield alike[0], [label(result.id, result.variant) for result in alike]
+        yield alike[0], [format_label(result.id, result.variant) for result in alike]
 
 
 def _line(each: Disagreement) -> str:
-    name = f"{label(each.id, each.variant)}: {each.output}"
+    name = f"{format_label(each.id, each.variant)}: {each.output}"
     pair = " | ".join(each.drivers)
     return (
         f"{name}  {pair}: {each.differing} of {each.pixels} pixels differ, by {each.ulp:.4g} ULP "

@@ -25,7 +25,7 @@ from shaderlab.engine.jobs import checked_driver
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits
 from shaderlab.report.findings import Finding, of_verdicts
-from shaderlab.report.plain_text import diagnostic_line
+from shaderlab.report.text import format_diagnostic
 from shaderlab.workers.pool import WorkerPool
 
 # Workers import the driver's room by this name; the command itself never touches a device.
@@ -220,7 +220,7 @@ def messages(result: FileResult) -> Iterator[str]:
     targets_of: dict[str, list[str]] = {}
     for verdict in result.verdicts:
         for diagnostic in dict.fromkeys(verdict.diagnostics):
-            targets_of.setdefault(diagnostic_line(diagnostic), []).append(verdict.target)
+            targets_of.setdefault(format_diagnostic(diagnostic), []).append(verdict.target)
     for line, targets in targets_of.items():
         few = len(targets) < len(result.verdicts)
         yield f"{line} [{', '.join(targets)}]" if few else line

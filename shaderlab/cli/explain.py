@@ -140,7 +140,7 @@ def show(explained: Explanation, where: str | None = None) -> None:
     from rich.console import Console
 
     from shaderlab.cli.showing import plain_table
-    from shaderlab.report.plain_text import printable
+    from shaderlab.report.text import make_printable
 
     console = Console(file=sys.stdout, highlight=False, markup=False, soft_wrap=True)
     if not console.is_terminal:
@@ -153,8 +153,8 @@ def show(explained: Explanation, where: str | None = None) -> None:
     for step in explained.steps:
         at = step.component
         table.add_row(
-            printable(f"{Path(step.file).name}:{step.line}"),
-            printable("  " * len(step.calls) + step.label),
+            make_printable(f"{Path(step.file).name}:{step.line}"),
+            make_printable("  " * len(step.calls) + step.label),
             f"{step.value[at]:.9g}" + ("" if step.by_driver else " (float32)"),
             f"{step.exact[at]:.9g}",
             _band(step.low[at], step.high[at]),

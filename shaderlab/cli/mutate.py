@@ -152,11 +152,11 @@ def command(
 def _into_report(data: Mapping[str, Any], folder: Path) -> None:
     """Put the results beside those of earlier runs, and into the page if a run is there."""
     from shaderlab.model import store
-    from shaderlab.report import html, mutants
+    from shaderlab.report import html, page
 
-    path = folder / mutants.FILE_NAME
-    if mutants.load(folder):
-        data = mutants.merged(json.loads(path.read_text(encoding="utf-8")), data)
+    path = folder / page.MUTATION_NAME
+    if page.load_mutants(folder):
+        data = page.merge_mutants(json.loads(path.read_text(encoding="utf-8")), data)
     write_json(data, str(path))
     if (folder / store.FILE_NAME).is_file():
         click.echo(f"report: {html.write(store.load(folder), folder)}", err=True)

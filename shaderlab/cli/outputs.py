@@ -218,9 +218,9 @@ def require_no_foreign_page(folder: Path) -> None:
     """Raise UsageError where a report would replace an index.html that is none."""
     page = folder / "index.html"
     if page.exists() and not any((folder / name).exists() for name in _OWN_FILES):
-        from shaderlab.report.runs import is_list
+        from shaderlab.report.html import is_run_list
 
-        if is_list(page):
+        if is_run_list(page):
             return
         raise UsageError(
             "this page is no report of shaderlab, and a report would replace it",

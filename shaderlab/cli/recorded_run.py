@@ -232,11 +232,11 @@ def _remove_old(parent: Path) -> None:
 
 def _index(parent: Path, *, new: bool) -> list[ShaderlabError]:
     """Write the list of all runs there, made where it is `new` only; what was wrong with that."""
-    from shaderlab.report import html, runs
+    from shaderlab.report import html
 
     try:
-        if new or runs.is_list(parent / html.FILE_NAME):
-            runs.write(parent)
+        if new or html.is_run_list(parent / html.FILE_NAME):
+            html.write_run_list(parent)
     except ShaderlabError as error:
         return [error]
     return []

@@ -236,10 +236,10 @@ def _renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]:
 
 
 def _status(run: Run) -> int:
-    from shaderlab.report.plain_text import failed
+    from shaderlab.report.text import has_failed
 
     passed = any(record.status == "pass" for record in run.records)
-    return FAILED if run.failing_drivers or not passed or any(map(failed, run.records)) else OK
+    return FAILED if run.failing_drivers or not passed or any(map(has_failed, run.records)) else OK
 
 
 def _compared_drivers(names: str | None) -> tuple[str, ...]:

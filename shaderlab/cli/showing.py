@@ -25,21 +25,22 @@ from rich.text import Text
 
 from shaderlab.files import display_path
 from shaderlab.model.records import Outcome, Record, Run
-from shaderlab.report.plain_text import (
+from shaderlab.report.text import (
     MARKS,
-    conditions,
-    counted,
-    coverage_lines,
-    failed,
-    failure,
-    gl_call_lines,
-    label,
-    printable,
-    summary,
-    tally,
-    unread,
+    duration,
+    format_conditions,
+    format_counts,
+    format_coverage,
+    format_failure,
+    format_gl_calls,
+    format_label,
+    format_summary,
+    format_tally,
+    format_unread,
+    has_failed,
+    make_printable,
+    share,
 )
-from shaderlab.report.text import duration, share
 
 if TYPE_CHECKING:
     from shaderlab.cli.sweep_table import SweepTable
@@ -96,7 +97,7 @@ def case_table(records: Iterable[Record], width: int) -> Table:
             rows.append(_cells(passed[0].id, passed, f"{len(passed)}/{len(group)}", tells))
         for record in group:
             if record.status != "pass":
-                rows.append(_cells(label(record.id, record.variant), [record], "", tells))
+                rows.append(_cells(format_label(record.id, record.variant), [record], "", tells))
     return _fitted(headings, rows, width)
 
 
@@ -152,7 +153,7 @@ def _cells(name: str, group: Sequence[Record], variants: str, tells: bool) -> Se
     # Texts, not strings: a name is no markup, and parsing markup takes half of a table's time.
     return (
         Text(MARKS[status], STYLES.get(status, "red")),
-        *(Text(printable(cell)) for cell in plain),
+        *(Text(make_printable(cell)) for cell in plain),
         _compiled(group),
         *([Text(_informative(outcomes))] if tells else []),
     )
@@ -237,10 +238,10 @@ class Show:
             words = f"not listed: {passed:,} that passed; the report has all"
             self.console.print(words, style="dim")
         for record in run.records:
-            if failed(record):
+            if has_failed(record):
                 self.console.print()
                 self._failure(record)
-        notes = [*conditions(run), *unread(run.records)]
+        notes = [*format_conditions(run), *format_unread(run.records)]
         if notes:
             self.console.print()
         for line in notes[:MOST_ROWS]:
@@ -248,24 +249,24 @@ class Show:
         if len(notes) > MOST_ROWS:
             self.console.print(f"… and {len(notes) - MOST_ROWS} more", style="yellow")
         self.console.print()
-        self._summary(run, summary(run), bad=any(map(failed, run.records)))
+        self._summary(run, format_summary(run), bad=any(map(has_failed, run.records)))
 
     def verdict(self, record: Record) -> None:
         """A record's verdict as soon as it is there: a line, or a failure in full."""
-        if failed(record):
+        if has_failed(record):
             self._failure(record)
         else:
-            name = label(record.id, record.variant)
+            name = format_label(record.id, record.variant)
             said = f" ({record.message})" if record.message else ""
             self.console.print(f"{MARKS[record.status]} {name}{said}", style=STYLES[record.status])
 
     def total(self, records: Sequence[Record], seconds: float) -> None:
         """The line that sums up some records, and the time from a save to it."""
-        style = "bold red" if any(map(failed, records)) else "bold green"
-        self.console.print(f"{tally(records)} in {duration(seconds)}", style=style)
+        style = "bold red" if any(map(has_failed, records)) else "bold green"
+        self.console.print(f"{format_tally(records)} in {duration(seconds)}", style=style)
 
     def _failure(self, record: Record) -> None:
-        for line in failure(record):
+        for line in format_failure(record):
             style = "red" if line.lstrip().startswith(MARKS["fail"]) else None
             self.console.print(line, style=style)
 
@@ -279,7 +280,7 @@ class Show:
     def gl_calls(self, run: Run) -> None:
         """The calls of OpenGL that were recorded."""
         for record in run.records:
-            for line in gl_call_lines(record):
+            for line in format_gl_calls(record):
                 self.console.print(line, highlight=False, markup=False)
 
     def coverage(self, run: Run) -> None:
@@ -287,7 +288,7 @@ class Show:
         if run.code_coverage:
             self.console.print()
         for each in run.code_coverage:
-            line, *gaps = coverage_lines(each)
+            line, *gaps = format_coverage(each)
             self.console.print(line, style="yellow" if gaps or each.message else None)
             for gap in gaps:
                 self.console.print(f"  {gap}")
@@ -315,7 +316,9 @@ class Show:
             self.console.print(f"the {len(shown)} worst of {count} points", style="dim")
         for message in points.messages[:MOST_MESSAGES]:
             self.console.print(message, style="red")
-        words = f"{count} points: {counted(points.statuses, run.missing)} in {run.seconds:.1f} s"
+        words = (
+            f"{count} points: {format_counts(points.statuses, run.missing)} in {run.seconds:.1f} s"
+        )
         self._summary(run, f"\n{words}", bad=points.failed > 0)
 
     def where(self, page: Path) -> None:
@@ -338,7 +341,9 @@ class Show:
         self.console.print(table)
         slowest = sorted(run.records, key=lambda record: -record.seconds)[:SLOWEST]
         for record in slowest:
-            self.console.print(f"{record.seconds:8.3f} s  {label(record.id, record.variant)}")
+            self.console.print(
+                f"{record.seconds:8.3f} s  {format_label(record.id, record.variant)}"
+            )
 
 
 class Reporter:
@@ -357,7 +362,7 @@ class Reporter:
 
     def starts(self, case_id: str, variant: str, driver: str = "") -> None:
         """A scene starts."""
-        name = label(case_id, variant) + (f" on {driver}" if driver else "")
+        name = format_label(case_id, variant) + (f" on {driver}" if driver else "")
         self._bar.update(self._task, description=f"{name:<32}")
         now = time.monotonic()
         if now >= self._next:
@@ -371,11 +376,11 @@ class Reporter:
     def ends(self, record: Record) -> None:
         """A scene is done."""
         self.advance()
-        if failed(record):
+        if has_failed(record):
             self._failed += 1
             where = f" on {record.driver_name}" if record.driver_name else ""
             if self._failed <= self._most_said:
-                self._say(f"{record.status}: {label(record.id, record.variant)}{where}")
+                self._say(f"{record.status}: {format_label(record.id, record.variant)}{where}")
             elif self._failed == self._most_said + 1:
                 self._say("more do not pass, which are not named here")
 

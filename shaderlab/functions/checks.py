@@ -24,7 +24,7 @@ from shaderlab.glslmath.arrays import stacked
 from shaderlab.glslmath.choice import where
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Outcome, SourceText
-from shaderlab.report.plain_text import numbers, outcome_details
+from shaderlab.report.text import format_numbers, format_outcome
 
 if TYPE_CHECKING:
     from shaderlab.functions.library import Function
@@ -68,7 +68,7 @@ def format_failures(call: Call, outcomes: Sequence[Outcome]) -> str:
     lines = [str(call.signature)]
     for outcome in outcomes:
         if outcome.status != "pass":
-            lines += [f"{outcome.name}:"] * (len(outcomes) > 1) + [*outcome_details(outcome)]
+            lines += [f"{outcome.name}:"] * (len(outcomes) > 1) + [*format_outcome(outcome)]
     return "\n".join(lines)
 
 
@@ -134,17 +134,17 @@ def _shown(call: Call, finding: Finding, index: int) -> Iterator[str]:
     """One element: what it got, what was expected, its inputs, and a line that calls it again."""
     count = math.prod(call.batch)
     rows = finding.values.reshape(count, -1)[index]
-    yield f"  got        {numbers(rows)}"
+    yield f"  got        {format_numbers(rows)}"
     if finding.expected:
         yield f"  expected   {finding.expected}"
     else:
         other = finding.reference.reshape(count, -1)[index]
-        yield f"  expected   {numbers(other)}"
+        yield f"  expected   {format_numbers(other)}"
         with np.errstate(all="ignore"):
             apart = np.abs(rows.astype(np.float64) - other) / np.spacing(np.abs(np.float32(other)))
         yield f"  apart      {np.max(apart):.3g} ulp"
     for name, values in inputs_at(call, index).items():
-        yield f"  {name} = {numbers(values)}"
+        yield f"  {name} = {format_numbers(values)}"
 
 
 def inputs_at(call: Call, index: int) -> dict[str, tuple[float, ...]]:

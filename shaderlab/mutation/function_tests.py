@@ -34,7 +34,7 @@ from shaderlab.model.frame import Array
 from shaderlab.mutation.campaign import OPENING_SECONDS, MutationPlan
 from shaderlab.mutation.mutants import Mutant, MutantResult
 from shaderlab.mutation.shader_mutants import ShaderMutant, mutate_stage
-from shaderlab.report.plain_text import failed
+from shaderlab.report.text import has_failed
 
 if TYPE_CHECKING:
     import pytest
@@ -236,7 +236,7 @@ class MakeFunctionMutants:
     def perform(self, worker: Worker) -> list[Mutant]:
         worker.restart_limit(OPENING_SECONDS)
         result = RunTestFile(self.file, alike=True).perform(worker)
-        names = ", ".join(r.variant for r in result.records if failed(r))
+        names = ", ".join(r.variant for r in result.records if has_failed(r))
         if names:
             raise CaseError(f"fails as it is: {names}", file=self.file, remedy="run it with pytest")
         found: list[Mutant] = []
@@ -270,7 +270,7 @@ class JudgeFunctionMutant:
             return MutantResult(
                 status="invalid", by=f"{display_path(mutant.file)} does not compile"
             )
-        noticed = {record.variant: failed(record) for record in result.records}
+        noticed = {record.variant: has_failed(record) for record in result.records}
         names = [name for name, fails in noticed.items() if fails]
         if names:
             return MutantResult(status="killed", by=", ".join(names), noticed=noticed)

@@ -34,7 +34,7 @@ from shaderlab.engine.executors import WORDS
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path
 from shaderlab.model.options import CALL_LIMITS, Limits
-from shaderlab.report.plain_text import failed, failure, label
+from shaderlab.report.text import format_failure, format_label, has_failed
 
 if TYPE_CHECKING:
     from shaderlab.engine.executors import Prefetcher
@@ -51,7 +51,7 @@ class CaseFailure(Exception):
     """A scene did not pass; carries its record."""
 
     def __init__(self, record: Record) -> None:
-        super().__init__(f"{label(record.id, record.variant)}: {record.status}")
+        super().__init__(f"{format_label(record.id, record.variant)}: {record.status}")
         self.record = record
 
 
@@ -65,7 +65,9 @@ class CaseFile(pytest.File):
         if facts.error is not None:
             raise facts.error
         for job in jobs_of(facts):
-            item: CaseItem = CaseItem.from_parent(self, name=label(job.id, job.variant), job=job)
+            item: CaseItem = CaseItem.from_parent(
+                self, name=format_label(job.id, job.variant), job=job
+            )
             yield item
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
@@ -96,7 +98,7 @@ class CaseItem(pytest.Item):
         self.record = record
         if record.status == "unsupported":
             pytest.skip(record.message or "this driver lacks what the case needs")
-        if failed(record):
+        if has_failed(record):
             raise CaseFailure(record)
         if record.not_asked:
             said = f"{len(record.not_asked)} checks of OpenGL's own calls were not asked"
@@ -104,7 +106,7 @@ class CaseItem(pytest.Item):
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         if isinstance(excinfo.value, CaseFailure):
-            return "\n".join(failure(excinfo.value.record))
+            return "\n".join(format_failure(excinfo.value.record))
         if isinstance(excinfo.value, ShaderlabError):
             return str(excinfo.value)
         return super().repr_failure(excinfo, style)

@@ -11,8 +11,13 @@ from pathlib import Path
 from shaderlab.files import read_regular
 from shaderlab.model.records import Diagnostic, Outcome, Record, Run, Severity, Verdict
 from shaderlab.report.grouping import PASSABLE, STATUS_WORDS
-from shaderlab.report.plain_text import label, listed, outcome_details, printable
-from shaderlab.report.text import plural
+from shaderlab.report.text import (
+    format_label,
+    format_listed_points,
+    format_outcome,
+    make_printable,
+    plural,
+)
 
 _PLACE = re.compile(r"(?P<file>[^\n]+?):(?P<line>\d+): ")
 _CASE = re.compile(r"case\s*[:=]")
@@ -58,7 +63,9 @@ def findings_of(run: Run) -> list[Finding]:
         message = f"the run was interrupted: {plural(run.missing, 'variant')} not run"
         merged.append(Finding(rule="interrupted", file="", line=0, message=message))
     if run.points is not None:
-        note = Finding(rule="sweep", file="", line=0, message=listed(run), severity="info")
+        note = Finding(
+            rule="sweep", file="", line=0, message=format_listed_points(run), severity="info"
+        )
         merged.append(note)
     return merged
 
@@ -122,7 +129,7 @@ class Lines:
 
 
 def _of_record(record: Record) -> Iterator[Finding]:
-    name = label(record.id, record.variant)
+    name = format_label(record.id, record.variant)
     if record.status in PASSABLE:
         return
     refused = [f for p in record.programs for f in of_verdicts(p.verdicts, p.files[0])]
@@ -142,8 +149,8 @@ def _of_outcome(record: Record, outcome: Outcome) -> Finding:
     if explained is not None and explained.file and explained.line:
         related.insert(0, (file, line))
         file, line = explained.file, explained.line
-    said = "\n".join(map(printable, outcome_details(outcome)))
-    name = f"{outcome.name} of {label(record.id, record.variant)}"
+    said = "\n".join(map(make_printable, format_outcome(outcome)))
+    name = f"{outcome.name} of {format_label(record.id, record.variant)}"
     return Finding(
         rule=outcome.kind,
         file=file,
@@ -164,7 +171,7 @@ def _of_end(record: Record, name: str) -> Finding:
         rule=record.status if record.status != "fail" else "case",
         file=file,
         line=line or _line_of_case(file),
-        message=printable(f"{name}: {said or STATUS_WORDS[record.status]}"),
+        message=make_printable(f"{name}: {said or STATUS_WORDS[record.status]}"),
         subject=record.id,
     )
 
@@ -179,7 +186,7 @@ def _of_other_drivers(run: Run) -> Iterator[Finding]:
                 rule="driver",
                 file=record.file,
                 line=_line_of_case(record.file),
-                message=f"{label(result.id, result.variant)}: {STATUS_WORDS[result.status]} "
+                message=f"{format_label(result.id, result.variant)}: {STATUS_WORDS[result.status]} "
                 f"on {result.driver}",
                 subject=f"{result.id}[{result.variant}] on {result.driver}",
             )

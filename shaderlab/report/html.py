@@ -1,32 +1,45 @@
-"""The report as a small site in the run's folder: a front page, and a page for each case.
+"""The report as a small site in the run's folder: a front page, and a page for each case; and the
+list of all runs in a folder such as reports/.
 
 It opens from disk, where a page may not read files but may link to them and run scripts: what is
-shown on demand is a script. It asks nothing of any network. The same as one file is for mailing.
+shown on demand is a script. It requests nothing from any network. The same as one file is for
+mailing.
 """
 
 from __future__ import annotations
 
 import importlib
+import json
+import os
 import threading
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
-from shaderlab.files import write_text
+from shaderlab.files import read_regular, write_text
 from shaderlab.model.records import Run
-from shaderlab.report import mutants, parts
-from shaderlab.report.build import build
-from shaderlab.report.compare import compare
-from shaderlab.report.drivers import driver_table
-from shaderlab.report.environment import environment
-from shaderlab.report.history import history, save
-from shaderlab.report.inline import Pictures, Repeated
-from shaderlab.report.page import Page
-from shaderlab.report.search import script
+from shaderlab.report import rendering
+from shaderlab.report.comparison import (
+    SUMMARY_NAME,
+    compare_drivers,
+    compare_runs,
+    compare_with_past,
+    save_summary,
+)
+from shaderlab.report.grouping import STATUSES
+from shaderlab.report.markup import colour_lines
+from shaderlab.report.page import CaseView, Page, build_page, load_mutants
+from shaderlab.report.pictures import Pictures, Repeated
+from shaderlab.report.sources import collect_words
 
 FILE_NAME = "index.html"
 AGAINST_NAME = "against.html"
+_RUN_LIST = "shaderlab: all runs"
+"""The generator that the list of runs names: it tells that page from one that somebody else put
+there."""
 
 
 def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None) -> Path:
@@ -44,14 +57,15 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
             are only noted.
     """
     target = Path(folder)
-    page = build(run, Pictures(target), mutants.load(target))
-    shared = target / parts.FOLDER
-    write_text(shared / "style.css", parts.style())
-    write_text(shared / "script.js", parts.script())
+    page = build_page(run, Pictures(target), load_mutants(target))
+    shared = target / rendering.FOLDER
+    write_text(shared / "style.css", rendering.style())
+    write_text(shared / "script.js", rendering.script())
     links = page.links(single=False)
-    past = history(run, target, links)
-    render = partial(_render, page=page, run=run, single=False, policy=parts.SITE_POLICY)
-
+    past = compare_with_past(run, target, links)
+    render = partial(
+        rendering.render, page=page, run=run, single=False, policy=rendering.SITE_POLICY
+    )
     for earlier, (chapter, case), later in _with_neighbours(page):
         pieces = render(
             "case_page.html.j2",
@@ -64,18 +78,18 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
             trend=past and past.trends.get(case.group.id),
         )
         write_text(target / case.page, pieces)
-    write_text(shared / "search.js", script((c.anchor, c.group.records) for c in page.cases))
+    write_text(shared / "search.js", _search_script(page))
     path = target / (AGAINST_NAME if against else FILE_NAME)
     front = render(
         "index.html.j2",
         root="",
         here="",
-        against=against and compare(run, target, *against, links),
-        drivers=driver_table(run, links),
+        against=against and compare_runs(run, target, *against, links),
+        drivers=compare_drivers(run, links),
         links=links,
         past=past,
     )
-    save(run, target)
+    save_summary(run, target)
     write_text(path, front)
     return path
 
@@ -86,24 +100,24 @@ def write_single(run: Run, folder: str | Path, path: str | Path) -> None:
     Raises:
         ShaderlabError: as `write`.
     """
-    page = build(run, Pictures(Path(folder)), mutants.load(Path(folder)))
+    page = build_page(run, Pictures(Path(folder)), load_mutants(Path(folder)))
     links = page.links(single=True)
-    pieces = _render(
-        "single.html.j2",
+    pieces = rendering.render(
+        "index.html.j2",
         page=page,
         run=run,
         single=True,
         root="",
         level=3,
         here="",
-        policy=parts.single_policy(),
-        style=parts.style(),
-        script=parts.script(),
-        repeated=Repeated(page.shown_apart()),
+        policy=rendering.single_policy(),
+        style=rendering.style(),
+        script=rendering.script(),
+        repeated=Repeated(page.all_pictures()),
         against=None,
-        drivers=driver_table(run, links),
+        drivers=compare_drivers(run, links),
         links=links,
-        past=history(run, Path(folder), links),
+        past=compare_with_past(run, Path(folder), links),
     )
     write_text(path, pieces)
 
@@ -116,24 +130,100 @@ def load_libraries() -> None:
     """
 
     def load() -> None:
-        for name in environment().list_templates():
-            environment().get_template(name)
-        coloured_lines = importlib.import_module("shaderlab.report.colouring").coloured_lines
+        for name in rendering.environment().list_templates():
+            rendering.environment().get_template(name)
         for language in ("glsl", "python"):
-            coloured_lines("a\n", language)
+            colour_lines("a\n", language)
         for name in ("markdown_it", "latex2mathml.converter"):
             importlib.import_module(name)
-        _ = parts.style(), parts.script()
 
     threading.Thread(target=load, daemon=True).start()
 
 
-def _render(template: str, **values: Any) -> Iterator[str]:
-    return environment().get_template(template).generate(boot=parts.BOOT, **values)
-
-
-def _with_neighbours(page: Page) -> Iterator[tuple[Any, Any, Any]]:
+def _with_neighbours(
+    page: Page,
+) -> Iterator[tuple[CaseView | None, tuple[str, CaseView], CaseView | None]]:
     """The case before, (its chapter's anchor, the case), and the case after."""
     cases = [(chapter.anchor, case) for chapter in page.chapters for case in chapter.cases]
     around = [None, *(case for _, case in cases), None]
     return zip(around, cases, around[2:], strict=False)
+
+
+def _search_script(page: Page) -> Iterator[str]:
+    """A script with the words of each case, by its anchor, in pieces."""
+    yield "globalThis.shaderlabWords = {\n"
+    for case in page.cases:
+        words = json.dumps(collect_words(case.group.records), ensure_ascii=False)
+        yield f"{json.dumps(case.anchor)}: {words},\n"
+    yield "};\n"
+
+
+@dataclass(frozen=True)
+class RunLine:
+    """A run in the list: its folder's name, when it began, its status ("" where its summary has
+    none), its summary, whether it was interrupted, its driver, and the shaders that were
+    replaced."""
+
+    name: str
+    started: str
+    status: str
+    summary: str
+    interrupted: bool
+    renderer: str
+    replaced: tuple[str, ...]
+
+    @property
+    def link(self) -> str:
+        """Where its front page is."""
+        return f"{quote(os.fsencode(self.name))}/{FILE_NAME}"
+
+
+def write_run_list(folder: Path) -> None:
+    """Write `folder`/index.html: the runs whose folders lie there, the last one first.
+
+    A page that is not of this kind stays as it is.
+
+    Raises:
+        ShaderlabError: it can't be written.
+    """
+    path = folder / FILE_NAME
+    if path.exists() and not is_run_list(path):
+        return
+    lines = sorted(_run_lines(folder), key=lambda line: (line.started, line.name), reverse=True)
+    pieces = rendering.render(
+        "runs.html.j2",
+        lines=lines,
+        style=rendering.style(),
+        policy=rendering.plain_policy(),
+        generator=_RUN_LIST,
+    )
+    write_text(path, pieces)
+
+
+def is_run_list(path: Path) -> bool:
+    """Whether a file is a list of runs that was written earlier."""
+    try:
+        text = read_regular(path).decode("utf-8", "replace")
+    except OSError:
+        return False
+    return f'name="generator" content="{_RUN_LIST}"' in text
+
+
+def _run_lines(folder: Path) -> Iterator[RunLine]:
+    for path in folder.glob(f"*/{SUMMARY_NAME}"):
+        if path.parent.is_symlink() or not (path.parent / FILE_NAME).is_file():
+            continue
+        try:
+            found: dict[str, Any] = json.loads(read_regular(path))
+            status = found.get("status")
+            yield RunLine(
+                name=path.parent.name,
+                started=str(found["started"]),
+                status=status if status in STATUSES else "",
+                summary=str(found.get("said", "")),
+                interrupted=bool(found.get("missing")),
+                renderer=str(found["renderer"]),
+                replaced=tuple(map(str, found["replaced"])),
+            )
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            continue

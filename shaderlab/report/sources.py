@@ -1,64 +1,142 @@
-"""A case's sources with the compilers' messages, each once for all variants."""
+"""A case's texts for its page: sources with compilers' messages, programs, SPIR-V, and the words
+that it is found by. What several variants or cases share is shown once."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+import zlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from shaderlab.model.records import Declared, Diagnostic, SourceText, Verdict
+from markupsafe import Markup
+
+from shaderlab.model.records import Declared, Diagnostic, Record, SourceText, Verdict
 from shaderlab.report.grouping import CaseGroup
-from shaderlab.report.listing import Listing, listing
-from shaderlab.report.page import Compiled
-from shaderlab.report.text import Anchors
+from shaderlab.report.markup import colour_lines
+from shaderlab.report.pictures import Pictures, in_base64
+from shaderlab.report.text import Anchors, clean
+
+
+@dataclass(frozen=True)
+class Part:
+    """Lines that follow one another as HTML, and the messages about the last of them."""
+
+    html: Markup
+    messages: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True)
+class Listing:
+    """A source ready to print: `count` lines, counted from `first`, and `messages` by line.
+    `variants` says which variants use it, empty for all of them.
+
+    `repeated`: an earlier case has the same listing, under the same anchors.
+    """
+
+    source: SourceText
+    anchor: str
+    count: int
+    messages: Mapping[int, Sequence[Diagnostic]]
+    variants: tuple[str, ...] = ()
+    repeated: bool = False
+
+    @property
+    def first(self) -> int:
+        """The number of its first line."""
+        return self.source.line
+
+    @property
+    def place(self) -> str:
+        """File and first line, as editors understand it."""
+        return f"{self.source.file}:{self.first}"
+
+    @property
+    def has_messages(self) -> bool:
+        """Whether compilers have messages about one of its lines."""
+        return any(self.first <= line < self.first + self.count for line in self.messages)
+
+    @property
+    def parts(self) -> Iterator[Part]:
+        """Its lines, numbered and coloured, cut after those with messages.
+
+        A page has more lines of code than of anything else, so a template gets many at once.
+        Anchors and numbers need no escaping.
+        """
+        rows = []
+        lines = colour_lines(_code(self.source), self.source.language)
+        for number, code in enumerate(lines, self.first):
+            place = f"{self.anchor}-L{number}"
+            rows.append(
+                f'<span class="row" id="{place}"><a href="#{place}" tabindex="-1">{number}</a>'
+                f"<span>{code}\n</span></span>"
+            )
+            if number in self.messages:
+                yield Part(Markup("".join(rows)), tuple(self.messages[number]))
+                rows = []
+        yield Part(Markup("".join(rows)))
+
+
+def _code(source: SourceText) -> str:
+    return clean(source.text).expandtabs(4).rstrip("\n") + "\n"
+
+
+def anchor_of(texts: Iterable[Listing], file: str, line: int) -> str | None:
+    """Return the anchor of a source line, if one of the listings shows it."""
+    for text in texts:
+        if file == text.source.file and 0 <= line - text.first < text.count:
+            return f"{text.anchor}-L{line}"
+    return None
+
 
 # Listings in the page so far, by text and messages.
 Shown = dict[tuple[SourceText, frozenset[Diagnostic]], Listing]
 
 
-def listings(
+def list_sources(
     group: CaseGroup, anchors: Anchors, shown: Shown
 ) -> tuple[tuple[Listing, ...], tuple[Listing, ...]]:
-    """Each source text once, GLSL and Python apart, with the messages of all compilers.
+    """Return each source text once, GLSL and Python apart, with the messages of all compilers.
 
     A listing that an earlier case has `shown` is used again.
     """
     users: dict[SourceText, list[str]] = {}
-    messages: list[Diagnostic] = []
+    messages: dict[Diagnostic, None] = {}
+    judged_by: set[str] = set()
     for record in group.records:
-        sources: list[SourceText] = []
+        sources: dict[SourceText, None] = {}
         for program in record.programs:
-            sources.extend(program.sources)
-            messages.extend(m for verdict in program.verdicts for m in verdict.diagnostics)
+            sources.update(dict.fromkeys(program.sources))
+            for verdict in program.verdicts:
+                messages.update(dict.fromkeys(verdict.diagnostics))
         for outcome in record.expectations:
-            sources.extend(outcome.sources)
-        for source in dict.fromkeys(sources):
+            sources.update(dict.fromkeys(outcome.sources))
+            judged_by.update(source.file for source in outcome.sources)
+        for source in sources:
             users.setdefault(source, []).append(record.variant)
-    cited = {
-        source.file
-        for record in group.records
-        for outcome in record.expectations
-        for source in outcome.sources
-    }
     # Without a text that another one of the same file holds at the same lines. Sources of checks
     # come first, others (pictures, included files) after them.
-    whole = [source for source in users if not any(_holds(other, source) for other in users)]
+    whole = [source for source in users if not any(_contains(other, source) for other in users)]
     texts = []
-    for source in sorted(whole, key=lambda source: source.file not in cited):
-        own_messages = frozenset(m for m in messages if m.file == source.file)
-        earlier = shown.get((source, own_messages))
-        users_of_it = _if_some(users[source], group)
-        if earlier is None:
-            texts.append(listing(source, anchors.short(), messages, users_of_it))
-            shown[source, own_messages] = texts[-1]
-        else:
-            texts.append(replace(earlier, variants=users_of_it, repeated=True))
+    for source in sorted(whole, key=lambda source: source.file not in judged_by):
+        about = [m for m in messages if m.file == source.file]
+        key = source, frozenset(about)
+        variants = _unless_all(users[source], group)
+        if key in shown:
+            texts.append(replace(shown[key], variants=variants, repeated=True))
+            continue
+        by_line: dict[int, list[Diagnostic]] = {}
+        for message in about:
+            if message.line is not None:
+                by_line.setdefault(message.line, []).append(message)
+        count = _code(source).count("\n")
+        shown[key] = Listing(source, anchors.short(), count, by_line, variants)
+        texts.append(shown[key])
     return (
         tuple(text for text in texts if text.source.language == "glsl"),
         tuple(text for text in texts if text.source.language == "python"),
     )
 
 
-def _holds(whole: SourceText, part: SourceText) -> bool:
+def _contains(whole: SourceText, part: SourceText) -> bool:
     if whole.file != part.file or whole.line > part.line or len(whole.text) <= len(part.text):
         return False
     # Without indentation, which a line quoted alone has often lost.
@@ -67,8 +145,18 @@ def _holds(whole: SourceText, part: SourceText) -> bool:
     return lines == [line.strip() for line in whole.text.split("\n")[start : start + len(lines)]]
 
 
-def compiled(group: CaseGroup) -> tuple[Compiled, ...]:
-    """Each program with its verdicts; variants that agree share an entry."""
+@dataclass(frozen=True)
+class Compiled:
+    """Programs with the same files and verdicts. `variants` is empty where all share them."""
+
+    files: tuple[str, ...]
+    verdicts: tuple[Verdict, ...]
+    variants: tuple[str, ...]
+    declared: tuple[Declared, ...] = ()
+
+
+def list_programs(group: CaseGroup) -> tuple[Compiled, ...]:
+    """Return each program with its verdicts; variants that agree share an entry."""
     users: dict[tuple[tuple[str, ...], tuple[Verdict, ...], tuple[Declared, ...]], list[str]] = {}
     for record in group.records:
         for program in record.programs:
@@ -76,10 +164,70 @@ def compiled(group: CaseGroup) -> tuple[Compiled, ...]:
             if record.variant not in names:
                 names.append(record.variant)
     return tuple(
-        Compiled(files, verdicts, _if_some(names, group), declared)
+        Compiled(files, verdicts, _unless_all(names, group), declared)
         for (files, verdicts, declared), names in users.items()
     )
 
 
-def _if_some(variants: Sequence[str], group: CaseGroup) -> tuple[str, ...]:
+def _unless_all(variants: Sequence[str], group: CaseGroup) -> tuple[str, ...]:
     return () if len(variants) == len(group.records) else tuple(variants)
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """One program's modules: the files it is made of, what was compiled for each target, and where
+    the text of all is. `packed` is that text, deflated and in base64, "" where the file has gone;
+    `repeated` says that an earlier case has it, under the same anchor."""
+
+    files: tuple[str, ...]
+    verdicts: tuple[Verdict, ...]
+    file: str
+    anchor: str
+    packed: Markup
+    repeated: bool
+
+
+# Anchors of the cases' SPIR-V texts so far, and the texts, by file.
+Packed = dict[str, tuple[str, Markup]]
+
+
+def list_assemblies(
+    group: CaseGroup, anchors: Anchors, pictures: Pictures, packed: Packed
+) -> tuple[Assembly, ...]:
+    """Return each program's modules once for all variants; a text is packed once for all cases."""
+    by_file: dict[str, Assembly] = {}
+    for record in group.records:
+        for program in record.programs:
+            for file in dict.fromkeys(v.assembly for v in program.verdicts if v.assembly):
+                if file in by_file:
+                    continue
+                repeated = file in packed
+                if not repeated:
+                    data = pictures.read(file)
+                    text = in_base64(zlib.compress(data, 6)) if data else Markup()
+                    packed[file] = (anchors.short() if text else "", text)
+                verdicts = tuple(v for v in program.verdicts if v.assembly == file)
+                by_file[file] = Assembly(program.files, verdicts, file, *packed[file], repeated)
+    return tuple(by_file.values())
+
+
+def collect_words(records: Iterable[Record]) -> str:
+    """Return the words that a case's page shows, but for numbers and compilers' tables, each once
+    and in small letters."""
+    texts: dict[str, None] = {}
+    for record in records:
+        texts.update(dict.fromkeys(_texts(record)))
+    found = dict.fromkeys(word for text in texts for word in clean(text).lower().split())
+    return " ".join(found)
+
+
+def _texts(record: Record) -> Iterator[str]:
+    yield from (record.id, record.title, record.section, record.chapter, record.file)
+    yield from (record.variant, record.lesson, record.message, *record.notices, *record.inputs)
+    for outcome in record.expectations:
+        yield from (outcome.name, outcome.kind, outcome.message)
+        yield from (text for row in outcome.rows for text in (row.label, row.note))
+        yield from (source.text for source in outcome.sources)
+    for program in record.programs:
+        yield from (text for source in program.sources for text in (source.file, source.text))
+        yield from (d.message for verdict in program.verdicts for d in verdict.diagnostics)

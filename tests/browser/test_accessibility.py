@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from shaderlab.report import runs
+from shaderlab.report import html
 from tests.browser.samples import Sample
 
 # A page shows what is off screen when it is scrolled to; the checker must see all of it.
@@ -59,7 +59,7 @@ def test_no_violation_of_the_front_page(
 def test_no_violation_of_the_page_of_all_runs(
     visit: Callable[..., Any], lamp: Sample, scheme: str, width: int
 ) -> None:
-    runs.write(lamp.page.parent.parent)
+    html.write_run_list(lamp.page.parent.parent)
     page = visit(
         lamp.page.parent.parent / "index.html",
         color_scheme=scheme,

@@ -17,7 +17,7 @@ from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.options import RunOptions
-from shaderlab.report.plain_text import failure
+from shaderlab.report.text import format_failure
 
 VERTEX = """#version 330 core
 in vec3 corner;
@@ -56,7 +56,7 @@ def test_a_case_passes_as_with_text(lab: SceneRunner, case_id: str) -> None:
     files = {file.stem.replace("_", "-"): file for file in shipped_cases()}
     scene = list(load_case(files[case_id]).scenes())[-1]
     record = lab.run(scene)
-    assert record.status == "pass", failure(record)
+    assert record.status == "pass", format_failure(record)
     assert record.driver.partition(";")[0].endswith("SPIR-V")
     linked = lab.backend._linker._made.values()  # type: ignore[attr-defined]
     assert linked and all(isinstance(program, SpirvProgram) for program in linked)

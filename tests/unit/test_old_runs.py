@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from shaderlab.cli import cli
 from shaderlab.cli.outputs import mark_named, remove_old, report_folder
 from shaderlab.errors import UsageError
-from shaderlab.report import runs
+from shaderlab.report import html
 
 
 def run(parent: Path, name: str, age: int) -> Path:
@@ -64,7 +64,7 @@ def test_a_page_of_anothers_is_not_replaced(tmp_path: Path) -> None:
 
 
 def test_the_list_of_runs_may_be_replaced(tmp_path: Path) -> None:
-    runs.write(tmp_path)
+    html.write_run_list(tmp_path)
     assert report_folder(tmp_path) == tmp_path
 
 

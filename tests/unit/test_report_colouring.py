@@ -11,7 +11,7 @@ from pygments import highlight
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import GLShaderLexer, PythonLexer
 
-from shaderlab.report.colouring import coloured_lines
+from shaderlab.report.markup import colour_lines
 from shaderlab.report.text import clean
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -43,18 +43,18 @@ def by_pygments(text: str, language: str) -> list[str]:
 def test_the_labs_own_sources_look_as_pygments_makes_them(language: str, files: list[Path]) -> None:
     for file in files:
         text = clean(file.read_text(encoding="utf-8", errors="replace")).rstrip("\n") + "\n"
-        assert list(coloured_lines(text, language)) == by_pygments(text, language), file
+        assert list(colour_lines(text, language)) == by_pygments(text, language), file
 
 
 @given(st.lists(st.sampled_from(PIECES), max_size=12), st.sampled_from(["", " "]))
 def test_anything_looks_as_pygments_makes_it(pieces: list[str], between: str) -> None:
     text = between.join(pieces).rstrip("\n") + "\n"
     for language in LEXERS:
-        assert list(coloured_lines(text, language)) == by_pygments(text, language)
+        assert list(colour_lines(text, language)) == by_pygments(text, language)
 
 
 def test_each_line_can_stand_alone() -> None:
-    lines = coloured_lines("/* one\n\n<two> */ int x;\n", "glsl")
+    lines = colour_lines("/* one\n\n<two> */ int x;\n", "glsl")
     assert list(lines) == [
         '<span class="t-cm">/* one</span>',
         "",

@@ -1,4 +1,4 @@
-"""Compiled templates that are kept from one command to the next: only what is right is taken."""
+"""Compiled templates that are kept from one command to the next."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ import pytest
 from jinja2 import Environment, UndefinedError
 from jinja2.environment import Template
 
-from shaderlab.report import environment
-from shaderlab.report.build import build
-from shaderlab.report.inline import Pictures
+from shaderlab.report import rendering
+from shaderlab.report.page import build_page
+from shaderlab.report.pictures import Pictures
 from tests.unit.test_report_samples import outcome, record, run
 
-PAGE = "single.html.j2"
+PAGE = "index.html.j2"
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """The system's folder for temporary files, empty; environments are made anew."""
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    environment.environment.cache_clear()
+    rendering.environment.cache_clear()
     yield tmp_path
-    environment.environment.cache_clear()
+    rendering.environment.cache_clear()
 
 
 def anew() -> Environment:
     """An environment as the next command makes it."""
-    environment.environment.cache_clear()
-    return environment.environment()
+    rendering.environment.cache_clear()
+    return rendering.environment()
 
 
 def kept(folder: Path) -> list[Path]:
@@ -59,49 +59,12 @@ def test_a_template_is_compiled_once_for_all_commands(folder: Path, compiled: li
     assert compiled == [PAGE]
 
 
-def test_what_is_damaged_is_compiled_again(folder: Path, compiled: list[str]) -> None:
-    anew().get_template(PAGE)
-    (file,) = kept(folder)
-    whole = file.read_bytes()
-    for damaged in (b"", whole[:30], whole[:60], whole[:-100], b"x" * len(whole)):
-        file.write_bytes(damaged)
-        compiled.clear()
-        anew().get_template(PAGE)
-        assert compiled == [PAGE], len(damaged)
-        assert file.read_bytes() == whole
-
-
-def test_what_was_compiled_by_other_code_is_not_taken(
-    folder: Path, compiled: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    anew().get_template(PAGE)
-    room = folder / "room"
-    room.mkdir()
-    for name in ("environment.py", "text.py"):
-        (room / name).write_text("x = 1")
-    monkeypatch.setattr(environment, "__file__", str(room / "environment.py"))
-    anew().get_template(PAGE)
-    (room / "text.py").write_text("x = 12")
-    anew().get_template(PAGE)
-    assert compiled == [PAGE] * 3
-
-
-def test_without_a_folder_or_room_in_it_templates_are_compiled_all_the_same(
+def test_without_a_folder_templates_are_compiled_all_the_same(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(folder / "missing"))
     assert anew().bytecode_cache is None
     assert isinstance(anew().get_template(PAGE), Template)
-    monkeypatch.setattr(tempfile, "tempdir", str(folder))
-
-    def full(*args: object, **more: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    made = anew()
-    assert made.bytecode_cache is not None
-    monkeypatch.setattr(tempfile, "NamedTemporaryFile", full)
-    assert isinstance(made.get_template(PAGE), Template)
-    assert kept(folder) == []
 
 
 def test_no_piece_of_a_page_grows_with_the_cases(tmp_path: Path) -> None:
@@ -121,13 +84,13 @@ def pieces(folder: Path, count: int) -> list[str]:
     empty = dict.fromkeys(
         ("against", "drivers", "links", "policy", "style", "script", "root", "past"), ""
     )
-    page = build(made, Pictures(folder))
-    template = environment.environment().get_template(PAGE)
+    page = build_page(made, Pictures(folder))
+    template = rendering.environment().get_template(PAGE)
     return list(template.stream(empty, page=page, run=made, single=True, level=3, here=""))
 
 
 def test_what_a_template_misnames_is_an_error() -> None:
-    shown = environment.environment().from_string("{{ thing.title }}")
+    shown = rendering.environment().from_string("{{ thing.title }}")
     assert shown.render(thing=record(title="<a>")) == "&lt;a&gt;"
     for thing in ({"title": "an item"}, outcome()):
         with pytest.raises(AttributeError, match="title"):

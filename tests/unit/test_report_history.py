@@ -10,7 +10,12 @@ import pytest
 
 from shaderlab.model.records import Record, Run
 from shaderlab.report import html
-from shaderlab.report.history import FILE_NAME, LONGEST, history, save
+from shaderlab.report.comparison import (
+    LONGEST_HISTORY,
+    SUMMARY_NAME,
+    compare_with_past,
+    save_summary,
+)
 from tests.unit.test_report_samples import HOSTILE, INF, Page, outcome, record, run, worst
 
 
@@ -26,14 +31,14 @@ def at(day: int, *records: Record, **changes: object) -> Run:
 def kept(folder: Path, day: int, *records: Record, **changes: object) -> None:
     made = folder / f"run-{day}"
     made.mkdir(parents=True)
-    save(at(day, *records, **changes), made)
+    save_summary(at(day, *records, **changes), made)
 
 
 def test_what_changed_is_told_against_the_last_run_of_each_variant(tmp_path: Path) -> None:
     kept(tmp_path, 1, judged("a"), judged("b"), judged("c", 0.5))
     kept(tmp_path, 2, judged("a"))
     now = at(3, judged("a"), judged("b", INF, status="fail"), judged("c", 0.75), judged("new"))
-    past = history(now, tmp_path / "run-3", {})
+    past = compare_with_past(now, tmp_path / "run-3", {})
     assert (
         past is not None and past.known == 3 and [r.name for r in past.runs] == ["run-2", "run-1"]
     )
@@ -48,7 +53,7 @@ def test_headroom_and_time_are_those_of_the_whole_case(tmp_path: Path) -> None:
 
     kept(tmp_path, 1, *case(0.25, 0.5, seconds=2.0))
     kept(tmp_path, 2, *case(0.25))  # one of its variants alone is no point
-    past = history(at(3, *case(0.75, 2.0)), tmp_path / "run-3", {})
+    past = compare_with_past(at(3, *case(0.75, 2.0)), tmp_path / "run-3", {})
     assert past is not None
     trend = past.trends["a"]
     assert trend.headroom == (0.5, 0.0) and trend.seconds == (4.0, 2.0)
@@ -66,26 +71,26 @@ def test_headroom_and_time_are_those_of_the_whole_case(tmp_path: Path) -> None:
 )
 def test_runs_that_are_not_alike_are_not_compared(tmp_path: Path, other: dict[str, object]) -> None:
     (tmp_path / "other").mkdir()
-    save(replace(at(1, judged("a", 0.5)), **other), tmp_path / "other")  # type: ignore[arg-type]
+    save_summary(replace(at(1, judged("a", 0.5)), **other), tmp_path / "other")  # type: ignore[arg-type]
     now = at(3, judged("a"))
-    assert history(now, tmp_path / "run-3", {}) is None
-    save(at(1, replace(judged("a", 0.5), size=32)), tmp_path / "other")
-    assert history(now, tmp_path / "run-3", {}) is None
-    save(at(1, judged("a", 0.5)), tmp_path / "other")
-    assert history(now, tmp_path / "run-3", {}) is not None
+    assert compare_with_past(now, tmp_path / "run-3", {}) is None
+    save_summary(at(1, replace(judged("a", 0.5), size=32)), tmp_path / "other")
+    assert compare_with_past(now, tmp_path / "run-3", {}) is None
+    save_summary(at(1, judged("a", 0.5)), tmp_path / "other")
+    assert compare_with_past(now, tmp_path / "run-3", {}) is not None
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", "null", '{"cases": 1}', '{"cases": {"a": [1]}}'])
 def test_what_is_no_summary_is_passed_over(tmp_path: Path, text: str) -> None:
     kept(tmp_path, 1, judged("a"))
     (tmp_path / "damaged").mkdir()
-    good = json.loads((tmp_path / "run-1" / FILE_NAME).read_text())
-    (tmp_path / "damaged" / FILE_NAME).write_text(text)
-    past = history(at(3, judged("a")), tmp_path / "run-3", {})
+    good = json.loads((tmp_path / "run-1" / SUMMARY_NAME).read_text())
+    (tmp_path / "damaged" / SUMMARY_NAME).write_text(text)
+    past = compare_with_past(at(3, judged("a")), tmp_path / "run-3", {})
     assert past is not None and len(past.runs) == 1
     wrong = good | {"cases": {"a": {"default": ["<b>", 0.1, 1, 64]}}}
-    (tmp_path / "damaged" / FILE_NAME).write_text(json.dumps(wrong))
-    past = history(at(3, judged("a")), tmp_path / "run-3", {})
+    (tmp_path / "damaged" / SUMMARY_NAME).write_text(json.dumps(wrong))
+    past = compare_with_past(at(3, judged("a")), tmp_path / "run-3", {})
     assert past is not None and len(past.runs) == 1
 
 
@@ -96,7 +101,7 @@ def test_the_pages_show_it_and_only_a_few_runs(tmp_path: Path) -> None:
     page = Page(front)
     words = page.words()
     assert "1 of 1 variant that ran before has another verdict or distance" in words
-    assert "0.5 0.125" in words and f"{LONGEST - 1} earlier runs" in words
+    assert "0.5 0.125" in words and f"{LONGEST_HISTORY - 1} earlier runs" in words
     assert words.count("headroom 88 %") == 1
     assert "headroom 88 %" in Page(front.parent / "cases" / "a.html").words()
     again = Page(html.write(at(26, judged("a", 0.125)), tmp_path / "run-26"))
@@ -107,7 +112,7 @@ def test_the_pages_show_it_and_only_a_few_runs(tmp_path: Path) -> None:
 def test_names_of_folders_stay_text(tmp_path: Path) -> None:
     folder = tmp_path / HOSTILE.replace("/", "").replace("\x00", "").replace("\udc80", "")
     folder.mkdir()
-    save(at(1, judged(HOSTILE, 0.5)), folder)
+    save_summary(at(1, judged(HOSTILE, 0.5)), folder)
     page = Page(html.write(at(2, judged(HOSTILE)), tmp_path / "run"))
     assert "onerror=alert(1)" in page.words()
     assert not [tag for tag, attrs in page.tags if "onerror" in attrs]

@@ -7,7 +7,12 @@ import pytest
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.records import ProgramRecord, SourceText
-from shaderlab.report import mutants
+from shaderlab.report.page import (
+    MUTATION_NAME,
+    combine_mutants,
+    load_mutants,
+    merge_mutants,
+)
 from tests.unit.test_report_samples import record, run, write
 
 SURVIVOR = {
@@ -22,12 +27,12 @@ def case(name: str, killed: int, *survived: dict[str, object]) -> dict[str, obje
 
 def put(folder: Path, *cases: dict[str, object]) -> None:
     folder.mkdir(exist_ok=True)
-    (folder / mutants.FILE_NAME).write_text(json.dumps({"cases": cases}))
+    (folder / MUTATION_NAME).write_text(json.dumps({"cases": cases}))
 
 
 def test_a_run_without_results_has_none(tmp_path: Path) -> None:
-    assert mutants.load(tmp_path) == {}
-    assert mutants.combined([]) is None
+    assert load_mutants(tmp_path) == {}
+    assert combine_mutants([]) is None
     page = write(run(record("lamp", "default")), tmp_path).read_text(encoding="utf-8")
     assert "Mistakes noticed" not in page
 
@@ -49,13 +54,13 @@ def test_results_are_counted_together_and_survivors_shown_at_their_lines(tmp_pat
 def test_of_a_case_in_two_campaigns_the_later_stands() -> None:
     old = {"cases": [case("a", 1), case("b", 2)]}
     new = {"cases": [case("b", 3), case("c", 4)]}
-    kept = mutants.merged(old, new)["cases"]
+    kept = merge_mutants(old, new)["cases"]
     assert [(c["id"], c["killed"]) for c in kept] == [("a", 1), ("b", 3), ("c", 4)]
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"cases": [{"id": "a"}]}', '{"cases": 3}'])
 def test_a_damaged_file_is_named(tmp_path: Path, text: str) -> None:
-    (tmp_path / mutants.FILE_NAME).write_text(text)
+    (tmp_path / MUTATION_NAME).write_text(text)
     with pytest.raises(ShaderlabError, match="no results of shaderlab mutate") as refused:
-        mutants.load(tmp_path)
-    assert mutants.FILE_NAME in str(refused.value)
+        load_mutants(tmp_path)
+    assert MUTATION_NAME in str(refused.value)

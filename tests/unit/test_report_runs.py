@@ -9,8 +9,8 @@ from urllib.parse import unquote_to_bytes
 import pytest
 
 from shaderlab.model.records import DriverResult, Record, Run
-from shaderlab.report import html, runs
-from shaderlab.report.history import FILE_NAME
+from shaderlab.report import html
+from shaderlab.report.comparison import SUMMARY_NAME
 from tests.unit.test_report_samples import HOSTILE, Page, record, run
 
 
@@ -21,7 +21,7 @@ def made(folder: Path, name: str, *records: Record, **changes: object) -> Run:
 
 
 def rows(folder: Path) -> list[str]:
-    runs.write(folder)
+    html.write_run_list(folder)
     page = Page(folder / "index.html")
     links = [link for link in page.attributes("href") if not link.startswith("#")]
     assert all((folder / os.fsdecode(unquote_to_bytes(link))).is_file() for link in links)
@@ -60,7 +60,7 @@ def test_one_drivers_failure_is_the_runs(tmp_path: Path) -> None:
 def test_a_damaged_summary_takes_no_other_line(tmp_path: Path, text: str) -> None:
     made(tmp_path, "good", record("a"))
     made(tmp_path, "bad", record("a"))
-    (tmp_path / "bad" / FILE_NAME).write_text(text)
+    (tmp_path / "bad" / SUMMARY_NAME).write_text(text)
     assert rows(tmp_path)[1:] == ["good/index.html"]
 
 
@@ -73,7 +73,7 @@ def test_names_are_text_and_links_lead_to_them(tmp_path: Path) -> None:
 def test_another_page_is_left_alone(tmp_path: Path) -> None:
     for words in ("mine", html.write(run(record("a")), tmp_path / "x").read_text()):
         (tmp_path / "index.html").write_text(words)
-        runs.write(tmp_path)
+        html.write_run_list(tmp_path)
         assert (tmp_path / "index.html").read_text() == words
     (tmp_path / "index.html").unlink()
     assert len(rows(tmp_path)) == 2  # and its own is renewed

@@ -14,7 +14,7 @@ import pytest
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.model import pictures
-from shaderlab.report.inline import Pictures
+from shaderlab.report.pictures import Pictures
 from tests.unit.test_report_samples import (
     Page,
     curve,
@@ -127,7 +127,7 @@ def test_links_are_followed_to_what_is_in_the_folder_only(tmp_path: Path) -> Non
         "beside/own.png",
         "away/../run/images/own.png",
     ):
-        assert not found.picture(name).missing, name
+        assert not found.find(name).missing, name
     for name in ("images/link.png", "away/secret.png", "../run2/secret.png", "images/../..", ".."):
-        assert "outside the run's folder" in found.picture(name).missing, name
-    assert found.picture("images/own.png").path == (folder / "images" / "own.png").resolve()
+        assert "outside the run's folder" in found.find(name).missing, name
+    assert found.find("images/own.png").path == (folder / "images" / "own.png").resolve()

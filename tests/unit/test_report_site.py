@@ -126,7 +126,9 @@ def test_what_all_pages_say_of_the_run_is_found_once(
     three: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = []
-    monkeypatch.setattr(page_module, "conditions", lambda run: asked.append(run) or ["a note"])
+    monkeypatch.setattr(
+        page_module, "format_conditions", lambda run: asked.append(run) or ["a note"]
+    )
     html.write(store.load(three), three)
     assert len(asked) == 1
     assert all("a note" in path.read_text() for path in three.rglob("*.html"))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from shaderlab.model.records import Explanation, Record, Step
 from shaderlab.model.store import load, save
-from shaderlab.report.plain_text import failure
+from shaderlab.report.text import format_failure
 from tests.unit.test_report_samples import run, write
 
 STEP = Step(
@@ -48,7 +48,7 @@ def test_of_a_vector_the_wrong_component_is_shown() -> None:
 
 def test_the_page_and_the_terminal_say_where_it_goes_wrong(failing: Record, tmp_path: Path) -> None:
     record = explained(failing, FOUND)
-    assert sum(FOUND.verdict in line for line in failure(record)) == 1
+    assert sum(FOUND.verdict in line for line in format_failure(record)) == 1
     whole = run(record)
     html = write(whole, tmp_path).read_text()
     assert html.count(FOUND.verdict) == 1

@@ -24,7 +24,7 @@ from shaderlab.model.records import (
     Worst,
 )
 from shaderlab.model.store import save
-from shaderlab.report.compare import compare
+from shaderlab.report.comparison import compare_runs
 from shaderlab.report.formats.markdown import render as summary
 from tests.unit.test_report_samples import (
     HOSTILE,
@@ -93,7 +93,7 @@ def test_a_comparison_lists_what_changed_and_nothing_else(tmp_path: Path) -> Non
         record("further", expectations=(outcome(worst=replace(worst(), widths=0.9)),)),
     )
     after, before = run(*new), run(*old, driver={"renderer": "softpipe"})
-    found = compare(after, tmp_path / "new", before, tmp_path / "old", {})
+    found = compare_runs(after, tmp_path / "new", before, tmp_path / "old", {})
     assert found.same == 1 and found.differs and found.name == "old"
     sides = [(c.before and c.before.status, c.after and c.after.status) for c in found.changes]
     assert sides[0] == ("pass", "fail")

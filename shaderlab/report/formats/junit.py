@@ -8,8 +8,7 @@ from xml.etree import ElementTree as ET
 
 from shaderlab.model.records import Record, Run
 from shaderlab.report.grouping import group_cases
-from shaderlab.report.plain_text import listed, outcome_details
-from shaderlab.report.text import clean, plural
+from shaderlab.report.text import clean, format_listed_points, format_outcome, plural
 
 # What a status is called in the schema: nothing (passed), failure, error, or skipped.
 _TAGS = {
@@ -38,7 +37,7 @@ def render(run: Run) -> str:
         _set_counts(suite)
         suite.set("time", _seconds(sum(record.seconds for record in case.records)))
         if run.points is not None:
-            ET.SubElement(suite, "system-out").text = clean(listed(run))
+            ET.SubElement(suite, "system-out").text = clean(format_listed_points(run))
     if run.missing:
         suite = ET.SubElement(root, "testsuite", name="shaderlab", time=_seconds(0.0))
         test = ET.SubElement(suite, "testcase", classname="shaderlab", name="run", time="0")
@@ -63,7 +62,7 @@ def _add_record(suite: ET.Element, record: Record) -> None:
     for outcome in record.expectations:
         test = _test(suite, record, outcome.name, seconds)
         message = outcome.message or outcome.status
-        _verdict(test, _TAGS[outcome.status], message, "\n".join(outcome_details(outcome)))
+        _verdict(test, _TAGS[outcome.status], message, "\n".join(format_outcome(outcome)))
     for name in record.not_asked:
         message = "not asked: it is about OpenGL's own calls, and another API draws here"
         _verdict(_test(suite, record, name, 0.0), "skipped", message, message)

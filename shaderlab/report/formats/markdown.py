@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from itertools import groupby
 
 from shaderlab.model.records import Outcome, Record, Run
-from shaderlab.report.drivers import AGREEMENTS, driver_table
+from shaderlab.report.comparison import AGREEMENTS, compare_drivers
 from shaderlab.report.grouping import (
     PASSABLE,
     STATUS_WORDS,
@@ -17,8 +17,17 @@ from shaderlab.report.grouping import (
     group_cases,
     total,
 )
-from shaderlab.report.plain_text import conditions, label, unread
-from shaderlab.report.text import clean, count, duration, figure, plural, short
+from shaderlab.report.text import (
+    clean,
+    count,
+    duration,
+    figure,
+    format_conditions,
+    format_label,
+    format_unread,
+    plural,
+    short,
+)
 
 _SIGNS = {"pass": "✅", "unsupported": "➖"}
 # GitHub cuts summaries off at 1 MiB; nobody reads further than this anyway.
@@ -48,7 +57,7 @@ def render(run: Run) -> str:
     good = "✅" if totals.good else "➖"
     sign = "❌" if bad or run.failing_drivers else "⚠️" if run.missing else good
     lines = [f"## {sign} {verdict}", ""]
-    lines += [f"{escape(line)}  " for line in conditions(run)]
+    lines += [f"{escape(line)}  " for line in format_conditions(run)]
     lines.append(
         f"{plural(totals.judged, 'value')} judged, {count(totals.outside)} outside their band · "
         f"{plural(totals.variants.total(), 'variant')} · {duration(run.seconds)} · "
@@ -70,7 +79,7 @@ def render(run: Run) -> str:
         if more:
             lines.append(f"- and {plural(more, 'more variant')}")
     lines += _drivers(run)
-    unjudged = list(unread(run.records))
+    unjudged = list(format_unread(run.records))
     if unjudged:
         lines += ["", "### What no check reads", ""]
         lines += [f"- {escape(line)}" for line in unjudged[:_MOST_FAILURES]]
@@ -104,7 +113,7 @@ def _chapters(cases: list[CaseGroup]) -> Iterable[str]:
 
 def _drivers(run: Run) -> Iterable[str]:
     """A table of cases and drivers, and what leaves a band; nothing for a single driver."""
-    table = driver_table(run, {})
+    table = compare_drivers(run, {})
     if table is None:
         return
     names = [escape(name) for name, _ in table.drivers]
@@ -118,16 +127,16 @@ def _drivers(run: Run) -> Iterable[str]:
         yield f"\nand {plural(len(rows) - _MOST_FAILURES, 'more case')}"
     counts = (f"{count(table.outputs[v])} {words}" for v, words in AGREEMENTS.items())
     yield from ("", f"{plural(table.outputs.total(), 'output')} compared: {', '.join(counts)}", "")
-    outside = [each for each in table.apart if each.verdict == "outside"]
+    outside = [each for each in table.differences if each.verdict == "outside"]
     for each in outside[:_MOST_FAILURES]:
-        name = escape(f"{label(each.id, each.variant)}: {each.output}")
+        name = escape(f"{format_label(each.id, each.variant)}: {each.output}")
         where = f"outside on {', '.join(each.outside)}"
         yield f"- **{name}** {escape(' | '.join(each.drivers))}: {escape(where)}"
 
 
 def _failure(record: Record) -> Iterable[str]:
     sign = _SIGNS.get(record.status, "❌")
-    name = escape(label(record.id, record.variant))
+    name = escape(format_label(record.id, record.variant))
     yield f"- {sign} **{name}** {STATUS_WORDS[record.status]} · {escape(record.title)}"
     if record.message:
         yield f"  - {escape(record.message)}"

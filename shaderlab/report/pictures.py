@@ -76,9 +76,11 @@ class Picture:
         return "data:image/png;base64," + in_base64(data)
 
 
-def numbers(path: Path, small: bool = False) -> Markup:
-    """The bytes of a file of packed values in base64, or `small` fewer of the same contents; empty
-    if the file has gone."""
+def read_numbers(path: Path, small: bool = False) -> Markup:
+    """Return the bytes of a file of packed values in base64; empty if the file has gone.
+
+    `small` packs the same contents tighter.
+    """
     try:
         data = read_regular(path)
     except OSError:
@@ -87,7 +89,7 @@ def numbers(path: Path, small: bool = False) -> Markup:
 
 
 def in_base64(data: bytes) -> Markup:
-    """Bytes in base64, marked as safe: there is nothing to escape."""
+    """Return bytes in base64, marked as safe: there is nothing to escape."""
     return Markup(base64.b64encode(data).decode("ascii"))
 
 
@@ -122,8 +124,8 @@ class Pictures:
         # A page's files lie in few folders.
         self._resolved = lru_cache(maxsize=64)(os.path.realpath)
 
-    def picture(self, name: str, side: int = 0) -> Picture:
-        """The picture file `name` (relative to the folder), small ones enlarged.
+    def find(self, name: str, side: int = 0) -> Picture:
+        """Return the picture file `name` (relative to the folder), small ones enlarged.
 
         With a `side` it has at most so many pixels in each direction.
         """
@@ -144,15 +146,15 @@ class Pictures:
         pixelated = scale >= 1 and width <= 600
         return Picture(path, *shown, pixelated=pixelated, side=side, folder=self._root)
 
-    def text(self, name: str) -> bytes:
-        """The bytes of the file `name`; none if there is no such file."""
+    def read(self, name: str) -> bytes:
+        """Return the bytes of the file `name`; none if there is no such file."""
         try:
             return read_regular(self._inside(name))
         except (OSError, ValueError):
             return b""
 
-    def numbers(self, name: str) -> Path | None:
-        """The file of values `name`, or None if there is none."""
+    def find_numbers(self, name: str) -> Path | None:
+        """Return the file of values `name`, or None if there is none."""
         try:
             path = self._inside(name)
         except ValueError:

@@ -1,0 +1,298 @@
+// Reads a chart's points: the nearest one under the pointer, or with the arrow keys.
+for (const chart of document.querySelectorAll("figure.chart")) {
+  const svg = chart.querySelector("svg");
+  const rows = [...chart.querySelectorAll("tbody tr[data-x]")];
+  if (svg && rows.length) readChart(chart, svg, rows);
+}
+
+function readChart(chart, svg, rows) {
+  const places = rows.map((row) => Number(row.dataset.x));
+  const order = places.map((_, n) => n).sort((a, b) => places[a] - places[b]);
+  const names = [...chart.querySelectorAll("thead th")].map((cell) => cell.textContent);
+  const said = chart.querySelector(".chart-point");
+  const marks = svg.querySelector(".cursor");
+  let rank = -1;
+
+  function show(next) {
+    rank = Math.max(0, Math.min(order.length - 1, next));
+    const row = rows[order[rank]];
+    const [x, y, strip] = [row.dataset.x, row.dataset.y, row.dataset.strip];
+    marks.removeAttribute("hidden");
+    marks.querySelector("path").setAttribute("d", `M${x} ${svg.dataset.top}V${svg.dataset.bottom}`);
+    [y, strip].forEach((height, n) => {
+      const dot = marks.querySelectorAll("circle")[n];
+      dot.setAttribute("cx", x);
+      dot.setAttribute("cy", height || -99);
+    });
+    said.textContent = [...row.cells]
+      .map((cell, n) => `${names[n]} ${cell.textContent}`).join(" · ");
+    said.hidden = false;
+  }
+
+  svg.addEventListener("pointermove", (event) => {
+    const box = svg.getBoundingClientRect();
+    const scale = svg.viewBox.baseVal.width / box.width;
+    const x = (event.clientX - box.left) * scale;
+    const y = (event.clientY - box.top) * scale;
+    // Of several curves' points at one x, the one at the pointer's height.
+    const far = (at) => Math.abs(places[at] - x) + Math.abs((rows[at].dataset.y || y) - y) / 1000;
+    let best = 0;
+    order.forEach((at, n) => {
+      if (far(at) < far(order[best])) best = n;
+    });
+    show(best);
+  });
+  svg.tabIndex = 0;
+  svg.addEventListener("keydown", (event) => {
+    const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    show(rank < 0 ? 0 : rank + step * (event.shiftKey ? 8 : 1));
+  });
+}
+// Two runs' pictures of one variant in one place, one after the other, while a button is on.
+const BLINK_MS = 500;
+
+for (const figure of document.querySelectorAll(".blink")) blinkable(figure);
+
+function blinkable(figure) {
+  const images = [...figure.querySelectorAll("img")];
+  const which = figure.querySelector(".which");
+  const button = document.createElement("button");
+  let timer = 0;
+  let shown = 1;
+  if (images.length < 2) return;
+  button.type = "button";
+  button.textContent = "blink";
+  button.setAttribute("aria-pressed", "false");
+  figure.querySelector("figcaption").append(button);
+
+  function turn() {
+    shown = 1 - shown;
+    images.forEach((image, n) => image.classList.toggle("is-off", n !== shown));
+    which.textContent = shown ? "now" : "before";
+  }
+
+  button.addEventListener("click", () => {
+    const on = !timer;
+    clearInterval(timer);
+    timer = on ? setInterval(turn, BLINK_MS) : 0;
+    button.setAttribute("aria-pressed", String(on));
+    figure.classList.toggle("is-stacked", on);
+    if (on) turn();
+    else which.textContent = "before and now";
+  });
+}
+// Shows the cases whose text holds every word of the box and whose status is switched on: their
+// titles, lessons, checks and shaders.
+
+/** Each case's words by its anchor: in the page, or in a script of the site. */
+const searchWords = (() => {
+  let words = null;
+  return () => {
+    words ??= new Promise((resolve) => {
+      const inside = document.getElementById("search");
+      if (inside) {
+        resolve(Object.fromEntries([...inside.content.children]
+          .map((item) => [item.dataset.case, item.textContent])));
+        return;
+      }
+      const script = document.createElement("script");
+      script.src = `${document.documentElement.dataset.root}page/search.js`;
+      script.onload = () => resolve(globalThis.shaderlabWords);
+      script.onerror = () => resolve({});  // titles are found all the same
+      document.head.append(script);
+    });
+    return words;
+  };
+})();
+
+const filterForm = document.querySelector(".controls");
+if (filterForm) watchFilter(filterForm);
+
+document.addEventListener("keydown", (event) => {
+  const typing = event.target.closest && event.target.closest("input, textarea, select");
+  if (event.key !== "/" || typing || event.ctrlKey || event.metaKey || event.altKey) return;
+  event.preventDefault();
+  if (filterForm) filterForm.querySelector("#find").focus();
+  else location.assign(`${document.documentElement.dataset.root}index.html#find`);
+});
+
+function watchFilter(form) {
+  const box = form.querySelector("#find");
+  const found = form.querySelector("#found");
+  const switches = [...form.querySelectorAll("button[data-status]")];
+  const cases = [...document.querySelectorAll("[data-case]")];
+  const shelves = [...document.querySelectorAll("[data-shelf]")];
+  const cards = cases.filter((item) => item.tagName === "LI");
+
+  let updates = 0;
+
+  async function update() {
+    updates += 1;
+    const own = updates;
+    const words = box.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const texts = words.length ? await searchWords() : {};
+    if (own !== updates) return;  // something else was typed meanwhile
+    const textOf = (item) => texts[item.dataset.case] ?? item.textContent.toLowerCase();
+    const off = new Set(switches.filter((b) => b.getAttribute("aria-pressed") === "false")
+      .map((b) => b.dataset.status));
+    for (const item of cases) {
+      item.hidden = off.has(item.dataset.status)
+        || !words.every((word) => textOf(item).includes(word));
+    }
+    for (const shelf of shelves) shelf.hidden = !shelf.querySelector("[data-case]:not([hidden])");
+    const shown = cards.filter((card) => !card.hidden).length;
+    found.value = shown === cards.length ? "" : `${shown} of ${cards.length} shown`;
+  }
+
+  form.hidden = false;
+  box.addEventListener("focus", searchWords, { once: true });
+  form.addEventListener("submit", (event) => event.preventDefault());
+  box.addEventListener("input", update);
+  for (const button of switches) {
+    button.addEventListener("click", () => {
+      button.setAttribute("aria-pressed", button.getAttribute("aria-pressed") === "false");
+      update();
+    });
+  }
+  box.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape") return;
+    box.value = "";
+    update();
+  });
+  // Browsers keep a box's text over a reload.
+  update();
+}
+// What is folded away: filled when it is opened, and opened around a link's goal.
+
+/** Calls fill(details) when one is opened whose code is not there yet. */
+function fillOnOpening(selector, fill) {
+  for (const details of document.querySelectorAll(selector)) {
+    details.addEventListener("toggle", () => {
+      if (details.open && !details.querySelector("pre")) fill(details);
+    });
+  }
+}
+
+// A program's SPIR-V lies in the page deflated.
+fillOnOpening("details[data-assembly]", async (details) => {
+  const packed = document.getElementById(details.dataset.assembly);
+  if (!packed) return;
+  const code = document.createElement("pre");
+  code.className = "code";
+  code.tabIndex = 0;
+  code.setAttribute("role", "group");
+  code.setAttribute("aria-label", details.querySelector("summary").textContent.trim());
+  details.append(code);
+  try {
+    code.textContent = new TextDecoder().decode(await inflated(packed.content.textContent));
+  } catch (error) {
+    code.remove();
+    console.warn("no assembly here:", error);
+  }
+});
+
+// A source that an earlier case shows too stands in the page once.
+fillOnOpening("details[data-copy]", (details) => {
+  const shown = document.getElementById(details.dataset.copy);
+  if (!shown) return;
+  const copy = shown.querySelector("pre").cloneNode(true);
+  // Its lines' anchors are the first one's.
+  for (const row of copy.querySelectorAll("[id]")) row.removeAttribute("id");
+  details.querySelector("p").replaceWith(copy);
+});
+
+/** The page of the case that has an anchor; null where no card of this page leads there. */
+function pageOf(anchor) {
+  const cards = [...document.querySelectorAll("a.card[data-source]")];
+  const line = /^s(\d+)(-L\d+)?$/.exec(anchor);
+  const nameOf = (card) => card.closest("[data-case]").dataset.case;
+  const found = line
+    // Texts are numbered from the first case to the last.
+    ? cards.filter((card) => Number(card.dataset.source) <= Number(line[1])).at(-1)
+    : cards.filter((card) => anchor === nameOf(card) || anchor.startsWith(`${nameOf(card)}-`))
+      .sort((one, other) => nameOf(one).length - nameOf(other).length).at(-1);
+  return found ? found.getAttribute("href") : null;
+}
+
+function reveal() {
+  // Anchors of this page are plain letters, digits and hyphens.
+  const name = location.hash.slice(1);
+  // A case's id alone will do, in a link from elsewhere.
+  const goal = document.getElementById(name) ?? document.getElementById(`case-${name}`);
+  if (!goal) {
+    const page = pageOf(name) ?? pageOf(`case-${name}`);
+    if (page) location.replace(`${page}#${name}`);
+    return;
+  }
+  if (goal.matches("input")) {
+    goal.focus();
+    return;
+  }
+  for (let node = goal; node; node = node.parentElement) {
+    if (node.tagName === "DETAILS") node.open = true;
+    if (node.matches("[data-case], [data-shelf]")) node.hidden = false;
+  }
+  if (goal.matches(".check")) {
+    goal.querySelector("details").open = true;
+    inspectWorst(goal);
+  }
+  arriveAt(goal);
+}
+
+/** Scrolls to an element, again while what comes before it gets its size, unless someone else
+    scrolls. */
+function arriveAt(goal) {
+  const theirs = new AbortController();
+  for (const name of ["wheel", "touchstart", "keydown", "pointerdown"]) {
+    addEventListener(name, () => theirs.abort(), { once: true, signal: theirs.signal });
+  }
+  let frames = 30;
+  const again = () => {
+    if (theirs.signal.aborted) return;
+    goal.scrollIntoView({ behavior: "instant" });
+    frames -= 1;
+    if (frames) requestAnimationFrame(again);
+    else theirs.abort();
+  };
+  again();
+}
+addEventListener("hashchange", reveal);
+if (location.hash) reveal();
+// Marks the chapter that is being read in the line of chapters at the top; on a case's own page the
+// chapter is marked already.
+const way = document.querySelector(".way");
+if (way && !document.documentElement.dataset.root) followChapters(way);
+const marked = way?.querySelector("[aria-current]");
+if (marked) marked.closest("ol").scrollLeft = marked.offsetLeft - marked.closest("ol").offsetLeft;
+
+function followChapters(nav) {
+  const links = [...nav.querySelectorAll("ol a")];
+  const heads = links.map((link) => document.getElementById(link.hash.slice(1)));
+  let current = null;
+  let waiting = false;
+
+  function mark() {
+    waiting = false;
+    const line = nav.getBoundingClientRect().bottom + 90;
+    // A hidden chapter's heading has no place.
+    const passed = heads.filter((head) => head.offsetParent
+      && head.getBoundingClientRect().top < line);
+    const next = passed.length ? links[heads.indexOf(passed.at(-1))] : null;
+    if (next === current) return;
+    current?.removeAttribute("aria-current");
+    current = next;
+    if (!current) return;
+    current.setAttribute("aria-current", "true");
+    // Only the line itself is scrolled, never the page.
+    const list = current.closest("ol");
+    list.scrollLeft = current.offsetLeft - list.offsetLeft - list.clientWidth / 3;
+  }
+
+  addEventListener("scroll", () => {
+    if (!waiting) requestAnimationFrame(mark);
+    waiting = true;
+  }, { passive: true });
+  mark();
+}

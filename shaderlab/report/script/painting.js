@@ -1,0 +1,285 @@
+// Colours of a check's pictures: direct or false colour for values, the place in the band.
+const colours = JSON.parse(document.getElementById("colours").content.textContent);
+const ramp = colours.palette.match(/.{6}/g)
+  .map((hex) => [0, 2, 4].map((start) => parseInt(hex.substr(start, 2), 16)));
+
+/** One channel's finite range over measured and reference values together. */
+function rangeOf(values, channel) {
+  const size = values.rows * values.columns;
+  let [low, high] = [Infinity, -Infinity];
+  for (let i = channel * size; i < (channel + 1) * size; i += 1) {
+    if (!(values.flags[i] & 1)) continue;
+    for (const v of [values.measured[i], values.reference[i]]) {
+      if (Number.isFinite(v)) [low, high] = [Math.min(low, v), Math.max(high, v)];
+    }
+  }
+  return low <= high ? [low, high] : [0, 0];
+}
+
+/**
+ * Draws "measured", "reference" or "distance" into an image of one pixel a value.
+ * look: {channel (−1 for all), gain}.
+ */
+function paint(values, what, look) {
+  const { columns, rows, components } = values;
+  const image = new ImageData(columns, rows);
+  const size = rows * columns;
+  const single = components === 1 ? 0 : look.channel;
+  const range = single >= 0 ? rangeOf(values, single) : null;
+  for (let row = 0; row < rows; row += 1) {
+    for (let column = 0; column < columns; column += 1) {
+      const i = row * columns + column;
+      // Images have their top row first.
+      const at = ((rows - 1 - row) * columns + column) * 4;
+      image.data.set(colourAt(values, what, i, size, single, range, look.gain), at);
+      image.data[at + 3] = 255;
+    }
+  }
+  return image;
+}
+
+function colourAt(values, what, i, size, single, range, gain) {
+  if (!(values.flags[i] & 1)) return colours.uncovered;
+  if (what === "distance") return distanceColour(values, i, size, single);
+  const array = values[what];
+  if (single >= 0) {
+    const value = array[single * size + i];
+    if (!Number.isFinite(value)) return colours.broken;
+    const span = range[1] - range[0] || 1;
+    const t = Math.max(0, Math.min(1, (value * gain - range[0]) / span));
+    return ramp[Math.round(t * (ramp.length - 1))];
+  }
+  const scale = values.unit ? gain : gain * 255;
+  const rgb = [0, 0, 0];
+  for (let c = 0; c < Math.min(3, values.components); c += 1) {
+    const value = array[c * size + i];
+    if (!Number.isFinite(value)) return colours.broken;
+    rgb[c] = Math.round(value * scale);
+  }
+  return rgb;
+}
+
+function distanceColour(values, i, size, single) {
+  let furthest = 0;
+  for (let c = 0; c < values.components; c += 1) {
+    if (single >= 0 && c !== single) continue;
+    const place = placeOf(values, c * size + i);
+    if (Math.abs(place) > Math.abs(furthest)) furthest = place;
+  }
+  if (!Number.isFinite(furthest)) return colours.outside[0];
+  const end = furthest < 0 ? colours.low : colours.high;
+  return colours.middle.map((m, c) => Math.round(m + (end[c] - m) * Math.abs(furthest)));
+}
+
+/** Where the values outside are, as [x, y] in the picture. */
+function outsidePixels(values, single) {
+  const size = values.rows * values.columns;
+  const found = [];
+  for (let i = 0; i < size; i += 1) {
+    for (let c = 0; c < values.components; c += 1) {
+      if ((single < 0 || c === single) && values.flags[c * size + i] & 2) {
+        const x = values.origin[0] + (i % values.columns);
+        found.push([x, values.origin[1] + Math.floor(i / values.columns)]);
+        break;
+      }
+    }
+  }
+  return found;
+}
+// One window onto a picture that several canvases share: zoom, pan, and pixels on the screen.
+class View {
+  constructor(values) {
+    [this.width, this.height] = values.size;
+    this.reset();
+  }
+
+  reset() {
+    this.zoom = 1;
+    this.centre = [this.width / 2, this.height / 2];
+  }
+
+  /** How many picture pixels a canvas shows across: the canvas has the picture's shape. */
+  get span() {
+    return [this.width / this.zoom, this.height / this.zoom];
+  }
+
+  get most() {
+    return Math.max(1, Math.min(this.width, this.height) / 4);
+  }
+
+  /** Zooms by a factor about a point of the picture, which stays where it is. */
+  zoomBy(factor, about = this.centre) {
+    const before = this.zoom;
+    this.zoom = Math.max(1, Math.min(this.most, this.zoom * factor));
+    const kept = before / this.zoom;
+    this.moveTo(about.map((a, n) => a + (this.centre[n] - a) * kept));
+  }
+
+  /** Puts a point into the middle, as far as the picture's edges let it. */
+  moveTo(centre) {
+    const limit = [this.width, this.height];
+    this.centre = centre.map((c, n) => {
+      const half = this.span[n] / 2;
+      return Math.max(half, Math.min(limit[n] - half, c));
+    });
+  }
+
+  /** Brings a pixel into sight if it is not. */
+  show(x, y) {
+    const [w, h] = this.span;
+    const [cx, cy] = this.centre;
+    const out = Math.abs(x + 0.5 - cx) > w / 2 - 0.5 || Math.abs(y + 0.5 - cy) > h / 2 - 0.5;
+    if (out) this.moveTo([x + 0.5, y + 0.5]);
+  }
+
+  /** The place in the picture (fractions of pixels, from the lower left) under the pointer. */
+  under(event, canvas) {
+    const box = canvas.getBoundingClientRect();
+    const [w, h] = this.span;
+    return [
+      this.centre[0] + ((event.clientX - box.left) / box.width - 0.5) * w,
+      this.centre[1] - ((event.clientY - box.top) / box.height - 0.5) * h,
+    ];
+  }
+
+  /** A pixel's square on a canvas: [left, top, side]. */
+  square(x, y, canvas) {
+    const scale = canvas.width / this.span[0];
+    return [
+      (x - this.centre[0] + this.span[0] / 2) * scale,
+      (this.centre[1] + this.span[1] / 2 - y - 1) * scale,
+      scale,
+    ];
+  }
+
+  /** Draws an image of the judged part, crisp, where it belongs. */
+  draw(canvas, image, values) {
+    const context = canvas.getContext("2d");
+    context.fillStyle = `rgb(${colours.uncovered.join(" ")})`;
+    context.fillRect(0, 0, canvas.width, canvas.height);
+    const top = values.origin[1] + values.rows - 1;
+    const [left, above, side] = this.square(values.origin[0], top, canvas);
+    context.imageSmoothingEnabled = false;
+    context.drawImage(image, left, above, values.columns * side, values.rows * side);
+    return context;
+  }
+}
+// What is drawn over the pictures: the pixel that is read, the worst one, values outside.
+
+/** A frame around the pixel that is read, light and dark so that it shows on any colour. */
+function cross(context, view, [x, y], ratio) {
+  const [left, top, side] = view.square(x, y, context.canvas);
+  const size = Math.max(side, 7 * ratio);
+  const shift = (size - side) / 2;
+  for (const [colour, width] of [["#000", 3], ["#fff", 1.2]]) {
+    context.strokeStyle = colour;
+    context.lineWidth = width * ratio;
+    context.strokeRect(left - shift, top - shift, size, size);
+  }
+}
+
+/** A ring around the worst pixel. */
+function ring(context, view, [x, y], ratio) {
+  const [left, top, side] = view.square(x, y, context.canvas);
+  const radius = Math.max(side, 9 * ratio);
+  for (const [colour, width] of [["#fff", 4.5], ["#c01010", 2.2]]) {
+    context.strokeStyle = colour;
+    context.lineWidth = width * ratio;
+    context.beginPath();
+    context.arc(left + side / 2, top + side / 2, radius, 0, 2 * Math.PI);
+    context.stroke();
+  }
+}
+
+/** The second colour of the check over values outside, where their squares are large enough. */
+function checkOutside(context, view, pixels) {
+  if (context.canvas.width / view.span[0] < 3) return;
+  context.fillStyle = `rgb(${colours.outside[1].join(" ")})`;
+  for (const [x, y] of pixels) {
+    const [left, top, side] = view.square(x, y, context.canvas);
+    context.fillRect(left, top, side / 2, side / 2);
+    context.fillRect(left + side / 2, top + side / 2, side / 2, side / 2);
+  }
+}
+// How many judged values lie where in their bands, as bars; what is outside stands apart.
+const BINS = 20;
+
+/** Counts: [outside below, BINS from lower to upper edge, outside above]. */
+function histogramOf(values, channel) {
+  const size = values.rows * values.columns;
+  const counts = new Array(BINS + 2).fill(0);
+  for (let i = 0; i < values.flags.length; i += 1) {
+    if (!(values.flags[i] & 1)) continue;
+    if (channel >= 0 && Math.floor(i / size) !== channel) continue;
+    const place = placeOf(values, i);
+    if (place === -Infinity) counts[0] += 1;
+    else if (place === Infinity) counts[BINS + 1] += 1;
+    else counts[1 + Math.min(BINS - 1, Math.floor((place + 1) / 2 * BINS))] += 1;
+  }
+  return counts;
+}
+
+/** Draws the counts into an SVG of 240 × 64; each bar's height is a logarithm. */
+function drawHistogram(svg, values, channel) {
+  const counts = histogramOf(values, channel);
+  const most = Math.log1p(Math.max(...counts));
+  svg.querySelectorAll(".bar").forEach((bar) => bar.remove());
+  counts.forEach((count, n) => {
+    if (!count) return;
+    const height = Math.max(1.5, Math.log1p(count) / most * 46);
+    const apart = n === 0 ? -6 : n === BINS + 1 ? 6 : 0;
+    const bar = document.createElementNS(svg.namespaceURI, "rect");
+    bar.setAttribute("class", apart ? "bar is-outside" : "bar");
+    bar.setAttribute("x", 10 + n * 10 + apart);
+    bar.setAttribute("y", 48 - height);
+    bar.setAttribute("width", 9);
+    bar.setAttribute("height", height);
+    svg.append(bar);
+  });
+  const outside = counts[0] + counts[BINS + 1];
+  const all = counts.reduce((a, b) => a + b, 0);
+  svg.setAttribute("aria-label",
+    `${all - outside} values by their place in the band, ${outside} outside it`);
+}
+// The table under the pictures: one pixel's numbers, channel by channel.
+
+/** Fills a table's body for pixel (x, y); says in words what is there. */
+function readPixel(body, values, x, y) {
+  const rows = [];
+  let outside = 0;
+  for (let c = 0; c < values.components; c += 1) {
+    const i = indexOf(values, x, y, c);
+    if (i < 0) break;
+    const bad = Boolean(values.flags[i] & 2);
+    outside += bad;
+    const place = placeOf(values, i);
+    rows.push({
+      bad,
+      cells: [
+        channelName(values, c),
+        figure(values.measured[i]),
+        general(values.reference[i], values.fine ? 9 : 8),
+        figure(values.low[i]),
+        figure(values.high[i]),
+        short(ulpDistance(values, i)),
+        bad ? "outside" : `${place > 0 ? "+" : ""}${general(place, 2)}`,
+      ],
+    });
+  }
+  body.replaceChildren(...rows.map(({ bad, cells }) => {
+    const row = document.createElement("tr");
+    row.classList.toggle("is-bad", bad);
+    row.append(...cells.map((text, n) => {
+      const cell = document.createElement(n ? "td" : "th");
+      if (n) cell.className = "num";
+      else cell.scope = "row";
+      cell.textContent = text;
+      return cell;
+    }));
+    return row;
+  }));
+  if (!rows.length) return "not drawn, so not judged";
+  return outside ? "outside its band" : "inside its band";
+}
+
+const channelName = (values, c) => (values.components === 1 ? "value" : `${c} ${"rgba"[c]}`);
