@@ -67,17 +67,6 @@ def test_a_worker_loads_nothing_heavy() -> None:
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"click", "cattrs"})
 
 
-def test_a_device_is_opened_without_pyopengls_wrappers() -> None:
-    """They take three times as long to import as the functions that they wrap; and the versions of
-    OpenGL are imported that draws have names of."""
-    names = modules_after(
-        "from shaderlab import drivers\ndrivers.preload()\n"
-        "shorter = {n.removeprefix('OpenGL.'): m for n, m in sys.modules.items()}\n"
-        "sys.modules = {n.removeprefix('raw.GL.VERSION.'): m for n, m in shorter.items()}"
-    )
-    assert {"moderngl", "raw", "GL_4_0"} <= names and not {"GL", "GL_4_1"} & names
-
-
 def test_a_command_starts_its_worker_before_it_loads_anything_large() -> None:
     """Not even NumPy: what the report needs is loaded while the worker gets ready."""
     loaded = modules_after("import shaderlab.cli.run, shaderlab.engine.executors")

@@ -25,12 +25,11 @@ from shaderlab.model.frame import Reply
 from . import environment
 from .device import (
     GL,
+    LIBRARIES,
     REQUIRED_VERSION,
     Device,
     GLError,
     NullFunctionError,
-    declarations,
-    libraries,
     named,
 )
 from .drawing import drain_errors
@@ -60,7 +59,7 @@ def prototypes() -> Mapping[str, Any]:
 @cache
 def constants() -> Mapping[str, int]:
     """The number of each constant by its name."""
-    known = declarations().items()
+    known = vars(GL).items()
     return {n: int(v) for n, v in known if n.startswith("GL_") and isinstance(v, int)}
 
 
@@ -97,7 +96,7 @@ def fresh_context(device: Device) -> Iterator[Any]:
     it. The device's is untouched, and current again afterwards."""
     import glcontext
 
-    names = {"glversion": REQUIRED_VERSION, "mode": "standalone", **libraries()}
+    names = {"glversion": REQUIRED_VERSION, "mode": "standalone", **LIBRARIES}
     try:
         with environment(device.driver):
             fresh = glcontext.get_backend_by_name("egl")(**names)
