@@ -28,7 +28,7 @@ from .programs.prepare import (
     pass_colors,
     step,
 )
-from .programs.stages import Piece
+from .programs.stages import VaryingPart
 from .programs.textures import components_of
 from .protocol import Answers, Backend, Drawn, Session, Size
 from .resources import Attachments, ProgramCache, SceneTextures
@@ -105,10 +105,10 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         self,
         draw: PreparedDraw,
         texts: Mapping[str, str],
-        parts: Sequence[Piece],
+        parts: Sequence[VaryingPart],
         bindings: Bindings,
         count: int | None,
-    ) -> Mapping[Piece, Array]:
+    ) -> Mapping[VaryingPart, Array]:
         """As `shaderlab.drivers.programs.vertex_capture.Capture`."""
 
     def issue(self, key: PassDraw, draw: PreparedDraw, target: TargetKind) -> None:

@@ -30,14 +30,6 @@ def prepared(folder: Path, text: str, *inputs: str) -> tuple[PreparedDraw, list[
     return Preparer(Shaders([folder]), compiling).prepare(draw), compiled
 
 
-@pytest.mark.parametrize("before", ["in vec2 uv;", "flat in int n;\nin vec2 uv;\nin mat3 m;"])
-def test_what_the_text_says_needs_one_program(tmp_path: Path, before: str) -> None:
-    inputs = [line.split()[-1].strip(";") for line in before.split("\n")]
-    draw, compiled = prepared(tmp_path, f"{HEAD}{before}\n{MAIN}", *inputs)
-    assert draw.compiled.ok
-    assert compiled == [["vertex", "fragment"]]
-
-
 @pytest.mark.parametrize(
     "declared",
     [
@@ -51,7 +43,7 @@ def test_what_the_text_says_needs_one_program(tmp_path: Path, before: str) -> No
         "in Data { vec2 uv; };",
     ],
 )
-def test_what_the_text_says_otherwise_is_asked_for(tmp_path: Path, declared: str) -> None:
+def test_the_stage_has_the_inputs_that_the_compiler_says(tmp_path: Path, declared: str) -> None:
     text = f"{HEAD}{declared}\n{MAIN}"
     stage = Shaders([]).from_text(text, "fragment", "a.frag")
     interface = compile_program([stage]).interface

@@ -27,7 +27,7 @@ from .. import Drawn, Evaluation, Size
 from ..passes import PassSession
 from ..programs import blocks, stages, storage
 from ..programs.prepare import PreparedDraw, Programs, step
-from ..programs.stages import NUMBER, Piece
+from ..programs.stages import NUMBER, VaryingPart
 from ..programs.textures import components_of, numpy_type
 from ..resources import COVERING
 from .bindings import BoundTextures, bound_images, read_images
@@ -374,17 +374,17 @@ def vertex_outputs(
     drawing: Drawing,
     draw: PreparedDraw,
     texts: Mapping[str, str],
-    parts: Sequence[Piece],
+    parts: Sequence[VaryingPart],
     bindings: Bindings,
     count: int | None,
-) -> dict[Piece, Array]:
+) -> dict[VaryingPart, Array]:
     """As `PassSession.vertex_outputs`, by transform feedback; without a `count` the
     driver is asked first.
 
     Raises:
         DriverError: the driver writes down fewer vertices than it says there are.
     """
-    found: dict[Piece, Array] = {}
+    found: dict[VaryingPart, Array] = {}
     written = _written(drawing, texts, parts)
     for group in _groups([piece for piece in parts if piece.name in written]):
         sizes = [components_of(piece.type) for piece in group]
@@ -402,7 +402,7 @@ def vertex_outputs(
     return {p: found.get(p, u.view(numpy_type(p.type))) for p, u in undefined.items()}
 
 
-def _written(drawing: Drawing, texts: Mapping[str, str], parts: Sequence[Piece]) -> set[str]:
+def _written(drawing: Drawing, texts: Mapping[str, str], parts: Sequence[VaryingPart]) -> set[str]:
     """The names of those outputs that the program has. A driver may drop one that is declared and
     never written, and then refuses to capture it.
 
@@ -427,9 +427,9 @@ def _is_linked(drawing: Drawing, texts: Mapping[str, str], name: str) -> bool:
     return True
 
 
-def _groups(parts: Sequence[Piece]) -> list[list[Piece]]:
+def _groups(parts: Sequence[VaryingPart]) -> list[list[VaryingPart]]:
     """The pieces in groups that are captured at once; a matrix stays together."""
-    groups: list[list[Piece]] = [[]]
+    groups: list[list[VaryingPart]] = [[]]
     room = MAX_COMPONENTS
     for name in dict.fromkeys(piece.name for piece in parts):
         own = [piece for piece in parts if piece.name == name]

@@ -18,7 +18,7 @@ from shaderlab.model.scene import UNIT_SQUARE, Draw, Ramp
 from shaderlab.model.textures import TextureSource
 
 from . import blocks
-from .stages import PREFIX, Piece, elements
+from .stages import PREFIX, VaryingPart, elements
 from .textures import numpy_type, shape_of
 
 Contents = Callable[[str, Variable, TextureSource], Texels]
@@ -204,7 +204,7 @@ def complete_inputs(
     return complete
 
 
-def piece_of(values: Mapping[str, Array], piece: Piece) -> Array:
+def piece_of(values: Mapping[str, Array], piece: VaryingPart) -> Array:
     """The part of the inputs that goes into one attribute: a vector, or a matrix's column."""
     whole = values[piece.name]
     return np.ascontiguousarray(whole[..., int(piece.path[1:-1])]) if piece.path else whole

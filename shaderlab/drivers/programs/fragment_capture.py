@@ -17,7 +17,7 @@ from shaderlab.model.state import State, Stencil
 
 from . import bind, stages, textures
 from .prepare import PreparedDraw
-from .stages import Piece, assembled
+from .stages import VaryingPart, assembled
 
 WIDTH = 256
 """Most points in a row of the target."""
@@ -178,7 +178,7 @@ class PassCapture:
                 pass  # one of the others may be what the driver refuses
         return self._alone(index)
 
-    def _at_once(self, draws: Mapping[int, Sequence[Piece]]) -> dict[int, _Captured]:
+    def _at_once(self, draws: Mapping[int, Sequence[VaryingPart]]) -> dict[int, _Captured]:
         """Several draws with the pieces of their inputs, captured by one redraw."""
         made = {
             index: stages.capture_fragment(
@@ -206,7 +206,7 @@ class PassCapture:
         parts = stages.input_pieces(text, draw.interface.varyings.values())
         crowded = stages.crowded(outputs)
         room = stages.MOST_OUTPUTS - 1 - (0 if crowded else len(outputs))
-        values: dict[Piece, Array] = {}
+        values: dict[VaryingPart, Array] = {}
         for start in range(0, max(len(parts), 1), room):
             made, captured = stages.capture_fragment(
                 text, parts[start : start + room], outputs if crowded else None, keep_all=keep_all
@@ -230,7 +230,7 @@ class _Captured:
     and of several draws the numbers of those that are seen."""
 
     coord: Array
-    values: Mapping[Piece, Array]
+    values: Mapping[VaryingPart, Array]
     number: Array | None = None
 
     def fragments(self, index: int) -> Fragments:
@@ -271,10 +271,10 @@ def numbered(text: str, index: int) -> str:
 _NUMBER = f"float {stages.NUMBER};"
 
 
-def _together(draws: Sequence[PreparedDraw], index: int) -> dict[int, Sequence[Piece]]:
+def _together(draws: Sequence[PreparedDraw], index: int) -> dict[int, Sequence[VaryingPart]]:
     """The draws that can be captured at once with a draw, itself among them, each with the pieces
     of its inputs; none where it can only be captured alone."""
-    found: dict[int, Sequence[Piece]] = {}
+    found: dict[int, Sequence[VaryingPart]] = {}
     types: list[str] = []  # of the attachments
     for other in (index, *(k for k in range(len(draws)) if k != index)):
         draw = draws[other]
@@ -290,7 +290,7 @@ def _together(draws: Sequence[PreparedDraw], index: int) -> dict[int, Sequence[P
     return found
 
 
-def _that_fit(draw: PreparedDraw) -> Sequence[Piece] | None:
+def _that_fit(draw: PreparedDraw) -> Sequence[VaryingPart] | None:
     """The pieces of all inputs of a draw, where they fit beside outputs, place and number."""
     outputs = draw.interface.outputs
     try:
@@ -311,7 +311,7 @@ def _blank(draw: PreparedDraw) -> str:
     )
 
 
-def _formats(captured: Mapping[Piece, str]) -> dict[str, str]:
+def _formats(captured: Mapping[VaryingPart, str]) -> dict[str, str]:
     """The attachments of captured pieces: format by name."""
     return {name: textures.for_output(stages.padded_type(p)) for p, name in captured.items()}
 
@@ -321,5 +321,7 @@ def _pieces(images: Mapping[str, Array]) -> Callable[[str, int], Array]:
     return functools.cache(lambda name, count: leading(images[name], count))
 
 
-def _values(of: Callable[[str, int], Array], captured: Mapping[Piece, str]) -> dict[Piece, Array]:
+def _values(
+    of: Callable[[str, int], Array], captured: Mapping[VaryingPart, str]
+) -> dict[VaryingPart, Array]:
     return {piece: of(name, textures.components_of(piece.type)) for piece, name in captured.items()}

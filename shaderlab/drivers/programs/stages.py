@@ -1,4 +1,5 @@
-"""Fragment inputs as GLSL declares them: blocks, structs, arrays and matrices, piece by piece.
+"""The texts that the lab writes from a program's: stages that feed a fragment shader, and stages
+that also write down what they got.
 
 An interface names an input as a driver reports it: "VS_OUT.FragPos" by its block's name, whatever
 the instance is called. A shader's text has to be read for what the interface leaves out: the
@@ -13,38 +14,19 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from tree_sitter import Node
 
 from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.compiler.shader_files import without_comments
+from shaderlab.compiler.syntax import Syntax, name_of
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array
 
 from .textures import components_of, numpy_type
 
-_BLOCK = re.compile(
-    r"\b(?P<direction>in|out)\s+(\w+)\s*\{([^{}]*)\}\s*(\w*)\s*((?:\[[^\]]*\]\s*)*);"
-)
-_STRUCT = re.compile(r"\bstruct\s+(\w+)\s*\{[^{}]*\}\s*;")
-_QUALIFIERS = r"(?:layout\s*\([^)]*\)\s*|flat\s+|smooth\s+|noperspective\s+|centroid\s+|sample\s+)*"
-
 
 @dataclass(frozen=True)
-class Block:
-    """A block of inputs in a shader's text; `instance` is "" where members are named alone."""
-
-    name: str
-    body: str
-    instance: str
-    array: str
-
-    @property
-    def members(self) -> tuple[str, ...]:
-        """The members' names."""
-        return tuple(re.findall(r"\b([A-Za-z_]\w*)\s*(?:\[[^\]]*\]\s*)*[;,]", self.body))
-
-
-@dataclass(frozen=True)
-class Piece:
+class VaryingPart:
     """A scalar or a vector out of an input: what one attachment or one attribute holds.
 
     Attributes:
@@ -58,56 +40,127 @@ class Piece:
     type: str
 
 
-class Declared:
-    """The input declarations in a fragment shader's text (after includes); with "out" for a
-    direction, a vertex or geometry shader's outputs."""
+@dataclass(frozen=True)
+class InterfaceBlock:
+    """A block of inputs in a shader's text; `instance` is "" where members are named alone."""
+
+    name: str
+    body: str
+    instance: str
+    array: str
+    members: tuple[str, ...]
+
+
+class GlslDeclarations:
+    """The declarations of inputs in a fragment shader's text (after includes); with "out" for a
+    direction, of a vertex or geometry shader's outputs.
+
+    Attributes:
+        blocks: each block by its name.
+        structs: all struct declarations, as written.
+    """
 
     def __init__(self, text: str, direction: str = "in") -> None:
-        self._text = without_comments(text)
-        found = _BLOCK.findall(self._text)
-        self.blocks = {b[1]: Block(*b[1:]) for b in found if b[0] == direction}
+        self.blocks: dict[str, InterfaceBlock] = {}
+        self.structs: list[str] = []
+        self._plain: dict[str, tuple[str, str, str]] = {}  # qualifiers, type and array by name
+        file = Syntax(without_comments(text))
+        for node in _top_level(file.root):
+            if node.type == "struct_specifier":
+                self.structs.append(f"{file.of(node)};")
+            elif node.type == "declaration":
+                self._read(file, node, direction)
 
-    def spelt(self, name: str) -> str:
-        """An input as the shader itself writes it: a block's name becomes its instance's.
+    def _read(self, file: Syntax, node: Node, direction: str) -> None:
+        way = next((child for child in node.children if child.type == direction), None)
+        if way is None:
+            return
+        body = next((c for c in node.children if c.type == "field_declaration_list"), None)
+        if body is not None:
+            name, *instance = (file.of(c) for c in node.named_children if c.type in _NAMING)
+            own, bracket, size = (instance[0] if instance else "").partition("[")
+            members = tuple(
+                file.of(name_of(declarator))
+                for member in body.named_children
+                for declarator in member.children_by_field_name("declarator")
+            )
+            inside = file.of(body)[1:-1]
+            self.blocks[name] = InterfaceBlock(name, inside, own.strip(), bracket + size, members)
+            return
+        before = file.bytes[node.start_byte : way.start_byte].decode().split()
+        kind = node.child_by_field_name("type")
+        for declarator in node.children_by_field_name("declarator"):
+            name = file.of(name_of(declarator))
+            array = file.of(declarator).removeprefix(name).strip()
+            qualifiers = "".join(f"{word} " for word in before)
+            self._plain[name] = qualifiers, "" if kind is None else file.of(kind), array
 
-        >>> Declared("in VS_OUT { vec3 FragPos; } fs_in;").spelt("VS_OUT.FragPos")
+    def spell(self, name: str) -> str:
+        """Write an input as the shader itself does: a block's name becomes its instance's.
+
+        >>> GlslDeclarations("in VS_OUT { vec3 FragPos; } fs_in;").spell("VS_OUT.FragPos")
         'fs_in.FragPos'
         """
-        head, rest = re.fullmatch(r"(\w*)(.*)", name).groups()  # type: ignore[union-attr]
+        head = _head(name)
         block = self.blocks.get(head) if "." in name else None
-        return name if block is None else block.instance + rest
+        return name if block is None else block.instance + name.removeprefix(head)
 
-    def block_of(self, name: str) -> Block | None:
-        """The block that an input is a member of."""
-        head = name.partition(".")[0].partition("[")[0]
+    def block_of(self, name: str) -> InterfaceBlock | None:
+        """Find the block that an input is a member of."""
+        head = _head(name)
         if "." in name and head in self.blocks:
             return self.blocks[head]
         return next((b for b in self.blocks.values() if not b.instance and head in b.members), None)
 
-    def struct_of(self, name: str) -> tuple[str, str]:
-        """The struct that an input like "surface.normal" is declared with: its type's name, and
-        the array part of the declaration.
+    def declare_outputs(self, variables: Sequence[Variable]) -> list[str]:
+        """Declare outputs that fit a fragment shader's inputs; blocks and structs to the letter, as
+        the stages must agree on them.
 
         Raises:
-            UnsupportedError: the declaration can't be found.
+            UnsupportedError: the declaration of a struct can't be found.
         """
-        head = re.escape(name.partition(".")[0].partition("[")[0])
-        found = re.search(rf"\bin\s+(\w+)\s+{head}\s*((?:\[[^\]]*\]\s*)*);", self._text)
-        if found is None:
-            raise UnsupportedError(
-                f"the declaration of the input {name!r} can't be read",
-                remedy="declare it on its own (in Type name;), or draw a mesh",
-            )
-        return found.group(1), found.group(2)
+        lines: dict[str, None] = {}
+        for variable in variables:
+            name, head = variable.name, _head(variable.name)
+            block = self.block_of(name)
+            qualifiers, kind, array = self._plain.get(head, ("", "", ""))
+            if block is not None:
+                own = f"{PREFIX}to_{block.name}" if block.instance else ""
+                lines[f"out {block.name} {{{block.body}}} {own}{block.array};"] = None
+            elif "." in name:
+                if not kind:
+                    raise UnsupportedError(
+                        f"the declaration of the input {name!r} can't be read",
+                        remedy="declare it on its own (in Type name;), or draw a mesh",
+                    )
+                lines[f"{qualifiers}out {kind} {head}{array};"] = None
+            else:
+                array = "" if variable.array is None else f"[{variable.array}]"
+                own = "" if variable.interpolation == "smooth" else f"{variable.interpolation} "
+                lines[f"{qualifiers or own}out {variable.type} {name}{array};"] = None
+        structs = self.structs if any("." in variable.name for variable in variables) else []
+        return [*structs, *lines]
 
-    def structs(self) -> list[str]:
-        """All struct declarations, as written."""
-        return [found.group(0) for found in _STRUCT.finditer(self._text)]
+    def spell_output(self, name: str) -> str:
+        """Write an input's name as of the vertex stage that `declare_outputs` is for."""
+        block = self.block_of(name)
+        return f"{PREFIX}to_{name}" if block is not None and block.instance else name
 
-    def qualifiers(self, name: str) -> str:
-        """What stands before `in` in the declaration of a plain input: `flat`, `centroid`, …"""
-        found = re.search(rf"({_QUALIFIERS})in\s+\w+\s+[^;]*\b{re.escape(name)}\b", self._text)
-        return found.group(1) if found else ""
+
+_NAMING = ("identifier", "array_declarator")  # a block's name and its instance's
+
+
+def _top_level(node: Node) -> Iterator[Node]:
+    """All that stands outside of functions, whatever `#if` it depends on."""
+    for child in node.children:
+        yield child
+        if child.type.startswith("preproc_"):
+            yield from _top_level(child)
+
+
+def _head(name: str) -> str:
+    """The variable that an input like "surface.normal" or "v[1]" is part of."""
+    return name.partition(".")[0].partition("[")[0]
 
 
 def elements(variables: Iterable[Variable]) -> Iterator[Variable]:
@@ -119,7 +172,7 @@ def elements(variables: Iterable[Variable]) -> Iterator[Variable]:
             yield replace(variable, name=f"{variable.name}[{index}]", array=None)
 
 
-def pieces(variable: Variable) -> Iterator[Piece]:
+def pieces(variable: Variable) -> Iterator[VaryingPart]:
     """A variable that is no array, as vectors: itself, or a matrix' columns.
 
     >>> from shaderlab.compiler.reflection import Variable
@@ -132,14 +185,14 @@ def pieces(variable: Variable) -> Iterator[Piece]:
             remedy="pass it on in single precision",
         )
     if not variable.type.startswith("mat"):
-        yield Piece(variable.name, "", variable.type)
+        yield VaryingPart(variable.name, "", variable.type)
         return
     columns, _, rows = variable.type[3:].partition("x")
     for column in range(int(columns)):
-        yield Piece(variable.name, f"[{column}]", f"vec{rows or columns}")
+        yield VaryingPart(variable.name, f"[{column}]", f"vec{rows or columns}")
 
 
-def assembled(parts: Mapping[Piece, Array]) -> dict[str, Array]:
+def assembled(parts: Mapping[VaryingPart, Array]) -> dict[str, Array]:
     """The inputs by name: vectors (…, components), and matrices (…, rows, columns)."""
     found: dict[str, list[Array]] = {}
     for piece, values in parts.items():
@@ -171,12 +224,12 @@ def after_directives(text: str) -> int:
     return max((found.end() for found in _DIRECTIVE.finditer(text)), default=0)
 
 
-def input_pieces(text: str, inputs: Iterable[Variable]) -> list[Piece]:
+def input_pieces(text: str, inputs: Iterable[Variable]) -> list[VaryingPart]:
     """All that a fragment shader gets, in pieces that fit an attachment: its inputs, and the
     built-in ones that its text names."""
     found = [piece for variable in elements(inputs) for piece in pieces(variable)]
     used = {name: kind for name, kind in _BUILT_IN.items() if re.search(rf"\b{name}\b", text)}
-    return [*found, *(Piece(name, "", kind) for name, kind in used.items())]
+    return [*found, *(VaryingPart(name, "", kind) for name, kind in used.items())]
 
 
 def crowded(outputs: Sized) -> bool:
@@ -215,13 +268,13 @@ def changes_inputs(text: str) -> bool:
 
 def capture_fragment(
     text: str,
-    group: Sequence[Piece],
+    group: Sequence[VaryingPart],
     unwanted: Mapping[str, Variable] | None = None,
     *,
     keep_all: bool = False,
     calls: bool = False,
     numbered: bool = False,
-) -> tuple[str, dict[Piece, str]]:
+) -> tuple[str, dict[VaryingPart, str]]:
     """A fragment shader, unchanged but for a new ending that writes what it got.
 
     The author's main is renamed; then gl_FragCoord goes to shaderlab_coord and each piece to an
@@ -241,7 +294,7 @@ def capture_fragment(
         Its text, and the output of each piece, of the type `padded_type`.
     """
     captured = {piece: f"{PREFIX}out{i}" for i, piece in enumerate(group)}
-    shader = Declared(text)
+    shader = GlslDeclarations(text)
     calls = not keep_all and (calls or may_keep_out(text))
     for variable in (unwanted or {}).values():
         text = _demoted(text, variable)
@@ -257,14 +310,14 @@ def capture_fragment(
     return with_ending(text, declared, written, calls=calls), captured
 
 
-def capture_vertex(text: str, group: Sequence[Piece]) -> tuple[str, dict[Piece, str]]:
+def capture_vertex(text: str, group: Sequence[VaryingPart]) -> tuple[str, dict[VaryingPart, str]]:
     """A vertex shader that also writes some of its outputs, each to an output of its own.
 
     Returns:
         Its text, and the output of each piece, of the type `padded_type`.
     """
     captured = {piece: f"{PREFIX}out{i}" for i, piece in enumerate(group)}
-    shader = Declared(text, "out")
+    shader = GlslDeclarations(text, "out")
     declared = [f"flat out {padded_type(piece)} {name};" for piece, name in captured.items()]
     written = [f"    {name} = {_padded_value(p, shader)};" for p, name in captured.items()]
     return with_ending(text, declared, written), captured
@@ -368,14 +421,14 @@ def _demoted(text: str, variable: Variable) -> str:
     return changed
 
 
-def padded_type(piece: Piece) -> str:
+def padded_type(piece: VaryingPart) -> str:
     """The type of four components that holds a piece: the renderable formats have no three."""
     return {"i": "ivec4", "u": "uvec4"}.get(piece.type[0], "vec4")
 
 
-def _padded_value(piece: Piece, shader: Declared) -> str:
+def _padded_value(piece: VaryingPart, shader: GlslDeclarations) -> str:
     size = int(piece.type[-1]) if piece.type[-1].isdigit() else 1
-    value = f"{shader.spelt(piece.name)}{piece.path}"
+    value = f"{shader.spell(piece.name)}{piece.path}"
     if piece.name == "gl_FrontFacing":
         value = "gl_FrontFacing ? 1.0 : 0.0"  # as an integer it is 0 on softpipe, in front too
     return f"{padded_type(piece)}({value}{', 0' * (4 - size)})"
@@ -392,12 +445,12 @@ _FRAGMENT = "#version 330 core\nvoid main() {}\n"
 _SIZE = PREFIX + "point_size"
 
 
-def words_of(parts: Sequence[Piece]) -> int:
+def words_of(parts: Sequence[VaryingPart]) -> int:
     """How many words a vertex takes."""
     return 1 + sum(components_of(piece.type) for piece in parts)
 
 
-def storing(texts: Mapping[str, str], parts: Sequence[Piece], most: int) -> dict[str, str]:
+def storing(texts: Mapping[str, str], parts: Sequence[VaryingPart], most: int) -> dict[str, str]:
     """A program whose last stage before rasterisation stores these pieces of each vertex.
 
     A vertex stage stores vertex v of instance i in place i · PER_INSTANCE + v. A geometry stage, as
@@ -411,7 +464,7 @@ def storing(texts: Mapping[str, str], parts: Sequence[Piece], most: int) -> dict
     """
     last = "geometry" if "geometry" in texts else "vertex"
     text = _extended(texts[last])
-    stored = list(_stores(parts, Declared(texts[last], "out")))
+    stored = list(_stores(parts, GlslDeclarations(texts[last], "out")))
     size = ["    gl_PointSize = 1.0;"] if last == "vertex" or emits_points(texts) else []
     if last == "vertex":
         place = f"gl_InstanceID * {PER_INSTANCE} + gl_VertexID"
@@ -433,7 +486,7 @@ def storing(texts: Mapping[str, str], parts: Sequence[Piece], most: int) -> dict
     }
 
 
-def restored(parts: Sequence[Piece], words: Array) -> dict[Piece, Array]:
+def restored(parts: Sequence[VaryingPart], words: Array) -> dict[VaryingPart, Array]:
     """The pieces of each vertex that came out, (vertices, components), of the words (uint32)."""
     sizes = [components_of(piece.type) for piece in parts]
     rows = words.reshape(-1, words_of(parts))
@@ -450,7 +503,7 @@ def _declared() -> list[str]:
     return [block, f"uniform int {PER_INSTANCE};"]
 
 
-def _at(place: str, parts: Sequence[Piece]) -> str:
+def _at(place: str, parts: Sequence[VaryingPart]) -> str:
     return f"    uint at = uint({place}) * {words_of(parts)}u; {PREFIX}words[at] = 1u;"
 
 
@@ -464,10 +517,10 @@ def _extended(text: str) -> str:
     return f"{text[:end]}{lines}\nfloat {_SIZE};{body}"
 
 
-def _stores(parts: Sequence[Piece], shader: Declared) -> Iterator[str]:
+def _stores(parts: Sequence[VaryingPart], shader: GlslDeclarations) -> Iterator[str]:
     at = 1
     for piece in parts:
-        name = _SIZE if piece.name == "gl_PointSize" else shader.spelt(piece.name)
+        name = _SIZE if piece.name == "gl_PointSize" else shader.spell(piece.name)
         count = components_of(piece.type)
         for component in range(count):
             one = f"{name}{piece.path}" + (f"[{component}]" if count > 1 else "")
@@ -496,22 +549,22 @@ def primitive(text: str) -> str:
     return "lines" if re.search(r"\bisolines\b", inputs) else "triangles"
 
 
-def controlled(interface: Interface) -> Iterator[Piece]:
+def controlled(interface: Interface) -> Iterator[VaryingPart]:
     """What a control stage makes of a patch, as the evaluation stage calls it: the levels, and what
     it gives of each vertex and of the whole."""
-    yield from (Piece(name, "", "float") for name in _LEVELS)
+    yield from (VaryingPart(name, "", "float") for name in _LEVELS)
     count = interface.patch_vertices
-    yield from (Piece(f"gl_in[{n}].gl_Position", "", "vec4") for n in range(count))
+    yield from (VaryingPart(f"gl_in[{n}].gl_Position", "", "vec4") for n in range(count))
     for variable in elements(interface.evaluation_inputs.values()):
         vertex = re.match(r"\w+\[(\d+)\]", variable.name)
         if variable.patch or vertex is None or int(vertex.group(1)) < count:
             yield from pieces(variable)
 
 
-def groups(interface: Interface) -> Iterator[list[Piece]]:
+def groups(interface: Interface) -> Iterator[list[VaryingPart]]:
     """All that an evaluation shader gets, in groups that are passed on at once: where it is in
     which patch, and what the control stage made of that."""
-    group = [Piece("gl_TessCoord", "", "vec3"), Piece("gl_PrimitiveID", "", "int")]
+    group = [VaryingPart("gl_TessCoord", "", "vec3"), VaryingPart("gl_PrimitiveID", "", "int")]
     room = _ROOM - 4
     for piece in controlled(interface):
         size = components_of(piece.type)
@@ -523,15 +576,18 @@ def groups(interface: Interface) -> Iterator[list[Piece]]:
     yield group
 
 
-def copying(text: str, group: Sequence[Piece]) -> tuple[str, Mapping[Piece, Piece]]:
+def copying(
+    text: str, group: Sequence[VaryingPart]
+) -> tuple[str, Mapping[VaryingPart, VaryingPart]]:
     """An evaluation shader that also passes on some of its inputs, and the output that each is."""
-    shader = Declared(text)
+    shader = GlslDeclarations(text)
     copies = {
-        piece: Piece(f"{PREFIX}in{number}", "", piece.type) for number, piece in enumerate(group)
+        piece: VaryingPart(f"{PREFIX}in{number}", "", piece.type)
+        for number, piece in enumerate(group)
     }
     flat = {"i": "flat ", "u": "flat "}
     declared = [f"{flat.get(c.type[0], '')}out {c.type} {c.name};" for c in copies.values()]
-    written = [f"    {c.name} = {shader.spelt(p.name)}{p.path};" for p, c in copies.items()]
+    written = [f"    {c.name} = {shader.spell(p.name)}{p.path};" for p, c in copies.items()]
     return with_ending(text, declared, written), copies
 
 
@@ -548,7 +604,7 @@ def domain_vertex(text: str, inputs: Iterable[Variable]) -> str:
     Raises:
         UnsupportedError: an input is an array.
     """
-    variables, shader = sorted(inputs, key=lambda variable: variable.name), Declared(text)
+    variables, shader = sorted(inputs, key=lambda variable: variable.name), GlslDeclarations(text)
     written = []
     ramps: dict[str, list[str]] = {}
     for variable in variables:
@@ -564,8 +620,8 @@ def domain_vertex(text: str, inputs: Iterable[Variable]) -> str:
         ramps.setdefault(owner, []).extend(f"{kind} {own}_{part};" for part in parts)
         origin, *steps = (f"{PREFIX}{owner}{dot}{own}_{part}" for part in parts)
         value = origin if integer else f"{origin} + st.x * {steps[0]} + st.y * {steps[1]}"
-        written.append(f"    {_given(name, shader)} = {value};")
-    declared = _outputs(shader, variables)
+        written.append(f"    {shader.spell_output(name)} = {value};")
+    declared = shader.declare_outputs(variables)
     for owner, members in ramps.items():
         if not owner:
             declared += [f"uniform {m.replace(' ', f' {PREFIX}', 1)}" for m in members]
@@ -583,56 +639,28 @@ def domain_vertex(text: str, inputs: Iterable[Variable]) -> str:
 
 
 @lru_cache(maxsize=256)
-def probe_vertex(text: str, inputs: tuple[Variable, ...]) -> tuple[str, Mapping[Piece, str]]:
+def probe_vertex(text: str, inputs: tuple[Variable, ...]) -> tuple[str, Mapping[VaryingPart, str]]:
     """A vertex stage that puts vertex i on pixel i of a row-by-row target, feeding `inputs` from
     attributes: a point has one vertex, so nothing is interpolated.
 
     Returns:
         Its text, and the attribute of each piece.
     """
-    shader = Declared(text)
+    shader = GlslDeclarations(text)
     parts = [piece for variable in elements(inputs) for piece in pieces(variable)]
     attributes = {piece: f"{PREFIX}in{i}" for i, piece in enumerate(parts)}
     declared = ["uniform ivec2 shaderlab_size;"]
     declared += [f"in {piece.type} {name};" for piece, name in attributes.items()]
-    declared += _outputs(shader, inputs)
+    declared += shader.declare_outputs(inputs)
     body = [
         "void main() {",
-        *(f"    {_given(p.name, shader)}{p.path} = {name};" for p, name in attributes.items()),
+        *(f"    {shader.spell_output(p.name)}{p.path} = {name};" for p, name in attributes.items()),
         "    vec2 pixel = vec2(gl_VertexID % shaderlab_size.x, gl_VertexID / shaderlab_size.x);",
         "    gl_Position = vec4((pixel + 0.5) / vec2(shaderlab_size) * 2.0 - 1.0, 0.0, 1.0);",
         "    gl_PointSize = 1.0;",
         "}",
     ]
     return "\n".join([version_line(text), *declared, *body, ""]), attributes
-
-
-def _outputs(shader: Declared, variables: Sequence[Variable]) -> list[str]:
-    """Declarations of outputs that fit a fragment shader's inputs; blocks and structs to the
-    letter, as the stages must agree on them."""
-    lines: dict[str, None] = {}
-    for variable in variables:
-        name = variable.name
-        block = shader.block_of(name)
-        if block is not None:
-            own = f"{PREFIX}to_{block.name}" if block.instance else ""
-            lines[f"out {block.name} {{{block.body}}} {own}{block.array};"] = None
-        elif "." in name:
-            head = name.partition(".")[0].partition("[")[0]
-            kind, array = shader.struct_of(name)
-            lines[f"{shader.qualifiers(head)}out {kind} {head}{array};"] = None
-        else:
-            array = "" if variable.array is None else f"[{variable.array}]"
-            own = "" if variable.interpolation == "smooth" else f"{variable.interpolation} "
-            lines[f"{shader.qualifiers(name) or own}out {variable.type} {name}{array};"] = None
-    structs = shader.structs() if any("." in v.name for v in variables) else []
-    return [*structs, *lines]
-
-
-def _given(name: str, shader: Declared) -> str:
-    """An input's name in the vertex stage that `_outputs` declares it in."""
-    block = shader.block_of(name)
-    return f"{PREFIX}to_{name}" if block is not None and block.instance else name
 
 
 def version_line(text: str) -> str:

@@ -17,7 +17,7 @@ from shaderlab.model.state import State
 
 from . import stages
 from .prepare import PreparedDraw
-from .stages import Piece, assembled, elements, pieces
+from .stages import VaryingPart, assembled, elements, pieces
 
 _CORNERS = {"points": 1, "lines": 2, "line_strip": 2, "triangles": 3}
 
@@ -41,11 +41,11 @@ def entering(name: str) -> str:
     return f"gl_in.{name}" if name.startswith("gl_") else name
 
 
-def vertex_pieces(text: str, interface: Interface) -> list[Piece]:
+def vertex_pieces(text: str, interface: Interface) -> list[VaryingPart]:
     """The same as pieces, of a stage with this text and interface."""
-    built_in = [Piece("gl_Position", "", "vec4")]
+    built_in = [VaryingPart("gl_Position", "", "vec4")]
     if re.search(r"\bgl_PointSize\b", text):
-        built_in.append(Piece("gl_PointSize", "", "float"))
+        built_in.append(VaryingPart("gl_PointSize", "", "float"))
     declared = elements(interface.vertex_outputs.values())
     return [*built_in, *(piece for variable in declared for piece in pieces(variable))]
 
@@ -96,7 +96,8 @@ def corners(mesh: Mesh) -> Array:
 
 
 Capture = Callable[
-    [PreparedDraw, Mapping[str, str], Sequence[Piece], Bindings, int | None], Mapping[Piece, Array]
+    [PreparedDraw, Mapping[str, str], Sequence[VaryingPart], Bindings, int | None],
+    Mapping[VaryingPart, Array],
 ]
 """Draws with the stages of these texts, and gives the pieces of each vertex that comes out of the
 last of them, (vertices, components), in the order of instances, primitives and emission; the number
@@ -170,7 +171,7 @@ def _emitted(
         "vertex": stages.counting_vertex(draw.text("vertex") or ""),
         "geometry": stages.counting_geometry(draw.text("geometry") or ""),
     }
-    counters = [Piece(name, "", "int") for name in stages.EMITTED.values()]
+    counters = [VaryingPart(name, "", "int") for name in stages.EMITTED.values()]
     parts = vertex_pieces(draw.text("geometry") or "", draw.interface)
     plain = replace(draw, draw=replace(draw.draw, vertex_array=True, state=State()))
     got = dict(capture(plain, texts, [*parts, *counters], bindings, None))
@@ -197,8 +198,8 @@ def _tessellated(
 ) -> Samples:
     text = draw.text("tess_evaluation") or ""
     plain = replace(draw, draw=replace(draw.draw, vertex_array=True, state=State()))
-    outputs: dict[Piece, Array] = {}
-    inputs: dict[Piece, Array] = {}
+    outputs: dict[VaryingPart, Array] = {}
+    inputs: dict[VaryingPart, Array] = {}
     for group in stages.groups(draw.interface):
         copying, copies = stages.copying(text, group)
         own = [] if outputs else vertex_pieces(text, draw.interface)

@@ -34,7 +34,7 @@ from ..programs import blocks, stages
 from ..programs.blocks import uniform_blocks
 from ..programs.module_texts import HEIGHT, as_drawn, sources_of
 from ..programs.prepare import PreparedDraw, Programs
-from ..programs.stages import Piece
+from ..programs.stages import VaryingPart
 from ..programs.vertex_capture import corners
 from ..protocol import Answers, Evaluation, Size
 from ..resources import COVERING
@@ -193,10 +193,10 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         self,
         draw: PreparedDraw,
         texts: Mapping[str, str],
-        parts: Sequence[Piece],
+        parts: Sequence[VaryingPart],
         bindings: Bindings,
         count: int | None,
-    ) -> Mapping[Piece, Array]:
+    ) -> Mapping[VaryingPart, Array]:
         """Store them in a storage buffer, as the interface has it.
 
         Raises:

@@ -32,7 +32,7 @@ from ..passes import DeviceBackend, PassSession
 from ..programs import blocks, stages
 from ..programs.module_texts import HEIGHT, as_drawn
 from ..programs.prepare import PreparedDraw, Programs
-from ..programs.stages import Piece
+from ..programs.stages import VaryingPart
 from ..programs.textures import components_of, numpy_type
 from ..protocol import Answers, Size
 from .device import Calls, Device, Object, Objects, decoded
@@ -245,13 +245,13 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
         self,
         draw: PreparedDraw,
         texts: Mapping[str, str],
-        parts: Sequence[Piece],
+        parts: Sequence[VaryingPart],
         bindings: Bindings,
         count: int | None,
-    ) -> Mapping[Piece, Array]:
+    ) -> Mapping[VaryingPart, Array]:
         """Capture them by transform feedback, as the interface has it."""
         assert count is not None, "without a geometry stage it is known"
-        found: dict[Piece, Array] = {}
+        found: dict[VaryingPart, Array] = {}
         for start in range(0, len(parts), _AT_ONCE):
             group = parts[start : start + _AT_ONCE]
             text, names = stages.capture_vertex(texts["vertex"], group)
