@@ -15,7 +15,7 @@ from shaderlab.compiler.diagnostics import mark_disagreement
 from shaderlab.compiler.engines import ALL_TARGETS
 from shaderlab.compiler.reflection import Interface
 from shaderlab.compiler.sources import Source
-from shaderlab.drivers.programs import blocks
+from shaderlab.drivers.programs import bind
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.errors import (
     AssetError,
@@ -422,7 +422,7 @@ def _uniform_buffers(prepared: Programs) -> Iterator[BufferRecord]:
     for uses in users.values():
         name, _, draw = uses[0]
         interface = draw.compiled.interface
-        block = None if interface is None else blocks.uniform_blocks(interface).get(name)
+        block = None if interface is None else bind.uniform_blocks(interface).get(name)
         if block is not None:
             parts = tuple(
                 BufferPart(name=member.name, offset=member.offset, stride=member.array_stride)

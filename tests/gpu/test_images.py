@@ -23,7 +23,7 @@ from shaderlab import (
     measure,
     value,
 )
-from shaderlab.drivers.programs.images import FORMATS
+from shaderlab.drivers.programs.storage import FORMATS
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import ivec3, uvec4, vec3, vec4, where

@@ -28,7 +28,7 @@ from .. import Evaluation, Size
 from ..passes import DeviceBackend
 from ..programs.prepare import Programs
 from ..programs.stages import PREFIX
-from ..programs.storage import captured
+from ..programs.storage import capture_invocations
 from ..protocol import Answers
 from . import calls, drawing, linking, tracing
 from .buffers import read_block, read_layout, read_storage
@@ -140,7 +140,7 @@ class OpenGLSession(Drawing):
     def capture_fragments(self, key: PassDraw) -> Fragments:
         draw = self.programs[key[0]][key[1]]
         if draw.draw.compute:
-            return captured(draw.draw, draw.interface, self.bindings[key])
+            return capture_invocations(draw.draw, draw.interface, self.bindings[key])
         return super().capture_fragments(key)
 
     def _call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:

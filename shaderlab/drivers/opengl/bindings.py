@@ -21,7 +21,7 @@ from shaderlab.model.textures import (
     level_sizes,
 )
 
-from ..programs.images import output_of
+from ..programs.storage import image_output
 from ..programs.textures import (
     DEPTH,
     Contents,
@@ -205,5 +205,5 @@ def read_images(
             count = 1 if image.kind == "2D" else len(image.values)
             values = read_level(textures[name], image.format, 0, (width, height, count))
             image = replace(image, values=values)
-        left[name] = output_of(image)
+        left[name] = image_output(image)
     return left

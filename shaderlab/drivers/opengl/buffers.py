@@ -17,7 +17,7 @@ from shaderlab.model.frame import Array, AttributeReading, BlockReading
 from shaderlab.model.mesh import Mesh, Placement
 from shaderlab.model.scene import UniformBuffer
 
-from ..programs import blocks
+from ..programs import bind
 from ..programs.prepare import PreparedDraw
 from .device import GL, Device, named
 from .linking import has_names
@@ -183,7 +183,7 @@ class UniformBuffers:
         self._device = device
         self._stack = stack
         self._active: dict[int, tuple[Any, dict[str, bool]]] = {}
-        self._shared = blocks.SharedLayouts()
+        self._shared = bind.SharedLayouts()
         self._made: dict[tuple[int, bytes], Any] = {}
 
     def bind(
@@ -195,7 +195,7 @@ class UniformBuffers:
             CaseError: two programs that share a buffer lay it out differently.
             DriverError: the driver lays a block out differently.
         """
-        for point, (name, block) in enumerate(blocks.uniform_blocks(draw.interface).items()):
+        for point, (name, block) in enumerate(bind.uniform_blocks(draw.interface).items()):
             # The program is kept, so that no other one gets its identity.
             known = self._active.setdefault(id(program), (program, {}))[1]
             if name not in known:
@@ -204,7 +204,7 @@ class UniformBuffers:
                 yield name
                 continue
             GL.glUniformBlockBinding(program.glo, _index(program, block), point)
-            buffer = self._buffer(draw.draw.blocks[name], block, blocks.packed(block, uniforms))
+            buffer = self._buffer(draw.draw.blocks[name], block, bind.pack_block(block, uniforms))
             buffer.bind_to_uniform_block(point)
 
     def _buffer(self, source: UniformBuffer, block: Block, data: bytes) -> Any:
@@ -227,7 +227,9 @@ def read_block(program: Any, block: Block) -> BlockReading:
         if not has_names(program):  # the module itself says where members lie
             offsets = {name: member.offset for name, member in block.members.items()}
         else:
-            offsets = {name: _offset(program, blocks.spelt(block, name)) for name in block.members}
+            offsets = {
+                name: _offset(program, bind.member_name(block, name)) for name in block.members
+            }
     return BlockReading(
         offsets={name: at for name, at in offsets.items() if at is not None},
         size=int(size[0]),
@@ -295,7 +297,7 @@ def read_storage(program: Any, block: Block) -> BlockReading:
         )  # fmt: skip
         offsets = {}
         for name in block.members:
-            at = resource_index(program, GL.GL_BUFFER_VARIABLE, blocks.spelt(block, name))
+            at = resource_index(program, GL.GL_BUFFER_VARIABLE, bind.member_name(block, name))
             if at is not None:
                 offsets[name] = _read(program, GL.GL_BUFFER_VARIABLE, at, GL.GL_OFFSET)
     return BlockReading(offsets=offsets, size=size, placed=placed, placed_size=block.size)

@@ -25,7 +25,7 @@ from shaderlab.model.state import State
 
 from .. import Drawn, Evaluation, Size
 from ..passes import PassSession
-from ..programs import blocks, stages, storage
+from ..programs import bind, stages, storage
 from ..programs.prepare import PreparedDraw, Programs, step
 from ..programs.stages import NUMBER, VaryingPart
 from ..programs.textures import components_of, numpy_type
@@ -72,7 +72,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
         storage.require_supported(draw.draw, draw.interface)
         with doing("draw", step(key, draw)):
             given = self.bind(draw)
-            found = storage.bound(draw.draw, draw.interface, given, self.folder, self.images)
+            found = storage.bind_storage(draw.draw, draw.interface, given, self.folder, self.images)
             self.bindings[key] = found
             program = self._linked(draw, draw.texts)
             self.use(program, draw, found)
@@ -94,7 +94,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
         """Set the program's uniforms and bind its textures; `only_active`: uniforms that it does
         not know are left out."""
         set_uniforms(program, draw.ramps)
-        members = blocks.variables(draw.interface)
+        members = bind.block_members(draw.interface)
         plain = {
             name: value
             for name, value in bindings.uniforms.items()
@@ -234,12 +234,12 @@ def dispatch(
     Raises:
         DriverError: the driver lays a block out differently.
     """
-    known, values = storage.slots(draw.interface), bindings.buffers
+    known, values = storage.find_slots(draw.interface), bindings.buffers
     buffers: list[tuple[Any, bytearray, Mapping[str, storage.Slot]]] = []
     with ExitStack() as stack:
         for point, (name, block) in enumerate(storage.storage_blocks(draw.interface).items()):
             members = {slot.name: slot for slot in known.values() if slot.block == name}
-            data = storage.packed(block, members, values)
+            data = storage.pack_storage(block, members, values)
             buffer = device.context.buffer(data)
             stack.callback(buffer.release)
             buffers.append((buffer, data, members))
@@ -257,7 +257,7 @@ def dispatch(
         for buffer, data, inside in buffers:
             data[:] = buffer.read()
             left |= {
-                name: storage.image_of(slot, storage.unpacked(slot, data, values[name]))
+                name: storage.member_image(slot, storage.unpack_storage(slot, data, values[name]))
                 for name, slot in inside.items()
                 if not slot.member.readonly
             }

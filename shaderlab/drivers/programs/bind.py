@@ -7,17 +7,17 @@ that the shader will get, and as the float64 numbers that the case wrote.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.reflection import Interface, Variable
+from shaderlab.compiler.reflection import Block, Interface, Member, Variable
 from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.model.frame import Array, Bindings, Texels
-from shaderlab.model.scene import UNIT_SQUARE, Draw, Ramp
+from shaderlab.model.scene import UNIT_SQUARE, Draw, Ramp, UniformBuffer
 from shaderlab.model.textures import TextureSource
 
-from . import blocks
 from .stages import PREFIX, VaryingPart, elements
 from .textures import numpy_type, shape_of
 
@@ -41,7 +41,7 @@ def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
     """
     for name in draw.uniforms:
         if name not in interface.uniforms:
-            blocks.refuse_member(draw, interface, name)
+            _refuse_member(draw, interface, name)
     samplers = {n: v for n, v in interface.uniforms.items() if "sampler" in v.type}
     uniforms = interface.uniforms.items()
     images = {n: v for n, v in uniforms if "image" in v.type}
@@ -56,11 +56,11 @@ def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
     plain = {n: v for n, v in uniforms if n not in opaque and not n.startswith(PREFIX)}
     compare("uniform", draw, draw.uniforms, plain, other={"texture": samplers, "image": images})
     compare("texture", draw, draw.textures, samplers, other={"uniform": plain, "image": images})
-    known = declared(interface)
-    values = {**draw.uniforms, **blocks.given(draw, interface)}
+    known = declared_uniforms(interface)
+    values = {**draw.uniforms, **_block_values(draw, interface)}
     exact, decimal = {}, {}
     for name, value in values.items():
-        exact[name], decimal[name] = value_arrays(known[name], value)
+        exact[name], decimal[name] = convert_value(known[name], value)
     return Bindings(
         uniforms=exact,
         decimal=decimal,
@@ -72,12 +72,12 @@ def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
     )
 
 
-def declared(interface: Interface) -> dict[str, Variable]:
+def declared_uniforms(interface: Interface) -> dict[str, Variable]:
     """Uniforms and members of uniform blocks by name."""
-    return {**interface.uniforms, **blocks.variables(interface)}
+    return {**interface.uniforms, **block_members(interface)}
 
 
-def value_arrays(variable: Variable, value: Any, what: str = "uniform") -> tuple[Array, Array]:
+def convert_value(variable: Variable, value: Any, what: str = "uniform") -> tuple[Array, Array]:
     """A value as the shader gets it, and as written, both of one shape; errors call the variable
     `what`.
 
@@ -100,7 +100,7 @@ def value_arrays(variable: Variable, value: Any, what: str = "uniform") -> tuple
         decimal = decimal[..., None]
     if decimal.shape != shape:
         raise CaseError(
-            f"{what} {variable.name!r} is {_spelt(variable)}: it takes shape {shape}, "
+            f"{what} {variable.name!r} is {_format_type(variable)}: it takes shape {shape}, "
             f"not {decimal.shape}"
         )
     kind = numpy_type(variable.type)
@@ -145,7 +145,7 @@ def check_domain(draw: Draw, inputs: Mapping[str, Variable]) -> None:
     compare("input", draw, _ramps(draw, inputs), inputs)
 
 
-def ramp_uniforms(draw: Draw, inputs: Mapping[str, Variable]) -> dict[str, Array]:
+def make_ramp_uniforms(draw: Draw, inputs: Mapping[str, Variable]) -> dict[str, Array]:
     """The uniforms of the generated domain stage, by name."""
     values: dict[str, Array] = {}
     for name, ramp in _ramps(draw, inputs).items():
@@ -157,16 +157,18 @@ def ramp_uniforms(draw: Draw, inputs: Mapping[str, Variable]) -> dict[str, Array
             if part != "origin" and given.ndim == 0:
                 given = np.broadcast_to(given, size)
             probe = Variable(name=f"{PREFIX}{name}_{part}", type=variable.type, location=None)
-            values[probe.name] = value_arrays(probe, given)[0]
+            values[probe.name] = convert_value(probe, given)[0]
     return values
 
 
-def exact_inputs(variables: Mapping[str, Variable], values: Mapping[str, Any]) -> dict[str, Array]:
+def convert_inputs(
+    variables: Mapping[str, Variable], values: Mapping[str, Any]
+) -> dict[str, Array]:
     """Given input values as arrays (1, components), matrices (1, rows, columns), of the type that
     the shader gets."""
     known = {v.name: v for v in elements(variables.values())}
     return {
-        name: value_arrays(known[name], value)[0][None]
+        name: convert_value(known[name], value)[0][None]
         for name, value in values.items()
         if name in known
     }
@@ -204,7 +206,7 @@ def complete_inputs(
     return complete
 
 
-def piece_of(values: Mapping[str, Array], piece: VaryingPart) -> Array:
+def select_part(values: Mapping[str, Array], piece: VaryingPart) -> Array:
     """The part of the inputs that goes into one attribute: a vector, or a matrix's column."""
     whole = values[piece.name]
     return np.ascontiguousarray(whole[..., int(piece.path[1:-1])]) if piece.path else whole
@@ -242,12 +244,142 @@ def compare(
         )
     missing = [name for name in declared if name not in given]
     if missing:
-        listed = ", ".join(f"{name} ({_spelt(declared[name])})" for name in missing)
+        listed = ", ".join(f"{name} ({_format_type(declared[name])})" for name in missing)
         raise CaseError(
             f"{program}: nothing is given for {what} {listed}",
             remedy=f"add it to the draw's {'domain' if what == 'input' else what + 's'}",
         )
 
 
-def _spelt(variable: Variable) -> str:
+def _format_type(variable: Variable) -> str:
     return variable.type if variable.array is None else f"{variable.type}[{variable.array}]"
+
+
+_PLACE = attrgetter("offset", "size", "array_stride", "matrix_stride")
+
+
+def uniform_blocks(interface: Interface) -> dict[str, Block]:
+    """The uniform blocks that a program declares."""
+    return {name: block for name, block in interface.blocks.items() if block.kind == "uniform"}
+
+
+def member_name(block: Block, member: str) -> str:
+    """A member's name as OpenGL's interface has it: with the block's name before it where the
+    block has an instance name (OpenGL 4.5, §7.3.1), alone where it has none."""
+    return f"{block.name}.{member}" if block.instance else member
+
+
+def block_members(interface: Interface) -> dict[str, Variable]:
+    """Each member of each uniform block, under the name that OpenGL has for it."""
+    return {
+        member_name(block, member.name): _member_variable(member_name(block, member.name), member)
+        for block in uniform_blocks(interface).values()
+        for member in block.members.values()
+    }
+
+
+def _refuse_member(draw: Draw, interface: Interface, name: str) -> None:
+    """Raise CaseError where a name that is given as a uniform is that of a block's member."""
+    for block in uniform_blocks(interface).values():
+        if name in (block.name, block.instance):
+            raise CaseError(
+                f"{' + '.join(draw.shaders)}: {name!r} is a uniform block, given as a uniform",
+                remedy=f"blocks={{{block.name!r}: UniformBuffer(values={{…}})}}",
+            )
+        for member in block.members:
+            if name in (member, f"{block.name}.{member}", f"{block.instance}.{member}"):
+                raise CaseError(
+                    f"{' + '.join(draw.shaders)}: {name!r} is a member of the uniform block "
+                    f"{block.name}, given as a uniform",
+                    remedy=f"blocks={{{block.name!r}: UniformBuffer(values={{{member!r}: …}})}}",
+                )
+
+
+def _block_values(draw: Draw, interface: Interface) -> dict[str, Any]:
+    """The values that a draw gives for its blocks' members, by the names of `block_members`.
+
+    Raises:
+        CaseError: a block or a member is missing or unknown.
+        UnsupportedError: a block is an array of blocks.
+    """
+    program = " + ".join(draw.shaders)
+    blocks = uniform_blocks(interface)
+    for name in draw.blocks:
+        if name not in blocks:
+            known = nearest(name, blocks) if blocks else "its shaders declare none"
+            raise CaseError(f"{program}: there is no uniform block {name!r}", remedy=known)
+    values: dict[str, Any] = {}
+    for name, block in blocks.items():
+        if block.array is not None:
+            raise UnsupportedError(
+                f"{program}: {name} is an array of uniform blocks",
+                remedy="give each block a name of its own, or make its members arrays",
+            )
+        if name not in draw.blocks:
+            raise CaseError(
+                f"{program}: nothing is given for the uniform block {name}",
+                remedy=f"add blocks={{{name!r}: UniformBuffer(values=…)}} to the draw",
+            )
+        own = draw.blocks[name].values
+        for member in own:
+            if member not in block.members:
+                raise CaseError(
+                    f"{program}: the uniform block {name} has no member {member!r}",
+                    remedy=nearest(member, block.members),
+                )
+        missing = [f"{m.name} ({m.type})" for m in block.members.values() if m.name not in own]
+        if missing:
+            raise CaseError(
+                f"{program}: nothing is given for {', '.join(missing)} of the uniform block {name}",
+                remedy="add it to the values of the UniformBuffer",
+            )
+        values.update({member_name(block, member): value for member, value in own.items()})
+    return values
+
+
+class SharedLayouts:
+    """The layouts of buffers that several programs share."""
+
+    def __init__(self) -> None:
+        self._first: dict[int, tuple[UniformBuffer, Block]] = {}
+
+    def check(self, source: UniformBuffer, block: Block) -> None:
+        """Raise CaseError where a buffer serves another block already, laid out differently."""
+        _, first = self._first.setdefault(id(source), (source, block))
+        ours, theirs = (
+            {name: _PLACE(member) for name, member in one.members.items()} for one in (block, first)
+        )
+        for name in (*ours, *theirs):
+            if ours.get(name) != theirs.get(name):
+                raise CaseError(
+                    f"one UniformBuffer serves the blocks {first.name} and {block.name}, "
+                    f"but {name} does not lie at the same place in both",
+                    remedy="declare both blocks alike, or give each a UniformBuffer of its own",
+                )
+
+
+def pack_block(block: Block, uniforms: Mapping[str, Array]) -> bytes:
+    """A block's bytes, all gaps zero; `uniforms` are its members' values as shaders get them."""
+    data = bytearray(block.size)
+    for member in block.members.values():
+        values = uniforms[member_name(block, member.name)]
+        whole = values if member.array is not None else values[None]
+        view_member(member, data, len(whole))[...] = whole
+    return bytes(data)
+
+
+def view_member(member: Member, data: bytearray, count: int) -> Array:
+    """A member's elements where they lie in a block's bytes: (count, components) or
+    (count, rows, columns)."""
+    kind = np.dtype(numpy_type(member.type))
+    shape = (count, *shape_of(member.type))
+    steps: tuple[int, ...] = (kind.itemsize,)
+    if len(shape) == 3:  # a matrix is an array of its columns, or of its rows
+        steps = (kind.itemsize, member.matrix_stride)
+        steps = steps[::-1] if member.row_major else steps
+    strides = (member.record_stride or member.array_stride, *steps)
+    return np.ndarray(shape, kind, data, member.offset, strides)
+
+
+def _member_variable(name: str, member: Member) -> Variable:
+    return Variable(name=name, type=member.type, array=member.array, used=True)

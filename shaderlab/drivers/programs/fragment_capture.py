@@ -88,7 +88,7 @@ def fragment_probe(draw: PreparedDraw, inputs: Mapping[str, Array]) -> FragmentP
             f"{_MAX_ATTRIBUTES} can be given",
             remedy=_REMEDY,
         )
-    attributes = {name: bind.piece_of(complete, piece) for piece, name in columns.items()}
+    attributes = {name: bind.select_part(complete, piece) for piece, name in columns.items()}
     attributes = attributes or {stages.PREFIX + "nothing": np.zeros((count, 1), np.float32)}
     # What is kept counts one up in the stencil buffer; a discarded point leaves its clear value.
     discards = stages.may_discard(text)

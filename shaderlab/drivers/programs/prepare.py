@@ -52,7 +52,7 @@ class PreparedDraw:
     def outputs(self) -> Mapping[str, Variable]:
         """What its fragment stage writes, or what a dispatch may leave in storage blocks. Raises
         ShaderError as `interface` does."""
-        return storage.outputs(self.interface) if self.draw.compute else self.interface.outputs
+        return storage.find_outputs(self.interface) if self.draw.compute else self.interface.outputs
 
     @functools.cached_property
     def vertex_interface(self) -> Interface:
@@ -69,7 +69,7 @@ class PreparedDraw:
     def ramps(self) -> Mapping[str, Array]:
         """The uniforms of the vertex stage that the lab writes over a domain, none with a mesh; to
         be read only."""
-        return bind.ramp_uniforms(self.draw, self.interface.varyings)
+        return bind.make_ramp_uniforms(self.draw, self.interface.varyings)
 
     @property
     def texts(self) -> dict[str, str]:

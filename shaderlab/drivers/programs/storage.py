@@ -1,7 +1,9 @@
-"""Storage blocks: what their members hold before a dispatch, their bytes, what is left in them.
+"""What compute shaders read and write: storage blocks and images before a dispatch, their bytes,
+and what is left in them.
 
 Members lie where glslang puts them, by the rules of the layout that the shader names (std140,
-std430).
+std430). Layers of an image2DArray or image3D lie one above the other in a pass's output, the first
+one lowest.
 """
 
 from __future__ import annotations
@@ -9,17 +11,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from shaderlab.compiler.reflection import Block, Interface, Member, Variable
 from shaderlab.errors import CaseError, UnsupportedError
-from shaderlab.model.frame import Array, Bindings, Fragments, Image
+from shaderlab.model.frame import Array, Bindings, Fragments, Image, Texels
 from shaderlab.model.scene import BufferValue, Draw
-from shaderlab.model.textures import Output
+from shaderlab.model.textures import COLOR_FORMATS, ImageValue, Output
 
-from . import bind, blocks, images as stored_images, textures
-from .textures import Images, find_image
+from . import bind, textures
+from .textures import Images, find_image, format_of, pixel_values
 
 INVOCATION = "gl_GlobalInvocationID"
 
@@ -56,14 +59,14 @@ def storage_blocks(interface: Interface) -> dict[str, Block]:
     return {name: block for name, block in interface.blocks.items() if block.kind == "storage"}
 
 
-def slots(interface: Interface) -> dict[str, Slot]:
+def find_slots(interface: Interface) -> dict[str, Slot]:
     """The members of all storage blocks by the names that cases have for them."""
     found = [
         (name, _name(member), member)
         for name, block in storage_blocks(interface).items()
         for member in block.members.values()
     ]
-    names = [*(own for _, own, _ in found), *stored_images.declared(interface)]
+    names = [*(own for _, own, _ in found), *image_variables(interface)]
     spelt = {
         (block, own): own if names.count(own) == 1 else f"{block}.{own}" for block, own, _ in found
     }
@@ -78,14 +81,14 @@ def _name(member: Member) -> str:
     return member.name.replace("[0]", "", 1) if member.record_stride else member.name
 
 
-def outputs(interface: Interface) -> dict[str, Variable]:
+def find_outputs(interface: Interface) -> dict[str, Variable]:
     """The images and the members of blocks that a program may write, by name."""
-    known = slots(interface).values()
+    known = find_slots(interface).values()
     members = {slot.name: slot.variable for slot in known if not slot.member.readonly}
-    return {**stored_images.outputs(interface), **members}
+    return {**_image_outputs(interface), **members}
 
 
-def bound(
+def bind_storage(
     draw: Draw, interface: Interface, bindings: Bindings, folder: Path, images: Images
 ) -> Bindings:
     """A dispatch's bindings with what its storage blocks and its images hold before.
@@ -102,7 +105,7 @@ def bound(
             or shape.
         AssetError: an image file can't be read.
     """
-    known = slots(interface)
+    known = find_slots(interface)
     bind.compare("buffer", draw, draw.buffers, {n: s.variable for n, s in known.items()})
     exact, decimal = {}, {}
     for name, value in draw.buffers.items():
@@ -122,7 +125,7 @@ def bound(
     return replace(
         bindings,
         buffers=exact,
-        images=stored_images.bound(draw, interface, folder, images),
+        images=_image_contents(draw, interface, folder, images),
         decimal={**bindings.decimal, **decimal},
         arrays=bindings.arrays | arrays,
     )
@@ -141,11 +144,11 @@ def require_supported(draw: Draw, interface: Interface) -> None:
                 f"{draw.compute}: {name} is an atomic_uint",
                 remedy="declare a uint in a buffer block instead, or an r32ui image",
             )
-    stored_images.require_supported(draw, interface)
+    _require_images_supported(draw, interface)
     for name, block in storage_blocks(interface).items():
         if block.array is not None:
             raise UnsupportedError(f"{draw.compute}: {name} is an array of storage blocks")
-    for slot in slots(interface).values():
+    for slot in find_slots(interface).values():
         member = slot.member
         if member.record_stride and member.array is not None:
             raise UnsupportedError(
@@ -155,7 +158,7 @@ def require_supported(draw: Draw, interface: Interface) -> None:
             member.type.startswith("d")
         ):
             raise UnsupportedError(f"{draw.compute}: {slot.name} is {member.type}")
-    if not outputs(interface):
+    if not find_outputs(interface):
         raise CaseError(
             f"{draw.compute} writes to no storage block and no image, so nothing could be checked"
         )
@@ -165,16 +168,16 @@ def _values(slot: Slot, value: BufferValue, images: Images) -> tuple[Array, Arra
     """What a member holds, as the shader gets it and as written, in the shapes of uniforms."""
     variable = slot.variable
     if isinstance(value, Output):
-        value = _left(variable, find_image(value, images), value)
+        value = _values_left(variable, find_image(value, images), value)
     if variable.array == 0:
         count = len(value) if isinstance(value, list | tuple) else (*np.shape(value), 0)[0]
         if not count:
             raise CaseError(f"buffer {slot.name!r} is {variable.type}[]: it takes an array")
         variable = replace(variable, array=count)
-    return bind.value_arrays(variable, value, "buffer")
+    return bind.convert_value(variable, value, "buffer")
 
 
-def _left(variable: Variable, image: Image, source: Output) -> Array:
+def _values_left(variable: Variable, image: Image, source: Output) -> Array:
     """What an earlier pass left, in the shape that a member takes."""
     shape = textures.shape_of(variable.type)
     wanted, found = np.dtype(textures.numpy_type(variable.type)), image.values.dtype
@@ -190,14 +193,16 @@ def _left(variable: Variable, image: Image, source: Output) -> Array:
     return values if variable.array is not None else values[0]
 
 
-def packed(block: Block, members: Mapping[str, Slot], values: Mapping[str, Array]) -> bytearray:
+def pack_storage(
+    block: Block, members: Mapping[str, Slot], values: Mapping[str, Array]
+) -> bytearray:
     """A block's bytes, all gaps zero. An array of run-time length ends where its elements do, so
     that its `length()` is theirs.
 
     Args:
         block: the block.
         members: its members by name.
-        values: what they hold, as of `bound`.
+        values: what they hold, as of `bind_storage`.
     """
     open_ended = [n for n, s in members.items() if s.variable.array == 0]
     size = block.size
@@ -207,17 +212,17 @@ def packed(block: Block, members: Mapping[str, Slot], values: Mapping[str, Array
     data = bytearray(size)
     for name, slot in members.items():
         whole = values[name] if slot.variable.array is not None else values[name][None]
-        blocks.placed(slot.member, data, len(whole))[...] = whole
+        bind.view_member(slot.member, data, len(whole))[...] = whole
     return data
 
 
-def unpacked(slot: Slot, data: bytearray, like: Array) -> Array:
+def unpack_storage(slot: Slot, data: bytearray, like: Array) -> Array:
     """What a member holds in a block's bytes, in the shape of what it held before."""
     count = len(like) if slot.variable.array is not None else 1
-    return blocks.placed(slot.member, data, count).reshape(like.shape).copy()
+    return bind.view_member(slot.member, data, count).reshape(like.shape).copy()
 
 
-def image_of(slot: Slot, values: Array) -> Image:
+def member_image(slot: Slot, values: Array) -> Image:
     """A member as an image of one row: a pixel for each element, of a matrix for each column."""
     whole = values if slot.variable.array is not None else values[None]
     letter = {"i": "i", "u": "u"}.get(slot.member.type[0], "")
@@ -227,7 +232,7 @@ def image_of(slot: Slot, values: Array) -> Image:
     return Image(np.ascontiguousarray(whole[None]), textures.for_output(kind))
 
 
-def captured(draw: Draw, interface: Interface, bindings: Bindings) -> Fragments:
+def capture_invocations(draw: Draw, interface: Interface, bindings: Bindings) -> Fragments:
     """What the invocations of a dispatch got: the contents of its storage blocks before, a pixel
     for each element, and the invocations' own numbers, x first: a column for each x, a row for each
     y, one z above the other."""
@@ -242,3 +247,168 @@ def captured(draw: Draw, interface: Interface, bindings: Bindings) -> Fragments:
 def _elements(bindings: Bindings) -> Iterator[tuple[str, Array]]:
     for name, values in bindings.buffers.items():
         yield name, values[None] if name in bindings.arrays else values[None, None]
+
+
+KINDS = ("2D", "2DArray", "3D")
+FORMATS = tuple(word for word in COLOR_FORMATS if not word.startswith("srgb"))
+_NEAREST, _EDGE = ("nearest",) * 2, ("clamp_to_edge",) * 2
+
+
+def image_variables(interface: Interface) -> dict[str, Variable]:
+    """The images that a program declares."""
+    return {name: v for name, v in interface.uniforms.items() if "image" in v.type}
+
+
+def _image_outputs(interface: Interface) -> dict[str, Variable]:
+    """The images that a program may write, by name, each with the type of its texels."""
+    return {
+        name: Variable(name=name, type=_texel_type(image))
+        for name, image in image_variables(interface).items()
+        if not image.readonly
+    }
+
+
+def _image_kind(image: Variable) -> str:
+    """What comes after "image" in its type: "2D", "2DArray" or "3D"."""
+    return image.type.partition("image")[2]
+
+
+def _image_format(image: Variable) -> str:
+    """The format of its texels: its layout's, or where it has none (`writeonly`) the widest."""
+    letter = image.type.partition("image")[0]
+    return image.format or {"": "rgba32f", "i": "rgba32i", "u": "rgba32ui"}[letter]
+
+
+def _require_images_supported(draw: Draw, interface: Interface) -> None:
+    """Check that the lab can give a compute shader the images that it declares.
+
+    Raises:
+        UnsupportedError: it can't; names what is declared.
+    """
+    for name, image in image_variables(interface).items():
+        if _image_kind(image) not in KINDS:
+            known = ", ".join(f"image{kind}" for kind in KINDS)
+            raise UnsupportedError(
+                f"{draw.compute}: {name} is an {image.type}; compute passes have {known}"
+            )
+        if image.array is not None:
+            raise UnsupportedError(
+                f"{draw.compute}: {name} is an array of images",
+                remedy=f"declare {image.array} of them",
+            )
+        if _image_format(image) not in FORMATS:
+            raise UnsupportedError(
+                f"{draw.compute}: {name} has the format {_image_format(image)}",
+                remedy=f"compute passes have {', '.join(FORMATS)}",
+            )
+
+
+def _image_contents(
+    draw: Draw, interface: Interface, folder: Path, images: Images
+) -> dict[str, Texels]:
+    """What a dispatch's images hold before it.
+
+    Args:
+        draw: the dispatch.
+        interface: what its program declares.
+        folder: where paths of image files begin.
+        images: what earlier passes gave.
+
+    Raises:
+        CaseError: what is given for an image is missing, unknown, or does not fit it.
+        AssetError: an image file can't be read.
+    """
+    known = image_variables(interface)
+    bind.compare("image", draw, draw.images, known)
+    return {
+        name: Texels(
+            _texels_given(draw, known[name], value, folder, images), _NEAREST, _EDGE, (0.0,) * 4,
+            kind=_image_kind(known[name]), format=_image_format(known[name]),
+        )
+        for name, value in draw.images.items()
+    }  # fmt: skip
+
+
+def image_output(image: Texels) -> Image:
+    """What an image holds as a pass's output: its layers one above the other."""
+    values = image.values
+    if image.kind == "2D":
+        return Image(values, image.format)
+    return Image(values.reshape(-1, *values.shape[2:]), image.format, layers=len(values))
+
+
+def texel_places(image: Image) -> Array:
+    """Where each texel of an output lies in its image, as imageStore has it: (height, width, 2) of
+    column and row; or, with its layer, 3."""
+    height, width = image.values.shape[:2]
+    y, x = np.indices((height, width), np.int32)
+    if not image.layers:
+        return np.stack([x, y], axis=-1)
+    rows = height // image.layers
+    return np.stack([x, y % rows, y // rows], axis=-1)
+
+
+def _texel_type(image: Variable) -> str:
+    form = format_of(_image_format(image)) if _image_format(image) in FORMATS else None
+    count = form.components if form else 4
+    letter = image.type.partition("image")[0]
+    return f"{letter}vec{count}" if count > 1 else {"": "float", "i": "int", "u": "uint"}[letter]
+
+
+def _texels_given(
+    draw: Draw, image: Variable, value: ImageValue, folder: Path, images: Images
+) -> Array:
+    """(height, width, components), or with the layers in front."""
+    word, layered = _image_format(image), _image_kind(image) != "2D"
+    form, owner = format_of(word), f"{draw.compute}: image {image.name!r}"
+    if isinstance(value, Output):
+        return _texels_left(image, find_image(value, images), value, owner)
+    if not layered:
+        return _require_exact(pixel_values(value, word, folder, owner), value, owner, word)
+    given: Any = value() if callable(value) else value
+    whole = given if isinstance(given, str | Path) else np.asarray(given)
+    if isinstance(whole, np.ndarray) and whole.ndim == 3 and form.components == 1:
+        whole = whole[..., None]
+    if not isinstance(whole, np.ndarray) or whole.ndim != 4 or 0 in whole.shape:
+        shape = f"not {whole.shape}" if isinstance(whole, np.ndarray) else "no file"
+        raise CaseError(
+            f"{owner} is an {image.type}: it takes an array (layers, height, width, "
+            f"{form.components}), {shape}"
+        )
+    layers = [pixel_values(layer, word, folder, owner) for layer in whole]
+    return _require_exact(np.stack(layers), whole[..., : form.components], owner, word)
+
+
+def _require_exact(values: Array, given: Any, owner: str, word: str) -> Array:
+    """The values, if an integer format holds what was given for them."""
+    if values.dtype.kind in "iu" and isinstance(given, np.ndarray) and given.dtype != values.dtype:
+        same = given.reshape(-1) == values.reshape(-1)[: given.size]
+        if format_of(word).integer and given.size == values.size and not same.all():
+            raise CaseError(f"{owner} is {word}, which holds not all of what is given for it")
+    return values
+
+
+def _texels_left(image: Variable, found: Image, source: Output, owner: str) -> Array:
+    """What an earlier pass left, in the shape that an image takes."""
+    word, layered = _image_format(image), _image_kind(image) != "2D"
+    wanted, values = format_of(word), found.values
+    fits = values.shape[-1] == wanted.components and values.dtype == np.dtype(wanted.numpy)
+    if not fits or layered != bool(found.layers):
+        layers = f" in {found.layers} layers" if found.layers else ""
+        raise CaseError(
+            f"{owner} is an {image.type} of {word}, but {source.path} has {values.shape[-1]} "
+            f"components of {values.dtype}{layers}"
+        )
+    return values.reshape(found.layers, -1, *values.shape[1:]) if layered else values
+
+
+def lay_out(values: Mapping[str, Array], image: Image) -> dict[str, Array]:
+    """Those of some values that there is one of for each texel (or element) of an output, in the
+    shape of that output: (height, width, components)."""
+    height, width = image.values.shape[:2]
+    return {
+        name: v.reshape(height, width, *v.shape[2:])
+        for name, v in values.items()
+        if v.shape[:2] == (height, width)
+        or (v.shape[0] * v.shape[1] == height * width and 1 in (v.shape[0], height))
+    }

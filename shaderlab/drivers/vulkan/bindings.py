@@ -23,7 +23,7 @@ from shaderlab.model.textures import (
     level_sizes,
 )
 
-from ..programs import blocks
+from ..programs import bind
 from ..programs.textures import (
     DEPTH,
     blocks_of,
@@ -276,7 +276,7 @@ def _packed(block: Block, values: Mapping[str, Array]) -> bytes:
     for member in block.members.values():
         if block.name == DEFAULT_BLOCK and member.name not in given:
             given[member.name] = np.zeros(1, np.float32)
-    return blocks.packed(block, given)
+    return bind.pack_block(block, given)
 
 
 _GRAPHICS = constant("PIPELINE_BIND_POINT_GRAPHICS")

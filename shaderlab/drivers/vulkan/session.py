@@ -30,8 +30,8 @@ from shaderlab.model.scene import Target
 from shaderlab.model.state import State
 
 from ..passes import DeviceBackend, PassSession
-from ..programs import blocks, stages
-from ..programs.blocks import uniform_blocks
+from ..programs import bind, stages
+from ..programs.bind import uniform_blocks
 from ..programs.module_texts import HEIGHT, as_drawn, sources_of
 from ..programs.prepare import PreparedDraw, Programs
 from ..programs.stages import VaryingPart
@@ -101,7 +101,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         self._textures = BoundTextures(
             self.folder, self.images, self.targets, self._resources, linker
         )
-        self._shared = blocks.SharedLayouts()
+        self._shared = bind.SharedLayouts()
 
     def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
         return RenderTarget(self.device, target, colors, size)
@@ -178,7 +178,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         stored: Mapping[str, Buffer],
     ) -> object:
         values |= draw.ramps
-        for name, block in blocks.uniform_blocks(draw.interface).items():
+        for name, block in bind.uniform_blocks(draw.interface).items():
             self._shared.check(draw.draw.blocks[name], block)
         buffers = block_buffers(own, program.bindings, values, stored)
         images: dict[str, BoundImage] = {}

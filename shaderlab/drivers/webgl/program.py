@@ -18,7 +18,7 @@ from shaderlab.model.frame import Array
 from shaderlab.model.state import Blend, Depth, State, Stencil
 
 from ..programs import stages
-from ..programs.blocks import uniform_blocks
+from ..programs.bind import uniform_blocks
 from ..programs.module_texts import compiled_to_modules, counted_as_declared, numbered, sources_of
 from ..resources import ProgramCache
 from .device import Calls, Device, Object, Objects, find_cross_compiler

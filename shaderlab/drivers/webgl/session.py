@@ -29,7 +29,7 @@ from shaderlab.model.scene import Target
 from shaderlab.model.state import State
 
 from ..passes import DeviceBackend, PassSession
-from ..programs import blocks, stages
+from ..programs import bind, stages
 from ..programs.module_texts import HEIGHT, as_drawn
 from ..programs.prepare import PreparedDraw, Programs
 from ..programs.stages import VaryingPart
@@ -136,7 +136,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
         self.subpixel_step = 2.0 ** -self.device.gl.about["subpixel"]
         own = stack.enter_context(Objects(self.device.gl))
         self._textures = BoundTextures(self.folder, self.images, self.targets, self.device, own)
-        self._shared = blocks.SharedLayouts()
+        self._shared = bind.SharedLayouts()
 
     def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
         return RenderTarget(self.device, target, colors, size)
@@ -217,7 +217,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
     def _uniforms(
         self, program: Program, draw: PreparedDraw, values: Mapping[str, np.ndarray]
     ) -> None:
-        members = blocks.variables(draw.interface)
+        members = bind.block_members(draw.interface)
         for name, value in {**values, **draw.ramps}.items():
             if name not in members and not program.set(name, value):
                 self._inactive.add(name)
@@ -228,7 +228,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
     ) -> None:
         """A buffer for each uniform block."""
         gl = self.device.gl
-        for point, (name, block) in enumerate(blocks.uniform_blocks(draw.interface).items()):
+        for point, (name, block) in enumerate(bind.uniform_blocks(draw.interface).items()):
             self._shared.check(draw.draw.blocks[name], block)
             if name not in program.blocks:
                 self._inactive.add(name)
@@ -236,7 +236,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
             buffer = own.new("Buffer")
             gl.bindBuffer(gl.UNIFORM_BUFFER, buffer)
             gl.bufferData(
-                gl.UNIFORM_BUFFER, blocks.packed(block, bindings.uniforms), gl.STATIC_DRAW
+                gl.UNIFORM_BUFFER, bind.pack_block(block, bindings.uniforms), gl.STATIC_DRAW
             )
             gl.uniformBlockBinding(program.handle, program.blocks[name], point)
             gl.bindBufferBase(gl.UNIFORM_BUFFER, point, buffer)
@@ -314,7 +314,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
         draw = self.programs[key[0]][key[1]]
         program = self.linker.link(as_drawn(draw.draw, draw.texts), draw.sources)
         gl, found = self.device.gl, {}
-        for name, block in blocks.uniform_blocks(draw.interface).items():
+        for name, block in bind.uniform_blocks(draw.interface).items():
             offsets: dict[str, int] = {}
             size = 0
             if name in program.blocks:

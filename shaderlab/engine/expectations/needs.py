@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.drivers.programs import images
-from shaderlab.drivers.programs.bind import declared, exact_inputs, value_arrays
+from shaderlab.drivers.programs import storage
+from shaderlab.drivers.programs.bind import convert_inputs, convert_value, declared_uniforms
 from shaderlab.drivers.programs.prepare import PreparedDraw
 from shaderlab.drivers.programs.stages import changes_inputs, elements, may_keep_out
 from shaderlab.engine.expectations.base import Context, OutputExpectation
@@ -146,7 +146,7 @@ class Probe(Need):
             return replace(got, inputs={**got.inputs, **exact}, decimal=decimal)
 
         if not uniforms:
-            given = [exact_inputs(inputs, step) for step in steps]
+            given = [convert_inputs(inputs, step) for step in steps]
             joined = {n: np.concatenate([g[n] for g in given]) for n in given[0]}
             changed = bound(steps[0])
             return samples(steps, changed, run([changed], joined)[0])
@@ -155,7 +155,7 @@ class Probe(Need):
             found = run(changes, {})
         else:
             found = [
-                run([change], exact_inputs(inputs, step))[0]
+                run([change], convert_inputs(inputs, step))[0]
                 for change, step in zip(changes, steps, strict=True)
             ]
         each = zip(steps, changes, found, strict=True)
@@ -169,9 +169,9 @@ def _same_stages(one: PreparedDraw, other: PreparedDraw) -> bool:
 
 def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]) -> Bindings:
     exact, decimal = dict(bindings.uniforms), dict(bindings.decimal)
-    known = declared(draw.interface)
+    known = declared_uniforms(draw.interface)
     for name, value in values.items():
-        exact[name], decimal[name] = value_arrays(known[name], value)
+        exact[name], decimal[name] = convert_value(known[name], value)
     return replace(bindings, uniforms=exact, decimal=decimal)
 
 
@@ -289,8 +289,8 @@ def pixel_inputs(frame: Frame, key: PassDraw, image: Image) -> dict[str, Array]:
     fragments = frame.answers[CapturedFragments(key)]
     bindings = frame.bindings[key]
     if bindings.computes:
-        found = images.laid_out(fragments.inputs, image)
+        found = storage.lay_out(fragments.inputs, image)
         if any(image is frame.images.get((key[0], name)) for name in bindings.images):
-            found["texel"] = images.texel_places(image)
+            found["texel"] = storage.texel_places(image)
         return found
     return {**fragments.inputs, "frag_coord": fragments.frag_coord}
