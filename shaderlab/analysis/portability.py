@@ -15,10 +15,10 @@ from shaderlab.engine.expectations.base import Context, OutputExpectation
 from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.errors import CaseError, FormulaError, NotInterpretedError, nearest
 from shaderlab.files import display_path
-from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs
 from shaderlab.model.frame import Array, Frame, PassDraw
+from shaderlab.model.phases import phase
 from shaderlab.model.records import Row
 
 from .answer import format_inputs
@@ -362,7 +362,7 @@ class SpreadOf(Need):
         if not batch.count:
             raise CaseError("portable: the draw has no fragment to ask about")
         program = load(source)
-        with doing("judge", f"asking how portable {source.name} is"):
+        with phase("judge", f"asking how portable {source.name} is"):
             return find_spreads(program, batch, inputs_of(program), (self.precision,))
 
 

@@ -8,10 +8,10 @@ from dataclasses import KW_ONLY, dataclass
 from shaderlab.engine.expectations.base import Context, DrawExpectation
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.errors import CaseError, nearest
-from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs, Read
 from shaderlab.model.frame import Frame, PassDraw
+from shaderlab.model.phases import phase
 from shaderlab.model.records import Row
 
 from .answer import Answer
@@ -44,7 +44,7 @@ class ComparedWith(Need):
             batch = vertex_batch(CapturedVertices(self.key).answer(context), bindings, _MOST)
         if not batch.count:
             raise CaseError("same_as: the draw has no invocation to compare on")
-        with doing("judge", f"comparing {own.name} with {self.approved}"):
+        with phase("judge", f"comparing {own.name} with {self.approved}"):
             return compare_programs(load(source), load(own), _PLAN, [batch])
 
 

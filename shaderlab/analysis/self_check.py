@@ -25,9 +25,9 @@ from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.engine.judging.formats import stored
 from shaderlab.errors import DeviceLostError, NotInterpretedError, ShaderlabError
-from shaderlab.model.activity import doing
 from shaderlab.model.expectation import Judgement, Need
 from shaderlab.model.frame import PassDraw
+from shaderlab.model.phases import phase
 from shaderlab.model.records import ModulesRecord, Outcome, Row
 
 from .invocations import Invocations, fragments, program_of, stage_of
@@ -107,7 +107,7 @@ class SelfCheck:
         need = CapturedFragments(key)
         known = need in evaluation.answers
         try:
-            with doing("judge", "judging each draw by its shader"):
+            with phase("judge", "judging each draw by its shader"):
                 _judge(evaluation, key, found, every=self._every)
         except DeviceLostError:
             raise

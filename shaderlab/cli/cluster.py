@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shaderlab.engine.discovery import data_folder, files_below, tree_of
-from shaderlab.engine.jobs import About, CaseFacts, Job, failed_record
+from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job, failed_record
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path, replacing
 from shaderlab.model.options import Limits, RunOptions
@@ -297,17 +297,17 @@ class DaskExecutor:
             self._client.close()
             raise
 
-    def about(self) -> About:
+    def about(self) -> DriverInfo:
         """See `Executor`: those of the first worker that answers."""
         return self._about
 
     @cached_property
-    def _about(self) -> About:
+    def _about(self) -> DriverInfo:
         with self._translating_errors():
-            about: About = self._wait_for(self._submit("about").result)
+            about: DriverInfo = self._wait_for(self._submit("about").result)
             return about
 
-    def load(self, files: Sequence[Path]) -> list[CaseFacts]:
+    def load(self, files: Sequence[Path]) -> list[CaseInfo]:
         """See `Executor`. Files are imported by workers, never here."""
         jobs = [Job(file=str(file), id=file.stem, variant="") for file in files]
         with self._translating_errors():
@@ -315,7 +315,7 @@ class DaskExecutor:
                 self._submit("load", *self._remote(some, RunOptions()))
                 for some in self._together(jobs)
             ]
-            found: list[list[CaseFacts]] = [self._wait_for(future.result) for future in asked]
+            found: list[list[CaseInfo]] = [self._wait_for(future.result) for future in asked]
         facts = {one.file: one for one in itertools.chain(*found)}
         return [facts[str(file)] for file in files]
 

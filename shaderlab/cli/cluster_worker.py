@@ -21,7 +21,7 @@ from distributed import Worker, WorkerPlugin, get_worker
 from shaderlab.cli.cluster import SHIPPED, Address, Bundle, homes, identity, renamed
 from shaderlab.engine.discovery import data_folder
 from shaderlab.engine.executors import ProcessExecutor
-from shaderlab.engine.jobs import About, CaseFacts, Job
+from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job
 from shaderlab.errors import CaseError
 from shaderlab.model.options import Limits, RunOptions
 
@@ -90,12 +90,12 @@ class DaskPlugin(WorkerPlugin):
             self._executor.close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def about(self) -> About:
+    def about(self) -> DriverInfo:
         """The driver and the packages of this worker."""
         with self._processes() as executor:
             return executor.about()
 
-    def load(self, remote: RemoteJobs, *bundles: Bundle) -> list[CaseFacts]:
+    def load(self, remote: RemoteJobs, *bundles: Bundle) -> list[CaseInfo]:
         """The facts of the case files, with the paths of the machine that sent them."""
         names = self._unpacked(remote, bundles)
         with self._processes() as executor:

@@ -10,7 +10,7 @@ import click
 from shaderlab.cli import FAILED, OK
 from shaderlab.cli.options import JSON, make_local_executor
 from shaderlab.cli.selecting import KEPT
-from shaderlab.engine.jobs import CaseFacts
+from shaderlab.engine.jobs import CaseInfo
 from shaderlab.errors import UsageError, nearest
 from shaderlab.model.options import Limits
 
@@ -52,7 +52,7 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
     return OK if all(case.error is None for case in found) else FAILED
 
 
-def _problems(found: Sequence[CaseFacts]) -> Iterator[str]:
+def _problems(found: Sequence[CaseInfo]) -> Iterator[str]:
     """Why cases can't be loaded; those that miss packages of one extra in one message."""
     missing: dict[str, list[str]] = {}
     for case in found:
@@ -65,14 +65,14 @@ def _problems(found: Sequence[CaseFacts]) -> Iterator[str]:
         yield f"shaderlab: {what} packages that are not here: {', '.join(ids)}\n  → {remedy}"
 
 
-def _shipped() -> list[CaseFacts]:
+def _shipped() -> list[CaseInfo]:
     from shaderlab.cli.selecting import kept_facts
     from shaderlab.engine.discovery import data_folder
 
     return kept_facts(data_folder("cases"), _imported)
 
 
-def _imported() -> list[CaseFacts]:
+def _imported() -> list[CaseInfo]:
     from shaderlab.engine.catalogue import load_cases
     from shaderlab.engine.discovery import shipped_cases
     from shaderlab.errors import CaseError
@@ -82,9 +82,9 @@ def _imported() -> list[CaseFacts]:
         try:
             ((name, case),) = load_cases([file]).items()
         except CaseError as error:
-            facts = CaseFacts(file=str(file), id=file.stem.replace("_", "-"), error=error)
+            facts = CaseInfo(file=str(file), id=file.stem.replace("_", "-"), error=error)
         else:
-            facts = CaseFacts(
+            facts = CaseInfo(
                 file=case.file,
                 id=name,
                 title=case.title,
@@ -95,7 +95,7 @@ def _imported() -> list[CaseFacts]:
     return found
 
 
-def _loaded(targets: Sequence[str]) -> list[CaseFacts]:
+def _loaded(targets: Sequence[str]) -> list[CaseInfo]:
     from shaderlab.cli.selecting import distinct, files_of
     from shaderlab.engine.discovery import sort_key
 
@@ -104,11 +104,11 @@ def _loaded(targets: Sequence[str]) -> list[CaseFacts]:
     return sorted(found, key=lambda case: sort_key(case.section, case.id))
 
 
-def _chapter(case: CaseFacts) -> str:
+def _chapter(case: CaseInfo) -> str:
     return case.section.partition(".")[0]
 
 
-def _lines(cases: Sequence[CaseFacts]) -> list[str]:
+def _lines(cases: Sequence[CaseInfo]) -> list[str]:
     wide = max(len(case.id) for case in cases)
     lines: list[str] = []
     chapter = None

@@ -26,11 +26,11 @@ from shaderlab.engine.discovery import (
     shipped_cases,
     sort_key,
 )
-from shaderlab.engine.jobs import CaseFacts, Job, jobs_of
+from shaderlab.engine.jobs import CaseInfo, Job, jobs_of
 from shaderlab.errors import CaseError, UsageError, nearest
 from shaderlab.files import cache_root, read_regular, write_bytes
 
-Load = Callable[[Sequence[Path]], list[CaseFacts]]
+Load = Callable[[Sequence[Path]], list[CaseInfo]]
 _WITH_VARIANT = re.compile(r"(?P<id>[^\[\]]+)\[(?P<variant>.*)\]")
 
 
@@ -70,7 +70,7 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
 def _with_index(load: Load) -> Load:
     """Tells of the shipped cases what is known from an earlier command, and loads the others."""
 
-    def found(files: Sequence[Path]) -> list[CaseFacts]:
+    def found(files: Sequence[Path]) -> list[CaseInfo]:
         shipped = list(shipped_cases())
         kept = kept_facts(data_folder("cases"), lambda: load(shipped))
         known = {Path(facts.file): facts for facts in kept}
@@ -81,7 +81,7 @@ def _with_index(load: Load) -> Load:
     return found
 
 
-def one(target: str, load: Load) -> tuple[CaseFacts, str]:
+def one(target: str, load: Load) -> tuple[CaseInfo, str]:
     """The single case that `target` names, and its variant; the first where none is named.
 
     Raises:
@@ -162,7 +162,7 @@ def wanted_files(target: str) -> list[tuple[Path, str | None]]:
     return [(known[case_id], variant)]
 
 
-def jobs_in(case: CaseFacts, variant: str | None) -> list[Job]:
+def jobs_in(case: CaseInfo, variant: str | None) -> list[Job]:
     """The jobs of a case, or of one of its variants. Raises UsageError."""
     if case.error is not None:
         status, trouble = case.status, _said(case.error)
@@ -189,7 +189,7 @@ def _keep_variants(jobs: list[Job], variants: Sequence[str]) -> list[Job]:
     return [job for job in jobs if not variants or job.broken or job.variant in variants]
 
 
-def distinct(cases: Sequence[CaseFacts]) -> list[CaseFacts]:
+def distinct(cases: Sequence[CaseInfo]) -> list[CaseInfo]:
     """The cases with ids that differ, since records and pictures are keyed by them: files of one
     name get as many folders before it as tell them apart, as in "lamps/fog".
 
@@ -219,7 +219,7 @@ KEPT = ("id", "section", "title", "variants", "file")
 """What is kept of each case's facts."""
 
 
-def kept_facts(course: Path, load: Callable[[], list[CaseFacts]]) -> list[CaseFacts]:
+def kept_facts(course: Path, load: Callable[[], list[CaseInfo]]) -> list[CaseInfo]:
     """The facts of the course's cases, without those on formulas and parameters.
 
     Args:
@@ -238,7 +238,7 @@ def kept_facts(course: Path, load: Callable[[], list[CaseFacts]]) -> list[CaseFa
         kept = json.loads(read_regular(file))
         if kept["key"] == key:
             return [
-                CaseFacts(**{**each, "variants": tuple(each["variants"])}) for each in kept["cases"]
+                CaseInfo(**{**each, "variants": tuple(each["variants"])}) for each in kept["cases"]
             ]
     found = _in_order(load())
     if any(each.error is not None for each in found):
@@ -250,7 +250,7 @@ def kept_facts(course: Path, load: Callable[[], list[CaseFacts]]) -> list[CaseFa
     return found
 
 
-def _in_order(found: list[CaseFacts]) -> list[CaseFacts]:
+def _in_order(found: list[CaseInfo]) -> list[CaseInfo]:
     return sorted(found, key=lambda case: sort_key(case.section, case.id))
 
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from shaderlab.engine.jobs import CaseFacts, Job, Point
+from shaderlab.engine.jobs import CaseInfo, Job, Point
 from shaderlab.errors import UsageError, nearest
-from shaderlab.model.activity import PHASES
+from shaderlab.model.phases import PHASES
 from shaderlab.model.records import Plot, PlotPoint, Points, Status
 from shaderlab.report.grouping import PASSABLE, STATUSES
 
@@ -150,7 +150,7 @@ class Grid:
         return found
 
 
-def grid(facts: CaseFacts, variant: str, swept: Sequence[Parameter]) -> Grid:
+def grid(facts: CaseInfo, variant: str, swept: Sequence[Parameter]) -> Grid:
     """The grid of a case's parameters.
 
     Args:
@@ -180,7 +180,7 @@ def grid(facts: CaseFacts, variant: str, swept: Sequence[Parameter]) -> Grid:
     )
 
 
-def _check(facts: CaseFacts, parameter: Parameter) -> None:
+def _check(facts: CaseInfo, parameter: Parameter) -> None:
     if parameter.name == SIZE:
         if not facts.sized:
             raise UsageError(f"every pass of {facts.id} has a fixed size", file=facts.file)

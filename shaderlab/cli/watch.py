@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
     from shaderlab.cli.watching import Changes, Contents, Session
     from shaderlab.engine.executors import LocalExecutor
-    from shaderlab.engine.jobs import CaseFacts, Job
+    from shaderlab.engine.jobs import CaseInfo, Job
     from shaderlab.report.live import LiveReport
 
 
@@ -149,7 +149,7 @@ class _Wanted:
     def _projects(self) -> set[Path]:
         return {Path(), *(file.parent for file in (*self._variants, *self._tests))}
 
-    def jobs(self, facts: Sequence[CaseFacts]) -> list[Job]:
+    def jobs(self, facts: Sequence[CaseInfo]) -> list[Job]:
         """The jobs of case files, in order."""
         from shaderlab.cli.selecting import distinct, jobs_in
 

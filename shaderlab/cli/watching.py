@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from shaderlab.engine.discovery import imported_files, is_project_file
 from shaderlab.engine.executors import LocalExecutor, error_text
-from shaderlab.engine.jobs import CaseFacts, Job, failed_record
+from shaderlab.engine.jobs import CaseInfo, Job, failed_record
 from shaderlab.errors import CaseError, ShaderlabError, extra
 from shaderlab.files import read_regular
 from shaderlab.functions.evaluation import use_worker
@@ -192,14 +192,14 @@ def warm_up(executor: LocalExecutor) -> None:
 
 @dataclass(frozen=True)
 class LoadWatched:
-    """Asks for a file's `CaseFacts`, or why there are none, and the files that it reads."""
+    """Asks for a file's `CaseInfo`, or why there are none, and the files that it reads."""
 
     file: Path
 
-    def perform(self, worker: Worker) -> tuple[CaseFacts | CaseError, set[Path]]:
+    def perform(self, worker: Worker) -> tuple[CaseInfo | CaseError, set[Path]]:
         with _files(worker) as files:
             try:
-                found: CaseFacts | CaseError = worker.facts(self.file)
+                found: CaseInfo | CaseError = worker.facts(self.file)
             except CaseError as error:
                 found = error
         return found, files
@@ -277,7 +277,7 @@ def _source(name: str) -> Path:
     return Path(os.path.abspath(name))
 
 
-Select = Callable[[Sequence[CaseFacts]], Sequence[Job]]
+Select = Callable[[Sequence[CaseInfo]], Sequence[Job]]
 
 
 @dataclass
@@ -287,7 +287,7 @@ class Watched:
 
     file: Path
     tests: bool = False
-    facts: CaseFacts | None = None
+    facts: CaseInfo | None = None
     jobs: Sequence[Job] = ()
     files: set[Path] = field(default_factory=set)
     records: dict[str, Record] = field(default_factory=dict)
@@ -463,7 +463,7 @@ class Session:
         requests = [LoadWatched(watched.file) for watched in wanted]
         for result in self._executor.perform(requests):
             watched = wanted[result.number]
-            found: CaseFacts | CaseError = CaseError(result.message)
+            found: CaseInfo | CaseError = CaseError(result.message)
             files: set[Path] = set()
             if result.status == "done":
                 found, files = result.value
@@ -472,7 +472,7 @@ class Session:
             if isinstance(found, CaseError):
                 status = "error" if result.status == "done" else result.status
                 case_id = watched.file.stem.replace("_", "-")
-                found = CaseFacts(file=str(watched.file), id=case_id, error=found, status=status)
+                found = CaseInfo(file=str(watched.file), id=case_id, error=found, status=status)
             watched.facts = found
             own = {path for path in imported_files(watched.file) if is_project_file(path)}
             watched.files |= {watched.file, *files, *own}

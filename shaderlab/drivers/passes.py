@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any, ClassVar, Generic, Literal, Protocol, TypeVar
 
 from shaderlab.errors import ShaderError, UnsupportedError
-from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Bindings, Fragments, Image, PassDraw, Samples, leading
+from shaderlab.model.phases import phase
 from shaderlab.model.scene import Pass, Target
 from shaderlab.model.state import State
 
@@ -154,21 +154,21 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
             check_reads(self.scene, description, draws[0].draw, self.targets)
             self.compute((description.name, 0), draws[0])
             return
-        with doing("draw", f"making the target of pass {description.name!r}"):
+        with phase("draw", f"making the target of pass {description.name!r}"):
             target = self._target(description)
         for index, draw in enumerate(draws):
             key = (description.name, index)
             self.at(*key)
             check_reads(self.scene, description, draw.draw, self.targets)
-            with doing("draw", step(key, draw)):
+            with phase("draw", step(key, draw)):
                 self.bindings[key] = self.bind(draw)
                 self.issue(key, draw, target)
-        with doing("draw"):
+        with phase("draw"):
             self.at(description.name)
             target.resolve()
             # Drivers draw when they are made to: a program that hangs, hangs here.
             self.finish()
-        with doing("read", f"reading pass {description.name!r}"):
+        with phase("read", f"reading pass {description.name!r}"):
             self.reading()
             self._read(description, target)
 

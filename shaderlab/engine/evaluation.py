@@ -11,14 +11,14 @@ from typing import Any, Protocol
 from shaderlab.drivers import Backend, Session
 from shaderlab.drivers.programs.prepare import Preparer
 from shaderlab.errors import DriverError
-from shaderlab.model.activity import doing
 from shaderlab.model.calls import error_name
 from shaderlab.model.expectation import Expectation, Judgement, Need
 from shaderlab.model.frame import Frame
+from shaderlab.model.phases import phase
 from shaderlab.model.records import Explanation, ModulesRecord, Outcome
 
 from .expectations.base import Context
-from .expectations.discards import KeptOut
+from .expectations.discards import DiscardCheck
 from .expectations.formula import Formula
 from .expectations.needs import CapturedFragments
 
@@ -49,7 +49,7 @@ class Evaluation:
         self.answers: dict[Need, Any] = {}
         self._like = like
         self._needs: dict[int, tuple[Expectation, tuple[Need, ...]]] = {}
-        with doing("draw"):
+        with phase("draw"):
             self.drawn = session.draw()
         self._context = Context(session, self.drawn.bindings, preparer, backend.driver_verdict)
 
@@ -66,10 +66,10 @@ class Evaluation:
         )
 
     @functools.cached_property
-    def _kept_out(self) -> KeptOut:
+    def _discard_check(self) -> DiscardCheck:
         # A part of a scene may lack the expectation that has the rule.
         whole = self.scene if self._like is None else self._like.scene
-        return KeptOut(self.scene, self.programs, whole)
+        return DiscardCheck(self.scene, self.programs, whole)
 
     def gather(self, expectation: Expectation) -> None:
         """Ask for all that an expectation needs.
@@ -77,14 +77,14 @@ class Evaluation:
         Raises:
             ShaderlabError: it names what is not there, or there is no answer.
         """
-        with doing("draw"):
+        with phase("draw"):
             for need in self.needs(expectation):
                 self.answer(need)
 
     def needs(self, expectation: Expectation) -> Iterator[Need]:
         """All that an expectation asks for, some of it twice perhaps."""
         yield from self._own_needs(expectation)
-        yield from self._kept_out.needed(expectation)
+        yield from self._discard_check.needed(expectation)
 
     def _own_needs(self, expectation: Expectation) -> tuple[Need, ...]:
         """As `needs`, but for what may keep fragments out; found once."""
@@ -125,10 +125,10 @@ class Evaluation:
     def judge(self, expectation: Expectation) -> Judgement:
         """Judge one of the scene's expectations; see `Expectation.judge` for what it raises."""
         self.gather(expectation)
-        with doing("judge", f"judging {expectation.name!r}"):
+        with phase("judge", f"judging {expectation.name!r}"):
             judgement = expectation.judge(self.scene, self.frame)
             if judgement.outcome.status == "pass":
-                fault = self._kept_out.fault(expectation, self.frame) or self._misplaced(
+                fault = self._discard_check.fault(expectation, self.frame) or self._misplaced(
                     expectation
                 )
                 if fault:

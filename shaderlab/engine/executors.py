@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from shaderlab.engine import package_versions
 from shaderlab.engine.jobs import (
-    About,
-    CaseFacts,
+    CaseInfo,
     DescribeDriver,
+    DriverInfo,
     Job,
     LoadCase,
     RunJob,
@@ -83,10 +83,10 @@ Key = Callable[[Any], Hashable]
 class Executor(Protocol):
     """Turns jobs into records. Give it back with `close`."""
 
-    def about(self) -> About:
+    def about(self) -> DriverInfo:
         """The driver and the packages that jobs run on."""
 
-    def load(self, files: Sequence[Path]) -> list[CaseFacts]:
+    def load(self, files: Sequence[Path]) -> list[CaseInfo]:
         """What is in each case file; one that is wrong costs nothing but itself."""
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
@@ -113,7 +113,7 @@ class LocalExecutor(Executor):
         """The results of requests as they complete; see `WorkerPool.run`."""
         raise NotImplementedError
 
-    def load(self, files: Sequence[Path]) -> list[CaseFacts]:
+    def load(self, files: Sequence[Path]) -> list[CaseInfo]:
         results = self.perform([LoadCase(file) for file in files], batch=loads(len(files)))
         found = {result.number: _facts(files[result.number], result) for result in results}
         return [found[number] for number in range(len(files))]
@@ -183,7 +183,7 @@ class ProcessExecutor(LocalExecutor):
             self._pool.start()
             _ = self._asked
 
-    def about(self) -> About:
+    def about(self) -> DriverInfo:
         """See `Executor`. Where the driver takes the process down, "renderer" is "none"."""
         return self._asked.result()
 
@@ -205,17 +205,17 @@ class ProcessExecutor(LocalExecutor):
         self._thread.shutdown(wait=True, cancel_futures=True)
 
     @cached_property
-    def _asked(self) -> Future[About]:
+    def _asked(self) -> Future[DriverInfo]:
         return self._thread.submit(self._ask_about)
 
-    def _ask_about(self) -> About:
+    def _ask_about(self) -> DriverInfo:
         versions = package_versions()  # a worker's are the same, and it has enough to import
         (result,) = self._pool.run([DescribeDriver(self._driver)])
         if result.status == "done":
-            found: About = result.value
+            found: DriverInfo = result.value
             return replace(found, versions=versions)
         said = error_text(result)
-        return About(driver={"renderer": "none", "vendor": "", "version": said, "glsl": ""})
+        return DriverInfo(driver={"renderer": "none", "vendor": "", "version": said, "glsl": ""})
 
 
 class InProcessExecutor(LocalExecutor):
@@ -236,7 +236,7 @@ class InProcessExecutor(LocalExecutor):
 
         return self._given or Worker()
 
-    def about(self) -> About:
+    def about(self) -> DriverInfo:
         about = DescribeDriver(self._driver).perform(self._worker)
         return replace(about, versions=package_versions())
 
@@ -265,14 +265,14 @@ def error_text(result: ItemResult) -> str:
     return "\n".join([str(result.value), *getattr(result.value, "__notes__", ())])
 
 
-def _facts(file: Path, result: ItemResult) -> CaseFacts:
+def _facts(file: Path, result: ItemResult) -> CaseInfo:
     if result.status == "done":
-        found: CaseFacts = result.value
+        found: CaseInfo = result.value
         return found
     error = result.value
     if not isinstance(error, CaseError):
         error = CaseError(f"importing the case file: {error_text(result)}", file=file)
-    return CaseFacts(
+    return CaseInfo(
         file=str(file), id=file.stem.replace("_", "-"), error=error, status=result.status
     )
 

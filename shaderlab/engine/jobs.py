@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CaseFacts:
+class CaseInfo:
     """What a case file holds, as far as choosing among its variants needs it.
 
     Attributes:
@@ -83,7 +83,7 @@ class Job:
 
 
 @dataclass(frozen=True, kw_only=True)
-class About:
+class DriverInfo:
     """The driver that an executor's jobs run on, and the versions of the packages in use."""
 
     driver: Mapping[str, str] = field(default_factory=dict)
@@ -99,21 +99,21 @@ class Request(Protocol):
 
 @dataclass(frozen=True)
 class DescribeDriver:
-    """Asks for an `About` with the driver; a process keeps the first driver it is asked for."""
+    """Asks for a `DriverInfo` with the driver; a process keeps the first driver it is asked for."""
 
     driver: str | None
 
-    def perform(self, worker: Worker) -> About:
-        return About(driver=dict(worker.lab(RunOptions(driver=self.driver)).driver))
+    def perform(self, worker: Worker) -> DriverInfo:
+        return DriverInfo(driver=dict(worker.lab(RunOptions(driver=self.driver)).driver))
 
 
 @dataclass(frozen=True)
 class LoadCase:
-    """Asks for a file's `CaseFacts`. Raises CaseError."""
+    """Asks for a file's `CaseInfo`. Raises CaseError."""
 
     file: Path
 
-    def perform(self, worker: Worker) -> CaseFacts:
+    def perform(self, worker: Worker) -> CaseInfo:
         return worker.facts(self.file)
 
 
@@ -128,7 +128,7 @@ class RunJob:
         return worker.run(self.job, self.options)
 
 
-def jobs_of(facts: CaseFacts) -> list[Job]:
+def jobs_of(facts: CaseInfo) -> list[Job]:
     """A job for each variant of a case."""
     return [
         Job(file=facts.file, id=facts.id, variant=name, title=facts.title, section=facts.section)

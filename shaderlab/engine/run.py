@@ -28,12 +28,12 @@ from shaderlab.errors import (
     UnsupportedError,
     nearest,
 )
-from shaderlab.model.activity import Activity, doing
 from shaderlab.model.calls import CallEdit
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Judgement
 from shaderlab.model.frame import Image
 from shaderlab.model.options import RunOptions
+from shaderlab.model.phases import PhaseTimer, phase
 from shaderlab.model.records import Explanation, Outcome, Record, Verdict
 from shaderlab.settings import settings_of
 
@@ -92,9 +92,9 @@ class SceneRunner:
         started = time.perf_counter()
         pictures = PictureWriter(self.options.picture_folder, scene.case.id, scene.variant)
         record = RecordBuilder(scene)
-        activity = Activity(self._notice)
+        timer = PhaseTimer(self._notice)
         try:
-            with activity.watch():
+            with timer:
                 self._run(scene, record, pictures)
         except KeyboardInterrupt:
             raise
@@ -107,7 +107,7 @@ class SceneRunner:
             record.set_error(error, self.options.driver)
             if isinstance(error, DeviceLostError):
                 self.close()  # the next scene opens another one
-        return record.build(time.perf_counter() - started, activity.ordered())
+        return record.build(time.perf_counter() - started, timer.timings())
 
     def _run(self, scene: Scene, record: RecordBuilder, pictures: PictureWriter) -> None:
         programs = self._compile(scene, record, pictures)
@@ -129,7 +129,7 @@ class SceneRunner:
             ShaderError, CaseError, UnsupportedError: a program does not compile, an expectation
                 names what is not there, or the driver lacks compute passes.
         """
-        with doing("compile", "compiling"):
+        with phase("compile", "compiling"):
             programs = self.prepare(scene)
         record.add_programs(programs, pictures)
         _require_compiled(programs)
@@ -137,7 +137,7 @@ class SceneRunner:
         for expectation in scene.expect:
             tuple(expectation.needs(scene, programs))  # raises for a name that is not there
         record.unread = unread_outputs(scene, programs)
-        with doing("link"):
+        with phase("link"):
             record.add_driver_verdicts(self.driver_verdict)
         picture_size = 0 if self.options.picture_folder is None else self.options.picture_size
         record.set_device(self.driver, self.options.size, picture_size)
@@ -171,7 +171,7 @@ class SceneRunner:
             return None
         scene, images = evaluation.scene, evaluation.drawn.images
         try:
-            with doing("picture", "drawing the picture"):
+            with phase("picture", "drawing the picture"):
                 if (side := self.options.picture_size) != self.options.size:
                     images = enlarge(self.backend, scene, evaluation.programs, images, side)
                 picture = images[_picture_of(scene, images)]
@@ -229,7 +229,7 @@ class SceneRunner:
         try:
             judgement = evaluation.judge(expectation)
             outcome = judgement.outcome
-            with doing("picture"), record.notice_if_unwritable():
+            with phase("picture"), record.notice_if_unwritable():
                 files = pictures.write_comparison(
                     f"{index}-{expectation.name}",
                     judgement.pictures,
@@ -263,7 +263,7 @@ class SceneRunner:
         scene, programs = evaluation.scene, evaluation.programs
         try:
             with (
-                doing("judge", "explaining the failure"),
+                phase("judge", "explaining the failure"),
                 self.evaluation(scene, programs, like=evaluation) as copy,
             ):
                 explanation = FEATURES.explain(copy, formula, outcome)

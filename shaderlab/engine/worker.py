@@ -18,7 +18,7 @@ from shaderlab import drivers as backends
 from shaderlab.drivers import known_driver, prepare_process
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.evaluation import register_features
-from shaderlab.engine.jobs import CaseFacts, Job, Request
+from shaderlab.engine.jobs import CaseInfo, Job, Request
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Case, Scene
@@ -90,12 +90,12 @@ class Worker:
         """The case of a case file. Raises CaseError."""
         return next(iter(self.scenes(file).values())).case
 
-    def facts(self, file: Path) -> CaseFacts:
+    def facts(self, file: Path) -> CaseInfo:
         """What is in a case file. Raises CaseError."""
         scenes = list(self.scenes(str(file)).values())
         case = scenes[0].case
         inputs = {name: value for scene in scenes for name, value in scene.inputs.items()}
-        return CaseFacts(
+        return CaseInfo(
             file=case.file,
             id=case.id,
             title=case.title,

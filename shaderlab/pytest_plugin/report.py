@@ -15,7 +15,7 @@ from shaderlab.files import display_path
 from shaderlab.functions.records import Notes, take_notes
 
 if TYPE_CHECKING:
-    from shaderlab.engine.jobs import About
+    from shaderlab.engine.jobs import DriverInfo
     from shaderlab.model.records import Record, Status
 
 ATTRIBUTE = "shaderlab_record"
@@ -88,7 +88,7 @@ class ReportWriter:
         about: tells the driver.
     """
 
-    def __init__(self, folder: Path, about: Callable[[], About]) -> None:
+    def __init__(self, folder: Path, about: Callable[[], DriverInfo]) -> None:
         self._folder = folder
         self._about = about
         self._records: list[Record] = []

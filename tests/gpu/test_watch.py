@@ -16,7 +16,7 @@ from shaderlab.cli import cli
 from shaderlab.cli.selecting import jobs_in
 from shaderlab.cli.watching import Session
 from shaderlab.engine.executors import InProcessExecutor
-from shaderlab.engine.jobs import CaseFacts, Job
+from shaderlab.engine.jobs import CaseInfo, Job
 from shaderlab.model.options import RunOptions
 
 SHADER = """\
@@ -54,7 +54,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def session(project: Path) -> Iterator[Session]:
-    def select(facts: Sequence[CaseFacts]) -> list[Job]:
+    def select(facts: Sequence[CaseInfo]) -> list[Job]:
         return [job for one in facts for job in jobs_in(one, None)]
 
     session = Session(InProcessExecutor, select, RunOptions(pictures=False))

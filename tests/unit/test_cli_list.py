@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from shaderlab.cli import COMMANDS, cli, list_cases
 from shaderlab.cli.selecting import choose, kept_facts
 from shaderlab.engine import catalogue
-from shaderlab.engine.jobs import CaseFacts
+from shaderlab.engine.jobs import CaseInfo
 from shaderlab.errors import CaseError, UsageError
 from tests.catalogue import shipped
 
@@ -106,9 +106,9 @@ def test_facts_are_kept_for_these_very_files(
     lamp.write_text("case = 1\n")
     loaded = []
 
-    def load() -> list[CaseFacts]:
+    def load() -> list[CaseInfo]:
         loaded.append(lamp.read_text())
-        return [CaseFacts(file=str(lamp), id="lamp", title="Ein Licht ☼", variants=("a", "b"))]
+        return [CaseInfo(file=str(lamp), id="lamp", title="Ein Licht ☼", variants=("a", "b"))]
 
     first = kept_facts(course, load)
     assert kept_facts(course, load) == first == load()
@@ -133,9 +133,9 @@ def test_all_shipped_cases_are_loaded_once_for_several_commands(
     own.touch()
     asked: list[int] = []
 
-    def load(files: Sequence[Path]) -> list[CaseFacts]:
+    def load(files: Sequence[Path]) -> list[CaseInfo]:
         asked.append(len(files))
-        return [CaseFacts(file=str(f), id=f.stem, section="2.1", variants=("a",)) for f in files]
+        return [CaseInfo(file=str(f), id=f.stem, section="2.1", variants=("a",)) for f in files]
 
     first = choose([], True, (), load)
     assert choose([], True, (), load) == first and len(first) == len(shipped())
@@ -147,7 +147,7 @@ def test_all_shipped_cases_are_loaded_once_for_several_commands(
 def test_what_a_case_raises_is_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path / "cache"))
 
-    def fails() -> list[CaseFacts]:
+    def fails() -> list[CaseInfo]:
         raise CaseError("so it is")
 
     for _ in range(2):
@@ -159,14 +159,14 @@ def test_what_could_not_be_loaded_is_not_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path / "cache"))
-    broken = CaseFacts(file="a.py", id="a", error=CaseError("so it is"))
+    broken = CaseInfo(file="a.py", id="a", error=CaseError("so it is"))
     assert kept_facts(tmp_path, lambda: [broken]) == [broken]
     assert kept_facts(tmp_path, list) == []
 
 
 def test_of_several_wrong_files_each_is_a_job_and_one_alone_an_error(tmp_path: Path) -> None:
-    def load(files: Sequence[Path]) -> list[CaseFacts]:
-        return [CaseFacts(file=str(f), id=f.stem, error=CaseError(f.stem)) for f in files]
+    def load(files: Sequence[Path]) -> list[CaseInfo]:
+        return [CaseInfo(file=str(f), id=f.stem, error=CaseError(f.stem)) for f in files]
 
     for name in ("one.py", "two.py"):
         (tmp_path / name).touch()

@@ -15,8 +15,8 @@ from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan, read
 from shaderlab.engine.executors import ProcessExecutor
 from shaderlab.engine.jobs import Job, failed_record
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.model.activity import Activity, doing
 from shaderlab.model.options import RunOptions
+from shaderlab.model.phases import PhaseTimer, phase
 from shaderlab.model.records import Record
 
 JOB = Job(file="cases/lamp.py", id="lamp", variant="near", title="A lamp", section="5.1")
@@ -138,17 +138,17 @@ def test_distance_of_two_drivers(a: np.ndarray, b: np.ndarray, expected: tuple[i
 def test_each_moment_counts_for_one_phase(monkeypatch: pytest.MonkeyPatch) -> None:
     steps: list[str] = []
     ticks = iter([0.0, 2.0, 7.0, 10.0, 20.0, 21.0])  # draw, link in it, link's end, draw's end, …
-    monkeypatch.setattr("shaderlab.model.activity.time.perf_counter", lambda: next(ticks))
-    with Activity(steps.append).watch() as activity:
-        with doing("draw", "outside"), doing("link", "inside"):
+    monkeypatch.setattr("shaderlab.model.phases.time.perf_counter", lambda: next(ticks))
+    with PhaseTimer(steps.append) as timer:
+        with phase("draw", "outside"), phase("link", "inside"):
             pass
-        with doing("link"):
+        with phase("link"):
             pass
-    assert list(activity.ordered().items()) == [("link", 6.0), ("draw", 5.0)]
+    assert list(timer.timings().items()) == [("link", 6.0), ("draw", 5.0)]
     assert steps == ["outside", "inside"]
 
 
 def test_without_anyone_watching_nothing_is_counted() -> None:
-    with doing("draw", "unheard"):
+    with phase("draw", "unheard"):
         pass
-    assert Activity().ordered() == {}
+    assert PhaseTimer().timings() == {}

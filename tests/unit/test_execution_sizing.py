@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from shaderlab.cli import cli
 from shaderlab.engine import executors
 from shaderlab.engine.executors import ProcessExecutor
-from shaderlab.engine.jobs import CaseFacts, Job, LoadCase
+from shaderlab.engine.jobs import CaseInfo, Job, LoadCase
 from shaderlab.model.options import RunOptions
 from shaderlab.workers.pool import ItemResult
 
@@ -67,7 +67,7 @@ class Pool:
         for number, item in enumerate(items):
             if isinstance(item, LoadCase):
                 self.batches.append(batch)
-                facts = CaseFacts(file=str(item.file), id=item.file.stem)
+                facts = CaseInfo(file=str(item.file), id=item.file.stem)
                 yield ItemResult(number, item, "done", facts)
             else:
                 yield ItemResult(number, item, "error", ValueError("no"))

@@ -23,7 +23,7 @@ from shaderlab import (
     sweep,
     value,
 )
-from shaderlab.engine.expectations.base import Asked
+from shaderlab.engine.expectations.base import SessionQuery
 from shaderlab.engine.expectations.needs import CapturedFragments, Probe
 from shaderlab.errors import CaseError, FormulaError
 from shaderlab.glslmath import pow, sin
@@ -332,7 +332,7 @@ def test_a_gl_error_must_be_the_expected_one_and_the_only_one() -> None:
     check = gl_error("invalid_operation")
     wrong = (((0x500,), "fail"), ((0x502, 0x500), "fail"), ((), "fail"))
     for errors, status in (((0x502,), "pass"), *wrong):
-        made = replace(frame(XS), answers={Asked("gl_errors", (("main", 0),)): errors})
+        made = replace(frame(XS), answers={SessionQuery("gl_errors", (("main", 0),)): errors})
         assert judged(check, made).outcome.status == status
 
 

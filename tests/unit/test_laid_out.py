@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shaderlab.engine.expectations.formula import LaidOut
+from shaderlab.engine.expectations.formula import PixelMap
 
 PARTS = [(0, 9, 0, 7), (2, 5, 1, 4), (8, 9, 6, 7), (0, 1, 0, 7), (3, 9, 0, 2)]
 
@@ -21,7 +21,7 @@ def test_a_part_is_that_of_the_whole(share: float) -> None:
         asked.append(len(values[rows]))
         return values[rows]
 
-    laid_out = LaidOut(covered, some, -1.0)
+    laid_out = PixelMap(covered, some, -1.0)
     whole = np.full((9, 7, 3), -1.0)
     whole[covered] = values
     assert np.array_equal(np.asarray(laid_out), whole)

@@ -21,7 +21,7 @@ from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan
 from shaderlab.cli.sweep import PointRecords, run_points
 from shaderlab.cli.sweep_table import Grid, Parameter, SweepTable
 from shaderlab.engine import worker
-from shaderlab.engine.jobs import About, Job, failed_record
+from shaderlab.engine.jobs import DriverInfo, Job, failed_record
 from shaderlab.model import store
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
@@ -45,8 +45,8 @@ class Made:
         self._looks = looks
         self._count = itertools.count()
 
-    def about(self) -> About:
-        return About()
+    def about(self) -> DriverInfo:
+        return DriverInfo()
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
         for job in jobs:

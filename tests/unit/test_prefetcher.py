@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.engine.executors import NEAR, Prefetcher
-from shaderlab.engine.jobs import About, CaseFacts, Job, failed_record
+from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job, failed_record
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
@@ -49,10 +49,10 @@ class Executor:
         finally:
             self.ended += 1
 
-    def about(self) -> About:
+    def about(self) -> DriverInfo:
         raise NotImplementedError
 
-    def load(self, files: Sequence[Path]) -> list[CaseFacts]:
+    def load(self, files: Sequence[Path]) -> list[CaseInfo]:
         raise NotImplementedError
 
     def close(self) -> None:

@@ -16,13 +16,13 @@ from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
 from shaderlab.cli.sweep_table import Grid, Parameter, SweepTable, grid, parameters, plots
-from shaderlab.engine.jobs import CaseFacts
+from shaderlab.engine.jobs import CaseInfo
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.model import store
 from shaderlab.model.records import Outcome, Record, Worst
 from shaderlab.report import table
 
-FACTS = CaseFacts(
+FACTS = CaseInfo(
     file="lamp.py",
     id="lamp",
     variants=("near", "far"),

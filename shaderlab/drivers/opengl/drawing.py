@@ -16,10 +16,10 @@ from shaderlab.compiler.diagnostics import parse_driver_log
 from shaderlab.compiler.reflection import Block, Variable
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
-from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Bindings, Image, PassDraw
 from shaderlab.model.mesh import Mesh
+from shaderlab.model.phases import phase
 from shaderlab.model.scene import Target
 from shaderlab.model.state import State
 
@@ -70,7 +70,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
 
     def compute(self, key: PassDraw, draw: PreparedDraw) -> None:
         storage.require_supported(draw.draw, draw.interface)
-        with doing("draw", step(key, draw)):
+        with phase("draw", step(key, draw)):
             given = self.bind(draw)
             found = storage.bind_storage(draw.draw, draw.interface, given, self.folder, self.images)
             self.bindings[key] = found

@@ -20,8 +20,8 @@ from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.spirv import parse
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
-from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array
+from shaderlab.model.phases import phase
 from shaderlab.model.records import Diagnostic, Verdict
 
 from ..programs.textures import components_of
@@ -50,7 +50,7 @@ class Linker(ProgramCache[Any]):
 
         def linked() -> Any:
             try:
-                with doing("link"):
+                with phase("link"):
                     return self._new(stages, feedback)
             except moderngl.Error as error:
                 message = f"the driver refuses the program: {str(error).strip()}"

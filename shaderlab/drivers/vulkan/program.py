@@ -24,8 +24,8 @@ from shaderlab.compiler.spirv import (
     unwrap,
 )
 from shaderlab.errors import UnsupportedError
-from shaderlab.model.activity import doing
 from shaderlab.model.mesh import PRIMITIVES
+from shaderlab.model.phases import phase
 from shaderlab.model.state import (
     BLEND_EQUATIONS,
     BLEND_FACTORS,
@@ -319,7 +319,7 @@ class Program:
             ),
         )  # fmt: skip
         made = ffi.new("VkPipeline *")
-        with doing("link"):
+        with phase("link"):
             result = lib.vkCreateGraphicsPipelines(device.handle, NULL, 1, info, NULL, made)
         check(result, "making a pipeline")
         return self._resources.own("Pipeline", made[0])
@@ -348,9 +348,9 @@ class Linker(ProgramCache[Program]):
         """
 
         def linked() -> Program:
-            with doing("compile"):
+            with phase("compile"):
                 modules = modules_of(sources_of(texts, known))
-            with doing("link"):
+            with phase("link"):
                 return Program(self.device, modules)
 
         return self.get(tuple(sorted(texts.items())), linked)

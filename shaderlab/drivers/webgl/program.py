@@ -13,8 +13,8 @@ import numpy as np
 from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import UnsupportedError
-from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array
+from shaderlab.model.phases import phase
 from shaderlab.model.state import Blend, Depth, State, Stencil
 
 from ..programs import stages
@@ -60,7 +60,7 @@ def translated(
         stage: numbered(counted_as_declared(text) if stage == "fragment" else text)
         for stage, text in texts.items()
     }
-    with doing("compile"):
+    with phase("compile"):
         compiled = compiled_to_modules(sources_of(own, known), "opengl", "WebGL2")
         assert compiled.interface is not None
         modules = compiled.spirv["opengl"]
@@ -171,7 +171,7 @@ class Linker(ProgramCache[Program]):
 
         def linked() -> Program:
             source = translated(texts, known, keep_names=bool(feedback))
-            with doing("link"):
+            with phase("link"):
                 return Program(self.device, source, feedback)
 
         return self.get((tuple(sorted(texts.items())), tuple(feedback)), linked)

@@ -21,11 +21,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import checked_arguments
 from shaderlab.model.expectation import Judgement, Need, Programs
 from shaderlab.model.frame import Array, Frame, every_component
+from shaderlab.model.phases import phase
 from shaderlab.model.scene import Draw, Pass
 from shaderlab.model.state import Depth
 from shaderlab.model.textures import Output
@@ -172,7 +172,7 @@ class DrawnAnew(Need):
             ),
             draws=tuple(self._changed(draw) for draw in description.draws),
         )
-        with doing("draw", f"drawing pass {self.pass_name!r} with other depth tests"):
+        with phase("draw", f"drawing pass {self.pass_name!r} with other depth tests"):
             return context.session.redraw_pass(other, self.output, _LARGEST)
 
     def _changed(self, draw: Draw) -> Draw:

@@ -56,7 +56,7 @@ class Context:
 
 
 @dataclass(frozen=True)
-class Asked(Need):
+class SessionQuery(Need):
     """What the session answers to a question: one of `shaderlab.drivers.protocol.QUERIES`,
     and its arguments."""
 

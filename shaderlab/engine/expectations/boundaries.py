@@ -9,10 +9,10 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 
 from shaderlab.errors import CaseError
-from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs
 from shaderlab.model.frame import Array, Frame, Samples
+from shaderlab.model.phases import phase
 
 from ..judging.banded import judge_band
 from ..judging.chunks import PLACE
@@ -99,7 +99,7 @@ class BesideBoundaries(Need):
         """Run the program. Raises CaseError where no input varies."""
         expectation, session = self._expectation, context.session
         key = expectation.key(session.scene)
-        with doing("draw", f"sampling for {expectation.name!r}"):
+        with phase("draw", f"sampling for {expectation.name!r}"):
             captured, bindings = session.capture_fragments(key), context.bindings[key]
             each = {name: v[captured.covered] for name, v in captured.inputs.items()}
 

@@ -15,7 +15,7 @@ from shaderlab.model.frame import Frame, Timing
 from shaderlab.model.records import Plot, PlotPoint, Row
 from shaderlab.model.state import one_of
 
-from .base import Asked
+from .base import SessionQuery
 
 Number = Callable[[float], int]
 Best = Mapping[tuple[str, float], float]
@@ -77,7 +77,7 @@ class Cost(Expectation):
         for row in self.series.values():
             for names in row.values():
                 for name in names:
-                    yield Asked("time", (scene.find_pass(name).name, self.repeats))
+                    yield SessionQuery("time", (scene.find_pass(name).name, self.repeats))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         rows = []
@@ -86,7 +86,8 @@ class Cost(Expectation):
             for label, row in self.series.items():
                 if number in row:
                     taken = [
-                        frame.answers[Asked("time", (name, self.repeats))] for name in row[number]
+                        frame.answers[SessionQuery("time", (name, self.repeats))]
+                        for name in row[number]
                     ]
                     best[label, number] = sum(min(t.seconds) for t in taken)
                     rows.append(self._row(label, number, taken))

@@ -28,7 +28,7 @@ from .base import OutputExpectation
 from .needs import CapturedFragments, Probe, inputs_of
 
 
-class KeptOut:
+class DiscardCheck:
     """The draws of a scene that may leave something out of their attachments, or should by a rule,
     and what is wrong with what they left out; each is looked at once.
 

@@ -8,7 +8,7 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from shaderlab.engine.expectations.base import Asked, DrawExpectation
+from shaderlab.engine.expectations.base import DrawExpectation, SessionQuery
 from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.calls import COUNTERS, GL_ERRORS, error_name
@@ -48,10 +48,10 @@ class AttributeLayout(DrawExpectation):
                 )
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield Asked("attributes", (self.key(scene),))
+        yield SessionQuery("attributes", (self.key(scene),))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        readings = frame.answers[Asked("attributes", (self.key(scene),))]
+        readings = frame.answers[SessionQuery("attributes", (self.key(scene),))]
         rows = []
         for name, entry in self.attributes.items():
             place = (*entry, 0)[:3]
@@ -103,10 +103,10 @@ class BlockLayout(DrawExpectation):
         return f"layout of {self.block}"
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield Asked("blocks", (self.key(scene),))
+        yield SessionQuery("blocks", (self.key(scene),))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        readings = frame.answers[Asked("blocks", (self.key(scene),))]
+        readings = frame.answers[SessionQuery("blocks", (self.key(scene),))]
         if self.block not in readings:
             raise CaseError(
                 f"there is no uniform block {self.block!r}", remedy=nearest(self.block, readings)
@@ -175,10 +175,10 @@ class Query(DrawExpectation):
             raise CaseError(f"query {self.counter!r}: give equals=, or at_least= and at_most=")
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield Asked("count", (self.key(scene), self.counter))
+        yield SessionQuery("count", (self.key(scene), self.counter))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        count = frame.answers[Asked("count", (self.key(scene), self.counter))]
+        count = frame.answers[SessionQuery("count", (self.key(scene), self.counter))]
         low, high = self.at_least or 0, self.at_most
         if self.equals is not None:
             low = high = int(self.equals)
@@ -217,10 +217,10 @@ class GlError(DrawExpectation):
         return frozenset({self.key(scene)})
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield Asked("gl_errors", (self.key(scene),))
+        yield SessionQuery("gl_errors", (self.key(scene),))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        errors: Sequence[int] = frame.answers[Asked("gl_errors", (self.key(scene),))]
+        errors: Sequence[int] = frame.answers[SessionQuery("gl_errors", (self.key(scene),))]
         want = GL_ERRORS[self.error]
         ok = list(errors) == ([want] if want else [])
         measured = ", ".join(error_name(e) for e in errors) or error_name(0)
@@ -241,10 +241,10 @@ class InactiveUniforms(DrawExpectation):
     uniforms: tuple[str, ...]
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield Asked("locations", (self.key(scene),))
+        yield SessionQuery("locations", (self.key(scene),))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        locations: Mapping[str, int] = frame.answers[Asked("locations", (self.key(scene),))]
+        locations: Mapping[str, int] = frame.answers[SessionQuery("locations", (self.key(scene),))]
         for name in self.uniforms:
             if name not in locations:
                 raise CaseError(

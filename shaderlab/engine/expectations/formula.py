@@ -132,10 +132,10 @@ class Formula(ReferenceExpectation):
 
 
 def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
-    def laid_out(values: Array, nothing: float) -> Array | LaidOut:
+    def laid_out(values: Array, nothing: float) -> Array | PixelMap:
         if len(values) == covered.size:
             return values.reshape(*covered.shape, -1)
-        return LaidOut(covered, values.__getitem__, nothing)
+        return PixelMap(covered, values.__getitem__, nothing)
 
     def reference(rows: Array | slice) -> Array:
         exact = banded.band.at(rows)
@@ -144,10 +144,10 @@ def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
 
     return {
         "measured": np.asarray(laid_out(banded.measured, 0)),
-        "reference": LaidOut(covered, reference, 0),
-        "distance": LaidOut(covered, lambda rows: banded.signed()[rows], np.nan),
+        "reference": PixelMap(covered, reference, 0),
+        "distance": PixelMap(covered, lambda rows: banded.signed()[rows], np.nan),
         "covered": covered,
-        "exact": LaidOut(covered, banded.band.at, np.nan),
+        "exact": PixelMap(covered, banded.band.at, np.nan),
         "low": laid_out(banded.low, np.nan),
         "high": laid_out(banded.high, np.nan),
         "outside": laid_out(~banded.inside, False),
@@ -163,7 +163,7 @@ WHOLE: Part = (slice(None), slice(None))
 
 
 @dataclass(frozen=True)
-class LaidOut:
+class PixelMap:
     """Values of covered pixels, as far as they are looked at: `laid_out[ys, xs]`, or all of them as
     an array (height, width, …).
 

@@ -11,7 +11,6 @@ from typing import Any
 
 from shaderlab.engine.expectations.base import Context
 from shaderlab.errors import CaseError
-from shaderlab.model.activity import doing
 from shaderlab.model.calls import (
     GL_ERRORS,
     Argument,
@@ -27,6 +26,7 @@ from shaderlab.model.case import Scene
 from shaderlab.model.checked import checked_arguments
 from shaderlab.model.expectation import Expectation, Judgement, Need, Programs
 from shaderlab.model.frame import Frame, Reply, TracedCall
+from shaderlab.model.phases import phase
 from shaderlab.model.records import Row
 from shaderlab.model.state import one_of
 
@@ -41,7 +41,7 @@ class Answered(Need):
     returns: tuple[int | float | str, ...]
 
     def answer(self, context: Context) -> Reply:
-        with doing("draw", f"calling {self.calls[-1]}"):
+        with phase("draw", f"calling {self.calls[-1]}"):
             reply: Reply = context.session.query("call", self.calls, self.returns)
             return reply
 
@@ -162,7 +162,7 @@ class Traced(Need):
     """The calls that drawing the scene takes."""
 
     def answer(self, context: Context) -> Sequence[TracedCall]:
-        with doing("draw", "recording calls of OpenGL"):
+        with phase("draw", "recording calls of OpenGL"):
             calls: Sequence[TracedCall] = context.session.query("trace")
             return calls
 

@@ -21,11 +21,11 @@ from shaderlab.engine.expectations.needs import find_image
 from shaderlab.engine.judging.formats import located, source_of
 from shaderlab.engine.judging.inputs import parameter_name
 from shaderlab.errors import CaseError, FormulaError, ShaderlabError, nearest
-from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import checked_arguments
 from shaderlab.model.expectation import Judgement, Read
 from shaderlab.model.frame import Array, Bindings, Frame
+from shaderlab.model.phases import phase
 from shaderlab.model.records import Outcome, Plot, PlotPoint, Row
 from shaderlab.model.scene import UniformValue
 
@@ -269,7 +269,7 @@ class Measure(DrawExpectation):
     ) -> float:
         arguments = self._arguments(row, known, scene, frame)
         try:
-            with doing("reference"), np.errstate(all="ignore"), warnings.catch_warnings():
+            with phase("reference"), np.errstate(all="ignore"), warnings.catch_warnings():
                 # The mean of nothing is NaN, which fails; NumPy need not say so as well.
                 warnings.simplefilter("ignore", RuntimeWarning)
                 got = self.statistic(**arguments)

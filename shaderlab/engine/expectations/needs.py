@@ -16,10 +16,10 @@ from shaderlab.drivers.programs.stages import changes_inputs, elements, may_keep
 from shaderlab.engine.expectations.base import Context, OutputExpectation
 from shaderlab.engine.judging.inputs import Inputs
 from shaderlab.errors import CaseError, UnsupportedError, nearest
-from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Need, Programs
 from shaderlab.model.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Samples
+from shaderlab.model.phases import phase
 from shaderlab.model.scene import UniformValue
 
 BEFORE_RASTERISATION = ("vertex", "tess_control", "tess_evaluation", "geometry")
@@ -33,7 +33,7 @@ class CapturedFragments(Need):
     key: PassDraw
 
     def answer(self, context: Context) -> Fragments:
-        with doing("draw", f"capturing the inputs of {context.draw_in_words(self.key)}"):
+        with phase("draw", f"capturing the inputs of {context.draw_in_words(self.key)}"):
             return context.session.capture_fragments(self.key)
 
     def misplaced(self, found: Fragments, programs: Programs) -> str:
@@ -64,7 +64,7 @@ class CapturedVertices(Need):
     key: PassDraw
 
     def answer(self, context: Context) -> Samples:
-        with doing("draw", f"capturing the inputs of {context.draw_in_words(self.key)}"):
+        with phase("draw", f"capturing the inputs of {context.draw_in_words(self.key)}"):
             return context.session.capture_vertices(self.key)
 
     def has_same_answer(self, programs: Programs, others: Programs) -> bool:
@@ -96,7 +96,7 @@ class Probe(Need):
 
     def answer(self, context: Context) -> Samples:
         """Run the program. Raises CaseError for a name that is no input and no uniform."""
-        with doing("draw", f"sampling for {self._expectation.name!r}"):
+        with phase("draw", f"sampling for {self._expectation.name!r}"):
             return self._answer(context)
 
     def _answer(self, context: Context) -> Samples:

@@ -9,11 +9,11 @@ from typing import Any
 
 from shaderlab.engine.expectations.base import Context
 from shaderlab.errors import CaseError, DriverError, ShaderlabError
-from shaderlab.model.activity import doing
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import checked_arguments
 from shaderlab.model.expectation import Expectation, Judgement, Need, Programs
 from shaderlab.model.frame import Frame
+from shaderlab.model.phases import phase
 from shaderlab.model.records import Row, Verdict
 
 Place = tuple[str, int | None, str]
@@ -44,12 +44,12 @@ class CompilerVerdicts(Need):
 
     def answer(self, context: Context) -> Verdicts:
         """Ask them. Raises ShaderError where a file can't even be read."""
-        with doing("compile"):
+        with phase("compile"):
             sources, compiled = context.preparer.refusal(self.shaders)
         names = {source.path: source.name for source in sources}
         verdict = compiled.verdicts[0]
         try:
-            with doing("link"):
+            with phase("link"):
                 driver = context.driver_verdict(sources)
         except DriverError:  # it has no such stage: glslang's verdict is the only one
             driver = None

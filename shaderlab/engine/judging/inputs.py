@@ -24,8 +24,8 @@ from shaderlab.bands.truth import Truth
 from shaderlab.errors import FormulaError, ShaderlabError, nearest
 from shaderlab.glslmath.arrays import Elements
 from shaderlab.glslmath.sampling import Sampler
-from shaderlab.model.activity import doing
 from shaderlab.model.frame import Array, Bindings, Texels
+from shaderlab.model.phases import phase
 
 from .formats import located, name_of, source_of
 from .literals import with_literals
@@ -199,7 +199,7 @@ def evaluate(
         several = len(names) > 1 or parameter != parameter_name(names[0])
         arguments[parameter] = Elements(map(convert, names)) if several else convert(names[0])
     try:
-        with doing("reference"), np.errstate(all="ignore"):
+        with phase("reference"), np.errstate(all="ignore"):
             formula = reference if rules is None else with_literals(reference, rules)
             return _numeric(formula(**arguments))
     except ShaderlabError as error:
