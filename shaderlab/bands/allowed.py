@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from shaderlab.errors import FormulaError, nearest
 
-from .compiled import compiled
 from .rounding import Flags, Floats, ulp
 
 if TYPE_CHECKING:
@@ -178,7 +177,6 @@ class Allowed(Interval):
     unit: float = 0.0
 
 
-@compiled
 @np.errstate(invalid="ignore")  # a signalling NaN, read back, is converted like any other
 def contains(lo: Any, hi: Any, nan: Any, measured: ArrayLike) -> Flags:
     """Where lo ≤ measured ≤ hi, or measured is NaN and may be.

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shaderlab.bands.compiled import compiled
+from shaderlab.bands.compiled import use_kernel
 from shaderlab.bands.exact import negative
 from shaderlab.bands.hulls import (
     LARGEST_DIVISOR,
@@ -55,7 +55,7 @@ DIVISION_ULPS = 2.5
 UNCANCELLED = 1.0 - 2.0**-20
 
 
-@compiled
+@use_kernel
 @np.errstate(all="ignore")
 def add(a: Band, b: Band) -> Band:
     """a + b, correctly rounded in either direction."""
@@ -106,7 +106,7 @@ def add(a: Band, b: Band) -> Band:
     return a.made(*moved, b, nan=nan, terms=terms)
 
 
-@compiled
+@use_kernel
 def subtract(a: Band, b: Band) -> Band:
     """a - b, correctly rounded in either direction."""
     return add(a, negative(b))
@@ -154,7 +154,7 @@ def _safe_signs(
     )
 
 
-@compiled
+@use_kernel
 @np.errstate(all="ignore")
 def multiply(a: Band, b: Band) -> Band:
     """a · b, correctly rounded in either direction; a value times itself is not negative."""
@@ -222,7 +222,7 @@ def _scaled_terms(a: Band, factor: Floats) -> Terms | None:
     return Terms(terms.mag * factor, slack, terms.count, reach)
 
 
-@compiled
+@use_kernel
 @np.errstate(all="ignore")
 def square(a: Band) -> Band:
     """a · a for one and the same value: never negative, and no compiler expands (b + c)²."""
@@ -244,7 +244,7 @@ def _squared(a: Band, product: Floats) -> Terms:
     return Terms.of(mag, lambda: np.maximum(reach_of(a.mag, a.terms) ** 2, 1.0), a.terms)
 
 
-@compiled
+@use_kernel
 @np.errstate(all="ignore")
 def divide(a: Band, b: Band) -> Band:
     """a / b within 2.5 ULP where 2^-126 ≤ |b| ≤ 2^126; anything elsewhere."""

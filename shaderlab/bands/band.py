@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from shaderlab.bands.allowed import Allowed, Interval
-from shaderlab.bands.compiled import compiled, use_bands
+from shaderlab.bands.compiled import use_bands
 from shaderlab.bands.operators import Operators
 from shaderlab.bands.rounding import (
     LARGEST,
@@ -260,7 +260,6 @@ class Band(Interval, Operators, Swizzled):
         everything: Flags = self.flags[1] | ((self.lo == -np.inf) & (self.hi == np.inf))
         return np.broadcast_to(everything, self.shape)
 
-    @compiled
     def __getitem__(self, index: Any) -> Band:
         return self.mapped(lambda array: np.asarray(array[index]))
 
@@ -306,7 +305,7 @@ class Band(Interval, Operators, Swizzled):
         return Band.literal(other, self.rules) if as_band is None else as_band(self.rules)
 
 
-use_bands(Band, Terms, Rules, Truth, _NOWHERE)
+use_bands(Band, Terms, Rules, _NOWHERE)
 
 
 @lru_cache(maxsize=512)

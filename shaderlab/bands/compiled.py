@@ -2,7 +2,7 @@
 
 An operation takes some twelve NumPy loops and as many temporary arrays; compiled it is one pass.
 Both give the same numbers. They are built on installation where there is a C compiler;
-`SHADERLAB_BANDS=numpy` leaves them aside.
+`SHADERLAB_BANDS=numpy` turns them off.
 """
 
 from __future__ import annotations
@@ -11,76 +11,64 @@ import importlib
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import update_wrapper
+from functools import wraps
 from typing import Any, TypeVar, cast
 
 VARIABLE = "SHADERLAB_BANDS"
-# Stands in kernels/_kernels.c, too.
-INTERFACE = 5
+# The same number stands in kernels/_kernels.c.
+INTERFACE = 6
 
 
-def left_aside() -> bool:
+def is_turned_off() -> bool:
     """Whether the environment asks for NumPy."""
     return os.environ.get(VARIABLE) == "numpy"
 
 
-def _built() -> Any:
-    """The extension module, or None; one that was built of older sources is left aside."""
-    if left_aside():
+def _load() -> Any:
+    """The extension module, or None: not built, turned off, or built from older sources."""
+    if is_turned_off():
         return None
     try:
-        found = importlib.import_module("shaderlab.bands._kernels")
+        module = importlib.import_module("shaderlab.bands._kernels")
     except ImportError:
         return None
-    return found if getattr(found, "INTERFACE", 1) == INTERFACE else None
+    return module if getattr(module, "INTERFACE", 1) == INTERFACE else None
 
 
-KERNELS = _built()
+KERNELS = _load()
+_numpy_alone = False
 
 
 @contextmanager
 def numpy_alone() -> Iterator[None]:
-    """All is done by NumPy meanwhile: for comparisons of both."""
-    if KERNELS is None:
-        yield
-        return
-    KERNELS.use(False)
+    """Compute everything with NumPy within this context: for comparisons of both."""
+    global _numpy_alone
+    before, _numpy_alone = _numpy_alone, True
     try:
         yield
     finally:
-        KERNELS.use(True)
+        _numpy_alone = before
 
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def compiled(plain: Function) -> Function:
-    """A function of bands, or of arrays, by its compiled pass, and `plain` where that finds
-    something rare."""
-    if not hasattr(KERNELS, plain.__name__):
+def use_kernel(plain: Function) -> Function:
+    """Compute a function of bands, or of arrays, by the compiled pass of its name, and by `plain`
+    where there is no such pass or that meets something rare."""
+    kernel = getattr(KERNELS, plain.__name__, None)
+    if kernel is None:
         return plain
-    return cast(Function, update_wrapper(KERNELS.operation(plain.__name__, plain), plain))
+
+    @wraps(plain)
+    def compute(*operands: Any) -> Any:
+        result = None if _numpy_alone else kernel(*operands)
+        return plain(*operands) if result is None else result
+
+    return cast(Function, compute)
 
 
-Operator = Callable[[Any, Any], Any]
-
-
-def operators(operation: Operator, straight: Operator, reflected: Operator) -> tuple[Any, Any]:
-    """An operator and its reflected twin: `operation` by its pass where one operand is a band and
-    the other a band or literal of its rules, elsewhere the functions given."""
-    if KERNELS is None:
-        return straight, reflected
-    both = enumerate((straight, reflected))
-    return tuple(KERNELS.operator(operation, plain, bool(k)) for k, plain in both)
-
-
-def use_bands(band: type, terms: type, rules: type, truth: type, nowhere: tuple[Any, ...]) -> None:
-    """Tell the passes what bands are made of; `nowhere` are flags that are set nowhere."""
+def use_bands(band: type, terms: type, rules: type, nowhere: tuple[Any, ...]) -> None:
+    """Register with the passes what bands are made of; `nowhere` are flags that are set nowhere."""
     if KERNELS is not None:
-        KERNELS.use_bands(band, terms, rules, truth, nowhere)
-
-
-def use_literals(literal: type) -> None:
-    """Tell the passes which numbers have a band of their own."""
-    if KERNELS is not None:
-        KERNELS.use_literals(literal)
+        KERNELS.use_bands(band, terms, rules, nowhere)

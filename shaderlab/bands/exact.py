@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.bands.compiled import compiled
 from shaderlab.bands.rounding import Flags, Floats
 from shaderlab.bands.terms import combined
 from shaderlab.bands.truth import Truth
@@ -24,7 +23,6 @@ def negative(a: Band) -> Band:
     return a.kept(lo, lo if a.lo is a.hi else -a.lo, terms=a.terms)
 
 
-@compiled
 def absolute(a: Band) -> Band:
     low, high = np.abs(a.lo), np.abs(a.hi)
     if a.lo is a.hi:
@@ -44,13 +42,11 @@ def rounded(a: Band) -> Band:
     return a.kept(np.ceil(a.lo - 0.5), np.floor(a.hi + 0.5))
 
 
-@compiled
 def smaller(a: Band, b: Band) -> Band:
     """min(a, b); where one may be NaN either operand may come out."""
     return _chosen(np.minimum(a.lo, b.lo), np.minimum(a.hi, b.hi), a, b)
 
 
-@compiled
 def larger(a: Band, b: Band) -> Band:
     """max(a, b); where one may be NaN either operand may come out."""
     return _chosen(np.maximum(a.lo, b.lo), np.maximum(a.hi, b.hi), a, b)
@@ -64,7 +60,6 @@ def _chosen(lo: Floats, hi: Floats, a: Band, b: Band) -> Band:
     return a.kept(lo, hi, b)
 
 
-@compiled
 def clamped(x: Band, minimum: Band, maximum: Band) -> Band:
     """min(max(x, minimum), maximum); anything where the minimum may exceed the maximum."""
     result = smaller(larger(x, minimum), maximum)
@@ -74,7 +69,6 @@ def clamped(x: Band, minimum: Band, maximum: Band) -> Band:
     return result.made(result.lo, result.hi, anything=crossed)
 
 
-@compiled
 def less(a: Band, b: Band) -> Truth:
     """a < b, of the settled bounds: a compiler may move a term to the other side."""
     a_lo, a_hi = a.settled()
@@ -82,7 +76,6 @@ def less(a: Band, b: Band) -> Truth:
     return _known(a_hi < b_lo, a_lo >= b_hi, a, b)
 
 
-@compiled
 def not_less(a: Band, b: Band) -> Truth:
     """a ≥ b."""
     return ~less(a, b)
@@ -104,7 +97,6 @@ def _known(true: Flags, false: Flags, a: Band, b: Band) -> Truth:
     return Truth(true, false, a.rules)
 
 
-@compiled
 def select(condition: Truth, a: Band, b: Band) -> Band:
     """a where the condition holds, b where it does not, the hull of both where undecided.
 
@@ -126,14 +118,12 @@ def select(condition: Truth, a: Band, b: Band) -> Band:
     return type(a)(lo, hi, a.rules, (nan, anything, either), terms)
 
 
-@compiled
 def taken(side: Floats, of_a: Floats, of_b: Floats, greater: bool) -> Floats:
     """`of_a` where the side is 1, `of_b` where it is -1, elsewhere the greater or the lesser."""
     hull = np.maximum(of_a, of_b) if greater else np.minimum(of_a, of_b)
     return np.where(side > 0.0, of_a, np.where(side < 0.0, of_b, hull))
 
 
-@compiled
 @np.errstate(all="ignore")
 def union(a: Band, b: Band) -> Band:
     """What either of two legal ways to compute one value may give."""
@@ -147,7 +137,6 @@ def transposed(m: Band) -> Band:
     return m.mapped(lambda array: array.swapaxes(-1, -2))
 
 
-@compiled
 def joined(parts: Sequence[Band], axis: int) -> Band:
     """Bands of the same rules along a negative axis, the other axes broadcast."""
 
@@ -177,7 +166,6 @@ def concatenated(arrays: Sequence[Any], axis: int) -> Any:
     return joined_last(list(arrays)) if axis == -1 else _joined(arrays, axis)
 
 
-@compiled
 def joined_last(arrays: list[Any]) -> Any:
     """`concatenated` along the last axis."""
     return _joined(arrays, -1)

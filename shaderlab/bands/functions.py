@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands import arithmetic, exact
-from shaderlab.bands.compiled import compiled
+from shaderlab.bands.compiled import use_kernel
 from shaderlab.bands.rounding import (
     FLOAT64_ERROR,
     LARGEST,
@@ -48,7 +48,7 @@ def _evaluated(a: Band, function: Any) -> tuple[Floats, Floats]:
     return lo, lo if a.lo is a.hi else function(a.hi)
 
 
-@compiled
+@use_kernel
 @np.errstate(all="ignore")
 def inversesqrt(a: Band) -> Band:
     """1/√a within 2 ULP; a ≤ 0 is undefined."""
@@ -62,7 +62,7 @@ def _inversesqrt_bounds(a_lo: Floats, a_hi: Floats) -> tuple[Floats, Floats]:
     return widened_by_ulps(lo, hi, INVERSESQRT_ULPS, INVERSESQRT_ULPS)
 
 
-@compiled
+@use_kernel
 @np.errstate(all="ignore")
 def sqrt(a: Band) -> Band:
     """√a as 1/inversesqrt(a), so 2 ULP and then 2.5; a < 0 is undefined, and √0 is 0."""
@@ -81,7 +81,6 @@ def exponential(a: Band, function: Any) -> Band:
     return a.made(*exponentials_widened(a.lo, a.hi, lo, hi))
 
 
-@compiled
 def exponentials_widened(
     a_lo: Floats, a_hi: Floats, lo: Floats, hi: Floats
 ) -> tuple[Floats, Floats]:
@@ -107,7 +106,6 @@ def _log_bounds(a_lo: Floats, a_hi: Floats, function: Any) -> tuple[Floats, Floa
     return logarithms_widened(a_lo, a_hi, lo, hi)
 
 
-@compiled
 def logarithms_widened(a_lo: Floats, a_hi: Floats, lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
     """The logarithms of both ends, moved out by their error."""
     error_lo = np.where((a_lo >= 0.5) & (a_lo <= 2.0), LOG_ERROR_NEAR_ONE, LOG_ULPS * ulp(lo))

@@ -8,7 +8,6 @@ from typing import Any
 
 from shaderlab.bands import arithmetic
 from shaderlab.bands.band import Band
-from shaderlab.bands.compiled import operators, use_literals
 from shaderlab.bands.exact import union
 
 from .rounding import Rules
@@ -81,7 +80,7 @@ def _both_ways(
         value = value_of(float(other), float(self))
         return Literal.folded(value, operation(self.band.lift(other), self.band))
 
-    return operators(operation, straight, reflected)
+    return straight, reflected
 
 
 for _name, _value_of, _operation in (
@@ -93,5 +92,3 @@ for _name, _value_of, _operation in (
     _straight, _reflected = _both_ways(_value_of, _operation)
     setattr(Literal, f"__{_name}__", _straight)
     setattr(Literal, f"__r{_name}__", _reflected)
-
-use_literals(Literal)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shaderlab.bands.compiled import compiled
+from shaderlab.bands.compiled import use_kernel
 from shaderlab.bands.rounding import LARGEST, RELATIVE_STEP, SMALLEST_NORMAL, Floats, outward
 from shaderlab.bands.terms import Terms, reach_of
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _FLUSHED = 8.0  # operations of which each may flush a denormal
 
 
-@compiled
+@use_kernel
 def within_ends(found: Band, x: Band, y: Band, a: Band) -> Band:
     """The band `found` of mix(x, y, a) by its operations, cut to what it may be at most.
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, NoReturn, Self
 import numpy as np
 
 from shaderlab.bands import arithmetic, exact, sums
-from shaderlab.bands.compiled import operators
 from shaderlab.bands.integer_operators import WHOLE
 from shaderlab.bands.truth import Truth
 from shaderlab.errors import FormulaError
@@ -64,8 +63,7 @@ def _refusal(what: str, remedy: str) -> Callable[..., NoReturn]:
 
 def _both_ways(operation: Callable[[Any, Any], Any]) -> tuple[Any, Any]:
     """`operation` as a band's operator, and with the band on the right."""
-    return operators(
-        operation,
+    return (
         lambda self, other: operation(self, self.lift(other)),
         lambda self, other: operation(self.lift(other), self),
     )

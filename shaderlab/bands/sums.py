@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands.arithmetic import moved_out, multiply
-from shaderlab.bands.compiled import compiled
+from shaderlab.bands.compiled import use_kernel
 from shaderlab.bands.exact import transposed
 from shaderlab.bands.rounding import add_above, add_below, finite
 from shaderlab.bands.terms import Terms, least_of, reach_of
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from shaderlab.bands.band import Band
 
 
-@compiled
+@use_kernel
 @np.errstate(all="ignore")
 def sum_last(a: Band) -> Band:
     """The sum over the last axis (kept, with size 1), its terms added in any order."""
@@ -75,13 +75,11 @@ def _over_last(values: Any, join: Callable[[Any, Any], Any]) -> Any:
     return total
 
 
-@compiled
 def dot(a: Band, b: Band) -> Band:
     """The sum of the products over the last axis (kept, with size 1), in any order."""
     return sum_last(multiply(a, b))
 
 
-@compiled
 def times_vector(m: Band, v: Band) -> Band:
     """m · v for matrices (…, r, c) and vectors (…, c): vectors (…, r)."""
     if m.ndim < 2 or v.shape[-1] != m.shape[-1]:

@@ -7,7 +7,6 @@ from __future__ import annotations
 import numpy as np
 
 from shaderlab.bands import Band, arithmetic, exact, functions, sums
-from shaderlab.bands.compiled import compiled
 from shaderlab.bands.rounding import SMALLEST_NORMAL
 from shaderlab.errors import FormulaError
 
@@ -65,7 +64,6 @@ def normalize(v: Value) -> Value:
     return applied(plain, banded, v)
 
 
-@compiled
 def direction(v: Band) -> Band:
     """The unit vector of a band that is no sum."""
     squared = sums.sum_last(arithmetic.square(v))

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shaderlab.bands import compiled
 from shaderlab.bands.allowed import contains, widths
-from shaderlab.engine.judging import distance, reference_bands as informative
-from shaderlab.engine.judging.distance import Placed, furthest
+from shaderlab.engine.judging import distance
+from shaderlab.engine.judging.distance import Placed
 
 INF, NAN = np.inf, np.nan
 # low, high, whether NaN is legal, measured
@@ -81,32 +80,3 @@ def test_a_value_outside_outranks_all_inside() -> None:
 def test_signs_say_on_which_side_of_the_middle() -> None:
     kinds = np.array([(0.0, 2.0, False, v) for v in (0.5, 1.75, -9.0, 9.0)])
     assert placed(kinds, 1).signed().tolist() == [-0.5, 0.75, -INF, INF]
-
-
-@pytest.mark.skipif(compiled.KERNELS is None, reason="no compiled passes here")
-@pytest.mark.parametrize("components", [1, 2, 3, 4])
-def test_compiled_passes_judge_as_numpy_does(components: int) -> None:
-    generator = np.random.default_rng(components)
-    common = [k for k in KINDS if k[0] <= k[3] <= k[1] and k[1] - k[0] < 1e38]
-    for kinds, count in ((KINDS, 60), (common, 60), (common, 4099)):
-        drawn = np.array(kinds)[generator.integers(0, len(kinds), count * components)]
-        low, high, _, measured = (
-            drawn.astype(np.float32).reshape(-1, components, 4).transpose(2, 0, 1)
-        )
-        low, high, measured = map(np.ascontiguousarray, (low, high, measured))
-        inside = contains(low, high, np.False_, measured)
-        ends = np.float32([0.0, 1.0, -1.0, 0.5]), np.float32([2.0, 3e38, 1.0, 0.5])
-        least, greatest = (end[:components] for end in ends)
-        varies = np.array([True, False, True, False])[:components]
-        asked = low, high, least, greatest, varies
-        found = furthest(low, high, measured, inside, None), informative.informative(*asked)
-        with compiled.numpy_alone(), np.errstate(all="ignore"):
-            np.testing.assert_array_equal(inside, contains(low, high, np.False_, measured))
-            plain = furthest(low, high, measured, inside, None), informative.informative(*asked)
-        assert found == plain
-        passes = compiled.KERNELS
-        taken = passes.furthest(low, high, measured, inside, None) is not None
-        # A value outside, or a band without two ends, is left to NumPy; nothing else is.
-        assert taken == (kinds is common)
-        assert passes.contains(low, high, np.False_, measured) is not None
-        assert passes.informative(*asked) is not None

@@ -27,48 +27,20 @@
 #include "products.h"
 #include "quotients.h"
 #include "bounds.h"
-#include "choices.h"
-#include "exacts.h"
-#include "comparisons.h"
-#include "selects.h"
 #include "mixes.h"
-#include "rows.h"
-#include "lines.h"
-#include "vectors.h"
-#include "directions.h"
-#include "joins.h"
-#include "shapes.h"
-#include "texels.h"
-#include "judged.h"
 
 /* Changes with what Python expects of the passes; the same number stands in compiled.py. */
-#define INTERFACE 5
+#define INTERFACE 6
 
 #define METHOD(name, function) \
     {#name, (PyCFunction)(void (*)(void))function, METH_FASTCALL, NULL}
 
-static PyMethodDef kernels[] = {
-    METHOD(add, add), METHOD(subtract, subtract), METHOD(sum_last, sum_last),
-    METHOD(multiply, multiply), METHOD(square, square), METHOD(divide, divide),
-    METHOD(inversesqrt, inversesqrt), METHOD(sqrt, square_root),
-    METHOD(outward, outward), METHOD(enclosed, enclosed), METHOD(widened_by_ulps, widened_by_ulps),
-    METHOD(logarithms_widened, logarithms_widened), METHOD(taken, taken),
-    METHOD(joined_last, joined_last), METHOD(within_ends, within_ends),
-    METHOD(mixed_texels, mixed_texels), METHOD(smaller, smaller_band),
-    METHOD(larger, larger_band), METHOD(clamped, clamped), METHOD(absolute, absolute),
-    METHOD(less, less), METHOD(not_less, not_less), METHOD(union, union_of),
-    METHOD(select, select_band), METHOD(dot, dot), METHOD(times_vector, times_vector),
-    METHOD(direction, direction), METHOD(__getitem__, indexed), METHOD(ordinary, ordinary),
-    METHOD(joined, joined), METHOD(texels_at, texels_at), METHOD(nearest_texels, nearest_texels),
-    METHOD(exponentials_widened, exponentials_widened),
-    METHOD(contains, contained),
-    METHOD(furthest, furthest_of_all), METHOD(informative, informative), {0}};
-
-#include "operations.h"
-
 static PyMethodDef methods[] = {
-    METHOD(operation, operation), METHOD(operator, operator), METHOD(use_bands, use_bands),
-    {"use_literals", use_literals, METH_O, NULL}, {"use", use, METH_O, NULL}, {0}};
+    METHOD(use_bands, use_bands), METHOD(add, add), METHOD(subtract, subtract),
+    METHOD(sum_last, sum_last), METHOD(multiply, multiply), METHOD(square, square),
+    METHOD(divide, divide), METHOD(inversesqrt, inversesqrt), METHOD(sqrt, square_root),
+    METHOD(outward, outward),
+    METHOD(within_ends, within_ends), {0}};
 
 static struct PyModuleDef module = {PyModuleDef_HEAD_INIT, "_kernels", NULL, -1, methods};
 
@@ -92,9 +64,7 @@ PyMODINIT_FUNC PyInit__kernels(void)
         PyErr_SetString(PyExc_ImportError, "this compiler ignores the rounding direction");
         return NULL;
     }
-    if (PyType_Ready(&operation_type)) return NULL;
     PyObject *made = PyModule_Create(&module);
-    if (made && PyModule_AddFunctions(made, kernels)) Py_CLEAR(made);
     if (made && PyModule_AddIntConstant(made, "INTERFACE", INTERFACE)) Py_CLEAR(made);
     return made;
 }

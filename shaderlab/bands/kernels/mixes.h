@@ -1,12 +1,10 @@
-/* Mixes, each a function of its operands' ends: of values (mixed.py), and of texels
- * (sampling/filters.py). */
+/* The ends of a mix of two values: the twin of functions.cut_to_ends. */
 
 #ifndef SHADERLAB_MIXES_H
 #define SHADERLAB_MIXES_H
 
-/* What the operations of a mix may flush; roundings of four texels, of the largest of them. */
+/* How many operations of a mix may each flush a denormal. */
 #define MIX_FLUSHED 8.0
-#define TEXEL_ROUNDING (8 * 0x1p-23)
 
 static inline double least_mix(double low, double high, double a, double from, double to)
 {
@@ -112,81 +110,6 @@ static PyObject *within_ends(PyObject *self, PyObject *const *args, Py_ssize_t g
         cut(count, found->low, found->high, low, high);
     }
     return finished(&pass);
-}
-
-/* Four texels mixed; equation 8.16 of OpenGL 4.5. */
-static inline double mixed(double one, double two, double three, double four, double a, double b)
-{
-    double first = one * (1.0 - a) * (1.0 - b), second = two * a * (1.0 - b);
-    double third = three * (1.0 - a) * b, fourth = four * a * b;
-    return first + second + third + fourth;
-}
-
-/* The least (`sign` 1) or the greatest (-1, negated) that four texels mix to at the ends of both
- * weights, and the size of the largest; what is no finite number. */
-LOOP int64_t mix_ends_of_texels(
-    npy_intp count, const double *one, const double *two, const double *three, const double *four,
-    const double *left, const double *right, const double *below, const double *above, double sign,
-    double *restrict least, double *restrict largest)
-{
-    int64_t rare = 0;
-    for (npy_intp i = 0; i < count; i++) {
-        double p = sign * one[i], q = sign * two[i], r = sign * three[i], s = sign * four[i];
-        double low = smaller(mixed(p, q, r, s, left[i], below[i]),
-                             mixed(p, q, r, s, left[i], above[i]));
-        double high = smaller(mixed(p, q, r, s, right[i], below[i]),
-                              mixed(p, q, r, s, right[i], above[i]));
-        double size = larger(larger(fabs(p), fabs(q)), larger(fabs(r), fabs(s)));
-        least[i] = smaller(low, high);
-        largest[i] = size;
-        rare |= unbounded(p, q) | unbounded(r, s) | !(size < INFINITY) ? -1 : 0;
-    }
-    return rare;
-}
-
-LOOP int64_t move_out(
-    npy_intp count, const double *size, const double *other, double *restrict low,
-    double *restrict negated_high)
-{
-    int64_t rare = 0;
-    for (npy_intp i = 0; i < count; i++) {
-        double give = TEXEL_ROUNDING * larger(size[i], other[i]);
-        double least = low[i] - give, most = -negated_high[i] + give;
-        low[i] = least;
-        negated_high[i] = most;
-        rare |= unbounded(least, most) ? -1 : 0;
-    }
-    return rare;
-}
-
-/* `at`: the lowest and the highest of four texels, then the ends of both weights. */
-static int64_t mix_texels(
-    npy_intp count, const double *const *at, double *restrict lo, double *restrict hi)
-{
-    ALIGNED double size[BLOCK], other[BLOCK];
-    int64_t rare = mix_ends_of_texels(
-        count, at[0], at[1], at[2], at[3], at[8], at[9], at[10], at[11], 1.0, lo, size);
-    rare |= mix_ends_of_texels(
-        count, at[4], at[5], at[6], at[7], at[8], at[9], at[10], at[11], -1.0, hi, other);
-    return rare | move_out(count, size, other, lo, hi);
-}
-
-/* mixed_texels(four lowest, four highest, two weights across, two up): (low, high); None where one
- * is no finite number. */
-static PyObject *mixed_texels(PyObject *self, PyObject *const *args, Py_ssize_t given)
-{
-    Operand operands[12];
-    const double *at[12];
-    Shape shape;
-    Result result = {0};
-    if (given != 12 || !read_operands(operands, args, 12, &shape)) Py_RETURN_NONE;
-    if (make_room(&result, &shape, 0, 0)) return NULL;
-    for (npy_intp start = 0; start < shape.size && !result.rare; start += BLOCK) {
-        npy_intp count = shape.size - start < BLOCK ? shape.size - start : BLOCK;
-        for (int k = 0; k < 12; k++) at[k] = values_at(&operands[k], start, count);
-        result.rare = mix_texels(count, at, result.low + start, result.high + start);
-    }
-    return two_arrays(&result);
 }
 
 #endif

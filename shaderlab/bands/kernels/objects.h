@@ -14,16 +14,8 @@ static struct {
 } term_lists;
 static struct {
     PyTypeObject *type;
-    Py_ssize_t all_true, all_false, rules;
-} truths;
-static struct {
-    PyTypeObject *type;
-    Py_ssize_t spec, rearrange, trig_outside, flush;
+    Py_ssize_t rearrange, flush;
 } rule_sets;
-static struct {
-    PyTypeObject *type;
-    Py_ssize_t band;
-} literals;
 static PyObject *nowhere;
 
 #define SLOT(object, offset) (*(PyObject **)((char *)(object) + (offset)))
@@ -65,7 +57,7 @@ static int find_slots(PyObject *type, PyTypeObject **kept, const Slot *slots)
     return 0;
 }
 
-/* use_bands(Band, Terms, Rules, Truth, flags that are set nowhere). */
+/* use_bands(Band, Terms, Rules, flags that are set nowhere). */
 static PyObject *use_bands(PyObject *self, PyObject *const *args, Py_ssize_t given)
 {
     const Slot of_bands[] = {
@@ -75,62 +67,21 @@ static PyObject *use_bands(PyObject *self, PyObject *const *args, Py_ssize_t giv
         {"mag", &term_lists.mag}, {"slack", &term_lists.slack}, {"count", &term_lists.count},
         {"reach", &term_lists.reach}, {"_least", &term_lists.least}, {0}};
     const Slot of_rules[] = {
-        {"spec", &rule_sets.spec}, {"rearrange", &rule_sets.rearrange},
-        {"trig_outside", &rule_sets.trig_outside}, {"flush", &rule_sets.flush}, {0}};
-    const Slot of_truths[] = {
-        {"all_true", &truths.all_true}, {"all_false", &truths.all_false},
-        {"rules", &truths.rules}, {0}};
-    if (given != 5 || !PyTuple_Check(args[4])) {
-        PyErr_SetString(PyExc_TypeError, "use_bands() takes four classes and flags");
+        {"rearrange", &rule_sets.rearrange}, {"flush", &rule_sets.flush}, {0}};
+    if (given != 4 || !PyTuple_Check(args[3])) {
+        PyErr_SetString(PyExc_TypeError, "use_bands() takes three classes and flags");
         return NULL;
     }
     if (find_slots(args[1], &term_lists.type, of_terms)) return NULL;
     if (find_slots(args[2], &rule_sets.type, of_rules)) return NULL;
-    if (find_slots(args[3], &truths.type, of_truths)) return NULL;
     if (find_slots(args[0], &bands.type, of_bands)) return NULL;
-    nowhere = Py_NewRef(args[4]);
-    Py_RETURN_NONE;
-}
-
-/* use_literals(Literal): constants, which have bands. */
-static PyObject *use_literals(PyObject *self, PyObject *type)
-{
-    const Slot slots[] = {{"band", &literals.band}, {0}};
-    if (find_slots(type, &literals.type, slots)) return NULL;
+    nowhere = Py_NewRef(args[3]);
     Py_RETURN_NONE;
 }
 
 static inline int is_rule(PyObject *rules, Py_ssize_t rule)
 {
     return SLOT(rules, rule) == Py_True;
-}
-
-/* Whether two sets of rules are known to be equal. */
-static int same_rules(PyObject *one, PyObject *other)
-{
-    if (one == other) return 1;
-    if (!Py_IS_TYPE(one, rule_sets.type) || !Py_IS_TYPE(other, rule_sets.type)) return 0;
-    return SLOT(one, rule_sets.spec) == SLOT(other, rule_sets.spec)
-        && SLOT(one, rule_sets.rearrange) == SLOT(other, rule_sets.rearrange)
-        && SLOT(one, rule_sets.trig_outside) == SLOT(other, rule_sets.trig_outside)
-        && SLOT(one, rule_sets.flush) == SLOT(other, rule_sets.flush);
-}
-
-/* A band, or that of a literal, borrowed; NULL where there is none. */
-static inline PyObject *band_in(PyObject *object)
-{
-    if (is_band(object)) return object;
-    return literals.type && Py_IS_TYPE(object, literals.type) ? SLOT(object, literals.band) : NULL;
-}
-
-/* Whether two operands, of which one is a band, are bands of the same rules or literals. */
-static int lifted(PyObject *const *given, PyObject **pair)
-{
-    if (!is_band(given[0]) && !is_band(given[1])) return 0;
-    pair[0] = band_in(given[0]);
-    pair[1] = band_in(given[1]);
-    return pair[0] && pair[1]
-        && same_rules(SLOT(pair[0], bands.rules), SLOT(pair[1], bands.rules));
 }
 
 /* Whether flags are set nowhere at all. */
@@ -141,13 +92,6 @@ static int flagless(PyObject *flags)
     for (Py_ssize_t i = 0; i < PyTuple_GET_SIZE(flags); i++)
         if (PyTuple_GET_ITEM(flags, i) != no) return 0;
     return 1;
-}
-
-/* One of a band's flags, borrowed; NULL where it is set nowhere, as flags of no axes are. */
-static PyArrayObject *flag_of(PyObject *band, int flag)
-{
-    PyArrayObject *found = (PyArrayObject *)PyTuple_GET_ITEM(SLOT(band, bands.flags), flag);
-    return PyArray_Check(found) && PyArray_NDIM(found) ? found : NULL;
 }
 
 /* The flags of two bands together. */
@@ -192,17 +136,6 @@ static PyObject *new_band(void *lo, void *hi, PyObject *rules, PyObject *flags, 
     SLOT(made, bands.terms) = or_none(terms);
     SLOT(made, bands.direction) = Py_NewRef(Py_None);
     SLOT(made, bands.size) = Py_NewRef(Py_None);
-    return made;
-}
-
-/* Takes over both arrays. */
-static PyObject *new_truth(void *all_true, void *all_false, PyObject *rules)
-{
-    PyObject *made = truths.type->tp_alloc(truths.type, 0);
-    if (!made) return NULL;
-    SLOT(made, truths.all_true) = all_true;
-    SLOT(made, truths.all_false) = all_false;
-    SLOT(made, truths.rules) = Py_NewRef(rules);
     return made;
 }
 

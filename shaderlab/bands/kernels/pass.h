@@ -12,8 +12,6 @@ typedef struct {
     npy_intp count;
     /* What the blocks of an operation take besides. */
     double steps;
-    Value *scaled;
-    int64_t more;
     ALIGNED double lo[BLOCK], negated_hi[BLOCK];
 } Pass;
 

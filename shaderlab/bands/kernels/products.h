@@ -82,7 +82,7 @@ static int64_t product_block(Pass *pass, npy_intp start)
     return multiply_block(pass->count, &pass->a, &pass->b, pass->steps, lo, negated_hi, size);
 }
 
-/* Whether a band is a few factors ±2^k, which round nothing. */
+/* Whether a band is a few factors ±2^k, which round nothing: NumPy multiplies by those. */
 static int is_scale(const Value *value)
 {
     Shape own = {0};
@@ -94,76 +94,6 @@ static int is_scale(const Value *value)
     for (npy_intp i = 0; i < own.size; i++)
         if (bits_of(factor[i]) & 0x000FFFFFFFFFFFFF) return 0;
     return 1;
-}
-
-LOOP int64_t scale_block(
-    npy_intp count, const Value *a, const double *factor, const double *slack, double *restrict lo,
-    double *restrict negated_hi, double *restrict size, double *restrict scaled_slack)
-{
-    const double *a_lo = a->low, *a_hi = a->high, *a_size = a->size;
-    int64_t rare = 0;
-    for (npy_intp i = 0; i < count; i++) {
-        double first = a_lo[i] * factor[i], second = a_hi[i] * factor[i];
-        double low = smaller(first, second), high = larger(first, second);
-        size[i] = a_size[i] * fabs(factor[i]);
-        lo[i] = low;
-        negated_hi[i] = -high;
-        rare |= unbounded(a_lo[i], a_hi[i]) | unbounded(low, high) ? ODD : 0;
-    }
-    if (slack)
-        for (npy_intp i = 0; i < count; i++) {
-            double scaled = slack[i] * fabs(factor[i]);
-            scaled_slack[i] = scaled > 0.0 ? larger(scaled, SMALLEST_NORMAL) : 0.0;
-        }
-    return rare;
-}
-
-LOOP int64_t any_tiny(npy_intp count, const double *size)
-{
-    int64_t found = 0;
-    for (npy_intp i = 0; i < count; i++) found |= rare_of(0, size[i]);
-    return found;
-}
-
-/* Small times large: the small one may meet another small one first. Nonzero if any reach is more
- * than 1. */
-LOOP int64_t scale_reach(
-    npy_intp count, const double *from, const double *factor, double *restrict reach)
-{
-    int64_t more = 0;
-    for (npy_intp i = 0; i < count; i++) {
-        reach[i] = from[i] * larger(fabs(factor[i]), 1.0);
-        more |= reach[i] > 1.0 ? -1 : 0;
-    }
-    return more;
-}
-
-static int64_t scaled_block(Pass *pass, npy_intp start)
-{
-    Value *a = pass->scaled, *b = a == &pass->a ? &pass->b : &pass->a;
-    Result *result = &pass->result;
-    const double *slack = a->slackened ? values_at(&a->slack, start, pass->count) : NULL;
-    double *size = result->size + start, *step = slack ? result->step + start : NULL;
-    int64_t rare = scale_block(
-        pass->count, a, b->low, slack, pass->lo, pass->negated_hi, size, step);
-    if (pass->tiny)
-        pass->more |= scale_reach(pass->count, a->reached, b->low, result->reached + start);
-    else if (a->plain && pass->rearrange) rare |= any_tiny(pass->count, size);
-    return rare;
-}
-
-/* a · ±2^k: a pending slack stays pending. */
-static PyObject *scale(Pass *pass, Value *a)
-{
-    Result *result = &pass->result;
-    if (make_room(result, &pass->shape, 1, a->slackened)) return NULL;
-    result->exact = a->exact;
-    result->count = a->count;
-    pass->scaled = a;
-    pass->more = 0;
-    if (run(pass, 2, scaled_block, a->reaching)) return NULL;
-    if (a->plain && !pass->more) drop_terms(result);
-    return finished(pass);
 }
 
 VERSION int64_t squared(
@@ -240,8 +170,7 @@ static PyObject *multiply(PyObject *self, PyObject *const *args, Py_ssize_t give
     if (!begin(&pass, args, given, 2)) Py_RETURN_NONE;
     Value *a = &pass.a, *b = &pass.b;
     Result *result = &pass.result;
-    if (is_scale(a)) return scale(&pass, b);
-    if (is_scale(b)) return scale(&pass, a);
+    if (is_scale(a) || is_scale(b)) Py_RETURN_NONE;
     if (make_room(result, &pass.shape, 1, 0)) return NULL;
     int plain = a->plain && b->plain;
     result->exact = a->exact && b->exact && plain;

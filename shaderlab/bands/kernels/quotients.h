@@ -72,13 +72,6 @@ LOOP int64_t divide_terms(
     return divided(count, a, b, 0, 0, lo, negated_hi, size, NULL);
 }
 
-static int64_t divide_block(
-    npy_intp count, const Value *a, const Value *b, double *lo, double *negated_hi, double *size)
-{
-    return a->plain ? divide_plain(count, a, b, lo, negated_hi)
-                    : divide_terms(count, a, b, lo, negated_hi, size);
-}
-
 LOOP int64_t divide_tiny(
     npy_intp count, const Value *a, const Value *b, double *restrict lo,
     double *restrict negated_hi, double *restrict size, double *restrict reach)
@@ -89,11 +82,13 @@ LOOP int64_t divide_tiny(
 static int64_t quotient_block(Pass *pass, npy_intp start)
 {
     Result *result = &pass->result;
-    double *lo = pass->lo, *negated_hi = pass->negated_hi, *size = result->size + (pass->a.plain ? 0 : start);
+    double *lo = pass->lo, *negated_hi = pass->negated_hi;
+    if (pass->a.plain) return divide_plain(pass->count, &pass->a, &pass->b, lo, negated_hi);
+    double *size = result->size + start;
     if (pass->tiny)
         return divide_tiny(pass->count, &pass->a, &pass->b, lo, negated_hi, size,
                            result->reached + start);
-    return divide_block(pass->count, &pass->a, &pass->b, lo, negated_hi, size);
+    return divide_terms(pass->count, &pass->a, &pass->b, lo, negated_hi, size);
 }
 
 static PyObject *divide(PyObject *self, PyObject *const *args, Py_ssize_t given)
@@ -107,40 +102,10 @@ static PyObject *divide(PyObject *self, PyObject *const *args, Py_ssize_t given)
     return finished(&pass);
 }
 
-#ifdef __x86_64__
-/* Roots, eight at a time; how many it took. */
-__attribute__((target("avx512f"))) static npy_intp eight_roots(
-    npy_intp count, const double *x, double *restrict to)
+/* 1/√x of what is not negative: the rest is left to NumPy. */
+LOOP void reciprocal_roots(npy_intp count, const double *x, double *restrict to)
 {
-    npy_intp i = 0;
-    for (; i + 7 < count; i += 8)
-        _mm512_storeu_pd(to + i, _mm512_sqrt_pd(_mm512_abs_pd(_mm512_loadu_pd(x + i))));
-    return i;
-}
-#endif
-
-/* Of what is not negative: the rest is left to NumPy. Compilers that mind the rounding direction
- * take one root at a time. */
-static void square_roots(npy_intp count, const double *x, double *restrict to)
-{
-    npy_intp i = 0;
-#ifdef __x86_64__
-    if (__builtin_cpu_supports("avx512f")) i = eight_roots(count, x, to);
-    for (; i + 1 < count; i += 2)
-        _mm_storeu_pd(to + i, _mm_sqrt_pd(_mm_andnot_pd(_mm_set1_pd(-0.0), _mm_loadu_pd(x + i))));
-#endif
-    for (; i < count; i++) to[i] = sqrt(fabs(x[i]));
-}
-
-LOOP void reciprocals(npy_intp count, double *x)
-{
-    for (npy_intp i = 0; i < count; i++) x[i] = 1.0 / x[i];
-}
-
-static void reciprocal_roots(npy_intp count, const double *x, double *restrict to)
-{
-    square_roots(count, x, to);
-    reciprocals(count, to);
+    for (npy_intp i = 0; i < count; i++) to[i] = 1.0 / sqrt(fabs(x[i]));
 }
 
 /* Expects 1/√hi and 1/√lo where the bounds are to go. */

@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.bands.allowed import widths
-from shaderlab.bands.compiled import compiled
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Row, significant
 
@@ -95,7 +94,6 @@ class Placed:
         return np.where(inside, np.minimum(distance, 1.0), np.maximum(distance, 1.0))
 
 
-@compiled
 def furthest(
     low: Array, high: Array, measured: Array, inside: npt.NDArray[np.bool_], unit: float | None
 ) -> int:

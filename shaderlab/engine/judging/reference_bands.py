@@ -19,7 +19,6 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.bands import Allowed, Band, Rules
-from shaderlab.bands.compiled import compiled
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array, Texels
 
@@ -391,7 +390,6 @@ class Plausible:
         return informative(low, high, least, greatest, self.varies) / low.size
 
 
-@compiled
 def informative(low: Array, high: Array, least: Array, greatest: Array, varies: Array) -> int:
     """How many bands leave out some of what lies between `least` and `greatest` where the
     component `varies`, and elsewhere are narrower than `greatest`; all with two ends."""

@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.bands import Band, Integer, Rules
-from shaderlab.bands.compiled import compiled
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array, Texels
 
@@ -168,7 +167,6 @@ def _border(color: tuple[float, ...], fixed: bool) -> Array:
     return _completed((np.clip(given, 0.0, 1.0) if fixed else given,) * 2)[0]
 
 
-@compiled
 def texels_at(
     x: Array,
     y: Array,
@@ -536,7 +534,6 @@ def nearest(texel: Texel, x: Span, y: Span) -> Span:
     return low, high
 
 
-@compiled
 def nearest_texels(
     x_low: Array, x_high: Array, y_low: Array, y_high: Array,
     values: Array, layer: Integers, *how: Any,
@@ -610,7 +607,6 @@ def _within_cell(texel: Texel, x: Span, y: Span, places: Any) -> Span:
     return mixed_texels(*lows, *highs, across[0], across[-1], up[0], up[-1])
 
 
-@compiled
 def mixed_texels(*given: Array) -> Span:
     """The bounds of a mean of four texels: of the lowest that each may be, the highest, and the
     ends of both weights."""
