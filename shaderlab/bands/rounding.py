@@ -94,6 +94,7 @@ def ulp(x: Floats) -> Floats:
 
 
 @use_kernel
+@np.errstate(all="ignore")
 def outward(lo: Floats, hi: Floats, flush: bool) -> tuple[Floats, Floats]:
     """The largest float32 not above `lo`, the smallest not below `hi`; the same array twice where
     all are float32 themselves and one array was given. With `flush`, bounds that touch denormals
