@@ -1,13 +1,13 @@
 """The first triangle: three corners, one colour, and the whole pipeline behind them.
 
 The corners are given in normalised device coordinates, where the window reaches from −1 to 1 on
-both axes. Each pixel whose centre lies inside the triangle gets the fragment shader's colour. In
-an 8-bit framebuffer every channel is rounded to a whole number of 255ths; 0.5 falls exactly
-between 127 and 128, and a driver may store either.
+both axes. Each pixel whose centre lies inside the triangle gets the fragment shader's colour. In an
+8-bit framebuffer every channel is rounded to a whole number of 255ths; 0.5 falls exactly between
+127 and 128, and a driver may store either.
 
-Look at: how many pixels there are. The triangle's area is ¼ and the window's is 2 × 2, so it covers
-1/16 of the window: 32400 of 720 × 720 pixels. And at the two ways in which the notes' text of this
-very shader does not compile.
+Look at: the number of pixels. The triangle's area is ¼ and the window's is 2 × 2, so it covers 1/16
+of the window: 32400 of 720 × 720 pixels. Also look at the two reasons why the notes' text of this
+shader does not compile.
 """
 
 import numpy as np

@@ -1,15 +1,15 @@
-"""Clipping: of every primitive only what lies in −w ≤ x, y, z ≤ w is drawn.
+"""Clipping: only the part of a primitive with −w ≤ x, y, z ≤ w is drawn.
 
 A vertex shader may put a corner anywhere. Before the division by w, each primitive is cut at the
-six planes of the clip volume, and what remains may have more corners than before; a primitive that
-lies outside as a whole is dropped. So nothing is drawn beside the viewport, without any scissor
-test, and nothing before the near or behind the far plane. It is w that coordinates are held
-against: with w = 2, x = 1.6 lies inside.
+six planes of the clip volume. What remains may have more corners than before, and a primitive that
+lies wholly outside is dropped. So nothing is drawn outside the viewport, even without a scissor
+test, and nothing in front of the near plane or behind the far plane. Coordinates are compared with
+w: with w = 2, x = 1.6 lies inside.
 
-Look at: the three windows. The grey of each is a square three times as wide, cut to it. On the left
-a triangle whose three corners are outside, a hexagon now. In the middle a strip that comes from
-before the near plane, light, and goes behind the far one, dark: five eighths are left on either
-side. On the right a triangle as large as the first, whose corners have w = 2.
+Look at: the three windows. Each is filled by a grey square three times as wide, cut to fit. On the
+left, a triangle with all three corners outside has become a hexagon. In the middle, a strip runs
+from in front of the near plane (light) to behind the far one (dark), and five eighths of it remain.
+On the right is a triangle as large as the first, whose corners have w = 2.
 """
 
 import numpy as np

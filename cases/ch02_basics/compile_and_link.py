@@ -1,16 +1,16 @@
-"""Compiling and linking: each stage is checked by itself, then the stages against each other.
+"""Compiling and linking: each stage is checked alone, then the stages against each other.
 
 A compiler sees one shader at a time. It finds what is wrong with that text: a missing semicolon, an
-undeclared name, a profile that the version does not have. What one stage hands to the
-next it can't know; that an output and the input of the same name differ in type, or that a stage
-has no `main`, is found when the program is linked. A program that was never asked whether it
-compiled and linked draws nothing, and does not say why.
+undeclared name, a profile that the version does not have. It can't know what one stage passes to
+the next. The linker finds an output and an input of one name but different types, or a stage
+without `main`. If nobody checks whether a program compiled and linked, it draws nothing and does
+not say why.
 
 Look at: the panels. Each has a lamp for the vertex shader, the fragment shader and the link: green
-for good, red for refused, dark for never reached. From the upper left: a misspelt gl_Position,
-three numbers where four belong, no semicolon, an undeclared name; a profile that does not exist, no
-main, types that differ, and the program that is right, which alone draws its triangle. The table
-has every message, with file and line, in glslang's words and in the driver's.
+for accepted, red for refused, dark for never reached. From the upper left: a misspelt gl_Position,
+three numbers instead of four, a missing semicolon, an undeclared name; a profile that does not
+exist, no main, types that differ, and the correct program, the only one that draws its triangle.
+The table has every message, with file and line, in glslang's words and in the driver's.
 """
 
 import numpy as np

@@ -2,14 +2,13 @@
 
 A `vec` has two, three or four floats of 32 bits, `bvec`, `ivec` and `uvec` as many booleans,
 integers and unsigned integers. A fragment shader may write floats and both kinds of integers; a
-boolean has to become a number first, and `int(true)` is 1. Doubles came with GLSL 4.00: in 3.30 the
-word `dvec2` is reserved, and a shader that uses it does not compile.
+boolean must be converted first, and `int(true)` is 1. Doubles came with GLSL 4.00: in 3.30 the word
+`dvec2` is reserved, and a shader that uses it does not compile.
 
-Look at: the bits, the highest at the left. From above, four rows each of bool, float, int and
-uint. Bright is 1. A float has a sign (red), eight bits of exponent (green) and 23 of fraction
-(blue): of 1, 2, −0.5 and 0.1 only the last has anything in its fraction, and there the pattern
-1001 repeats, because a tenth is no sum of powers of two. −1 as an int is the same 32 ones as the
-largest uint.
+Look at: the bits, the highest at the left. From above, four rows each of bool, float, int and uint.
+Bright is 1. A float has a sign (red), eight bits of exponent (green) and 23 of fraction (blue): of
+1, 2, −0.5 and 0.1 only the last has anything in its fraction, and there the pattern 1001 repeats,
+because a tenth is no sum of powers of two. −1 as an int is the same 32 ones as the largest uint.
 """
 
 import numpy as np

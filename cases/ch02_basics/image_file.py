@@ -1,9 +1,9 @@
 """A picture from disk: decoded by a library, turned upside down, uploaded.
 
-OpenGL reads no files. A library decodes the picture, PNG, JPEG or another, into rows of texels;
-here that is OpenImageIO. Files begin with the top row, a texture with the lowest, so the rows have
-to be turned round. Bytes 0 … 255 become 0 … 1 where the shader reads them: each over 255. Of a
-texture of three channels alpha is 1.
+OpenGL reads no files. A library, here OpenImageIO, decodes a PNG, JPEG or other file into rows of
+texels. Files begin with the top row and textures with the bottom row, so the rows have to be
+reversed. The shader reads bytes 0 … 255 as 0 … 1: each divided by 255. A texture of three channels
+has an alpha of 1.
 
 Look at: the letter, the right way up, on a field that grows red to the right and green downward.
 """

@@ -1,10 +1,10 @@
-"""A uniform that nothing depends on is not there: its location is −1.
+"""A uniform that nothing depends on does not exist: its location is −1.
 
 A program's uniforms are found by name after linking. The linker keeps those that an output depends
 on; a uniform that is only declared, or read only by a function without callers, is inactive, and
 `glGetUniformLocation` answers −1 as it does for a misspelt name. Setting location −1 is silently
-ignored: that is no error, and the picture simply does not change. The lab names such uniforms in
-its report, so that a forgotten one is not looked for in the formula.
+ignored: there is no error, and the picture simply does not change. The lab names such uniforms in
+its report, so that nobody searches the formula for the mistake.
 
 Look at: the three panels. In the second the left dial, `strength`, was turned up, and the lamp is
 brighter. In the third the right one, `unused`, was turned instead, all the way, and the lamp shines

@@ -1,12 +1,12 @@
 """Three attributes in one buffer: the stride steps from vertex to vertex, the offset into one.
 
-A vertex is a position, a colour and a place in a texture: 3 + 3 + 2 floats, 32 bytes. Behind each
-other in one buffer they stand as 123123123: every attribute comes around again after a *stride* of
-32 bytes, and within a vertex the position begins at byte 0, the colour at 12, the texture place at
-24. Numbers may be bytes, too, which are fractions of 255 if they are to be normalised; and an
-attribute that is not enabled has one value for all vertices. OpenGL copies nothing and sorts
-nothing, it reads at offset + stride · n. Each of the three corners has one whole primary colour, so
-the colour of a pixel is its three barycentric coordinates.
+A vertex is a position, a colour and a place in a texture: 3 + 3 + 2 floats, 32 bytes. Vertices
+follow each other in one buffer as 123123123: every attribute repeats after a *stride* of 32 bytes,
+and within a vertex the position begins at byte 0, the colour at 12, the texture coordinates at 24.
+Numbers may also be bytes, which become fractions of 255 if they are normalised; and an attribute
+that is not enabled has one value for all vertices. OpenGL neither copies nor sorts, it reads at
+offset + stride · n. Each of the three corners has one whole primary colour, so the colour of a
+pixel is its three barycentric coordinates.
 
 Look at: the corners, pure red, green and blue, and the fields, which are an eighth of the texture's
 coordinates wide and high. Both grow evenly over the triangle: they are interpolated alike.

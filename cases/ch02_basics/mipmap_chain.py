@@ -1,9 +1,10 @@
 """The chain of mipmaps: every level is half as large as the one before, down to a single texel.
 
-A distant surface puts hundreds of texels into a pixel, and one of them taken by chance flickers.
-So the means are worked out beforehand: each texel of a level is the mean of the four below it. An
-image of 256 × 256 gets 9 levels, which together hold 87 381 texels, a third more than the image.
-OpenGL leaves the filter to the driver and recommends the box; that is what is asked for here.
+A pixel of a distant surface covers hundreds of texels, and picking one of them makes the surface
+flicker. So means are computed in advance: each texel of a level is the mean of four texels of the
+level before. An image of 256 × 256 gets 9 levels, which together hold 87 381 texels, a third more
+than the image. OpenGL leaves the filter to the driver and recommends a box filter, which this case
+expects.
 
 Look at: a wall of bricks and its eight smaller levels, each in half the size of the one before, and
 four pixels a texel throughout. The joints go first, then the bricks, and a single brown is left.

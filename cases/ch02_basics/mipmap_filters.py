@@ -4,11 +4,11 @@ In GL_NEAREST_MIPMAP_LINEAR the first word says how a level is sampled, the seco
 between levels: NEAREST takes the one that is nearer, LINEAR mixes the two around. The level is the
 logarithm of how many texels a pixel covers. All four are for minifying alone: there is nothing
 larger than the image itself, and as a magnifying filter OpenGL refuses each of them with 0x500.
-Below level 0 the magnifying filter has its turn: here NEAREST beside LINEAR_MIPMAP_…, and LINEAR
+Below level 0 the magnifying filter takes over: here NEAREST beside LINEAR_MIPMAP_…, and LINEAR
 beside NEAREST_MIPMAP_….
 
-Look at: a texture whose levels have each a colour of their own, from level −1 below to 5 above. On
-the left are the filters that choose one level, on the right those that mix two; NEAREST within the
+Look at: a texture whose levels each have their own colour, from level −1 below to 5 above. On the
+left are the filters that choose one level, on the right those that mix two; NEAREST within the
 level below, LINEAR above. Steps against a smooth change, and sharp chessboards against blurred.
 """
 

@@ -1,11 +1,11 @@
-"""Primitives: six vertices, put together in six ways.
+"""Primitives: six vertices, assembled in six ways.
 
-A vertex buffer is a list of corners and says nothing of what they are corners of. The mode of the
-draw does. Of n vertices GL_POINTS makes n points, GL_LINES n/2 lines and GL_LINE_STRIP n − 1, each
-from the last one's end. GL_TRIANGLES makes n/3 triangles; in a GL_TRIANGLE_STRIP each vertex from
-the third on makes one with the two before it, in a GL_TRIANGLE_FAN one with the vertex before it
-and the very first. Strips and fans send each shared corner once. In a strip every other triangle
-would run the other way round; OpenGL swaps two of its corners, so that all face the same side.
+A vertex buffer is a list of corners, and does not say what they are corners of. The draw's mode
+does. Of n vertices GL_POINTS makes n points, GL_LINES n/2 lines and GL_LINE_STRIP n − 1, each from
+the last one's end. GL_TRIANGLES makes n/3 triangles; in a GL_TRIANGLE_STRIP each vertex from the
+third on makes one with the two before it, in a GL_TRIANGLE_FAN one with the vertex before it and
+the very first. Strips and fans send each shared corner once. In a strip every other triangle would
+run the other way round; OpenGL swaps two of its corners, so that all face the same side.
 
 Look at: the same six vertices, in a zigzag from the left. Above points, lines and a line strip,
 below triangles, a strip and a fan; a draw's first primitive is amber, later ones turn blue. The

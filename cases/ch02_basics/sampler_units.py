@@ -1,15 +1,16 @@
 """A sampler is a number: which texture unit it reads from, not which texture.
 
 A texture is bound to a unit, and a sampler uniform is told the unit with `glUniform1i`: 0, 1 or 2.
-Two mistakes are common. `GL_TEXTURE0` is the name of the unit for `glActiveTexture`, 0x84C0, and no
-unit's number: as a sampler's value it is out of range, GL_INVALID_VALUE. And a sampler is an int
-among uniforms, so `glUniform1ui` on it is GL_INVALID_OPERATION. Both leave the sampler as it was. A
-sampler that was never set is 0 and reads the texture of unit 0, so all three samplers of a program
-show the same texture.
+Two mistakes are common. `GL_TEXTURE0` is the unit's name for `glActiveTexture`, 0x84C0, and not its
+number: as a sampler's value it is out of range, GL_INVALID_VALUE. And a sampler uniform is an int,
+so `glUniform1ui` on it is GL_INVALID_OPERATION. Both leave the sampler as it was. A sampler that
+was never set is 0 and reads the texture of unit 0, so all three samplers of a program show the same
+texture.
 
 Look at: the first three panels, what `BaseMap`, `ReflectMap` and `RefractMap` read from units 0, 1
-and 2, and at the last one, the mixture of all three. Which unit a texture is on makes no difference
-as long as its sampler is told: with the three exchanged, the picture is the same to the bit.
+and 2, and at the last one, the mixture of all three. Which unit a texture uses makes no difference
+as long as its sampler has that number: with the three exchanged, the picture is the same to the
+bit.
 """
 
 import numpy as np

@@ -1,9 +1,9 @@
 """Reading a shader from a file: what can go wrong, and what must not.
 
-A shader is a text, and a file holds bytes. The lab reads UTF-8, with or without a byte order mark,
-and any line ends; what a compiler could not see all of it refuses before the compiler is asked, and
-says in which file, in which line, and what to do. A NUL character is such a case: C ends a string
-there, so everything behind it would be left out without a word.
+A shader is text, and a file holds bytes. The lab reads UTF-8, with or without a byte order mark,
+and any line ends. It refuses a text that the compiler could not see in full, and names the file,
+the line and the remedy. A NUL character is such a case: C ends a string there, so everything after
+it would be silently ignored.
 
 Look at: the first 48 bytes of seven files, one a row. From above: plain, with a byte order mark,
 with carriage returns, in Latin-1, in UTF-16, with a NUL, and empty. Characters are blue, line feeds

@@ -1,6 +1,6 @@
-"""Swizzling: a vector's components in any order, as often as one likes.
+"""Swizzling: a vector's components in any order, any number of times.
 
-After the dot stand up to four letters of one set, x y z w, r g b a or s t p q, and the result is a
+After the dot come up to four letters of one set, x y z w, r g b a or s t p q, and the result is a
 vector of as many components. The three sets name the same components; which one is used only says
 what the vector means. On the left of an assignment no letter may come twice, and only the named
 components change.

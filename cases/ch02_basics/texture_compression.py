@@ -1,13 +1,13 @@
 """Compressed textures: blocks of 4 × 4 texels in 8 or 16 bytes, decoded while they are sampled.
 
-A graphics card has to find any texel at once, so every block takes the same room: 4 or 8 bits a
-texel instead of 32. What is lost is lost when the image is compressed; decoding is arithmetic with
-whole numbers, and ETC1, ETC2 and BC7 leave nothing open about it. A block of ETC holds a base
-colour for each half and a table of brightness steps. One of BC1 holds two colours and for each
-texel one of four points on the line between them, thirds that may be rounded either way; BC3 adds
-alpha in the same manner, and BC7 has eight modes to choose from. ETC1 is a part of ETC2: its blocks
-are read as ETC2. Files keep the blocks behind a header, as DDS files do, and nothing has to be
-decoded to upload them.
+A graphics card has to find any texel at once, so every block has the same size: 4 or 8 bits a texel
+instead of 32. What is lost is lost when the image is compressed; decoding is arithmetic with whole
+numbers, and ETC1, ETC2 and BC7 leave nothing open about it. A block of ETC holds a base colour for
+each half and a table of brightness steps. One of BC1 holds two colours and for each texel one of
+four points on the line between them, thirds that may be rounded either way; BC3 adds alpha in the
+same manner, and BC7 has eight modes to choose from. ETC1 is a part of ETC2: its blocks are read as
+ETC2. Files keep the blocks behind a header, as DDS files do, and nothing has to be decoded to
+upload them.
 
 Look at: the emblem in six formats, four times as large, from the lower left ETC1, ETC2 and ETC2
 with alpha, above BC1, BC3 and BC7. At the rays' edges the blocks show, two or four colours at a

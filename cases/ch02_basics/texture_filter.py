@@ -1,15 +1,16 @@
-"""Filtering: what stands between the texels.
+"""Filtering: what a texture shows between its texels.
 
 A texel is a sample at its centre. GL_NEAREST takes the texel that the point lies in. GL_LINEAR
 mixes the four whose centres are around it, by how near they are: along s first, then along t. The
-centre of a texel i of n is at (i + ½)/n, so half a texel is taken off before the parts are read.
-How finely the weights are kept is the hardware's: 8 bits are usual, and a band is as wide as that.
-A texture has two filters: GL_TEXTURE_MAG_FILTER where a pixel covers less than a texel, and
-GL_TEXTURE_MIN_FILTER where it covers more. Here each has the one that the other has not.
+centre of texel i of n is at (i + ½)/n, so half a texel is subtracted before the weights are
+computed. The hardware decides how precise the weights are: 8 bits are usual, and the band is as
+wide as that. A texture has two filters: GL_TEXTURE_MAG_FILTER where a pixel covers less than a
+texel, and GL_TEXTURE_MIN_FILTER where it covers more. Here each texture has the filter that the
+other lacks.
 
-Look at: the same small fruit, of 12 × 12 texels, with NEAREST on the left and LINEAR on the
-right. In the row below are five texels of one line: steps, and straight ramps from centre to
-centre that stay level outside of the outermost.
+Look at: the same small fruit, of 12 × 12 texels, with NEAREST on the left and LINEAR on the right.
+In the row below are five texels of one line: steps, and straight ramps from centre to centre that
+stay level outside of the outermost.
 """
 
 import numpy as np

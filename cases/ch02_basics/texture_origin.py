@@ -1,13 +1,13 @@
 """Where a texture begins: (0, 0) is the first texel in memory, and OpenGL draws it lowest.
 
-OpenGL knows nothing of pictures and their upper edges. The first row that glTexImage2D is given is
-t = 0, the last is t = 1, and a quad that has t grow upward shows the first row at its lower edge.
-Most image files, and most loaders with them, put the top row first: what they give is upside down
-unless the rows are turned round before they are uploaded (or t is, as 1 − t).
+OpenGL knows nothing about the upper edge of a picture. The first row passed to glTexImage2D is t =
+0, the last is t = 1, and a quad that has t grow upward shows the first row at its lower edge. Most
+image files, and most loaders with them, put the top row first: the result is upside down unless the
+rows are reversed before the upload (or t is, as 1 − t).
 
-Look at: the field 00, which holds the texel that comes first. On the left the rows lie in memory
-as OpenGL wants them, the lowest first. On the right they came as a loader delivers them, the top
-row first: 00 is where 07 should be, and every figure stands on its head.
+Look at: the field 00, which holds the texel that comes first. On the left the rows lie in memory as
+OpenGL wants them, the lowest first. On the right they came as a loader delivers them, the top row
+first: 00 is where 07 should be, and every figure stands on its head.
 """
 
 import numpy as np

@@ -1,11 +1,11 @@
 """Wrap modes: what a texture shows outside of 0…1.
 
 GL_REPEAT drops the integer part, so that the image begins anew at each integer. GL_MIRRORED_REPEAT
-turns every other copy round. GL_CLAMP_TO_EDGE goes on with the outermost texel, and
-GL_CLAMP_TO_BORDER with a colour of one's own; with GL_LINEAR the edge is mixed with that colour
-over a texel's width. It is texels that are wrapped, by their numbers, not coordinates: so LINEAR
-mixes across the seam, from the last texel to the first. A texture in three dimensions is a stack
-of layers, between which LINEAR mixes as well, and has a third wrap mode, for r.
+mirrors every other copy. GL_CLAMP_TO_EDGE continues with the outermost texel, and
+GL_CLAMP_TO_BORDER with a colour that the program chooses; with GL_LINEAR the edge is mixed with
+that colour over a texel's width. Wrapping applies to texel numbers, not to coordinates, so LINEAR
+mixes across the seam, from the last texel to the first. A texture in three dimensions is a stack of
+layers, between which LINEAR mixes as well, and has a third wrap mode, for r.
 
 Look at: one image and u and v from −1.5 to 2.5, so that it fits four times. From left to right
 stand REPEAT, MIRRORED_REPEAT, CLAMP_TO_EDGE and CLAMP_TO_BORDER, below with NEAREST and above with

@@ -1,12 +1,12 @@
 """A textured quad: each corner says where in the image it lies, and the texels follow.
 
-Texture coordinates are an attribute like any other. The vertex shader hands them on, rasterising
-mixes them from corner to corner, and the fragment shader asks the sampler for the texel that is
-there. Corners may carry a colour as well: multiplied, texel and colour tint each other, and white
-leaves the texel as it is.
+Texture coordinates are an attribute like any other. The vertex shader passes them on, rasterisation
+interpolates them from corner to corner, and the fragment shader samples the texture there. Corners
+may carry a colour as well: multiplied, texel and colour tint each other, and white leaves the texel
+as it is.
 
-Look at: the crate on the left as it is, all of its corners white. On the right its corners are
-red, green, blue and yellow, and the same planks take the colour of the corner that is nearest.
+Look at: the crate on the left as it is, all of its corners white. On the right its corners are red,
+green, blue and yellow, and the same planks take the colour of the corner that is nearest.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """Three vertices in a buffer: the smallest thing that the pipeline draws.
 
-The vertex shader hands each corner on as it is, so the corners are device coordinates: −1…1 across
-the window and −1…1 up it, whatever its size in pixels. Rasterisation then asks for each pixel's
-centre whether it lies inside, and runs the fragment shader where it does. Half the width times the
+The vertex shader passes each corner on unchanged, so the corners are device coordinates: −1…1
+across the window and −1…1 up it, whatever its size in pixels. Rasterisation then tests whether each
+pixel's centre lies inside, and runs the fragment shader where it does. Half the width times the
 height gives an area of ½ of the window's 4, one eighth: 64800 of 720 × 720 pixels, exactly, because
 a centre on an edge belongs to one side only.
 

@@ -1,9 +1,8 @@
 """A uniform that changes with time: the program computes a colour, the shader shows it.
 
-The green channel swings as sin(t)/2 + 0.5. A sine runs from −1 to 1; halved and raised by a half
-it fits a colour's range from 0 to 1. The program sends `ourColor` before each draw. A uniform
-arrives as it was sent, to the bit; a sine computed in the shader itself is only promised to be
-within 2⁻¹¹.
+The green channel swings as sin(t)/2 + 0.5. A sine runs from −1 to 1; halved and raised by a half it
+fits a colour's range from 0 to 1. The program sends `ourColor` before each draw. A uniform arrives
+exactly as it was sent. A sine computed in the shader itself need only be within 2⁻¹¹.
 
 Look at: the bead, which is filled with the uniform of that moment, riding on the curve.
 """

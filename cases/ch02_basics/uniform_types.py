@@ -1,11 +1,10 @@
 """One call for each type: float, int, uint, a vector, arrays, a member of a struct, a matrix.
 
-`glUniform` comes in many forms, and the suffix says what is sent: `1f`, `1i`, `1ui`, `3f`, `4fv`.
-A form that does not fit the declared type is an error, and nothing is set; so is a call while no
-program is in use. What was set stays with its program, also while another one is used. A struct
-has no form of its own: each member is a uniform by the name `material.shininess`, each element of
-an array one by `pairs[1]`. What arrives is what was sent, bit for bit, for no arithmetic has
-happened yet.
+`glUniform` comes in many forms, and the suffix names the type: `1f`, `1i`, `1ui`, `3f`, `4fv`. A
+form that does not fit the declared type is an error and sets nothing; so is a call while no program
+is in use. A value stays with its program, even while another program is in use. Structs have no
+form of their own: each member is a uniform called `material.shininess`, and each element of an
+array one called `pairs[1]`. Values arrive bit for bit, because no arithmetic has happened yet.
 
 Look at: the eight instruments, each of which shows one uniform and nothing else. From the upper
 left a float, an int as so many dots, the low byte of a uint, a vec3 as a colour; below them

@@ -1,10 +1,10 @@
 """No vertex array, no picture: the core profile draws nothing without one.
 
-A vertex array object remembers what the attribute calls have said: which buffer each attribute is
-read from, at which stride and offset, and which attributes are on. Whatever draws, draws with the
-one that is bound. In the compatibility profile there is one by default, number 0; in the core
-profile number 0 is no object, and a draw call raises GL_INVALID_OPERATION (0x0502), writes no
-pixel and says nothing else. Only a call of glGetError tells why the window is empty.
+A vertex array object stores what the attribute calls set: which buffer each attribute is read from,
+at which stride and offset, and which attributes are enabled. Every draw uses the one that is bound.
+In the compatibility profile there is one by default, number 0; in the core profile number 0 is not
+an object, and a draw call only raises GL_INVALID_OPERATION (0x0502) and writes no pixel. Only a
+call of glGetError tells why the window is empty.
 
 Look at: the triangle, drawn with its vertex array bound. The same draw without one is the other
 pass, "nothing bound": its window is as it was cleared.

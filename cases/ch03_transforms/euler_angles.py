@@ -1,10 +1,9 @@
 """Euler angles: three turns, one after the other, reach every orientation, and lose one on the way.
 
-Yaw turns the heading around y, pitch lifts the nose around x, roll banks around z. They hang in
-each other like the rings of a gimbal: the yaw ring carries the pitch ring, which carries the roll
-ring. Pitch by 90° and the innermost axis has swung into the outermost one. Now yaw and roll do the
-same thing, only their difference counts, and there is a direction left in which nothing can turn:
-gimbal lock.
+Yaw turns the heading around y, pitch lifts the nose around x, roll banks around z. They are nested
+like the rings of a gimbal: the yaw ring carries the pitch ring, which carries the roll ring. Pitch
+by 90° and the innermost axis has swung into the outermost one. Now yaw and roll do the same thing,
+only their difference counts, and no ring can turn in the remaining direction: gimbal lock.
 
 Look at: the rings, green for yaw, red for pitch and blue for roll, each shown around its own axis.
 Above, a yaw of 40°, a pitch of 40°, a roll of −40°: three different poses. Below, the nose points

@@ -1,12 +1,13 @@
 """Model, view, projection: three matrices take a vertex from its mesh to the screen.
 
-The model matrix halves the quad and tilts it by −55° around x, the view matrix steps back by
-three units, the perspective matrix sees 45° from bottom to top. Read the product from the right:
-the model acts first. What leaves the vertex shader is still four numbers; the hardware divides by
-the last one, w, which is the distance in front of the camera, and so far things become small.
+The model matrix halves the quad and tilts it by −55° around x, the view matrix steps back by three
+units, and the perspective matrix has a field of view of 45° from bottom to top. Read the product
+from the right: the model acts first. What leaves the vertex shader is still four numbers; the
+hardware divides by the last one, w, which is the distance in front of the camera, and so far things
+become small.
 
-Look at: the grid's lines. They are parallel on the quad and meet in the distance. The picture
-shows a larger quad from the same place; the numbers are the notes' own.
+Look at: the grid's lines. They are parallel on the quad and meet in the distance. The picture shows
+a larger quad from the same place; the numbers are the notes' own.
 """
 
 from math import radians

@@ -1,4 +1,4 @@
-"""Rotation around x, y, z or any axis: cos φ keeps, sin φ sends across, the axis itself stays.
+"""Rotation around x, y, z or any axis: cos φ along, sin φ across, and the axis itself stays.
 
 Around z, x becomes (cos φ, sin φ): two columns of the matrix are the places where x and y end up.
 Any other axis u needs three terms: cos φ of the vector, sin φ of u × v at right angles to it, and 1

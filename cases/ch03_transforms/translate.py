@@ -1,9 +1,9 @@
 """Translation: the offset stands in the last column, where only the fourth coordinate reaches it.
 
 A 3 × 3 matrix leaves the origin where it is, so it can't move anything. With a fourth coordinate w
-it can: the last column counts w times. Places have w = 1 and move. Directions have w = 0 and stay,
-as they should: the way north is the same from everywhere. Rotation and scaling sit in the other
-three columns and change both.
+it can: the last column is multiplied by w. Positions have w = 1 and move. Directions have w = 0 and
+stay, as they should: north is the same direction from everywhere. Rotation and scaling sit in the
+other three columns and change both.
 
 Look at: the letter, twice under the same matrix, and pale where it was. On the left its corners
 have w = 1 and it lands at the tip of the arrow, which is the offset. On the right they have w = 0:

@@ -1,7 +1,7 @@
 """A camera on a circle: only the view matrix changes from one frame to the next.
 
-The eye is at (r sin α, h, r cos α), the target stays, and the view matrix of the two is made anew
-in each frame. Nothing in the world moves. That its picture turns the other way is the same matrix
+The eye is at (r sin α, h, r cos α), the target stays, and each frame computes a new view matrix
+from the two. Nothing in the world moves. That its picture turns the other way is the same matrix
 read twice: a camera that goes round to the right sees the world go round to the left.
 
 Look at: the strip, row by row from the upper left, twelve frames 30° apart. The letters are read

@@ -1,10 +1,11 @@
-"""Six coordinate spaces: what a vertex is called on its way from the mesh to the window.
+"""Six coordinate spaces: where a vertex is on its way from the mesh to the window.
 
-Local: as it was modelled. World: after the model matrix, among other things. View: seen from the
-camera, which is the origin and looks down −z. Clip: after the projection, four numbers, with the
-distance in w. Device: divided by w, in the cube from −1 to 1, z into the screen. Window: in pixels,
-with a depth from 0 to 1. The shader makes the first four and hands over the fourth; the division
-and the viewport are the hardware's, worked out here as well so that every step can be seen.
+Local: as it was modelled. World: after the model matrix, together with all other objects. View:
+seen from the camera, which is the origin and looks down −z. Clip: after the projection, four
+numbers, with the distance in w. Device: divided by w, in the cube from −1 to 1, z into the screen.
+Window: in pixels, with a depth from 0 to 1. The shader makes the first four and hands over the
+fourth; the division and the viewport are the hardware's, worked out here as well so that every step
+can be seen.
 
 Look at: the aircraft and the golden pyramid of what the camera sees, in all six, from the upper
 left. The pyramid comes with the world and is a cube in device coordinates, with the aircraft bent

@@ -2,8 +2,8 @@
 
 Forward f goes from the eye to the target, side s = f × up to the right, u = s × f upwards. Each row
 takes one of a place's coordinates in the camera's frame, with −f for z, because a camera looks down
-its −z. So the frame {s, u, −f} is right-handed while {s, u, f} is not. f and up are at right angles
-only by chance: without normalising it, s is too short and the picture too narrow.
+its −z. So the frame {s, u, −f} is right-handed while {s, u, f} is not. f and up are rarely at right
+angles: unless s is normalised, it is too short and the picture too narrow.
 
 Look at: the camera on the left and its axes, red to its right, green up, blue backwards, and the
 pyramid of what it sees. On the right is what it does see: red letters stay to the right of blue

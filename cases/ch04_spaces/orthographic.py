@@ -2,8 +2,8 @@
 
 Each axis is scaled and shifted by itself: left and right land on −1 and 1, bottom and top likewise,
 the near plane on depth −1 and the far one on 1. The last row is (0, 0, 0, 1), so w stays 1 and
-nothing is divided. What is parallel stays parallel, what is of one size stays so: plans, shadow
-maps of a sun, and text are drawn this way.
+nothing is divided. Parallel lines stay parallel and equal sizes stay equal: plans, shadow maps of a
+sun, and text are drawn this way.
 
 Look at: the track. Its rails run side by side to the very end, and the last post is exactly as tall
 as the first. You can't tell how far away anything is; compare the perspective picture of the same

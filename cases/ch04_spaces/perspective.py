@@ -1,9 +1,9 @@
 """Perspective projection: w becomes the distance, and dividing by it makes far things small.
 
 The last row (0, 0, −1, 0) puts −z into w, and the hardware divides by it. x and y are first scaled
-by the focal length 1 / tan(fovy/2), so that the opening angle lands on ±1. Depth has two numbers to
-tune, A and B in A + B/z: they send the near plane to −1 and the far plane to 1, and between them
-nearly all of the depths go to what is near.
+by the focal length 1 / tan(fovy/2), so that the opening angle lands on ±1. Depth has two free
+numbers, A and B in A + B/z: they send the near plane to −1 and the far plane to 1, and between them
+nearly all depths are spent on what is near.
 
 Look at: the rails. They are parallel and meet on the horizon, in the point that all lines along −z
 share; the posts shrink as one over their distance. Halfway to a post twice as far there is no

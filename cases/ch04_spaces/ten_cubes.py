@@ -1,9 +1,8 @@
 """Ten boxes: one mesh, ten model matrices, and the depth test to sort it out pixel by pixel.
 
-Every box goes the same way to the screen, with one model matrix of its own: where it stands and how
-it is turned. They are drawn in any order. For each pixel the depth buffer keeps the nearest so far,
-and a fragment that lies behind is thrown away; in the end the nearest has won, whichever came
-first.
+Every box is drawn in the same way, with its own model matrix: where it stands and how it is
+rotated. They are drawn in any order. For each pixel the depth buffer keeps the nearest so far, and
+a fragment behind it is discarded; in the end the nearest one wins, in whichever order they came.
 
 Look at: where boxes overlap. What is in front covers what is behind, the right way round for all
 ten, although the farthest was drawn last. Each pixel's box is checked against a ray sent through

@@ -1,7 +1,7 @@
 """The viewport: from −1…1 to pixels, and from −1…1 to a depth.
 
-The last step is the hardware's: half the width times x, plus the middle of the rectangle, and so on
-up; depth goes from −1…1 to the depth range, 0…1 unless told otherwise. Device coordinates know
+The last step is the hardware's: half the width times x plus the middle of the rectangle, and
+likewise for y; depth goes from −1…1 to the depth range, by default 0…1. Device coordinates know
 nothing of pixels: a projection with another aspect than the viewport's makes all circles oval.
 
 Look at: one and the same square of device coordinates in six viewports. Lines stand every quarter,

@@ -1,6 +1,6 @@
 """Phong and Blinn–Phong: two ways to draw the highlight of a glossy surface.
 
-Phong mirrors the light at the normal and compares the mirrored ray with the direction to the
+Phong reflects the light about the normal and compares the mirrored ray with the direction to the
 viewer. Where these two are more than 90° apart the cosine is negative and the highlight ends, on a
 line. Blinn compares the normal with the halfway vector between light and viewer, and that angle
 stays below 90° while light and viewer are above the surface: nothing is cut off.

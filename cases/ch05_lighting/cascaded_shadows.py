@@ -1,8 +1,8 @@
 """Cascaded shadow maps: a map for what is near, another for what is far.
 
-One map for a long view has the same texels for the post at your feet as for one sixty metres away,
-which covers a hundredth of as many pixels. So the view is cut into slices, and each gets a map
-fitted around it. Where to cut? In equal parts the first slice is still much too deep. In equal
+One map for a long view spends as many texels on a post sixty metres away as on the one at your
+feet, which covers a hundred times as many pixels. So the view is cut into slices, and each gets a
+map fitted around it. Where to cut? In equal parts the first slice is still much too deep. In equal
 ratios, dᵢ = n (f/n)^(i/N), near things get the best shadows, but most of the road has to share the
 last map. The practical scheme is the mean of both. The depth of a fragment tells its cascade, and
 rays tell how many shadows each scheme gets wrong, near and everywhere.

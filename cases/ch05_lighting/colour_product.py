@@ -1,13 +1,13 @@
-"""Colour is a product: what one sees is the light times what the surface throws back.
+"""Colour is a product: what you see is the light times what the surface reflects.
 
-A coral red ball throws back all of the red, half of the green and a third of the blue light that
-falls on it. Under a white lamp that is its colour. Under a green one there is no red and no blue
-to throw back, and what is left is a dark green: light · object, channel by channel.
+A coral red ball reflects all of the red, half of the green and a third of the blue light that falls
+on it. Under a white lamp that is its colour. Under a green one there is no red and no blue to
+reflect, and what remains is a dark green: light · object, channel by channel.
 
-Look at: each row is a room with a lamp of another colour, on the same white wall with the same
-four balls. The white wall shows the lamp's own colour. Read a column downward: the coral ball is
-green in the green room and nearly black in the blue one, and the sky blue one turns black where
-only red is left. Nothing about the balls has changed.
+Look at: each row is a room with a lamp of another colour, on the same white wall with the same four
+balls. The white wall shows the lamp's own colour. Read a column downward: the coral ball is green
+in the green room and nearly black in the blue one, and the sky blue one turns black where only red
+is left. Nothing about the balls has changed.
 """
 
 from shaderlab import Case, Mesh, assets

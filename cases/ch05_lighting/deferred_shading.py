@@ -1,15 +1,15 @@
-"""Deferred shading: first what is seen, then how it is lit.
+"""Deferred shading: first what is visible, then how it is lit.
 
 Forward shading lights every fragment with every lamp, also those fragments that something nearer
-covers later. Deferred shading draws the scene once into several attachments, the G-buffer: place,
-normal, albedo with the specular strength in alpha. A second pass over the screen reads them and
-adds up the lamps for what is left, once for each pixel. The sum is the same law on the same
-numbers, so the result must be the same, if the buffer keeps them: 16-bit floats round places to
-thousandths, and bytes round colours and cannot hold a direction without scaling it.
+covers later. Deferred shading draws the scene once into several attachments, the G-buffer:
+position, normal, and albedo with the specular strength in alpha. A second pass over the screen
+reads them and adds up the lamps for what is left, once for each pixel. The sum is the same law on
+the same numbers, so the result must be the same, provided that the buffer keeps them: 16-bit floats
+round positions to thousandths, and bytes round colours and cannot hold a direction without scaling.
 
 Look at: the three attachments of the G-buffer, places (upper left), normals (upper right), albedo
-(lower left), and what sixteen small lamps make of them (lower right). Nothing in the three knows
-of any lamp.
+(lower left), and what sixteen small lamps make of them (lower right). Nothing in the three knows of
+any lamp.
 """
 
 from math import cos, sin

@@ -1,15 +1,15 @@
 """Diffuse light: a matte surface is the brighter the more squarely the light meets it.
 
 A beam that comes in at an angle spreads over a larger patch, and each point gets less of it: the
-cosine between normal and light, and nothing from behind. The normals have to follow the object.
-A turned object turns its normals; a squeezed one tilts them the other way than its points, by the
-inverse transpose of the model matrix. Handed on as they are, or sent where points go, they are no
+cosine between normal and light, and nothing from behind. The normals have to follow the object. A
+turned object turns its normals; a squeezed one tilts them the other way than its points, by the
+inverse transpose of the model matrix. Left unchanged, or transformed like points, they are no
 longer perpendicular to anything.
 
 Look at: the normals, drawn as thin rods. Upper left is a ball as its mesh has it. The other three
-are the same ball squeezed flat. Upper right it kept the round ball's normals, lower left they
-went where points go, and in both the rods lean over and the light falls as on some other body.
-Only lower right do they stand upright, and the flat top, which faces the lamp, is the bright part.
+are the same ball squeezed flat. Upper right it kept the round ball's normals, lower left they went
+where points go, and in both the rods lean over and the light falls as on some other body. Only
+lower right do they stand upright, and the flat top, which faces the lamp, is the bright part.
 """
 
 from math import acos, degrees

@@ -1,9 +1,9 @@
 """Directional light: a lamp so far away that its rays are parallel, like the sun.
 
-All it needs is a direction, and no place: every point sees it under the same angle, and nothing
-fades. The direction is the way the light travels, (−0.2, −1, −0.3) in the notes; the formulas want
-the way back to the light, so it is turned around and made unit length: (0.188144, 0.940721,
-0.282216). Forgetting the minus lights the world from below.
+It needs a direction but no position: every point sees it at the same angle, and nothing fades. The
+direction is the way the light travels, (−0.2, −1, −0.3) in the notes; the formulas want the way
+back to the light, so it is reversed and normalised: (0.188144, 0.940721, 0.282216). Forgetting the
+minus lights the world from below.
 
 Look at: nine balls on a plaza in a low sun, and how alike they are. The line between light and
 shade lies at the same place on each of them, and the tiles are equally bright from corner to

@@ -1,15 +1,16 @@
 """Gamma: a display does not show twice the light for twice the number.
 
 A pixel value v becomes roughly v^2.2 of the display's light, which spends the 256 steps where the
-eye can tell them apart. A shader calculates with light, so its result has to be encoded at the
-end, by the power 1/2.2 or by the exact sRGB curve. An sRGB framebuffer does the latter by itself,
-and an sRGB texture undoes it when it is read: all 256 codes come back, whichever does which half.
+eye can tell them apart. A shader calculates with light, so its result has to be encoded at the end,
+by the power 1/2.2 or by the exact sRGB curve. An sRGB framebuffer does the latter by itself, and an
+sRGB texture undoes it when it is read: all 256 codes come back, whichever half the shader does
+itself.
 
 Look at: the stripes, at full size and from a few steps away. The dithered ones mix black and white
 dots, so their light is right on any display, whatever its curve. The middle stripe is encoded and
-matches them; the outer ones are raw numbers, and too dark. Half of the dots white is a grey of
-188, not of 128. (A picture made smaller mixes numbers instead of light, and then the outer stripes
-seem to match: the very mistake that this case is about.)
+matches them; the outer ones are raw numbers, and too dark. Half of the dots white is a grey of 188,
+not of 128. (A picture made smaller mixes numbers instead of light, and then the outer stripes seem
+to match: the very mistake that this case is about.)
 """
 
 import numpy as np

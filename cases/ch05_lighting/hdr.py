@@ -3,11 +3,11 @@
 A lamp is a hundred times as bright as the wall beside it. A framebuffer of eight bits cuts
 everything above 1 at once: twelve times white and three times white become the same white. A
 framebuffer of half floats (RGBA16F) keeps the numbers, and a tone curve at the end makes room for
-all of them: Reinhard's x / (1 + x), or 1 − exp(−x·e) with an exposure e that one can turn.
+all of them: Reinhard's x / (1 + x), or 1 − exp(−x·e) with an adjustable exposure e.
 
 Look at: one corridor, drawn once, shown four times. Upper left it is clipped, and its end is a flat
-white hole. Upper right Reinhard's curve shows the bricks there. Below is the exponential curve,
-on the left with an exposure of 0.25 for the far end, on the right with 4 for what is near.
+white hole. Upper right Reinhard's curve shows the bricks there. Below is the exponential curve, on
+the left with an exposure of 0.25 for the far end, on the right with 4 for what is near.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""A light with a colour for each part: how much it is everywhere, how much it is a lamp.
+"""A light with a colour for each part: how much of it is everywhere, how much comes from the lamp.
 
 With white for all three, the ambient part alone is as bright as the lamp, and everything is washed
 out. The notes' struct gives the light's own share of each part, and 0.2, 0.5 and 1 are a sensible

@@ -2,7 +2,7 @@
 
 A chest is neither wood nor iron, it is both. So a material's colours come from textures: the
 diffuse map is the picture painted on it (the ambient part uses it, too), and the specular map says
-how much each place mirrors, dark for wood and bright for iron. The two samplers are members of the
+how much each place reflects, dark for wood and bright for iron. The two samplers are members of the
 struct, bound to units 0 and 1.
 
 Look at: the lantern's highlight on each chest. On the left it lies on the iron bands and the rivets

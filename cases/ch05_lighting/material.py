@@ -6,8 +6,8 @@ its own: ambient and diffuse say what the body looks like, specular what its hig
 struct keeps the four together, and each of its members is a uniform: `material.diffuse`.
 
 Look at: six balls of the same shape under the same lamp. Lacquer and rubber share a colour and
-differ in highlight alone; copper's highlight is copper, jade's is white. What none of them can do
-is mirror the room: for that the light has to be more than one lamp.
+differ in highlight alone; copper's highlight is copper, jade's is white. None of them can reflect
+the room: for that, the light has to be more than one lamp.
 """
 
 from shaderlab import Case, Mesh, assets

@@ -1,8 +1,8 @@
 """Many lights: light adds up, so each lamp is a function and the picture is their sum.
 
 Six lamps: a moon (directional), four bulbs (point lights, an array of structs) and a spot with a
-soft edge. Each is a GLSL function of its own that returns what this lamp adds, and main() only
-adds. That is more than tidy: because light is linear, drawing the scene once for each lamp and
+soft edge. Each is a GLSL function of its own that returns the lamp's contribution, and main() adds
+them up. That is more than tidy: because light is linear, drawing the scene once for each lamp and
 adding the images must give the same picture. Forward renderers with many lights rest on it, and so
 do these checks.
 

@@ -1,11 +1,11 @@
 """Normal mapping: a flat wall lit as if it had bricks.
 
-A normal map is a picture whose colours are directions, t = (n + 1)/2, so n = 2t − 1. They are told
+A normal map is a picture whose colours are directions, t = (n + 1)/2, so n = 2t − 1. They are given
 in the frame of the texture: x along u, y along v, z out of the surface, which is why such maps are
-blue. The frame is found from each triangle's positions and texture coordinates. Of its edges
-E₁ = Δu₁T + Δv₁B and E₂ = Δu₂T + Δv₂B are known, so T and B can be solved for, and TBN = (T, B, N)
-takes the map's normals to the world. Where a picture is mirrored, B has to turn round with it. A
-byte has no 0: the flat colour (128, 128, 255) leans by a third of a degree.
+blue. The frame is found from each triangle's positions and texture coordinates. Of its edges E₁ =
+Δu₁T + Δv₁B and E₂ = Δu₂T + Δv₂B are known, so T and B can be solved for, and TBN = (T, B, N) takes
+the map's normals to the world. Where a picture is mirrored, B has to be reversed with it. A byte
+has no 0: the flat colour (128, 128, 255) leans by a third of a degree.
 
 Look at: one wall of two triangles, four times. Upper left it is lit as the flat thing that it is.
 The other three have the normal map, and a lamp that moves around them: every joint is dark on the

@@ -2,10 +2,10 @@
 
 Three questions decide what such a surface reflects. D: how many of its mirrors face halfway between
 light and viewer, all of them on a polished surface, few in any one direction on a rough one. G: how
-many of those stand in each other's way. F: how much one mirror reflects, 4 % of the light straight
-on for anything that is not a metal, and everything at a grazing angle. The product over
-4 (n·v)(n·l) is the specular part; what was not reflected is refracted, and comes back as the
-diffuse part unless the material is a metal.
+many of those block each other. F: how much one mirror reflects, 4 % of the light straight on for
+anything that is not a metal, and everything at a grazing angle. The product over 4 (n·v)(n·l) is
+the specular part; what was not reflected is refracted, and comes back as the diffuse part unless
+the material is a metal.
 
 Look at: the grid, roughness from 0.15 on the left to 1 on the right, from plastic below to metal
 above. Four lamps hang before it. To the right the highlights spread and become fainter, because the

@@ -1,10 +1,10 @@
-"""The white furnace: what a model of reflection loses when nothing may be lost.
+"""The white furnace: how much light a reflection model loses where none may be lost.
 
 Put a ball of perfect mirrors, however rough, into a room that is equally bright on every side. All
 light that falls on it leaves it again, so it looks as bright as the room: it cannot be seen. Two
-sums have to come out right for that. D, weighted by n·h, has the integral 1 over the hemisphere, as
-the tiny mirrors seen from above cover the surface once. And the reflected share may never exceed 1.
-It does stay below: light that one mirror throws onto the next is counted as hidden and given up.
+sums must be right for that. D, weighted by n·h, has the integral 1 over the hemisphere, as the tiny
+mirrors seen from above cover the surface once. And the reflected share may never exceed 1. It does
+stay below: light that one mirror throws onto the next is counted as hidden and given up.
 
 Look at: three rows of balls in such a room, roughness from 0.15 to 1. Above, G is GGX's own: smooth
 balls vanish, rough ones darken by the light of second bounces that the model leaves out. In the

@@ -1,4 +1,4 @@
-"""Two lobes in one drawing: how much of a ray goes where, by Phong and by Blinn.
+"""Two lobes in one drawing: how much of a ray is reflected where, by Phong and by Blinn.
 
 Phong measures the angle between the mirrored ray and the viewer, Blinn the one between the normal
 and the halfway vector. In the plane of light and normal the second is exactly half of the first, so
@@ -7,8 +7,8 @@ the exponent makes the two alike near the middle. They part at grazing angles, w
 does not stop at the surface's horizon.
 
 Look at: a point on a surface, the lamp's ray in yellow, the normal and the mirrored ray in grey.
-How far a lobe reaches in a direction is how bright the point looks from there: amber where both
-do, blue where only Blinn's does. Below both have the exponent 8, and Blinn's lobe ends flat on the
+How far a lobe reaches in a direction is how bright the point looks from there: amber where both do,
+blue where only Blinn's does. Below both have the exponent 8, and Blinn's lobe ends flat on the
 ground; above it has 32, and a thin blue rim is all that is left. There is no red, which would be
 Phong's alone: ((1 + cos α) / 2)² is never below cos α.
 """

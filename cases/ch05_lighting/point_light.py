@@ -1,8 +1,8 @@
-"""A point light: a bulb in the middle of things. Its light has a direction, and an end.
+"""A point light: a bulb in the middle of the scene. Its light has a direction, and it fades.
 
-Every point sees the lamp elsewhere, so the direction is computed for each fragment: lightPos −
-FragPos. And the light fades on the way, by 1 / (Kc + Kl·d + Kq·d²), all three parts of it: a far
-wall gets less diffuse light, but also less of the light that found its way around.
+Every point sees the lamp in another direction, so it is computed for each fragment: lightPos −
+FragPos. All three parts of the light fade on the way, by 1 / (Kc + Kl·d + Kq·d²): a far wall gets
+less diffuse light, but also less ambient light.
 
 Look at: the plaza of the directional light at night, with one bulb in its midst. All balls show
 their lit sides to the bulb, each another side. The tiles around it are bright and the corners

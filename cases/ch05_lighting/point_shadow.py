@@ -2,9 +2,9 @@
 
 A lamp throws shadows in every direction, and no single picture from it shows them all. Six do: the
 views from the lamp along ±x, ±y and ±z, each 90° wide, fill the faces of a cube map. A fragment
-needs no matrix to find its texel, only its direction from the lamp. What is stored is the distance
-itself, in parts of the far plane: a window depth would be another one on each face. The bias is a
-part of the distance as well, since texels grow with it.
+needs no matrix to find its texel, only its direction from the lamp. The map stores the distance
+itself, as a fraction of the far plane, because each face has a window depth of its own. The bias is
+a fraction of the distance as well, since texels grow with it.
 
 Look at: the courtyard at night with a lamp in its middle. The shadows run away from it on all
 sides, and nothing shows where one face of the cube ends and the next begins.

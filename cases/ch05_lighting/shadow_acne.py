@@ -1,15 +1,15 @@
 """Shadow acne: a surface that shadows itself, and what a bias costs.
 
 A texel of the shadow map stores one depth for all of the surface that it covers. Where the surface
-slants, half of that lies behind the stored depth, and darkens itself in stripes. A bias, taken
-from each depth before it is compared, has to cover half a texel of slope: so it shrinks with
-the texels, and must grow as light grazes. A constant one is too small for steep walls, or too
-large everywhere else, where shadows then come loose from what throws them. Rays say
-what is really in shadow, so both mistakes can be counted.
+slants, half of it lies behind the stored depth and is darkened in stripes. A bias, taken from each
+depth before it is compared, has to cover half a texel of slope: so it shrinks with the texels, and
+must grow as light grazes. A constant one is too small for steep walls, or too large everywhere
+else, where shadows then detach from what casts them. Ray casting shows what is really in shadow, so
+both mistakes can be counted.
 
 Look at: the same courtyard four times. Above without a bias, with a map of 512² on the left and of
-2048² on the right: finer stripes, not fewer. Lower left a constant bias, which leaves stripes
-on the walls that light grazes; lower right one that grows with the slope.
+2048² on the right: finer stripes, not fewer. Lower left a constant bias, which leaves stripes on
+the walls that light grazes; lower right one that grows with the slope.
 """
 
 from shaderlab import Case, Output, any_order, both_ways, formula, measure, reading

@@ -1,15 +1,15 @@
 """Shadow mapping: what the light does not see is in shadow.
 
 The scene is drawn from the light first, and only the depths are kept: the shadow map. Then it is
-drawn from the camera. Each fragment asks where it would be in that map, by the same light-space
-matrix, (x, y, z)/w from −1…1 to 0…1, and whether something nearer to the light was stored there.
-A small bias keeps surfaces from shadowing themselves. What lies outside the map was never
-drawn, so it must count as lit: a border of 1 around the map, and no shadow past its far plane.
-Ambient light comes from everywhere; a shadow does not take it away.
+drawn from the camera. For each fragment, the same light-space matrix gives its place in that map,
+(x, y, z)/w from −1…1 to 0…1, and the fragment is in shadow if something nearer to the light is
+stored there. A small bias keeps surfaces from shadowing themselves. Whatever lies outside the map
+was never drawn, so it must count as lit: a border of 1 around the map, and no shadow past its far
+plane. Ambient light comes from everywhere; a shadow does not take it away.
 
 Look at: the courtyard, its box that hangs in the air and throws a shadow on nothing it touches, and
-below it the shadow map itself among the passes. The sun stands on the right. Shadows are as
-light as the ambient term makes them, never black.
+below it the shadow map itself among the passes. The sun stands on the right. Shadows are as light
+as the ambient term makes them, never black.
 """
 
 import numpy as np

@@ -2,12 +2,12 @@
 
 A shadow map's texels are squares, and so are the edges of its shadows. Depths must not be averaged:
 the mean of a near and a far depth is the depth of nothing. But comparisons can be. Each of 3 × 3
-texels around the point says shadow or light, and the share of those that say shadow is how dark the
+texels around the point votes for shadow or light, and the share of votes for shadow is how dark the
 point is. The edge becomes three texels wide and has the values 0, 1/9, 2/9, … 1.
 
-A sampler2DShadow compares by itself. With NEAREST it says what one texel says. With LINEAR it may
-compare the four texels around and mix the answers by the place between them, which is the usual
-thing, for the price of one call; OpenGL only asks that the answer is between 0 and 1.
+A sampler2DShadow does the comparison itself. With NEAREST it returns the result of one texel. With
+LINEAR it may compare the four surrounding texels and interpolate the results in a single call,
+which is what drivers usually do; OpenGL only requires a result between 0 and 1.
 
 That is softer, not truer: a sun of no size throws sharp edges, and against those the error stays.
 

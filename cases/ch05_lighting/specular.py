@@ -1,14 +1,14 @@
-"""Specular light: a glossy surface mirrors the lamp, blurred, towards one side only.
+"""Specular light: a glossy surface reflects the lamp, blurred, in one direction only.
 
-The ray from the lamp is mirrored at the normal. A viewer in its way sees a highlight, which fades
-with the angle from it: by the angle's cosine, raised to the power of the shininess. Of the three
-parts only this one depends on the viewer, so it moves when the viewer does. At the notes' point
-the cosine is 0.788110, and its 32nd power is next to nothing. A face that is turned away from the
-lamp gets no rays to mirror, so it has no highlight, even if the formula's cosine is large.
+The ray from the lamp is reflected about the normal. A viewer in its path sees a highlight, which
+fades with the angle from it: by the angle's cosine, raised to the power of the shininess. Of the
+three parts only this one depends on the viewer, so it moves when the viewer does. At the notes'
+point the cosine is 0.788110, and its 32nd power is next to nothing. A face that is turned away from
+the lamp gets no rays to reflect, so it has no highlight, even if the formula's cosine is large.
 
-Look at: the same ring and ball three times. Above is what ambient and diffuse light show: chalk.
-In the middle is the specular part alone, a few points of light on black. Below is the sum, and
-the chalk has become glazed clay.
+Look at: the same ring and ball three times. Above is what ambient and diffuse light show: chalk. In
+the middle is the specular part alone, a few points of light on black. Below is the sum, and the
+chalk has become glazed clay.
 """
 
 import numpy as np

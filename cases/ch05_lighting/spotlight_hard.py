@@ -1,12 +1,12 @@
 """A spotlight with a hard edge: a lamp in a tube. Inside the cone it shines, outside it does not.
 
 A fragment is inside if the ray that reaches it is less than the cut-off angle away from the spot's
-axis. Comparing angles takes an arccosine; comparing their cosines takes none, but turns the sign
-around: the larger cosine is the smaller angle, so inside means θ > cutOff. Outside, the ambient
-part is left, or whatever lies there would be a hole in the picture.
+axis. Comparing angles takes an arccosine. Comparing their cosines takes none, but reverses the
+comparison: the larger cosine is the smaller angle, so inside means θ > cutOff. Outside, the ambient
+part remains; without it, there would be a hole in the picture.
 
-Look at: the sharp ellipse that the cone cuts out of the ground, and its edge on the balls. Within
-a single pixel full light becomes none: that is why lamps got a second, outer cone.
+Look at: the sharp ellipse that the cone cuts out of the ground, and its edge on the balls. Within a
+single pixel full light becomes none: that is why lamps got a second, outer cone.
 """
 
 from math import cos, radians

@@ -1,9 +1,9 @@
-"""Throwing fragments away: `if (alpha < 0.1) discard;` for leaves and grass on plain rectangles.
+"""Discarding fragments: `if (alpha < 0.1) discard;` for leaves and grass on plain rectangles.
 
 A picture of a leaf is a rectangle with an alpha of 0 around the leaf. Drawn as it is, the rectangle
 hides what lies behind it: its empty corners write colour and depth like any other fragment.
-`discard` ends a fragment before either is written. What is left is cut out with a hard edge: no
-blending, and so no order to keep.
+`discard` ends a fragment before either is written. The leaf is cut out with a hard edge, so it
+needs no blending and no drawing order.
 
 Look at: the same leaves twice, the nearest drawn first. On the left nothing is discarded, and each
 rectangle's corners cover the leaves behind it; on the right fragments below 0.1 are, and one leaf

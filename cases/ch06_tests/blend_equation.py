@@ -1,4 +1,4 @@
-"""The blend equation: what a fragment leaves of the colour behind it.
+"""The blend equation: how a fragment mixes with the colour behind it.
 
 result = source · α + destination · (1 − α), for all four channels, the alpha channel too: its
 result is α² + (1 − α)·Ad and not the source's α. Green at 0.6 over opaque red is (0.4, 0.6, 0,

@@ -1,17 +1,17 @@
-"""The blend factors and equations: every pair of factors under every equation, held to the formula.
+"""The blend factors and equations: every pair of factors under every equation, against the formula.
 
 A fragment's colour S and the stored one D are weighted by a factor each, then added, subtracted
-(S·f − D·g), subtracted the other way round, or the smaller or larger of them is taken, channel by
-channel; MIN and MAX leave the factors out. The factors are 0, 1, the two colours, the two alphas, a
-constant colour and its alpha, one minus each of these, and SRC_ALPHA_SATURATE: min(As, 1 − Ad) for
-the colour and 1 for the alpha.
+(S·f − D·g), subtracted in reverse, or reduced to their minimum or maximum, channel by channel; MIN
+and MAX leave the factors out. The factors are 0, 1, the two colours, the two alphas, a constant
+colour and its alpha, one minus each of these, and SRC_ALPHA_SATURATE: min(As, 1 − Ad) for the
+colour and 1 for the alpha.
 
 Look at: 15 × 15 fields for each equation. The source's factor changes to the right, the
-destination's upward, in the order ZERO, ONE, SRC_COLOR, 1 − it, DST_COLOR, 1 − it, SRC_ALPHA,
-1 − it, DST_ALPHA, 1 − it, the constant's four, and SATURATE. Each field shows its colour, and in
-the lower right half its alpha. In floats the numbers are chosen so that nothing needs rounding, and
-every field is exact, below zero and above one too. In eight bits what leaves 0…1 is cut off, and
-no code is more than one from the formula's: half a code for each of the two products.
+destination's upward, in the order ZERO, ONE, SRC_COLOR, 1 − it, DST_COLOR, 1 − it, SRC_ALPHA, 1 −
+it, DST_ALPHA, 1 − it, the constant's four, and SATURATE. Each field shows its colour, and in the
+lower right half its alpha. In floats the numbers are chosen so that nothing needs rounding, and
+every field is exact, below zero and above one too. In eight bits what leaves 0…1 is cut off, and no
+code is more than one from the formula's: half a code for each of the two products.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """The eight depth functions: a fragment passes where `incoming func stored` holds.
 
-Depth runs from 0 at the near plane to 1 at the far one, so LESS, the default, keeps what is
-nearer. Two fragments of the very same depth are no rare accident: draw a surface twice, once for
-each light, and it takes EQUAL or LEQUAL to let the second time through.
+Depth runs from 0 at the near plane to 1 at the far one, so LESS, the default, keeps what is nearer.
+Two fragments of exactly the same depth are not rare: a surface that is drawn twice, once for each
+light, needs EQUAL or LEQUAL to pass the second time.
 
 Look at: the table. Its columns are NEVER, LESS, EQUAL, LEQUAL, GREATER, NOTEQUAL, GEQUAL and
 ALWAYS; its rows, from the bottom, a fragment nearer than, equal to and farther than the stored

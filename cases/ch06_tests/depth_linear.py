@@ -1,8 +1,8 @@
-"""Distance out of depth: F, turned round.
+"""Distance from depth: the inverse of F.
 
 A shader that reads a depth, its own gl_FragCoord.z or a texture's, gets F and not the distance. In
-normalised device coordinates d = 2F − 1 the distance is z = 2nf / (f + n − d·(f − n)). Nothing is
-gained by it: the distance comes back as exactly as F was kept, to one step of the depth buffer.
+normalised device coordinates d = 2F − 1 the distance is z = 2nf / (f + n − d·(f − n)). This gains
+no precision: the distance is as exact as the stored F, to one step of the depth buffer.
 
 Look at: one railway twice, as grey from 0 to 1. On the left is gl_FragCoord.z as it is: almost
 white from the first sleeper on, because with n = 0.1 all that is farther away than 2 has an F above

@@ -1,14 +1,14 @@
 """The depth mask: with glDepthMask(GL_FALSE) the depth buffer is read but not written.
 
-Whether a fragment is drawn is the depth function's business; whether its depth is kept is decided
-by the function and the mask together. A depth buffer that is only read is what transparent things
-want: they are hidden by what stands before them and hide nothing themselves. Turning the depth test
-off is not the same as ALWAYS: without the test nothing is written, whatever the mask says.
+The depth function decides whether a fragment is drawn; function and mask together decide whether
+its depth is kept. Transparent objects need a depth buffer that is only read: they are hidden by
+what is in front of them and hide nothing themselves. Turning the depth test off is not the same as
+ALWAYS: without the test nothing is written, whatever the mask says.
 
 Look at: the table of what the depth buffer holds in the end, in hundredths; before, it held 50. Its
-columns are NEVER, LESS, EQUAL, LEQUAL, GREATER, NOTEQUAL, GEQUAL, ALWAYS, and last the test
-turned off; its rows, from the bottom, a fragment at 25, 50 and 75 with the mask closed, then the
-same three with the mask open. The lower half never changes.
+columns are NEVER, LESS, EQUAL, LEQUAL, GREATER, NOTEQUAL, GEQUAL, ALWAYS, and last the test turned
+off; its rows, from the bottom, a fragment at 25, 50 and 75 with the mask closed, then the same
+three with the mask open. The lower half never changes.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""The tests' states at the start, and a depth buffer that is not cleared.
+"""The initial state of the tests, and a depth buffer that is not cleared.
 
 OpenGL begins with all tests off, and with sensible settings for when they are turned on: depth is
 compared by LESS and written, the stencil function is ALWAYS and keeps what is stored, blending adds

@@ -1,9 +1,9 @@
 """What the depth buffer holds: not the distance z but F = (1/z − 1/n) / (1/f − 1/n).
 
 The perspective division makes window depth even in 1/z, so that most of its codes lie close to the
-near plane. Two surfaces at a distance z are told apart by a buffer of b bits if they are
-z²·(1/n − 1/f) / 2^b apart: far away, that grows with the square of the distance, and the only help
-is a near plane that is farther away. Ten times farther, and every step is ten times finer.
+near plane. A buffer of b bits distinguishes two surfaces at a distance z if they are z²·(1/n − 1/f)
+/ 2^b apart: far away, that grows with the square of the distance, and the only help is a near plane
+that is farther away. Ten times farther, and every step is ten times finer.
 
 Look at: two charts over the distance from 0.1 to 100, in decades, with lines at 1 and 10: F with
 the near plane at 1 above, at 0.1 below, and the far plane at 100. Each stripe is a twentieth of all

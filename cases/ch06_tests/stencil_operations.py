@@ -1,8 +1,8 @@
-"""The eight stencil operations: how each changes the stored value, whichever test decides.
+"""The eight stencil operations: how each changes the stored value, whichever test triggers it.
 
 glStencilOp takes three of them: for a fragment that fails the stencil test, for one that passes it
 and fails the depth test, and for one that passes both. INCR and DECR stop at 255 and 0, the forms
-with WRAP go round; REPLACE stores the reference of glStencilFunc, INVERT turns every bit over. Only
+with WRAP wrap around; REPLACE stores the reference of glStencilFunc, INVERT flips every bit. Only
 the bits of the write mask change.
 
 Look at: the table. From bottom to top stand KEEP, ZERO, REPLACE (with 200), INCR, INCR_WRAP, DECR,

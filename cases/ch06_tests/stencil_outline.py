@@ -1,13 +1,13 @@
 """Outlines by the stencil buffer: draw an object, mark where it is, draw it larger around the mark.
 
-The boxes are drawn as ever, and wherever they are seen the stencil buffer gets a 1 (REPLACE when
-both tests pass). Then each is drawn once more, 1.1 times as large and in one colour, where the
+The boxes are drawn as usual, and wherever they are visible the stencil buffer gets a 1 (REPLACE
+when both tests pass). Then each is drawn once more, 1.1 times as large and in one colour, where the
 stencil value is not 1 (NOTEQUAL), with the depth test off, so that nothing hides the outline. What
 is left of the larger box is what the objects themselves do not cover, pixel for pixel.
 
-Look at: the two boxes and their outlines. The marks are one set: where one box stands before the
-other, no line parts them, and an outline runs over the floor alone. It is not equally wide all
-around, because a box is scaled about its middle: near corners move further on the screen.
+Look at: the two boxes and their outlines. Both boxes share one mark: where one box is in front of
+the other, no line separates them, and the outline runs over the floor only. It is not equally wide
+all around, because a box is scaled about its middle: near corners move further on the screen.
 """
 
 from dataclasses import replace

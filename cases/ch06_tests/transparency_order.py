@@ -1,9 +1,9 @@
-"""The order of transparent things: from far to near, or the blend equation adds up something else.
+"""Transparent things: draw them from far to near, or blending gives another colour.
 
 The operator *over* is not commutative: red over blue is not blue over red. Seen through three panes
 the colour is C₃ over (C₂ over (C₁ over background)), with C₁ the farthest, and blending computes
-just that if the farthest is drawn first. Opaque things come before them all, with the depth test
-and its mask on; the panes are tested, so that opaque things hide them, but write no depth.
+just that if the farthest is drawn first. Opaque things are drawn first, with the depth test and its
+mask on; the panes are tested, so that opaque things hide them, but write no depth.
 
 Look at: three discs of glass before a wall, red the farthest, blue the nearest, and a dark disc
 that stands between green and blue. Left: drawn from far to near. Middle: from near to far, and red

@@ -1,9 +1,9 @@
 """Z-fighting: two surfaces so close that the depth buffer can't tell which is in front.
 
-Where both fall on the same code, LESS keeps whichever came first. Here that is the wall behind, so
-each of its pixels is wrong: of two walls d apart, with steps of Δz, the share 1 − d/Δz. A step is
-the longer the closer the near plane is (see depth-precision), so the remedies are, in this order:
-move the near plane out, take more bits, or push one surface's depth by an offset (glPolygonOffset),
+Where both get the same code, LESS keeps whichever came first. Here that is the wall behind, so each
+of its pixels is wrong: of two walls d apart, with steps of Δz, the share 1 − d/Δz. A step is the
+longer the closer the near plane is (see depth-precision), so the remedies are, in this order: move
+the near plane out, take more bits, or push one surface's depth by an offset (glPolygonOffset),
 which only hides the question. A 32-bit float depth buffer gains nothing here: F lies between ½ and
 1, and there floats are no finer than 24 bits.
 

@@ -1,9 +1,9 @@
-"""Environment maps: a mirror and a glass, whose colour is that of the sky where the ray goes.
+"""Environment maps: a mirror and a lens show the colour of the sky in the direction of the ray.
 
-The ray from the camera is mirrored at the normal, or bent by Snell's law, and a cube map tells the
-colour in that direction. Only the direction counts, not the place: the surroundings are taken to be
-far away. Glass of index 1.52 bends by the ratio 1/1.52 = 0.658 and mirrors besides, 4.3 % where one
-looks straight at it and all at a grazing angle; after Schlick, with the fifth power.
+The ray from the camera is reflected about the normal, or refracted by Snell's law, and a cube map
+gives the colour in that direction. Only the direction counts, not the place: the surroundings are
+taken to be far away. Glass of index 1.52 bends by the ratio 1/1.52 = 0.658 and mirrors besides, 4.3
+% where one looks straight at it and all at a grazing angle; after Schlick, with the fifth power.
 
 Look at: a ring of metal on the left, a ball of glass in the middle, a vase of metal on the right.
 In the ball the hills stand on their heads, as in any lens; its rim is a mirror. Beyond an angle of

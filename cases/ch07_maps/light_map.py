@@ -1,4 +1,4 @@
-"""Light maps: light that was worked out beforehand, kept in a texture and multiplied in.
+"""Light maps: light that was computed in advance, stored in a texture and multiplied in.
 
 Light that never changes need not be computed for each frame. Whatever it took to find it (here four
 lamps with Lambert's law and the inverse square; in a game hours of radiosity), the result goes into

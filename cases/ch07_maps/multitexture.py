@@ -1,12 +1,12 @@
-"""Several textures at once: a mask says at each place which of two others is seen.
+"""Several textures at once: a mask chooses between two others at each place.
 
 A program may read from many texture units, at least 16 in a fragment shader. Each sampler holds a
 unit's number, each unit a texture; they need neither one size nor the same coordinates. Here two
-surfaces repeat several times over the wall, while one mask covers it once and mixes them:
-a·(1 − m) + b·m, which is the first where the mask is 0 and the second where it is 1.
+surfaces repeat several times over the wall, while one mask covers it once and mixes them: a·(1 − m)
++ b·m, which is the first where the mask is 0 and the second where it is 1.
 
-Look at: one wall of bricks and plaster that came off in places. Every brick and every stain
-returns every half a wall, but the hole in the plaster does not: the mask is stretched over all.
+Look at: one wall of bricks and plaster that came off in places. Every brick and every stain returns
+every half a wall, but the hole in the plaster does not: the mask is stretched over all.
 """
 
 import numpy as np

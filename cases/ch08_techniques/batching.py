@@ -1,7 +1,7 @@
 """Batching: the same leaves in N draw calls, in one, and in one with N instances.
 
-A draw call costs the processor the same whether it draws two triangles or two thousand: state is
-checked, commands are written. So many small things are better drawn together. Either their vertices
+A draw call costs the processor the same whether it draws two triangles or two thousand: it checks
+state and writes commands. So it is better to draw many small things together. Either their vertices
 are put into one buffer, already moved (merged: one call, N times the memory), or one shape is drawn
 with attributes that go on once an instance (instanced: one call, a few bytes for each).
 

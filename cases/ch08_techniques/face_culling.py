@@ -1,10 +1,10 @@
 """Face culling: which side of a triangle is seen follows from the order of its corners.
 
 Seen from the front a triangle's corners run one way round, from behind the other way. glFrontFace
-says which of the two is the front, GL_CCW unless told otherwise; glCullFace says which side is
-dropped, GL_BACK unless told otherwise, once GL_CULL_FACE is on. Of a closed solid whose corners run
+says which of the two is the front (GL_CCW by default), and glCullFace which side is dropped
+(GL_BACK by default) once GL_CULL_FACE is enabled. Of a closed solid whose corners run
 counter-clockwise seen from outside, every triangle that faces away is hidden by one that does not:
-to drop them changes no pixel, and spares every other fragment.
+dropping them changes no pixel and saves half of the fragments.
 
 Look at: the table. In the lower two rows squares run counter-clockwise, in the upper two clockwise;
 of each two rows the lower one has GL_CCW for front, the upper one GL_CW. From left to right: no

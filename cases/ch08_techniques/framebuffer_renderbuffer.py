@@ -1,11 +1,10 @@
-"""Renderbuffers: attachments that are drawn into and never sampled, and what makes a set complete.
+"""Renderbuffers: attachments that no shader samples, and what makes a framebuffer complete.
 
 Depth and stencil are needed while a scene is drawn, and seldom afterwards. A renderbuffer is memory
-for that alone, in whatever arrangement suits the driver: it is bound to a framebuffer only, and to
-no texture unit, so that no sampler reads it. A framebuffer is complete when each of its
-attachments is, when there is at least one, and when their numbers of samples agree. There need be
-no colour, a depth attachment alone is complete; and sizes may differ, then what all of them cover
-can be drawn.
+for just that, in whatever layout suits the driver: it attaches to a framebuffer and to no texture
+unit, so no sampler can read it. A framebuffer is complete when each of its attachments is, when
+there is at least one, and when their numbers of samples agree. There need be no colour, a depth
+attachment alone is complete; and sizes may differ, then what all of them cover can be drawn.
 
 Look at: on the left a small near square and a large far one with a depth renderbuffer, on the right
 without one: there the far square, drawn last, hides the near one.

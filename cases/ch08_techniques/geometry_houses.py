@@ -1,10 +1,9 @@
 """Geometry shaders: a point goes in, a house comes out.
 
-A geometry shader is run once for each primitive, gets all of its vertices, and emits as many
-others as it likes, up to the max_vertices that it declares, as points, line strips or triangle
-strips. Here each point becomes a strip of three triangles with five corners: two for the walls, one
-for the roof, whose tip is white. The same points also become outlines (line_strip) and windows
-(points).
+A geometry shader runs once for each primitive, gets all of its vertices, and emits any number of
+new ones up to the max_vertices that it declares, as points, line strips or triangle strips. Here
+each point becomes a strip of three triangles with five corners: two for the walls, one for the
+roof, whose tip is white. The same points also become outlines (line_strip) and windows (points).
 
 Look at: the four houses at (±½, ±½), in the colours of their points. The white of the tip fades
 into the colour of the walls: it is an output of the vertex that was emitted last, and is

@@ -3,8 +3,8 @@
 A framebuffer may have several colour attachments, and glDrawBuffers says which of them each output
 location goes to. So one pass over the scene yields what would take four: its light, what of it is
 bright enough to glow, its normals, and its luminance. Each attachment has a format of its own. An
-output that no draw buffer takes goes nowhere, and changes nothing in the others. How many there may
-be is the driver's to say, 8 at least: GL_MAX_COLOR_ATTACHMENTS, GL_MAX_DRAW_BUFFERS.
+output that no draw buffer takes is lost, and the others do not change. The driver says how many
+there may be, at least 8: GL_MAX_COLOR_ATTACHMENTS, GL_MAX_DRAW_BUFFERS.
 
 Look at: the four pictures of one draw: above the light and the bright parts alone, below normals as
 colours (x in red, y in green, z in blue) and luminance.

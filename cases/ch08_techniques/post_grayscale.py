@@ -1,11 +1,12 @@
 """Grey values: the plain average, and the luminance that the eye sees.
 
 The scene is drawn into a texture first; a second pass draws one rectangle over the whole window and
-reads that texture, so each of its pixels can be changed as one likes. The mean of red, green and
-blue treats all alike. The eye does not: green looks much brighter than red, and red than blue.
-Rec. 709 weighs them by .2126, .7152 and .0722. Its weights are those of light, and a picture holds
-numbers that stand for light: the notes weigh the numbers, which is called luma and is a shortcut.
-To be right, decode, weigh, encode. The difference is largest for strong colours, and 0 for greys.
+reads that texture, so each of its pixels can be changed at will. The mean of red, green and blue
+treats all channels alike. The eye does not: green looks much brighter than red, and red brighter
+than blue. Rec. 709 weighs them by .2126, .7152 and .0722. Its weights are those of light, and a
+picture holds numbers that stand for light: the notes weigh the numbers, which is called luma and is
+a shortcut. To be right, decode, weigh, encode. The difference is largest for strong colours, and 0
+for greys.
 
 Look at: the left third, the average; the middle, luma; the right third, the light's own luminance.
 The blue ring turns almost black in the middle. The coral of the ball (1, .5, .31) is .603333 by the

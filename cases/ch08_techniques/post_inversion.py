@@ -1,4 +1,4 @@
-"""Inversion: what is missing to white, as on a photographic negative.
+"""Inversion: the difference from white, as in a photographic negative.
 
 The second pass reads the scene's texture and writes 1 − c. Done twice it is the identity, but not
 to the last bit: 1 − c is rounded where c is small, and what was lost does not come back.

@@ -1,16 +1,16 @@
-"""Kernels: each pixel becomes a sum of itself and its eight neighbours, each with a weight.
+"""Kernels: each pixel becomes a weighted sum of itself and its eight neighbours.
 
 Nine weights, laid over a pixel and its neighbours, sharpen, blur, or find edges. Weights that add
 up to 1 keep an even surface as bright as it was (sharpen: 5 − 4, blur: 16 / 16); those of the edge
-kernel add up to 0, so that even surfaces go black and only changes remain. The sum is not all: the
-notes' sharpening kernel, eight times 2 and −15, adds up to 1 as well, but its middle is negative,
-and it answers a step from 0 to 1 with 6 and −5. It turns edges over; a kernel that sharpens answers
-with −1 and 2, darker before the step and brighter behind it. What is asked for beyond the edge of
-the picture must be decided: here its last row and column are repeated.
+kernel add up to 0, so that even surfaces go black and only changes remain. The sum is not
+everything: the notes' sharpening kernel, eight times 2 and −15, adds up to 1 as well, but its
+middle is negative, and it answers a step from 0 to 1 with 6 and −5. It inverts edges; a kernel that
+sharpens answers with −1 and 2, darker before the step and brighter behind it. What is asked for
+beyond the edge of the picture must be decided: here its last row and column are repeated.
 
-Look at: the five pictures, and how the notes' kernel draws each edge twice. The last kernel,
-an emboss, is not the same turned round: it shows whether the weights' rows run from top to bottom,
-as they are printed, or the other way.
+Look at: the five pictures, and how the notes' kernel draws each edge twice. The last kernel, an
+emboss, is not the same turned round: it shows whether the weights' rows run from top to bottom, as
+they are printed, or the other way.
 """
 
 import numpy as np

@@ -1,11 +1,12 @@
 """Reduced resolution: draw fewer pixels, then enlarge the picture.
 
-Shading costs by the pixel: at half the width and height a quarter of them are left, at a quarter a
-sixteenth. The small picture is then enlarged in one pass that only reads a texture. With NEAREST
-each texel becomes a block, and slanted edges become stairs; with LINEAR the four nearest texels are
-mixed, and edges become soft instead. What is lost is measured against the picture drawn in full: by
-the peak signal-to-noise ratio (PSNR), and by FLIP, which follows what an eye sees. On these clear
-edges the two disagree: stairs cost more of the signal, and soft edges are what the eye finds.
+The cost of shading grows with the pixels: half the width and height leaves a quarter of them, a
+quarter a sixteenth. The small picture is then enlarged in one pass that only reads a texture. With
+NEAREST each texel becomes a block, and slanted edges become stairs; with LINEAR the four nearest
+texels are mixed, and edges become soft instead. What is lost is measured against the picture drawn
+in full: by the peak signal-to-noise ratio (PSNR), and by FLIP, which follows what an eye sees. On
+these clear edges the two disagree: stairs cost more of the signal, and soft edges are what the eye
+finds.
 
 Look at: one strip of the picture five times: in full; at half the resolution with NEAREST and with
 LINEAR; at a quarter with both. And at the table of times: whether smaller is faster depends on what

@@ -1,10 +1,10 @@
-"""Uniform buffers: one block of memory that several programs read, at offsets that are laid down.
+"""Uniform buffers: one block of memory that several programs read, at fixed offsets.
 
 Four programs that share projection and view take eight calls a frame to set them. A uniform block
 is a piece of a buffer instead: it is written once, and every program that declares it reads the
-same bytes. Both sides must agree on where a member lies, so std140 lays it down: numbers are
-aligned to 4 bytes, a vec3 to 16 like a vec4, elements of an array stand 16 bytes apart even if they
-are single floats, and a matrix is an array of its columns. Two mat4 lie at 0 and 64, 128 together.
+same bytes. Both sides must agree on where a member lies, so std140 defines it: numbers are aligned
+to 4 bytes, a vec3 to 16 like a vec4, elements of an array stand 16 bytes apart even if they are
+single floats, and a matrix is an array of its columns. Two mat4 lie at 0 and 64, 128 together.
 
 Look at: four cubes, four programs, one buffer for the matrices and one for the light. The second
 has gaps: a float, a vec3, three floats, a vec3 and a mat2 take 56 bytes, and lie in 128.

@@ -3,8 +3,8 @@
 The right value of a pixel on an edge is the area of it that is covered. One sample a pixel says 0
 or 1, four say a quarter more or less. The mean error along edges of every direction falls from
 about one quarter to less than a tenth; a drawing is smoother than its resolution allows, at the
-cost of four times the memory for colour and depth. How many samples there are is the driver's: of
-what is asked for it gives so many or more, and four at least can be asked for.
+cost of four times the memory for colour and depth. The driver chooses the number of samples: at
+least as many as requested, and every driver supports four.
 
 Look at: the same wheel of spokes, on the left with one sample a pixel, on the right with four, both
 enlarged eightfold. Spokes that are nearly upright or level show it best: steps become ramps. Near

@@ -1,4 +1,4 @@
-"""Multisampling off the screen: a framebuffer whose attachments have samples, and its resolve.
+"""Multisampling off screen: a framebuffer whose attachments have samples, and its resolve.
 
 A multisampled texture can't be filtered; a shader reads it sample by sample (sampler2DMS and
 texelFetch), or glBlitFramebuffer resolves it into a texture of one value a pixel. For colours the
@@ -6,8 +6,8 @@ resolve is the mean of the samples, which the shader works out as well, to compa
 many samples as colour: the depth test is made for each, so that the edge where two boxes cut
 through each other is smoothed like an outline.
 
-Look at: two boxes that stand in each other, enlarged. On the left of the orange line is only the
-first of each pixel's four samples, on the right the mean of all four.
+Look at: two intersecting boxes, enlarged. On the left of the orange line is only the first of each
+pixel's four samples, on the right the mean of all four.
 """
 
 from shaderlab import Case, Output, exact, formula

@@ -1,15 +1,15 @@
 """glMapBuffer: the driver hands out an address, the program writes there, and gives it back.
 
-Instead of copying an array into a buffer, the program may have the buffer's memory appear among its
-own, write to it, and unmap it before it is drawn from. glUnmapBuffer answers GL_TRUE when the
-contents are safe. What is mapped is what is bound: with no buffer bound there is nothing to map,
-and the call raises GL_INVALID_OPERATION (0x0502); so does mapping twice, and unmapping what is not
-mapped. While it is mapped, no other call may touch the buffer. A mapping is for reading, for
-writing or for both; one for writing may give up what was there, so that the driver need not wait.
+Instead of copying an array into a buffer, the program can map the buffer into its own memory, write
+to it, and unmap it before drawing. glUnmapBuffer answers GL_TRUE when the contents are safe. What
+is mapped is what is bound: with no buffer bound there is nothing to map, and the call raises
+GL_INVALID_OPERATION (0x0502); so does mapping twice, and unmapping what is not mapped. While it is
+mapped, no other call may touch the buffer. A mapping is for reading, for writing or for both; one
+for writing may discard the old contents, so that the driver need not wait.
 
 Pixels can be written so, too. While a buffer is bound as GL_PIXEL_UNPACK_BUFFER, glTexImage2D takes
-its image from there, and its last argument is an offset into the buffer. Films and whatever else
-the processor draws anew for each frame come to the screen in that way.
+its image from there, and its last argument is an offset into the buffer. Films, and anything else
+that the processor draws for each frame, reach the screen this way.
 
 Look at: a Julia set of z² + c, computed by the processor, texel by texel, and written through a
 pointer. The rosette's 168 bytes came through one as well. The pixels of both are those of contents

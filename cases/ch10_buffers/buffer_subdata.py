@@ -9,8 +9,8 @@ Buffers are not for vertices alone. While one is bound as GL_PIXEL_PACK_BUFFER, 
 into it, and while one is bound as GL_PIXEL_UNPACK_BUFFER, a texture's image is read from it: the
 pointer is then a number of bytes into the buffer.
 
-Look at: the rosette. Were the second piece written to byte 0, or the pointer left there, positions
-would serve as colours, and three corners with negative coordinates would be black.
+Look at: the rosette. If the second piece were written to byte 0, or the pointer left there,
+positions would be used as colours, and three corners with negative coordinates would be black.
 """
 
 from shaderlab import Case, Erratum, Output, attribute_layout, exact, gl_call, measure

@@ -1,10 +1,10 @@
-"""Usage hints: nine words that tell the driver what a buffer is for, and bind nobody.
+"""Usage hints: nine words that tell the driver what a buffer is for, without any obligation.
 
 The first half says how often the contents change and are used: STREAM once and a few times, STATIC
 once and many times, DYNAMIC again and again. The second half says who writes and who reads: DRAW
 the program for OpenGL, READ OpenGL for the program, COPY OpenGL for itself. Together they are hints
 for where to put the memory, and that is all. Every one of the nine draws the same pixels, a STATIC
-buffer may be written to as often as one likes, and a READ one may be drawn from.
+buffer may be written to any number of times, and a READ one may be drawn from.
 
 Look at: the nine rosettes: from left to right DRAW, READ and COPY, from bottom to top STREAM,
 STATIC and DYNAMIC. All were made empty and written to afterwards.

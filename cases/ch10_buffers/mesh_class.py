@@ -1,10 +1,10 @@
 """A mesh class: buffers and vertex array are made once and kept; drawing only binds them.
 
-The constructor does what is slow: it makes the buffers, fills them, and describes the attributes to
-a vertex array object. To draw is to bind that object and to call glDrawElements. So one mesh is
-drawn as often as one likes, each time with other uniforms; what is in its buffers stays as it was.
-The destructor deletes what the constructor made: a name that is deleted is free, a buffer that was
-bound is so no more, and a program that is in use goes when another one is used.
+The constructor does the slow work: it creates the buffers, fills them, and describes the attributes
+to a vertex array object. To draw is to bind that object and to call glDrawElements. So one mesh can
+be drawn any number of times with different uniforms, and its buffers stay unchanged. The destructor
+deletes what the constructor created: a deleted name is free, a bound buffer is unbound, and a
+program in use is deleted once another one is used.
 
 Look at: sixteen rosettes of one mesh, each drawn with an offset of its own. The vertex array is
 described once: stride and offsets are the same behind the last draw as behind the first.

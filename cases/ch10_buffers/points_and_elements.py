@@ -1,10 +1,10 @@
 """Seven points, drawn in the order of the buffer or in the order of a list: the same picture.
 
 glDrawArrays takes vertices as they stand, from the first to the last one. glDrawElements takes them
-in the order of an index buffer, each as often as it is listed. For points that share no corners
-neither is better: seven vertices go in either way, and any order of the indices will do, as long as
-no point covers another one. An index is an unsigned byte, short or int, and no signed one. A point
-is a square of gl_PointSize pixels around its vertex.
+in the order of an index buffer, each as often as it is listed. For points, which share no corners,
+neither is better: both draw seven vertices, and any order of the indices will do, as long as no
+point covers another. An index is an unsigned byte, short or int; signed types are not allowed. A
+point is a square of gl_PointSize pixels around its vertex.
 
 Look at: the seven squares, 24 pixels wide each: 576 pixels, 4032 together. They are the same on
 both sides. A line strip of the same vertices runs through them, on the left in the order of the

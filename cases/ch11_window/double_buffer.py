@@ -1,13 +1,13 @@
 """Two buffers in turn, a model: the screen never shows a frame that is only half drawn.
 
-A frame takes many draws, and the screen refreshes when it likes. With one buffer it is read in the
+A frame takes many draws, and the screen refreshes at any time. With one buffer it is read in the
 middle of the next frame: first the sky has been painted over everything, then, a moment later, the
 ball is there again, and the ball flickers. With two, the draws go into the back buffer while the
-screen reads the front one, and the two exchange their parts when the frame is done. What is seen is
-late by one frame at most, and always whole.
+screen reads the front one, and the two swap roles when the frame is done. The screen is at most one
+frame late, and always shows a whole frame.
 
-Swapping is the window system's, and there is no window here: two targets, made once and drawn into
-in turn, take the parts of the front and the back buffer, and a copy the part of the screen.
+The window system does the swapping, and there is no window here. Two targets, created once and
+drawn into in turn, stand in for the front and the back buffer, and a copy stands in for the screen.
 
 Look at: seven refreshes while a ball rolls to the right, from left to right in time: every second
 one comes in the middle of a frame. Above, with one buffer, those (framed red) show the sky alone.

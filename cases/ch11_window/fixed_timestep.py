@@ -1,10 +1,10 @@
 """A fixed time step: the same motion, however long the frames take.
 
-A loop that moves everything by the duration of the last frame gives another motion on every
+A loop that moves everything by the duration of the last frame gives a different motion on every
 machine, because a few large steps do not add up to many small ones. With a fixed step the duration
-only goes into an account: as long as a whole step is in it, one is taken, and the rest waits for
-the next frame. Then the state after n steps depends on n alone. Here the step is 1/64 second and
-all numbers are binary fractions, so nothing is ever rounded and every state is exact.
+goes into an accumulator: while it holds a whole step, one step is taken, and the rest waits for the
+next frame. Then the state after n steps depends on n alone. Here the step is 1/64 second and all
+numbers are binary fractions, so nothing is ever rounded and every state is exact.
 
 Look at: a ball that bounces, one dot a frame, from left to right in time. Marks below the floor
 show when the frames were. In the upper strip all 64 take 1/32 second, in the middle one some take

@@ -4,8 +4,8 @@ An OBJ file lists positions (`v`), texture coordinates (`vt`) and normals (`vn`)
 1, and faces whose corners name one of each. OpenGL has one index for a whole vertex, so a position
 that appears with two normals becomes two vertices. A face may have more than three corners, and an
 index may count back from where it stands: `-1` is the last one so far. A `usemtl` line begins the
-faces of another material, which are drawn by themselves. What is wrong with a file, the lab says
-with the file's name and the line.
+faces of another material, which are drawn separately. The lab reports errors in a file with its
+name and the line.
 
 Look at: the lighthouse. Its plaster (dull, light) and its paint (red, with a highlight) are two
 draws of two meshes from one file; the painted half is written with relative indices only. Where

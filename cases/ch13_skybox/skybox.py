@@ -1,10 +1,10 @@
-"""A sky box: a cube around the camera that no step brings nearer.
+"""A sky box: a cube around the camera that never comes nearer.
 
 A sky is so far away that only the camera's turn matters. Of the view matrix, therefore, only the
-rotation is kept: its upper left 3 × 3. The box may then be as small as it likes, for its depth is
-made the greatest there is: with z = w in clip space the division gives 1. Drawn last with
-GL_LEQUAL, it fills just those pixels where nothing else was drawn. A point of the box is at the
-same time the direction in which the cube map is read.
+rotation is kept: its upper left 3 × 3. The box can then have any size, because its depth is set to
+the maximum: with z = w in clip space the division gives 1. Drawn last with GL_LEQUAL, it fills just
+those pixels where nothing else was drawn. A point of the box is at the same time the direction in
+which the cube map is read.
 
 Look at: two camera places, some steps apart, under one sky. The crates move against each other and
 against the hills; clouds and ridges stand at the very same pixels.

@@ -4,8 +4,8 @@ A PCD file is a short header in text, which names the fields of a point, their t
 points there are, and then the points: as text, as they lie in memory, or packed. `GL_POINTS` draws
 a square around each of them, `gl_PointSize` pixels wide (with GL_PROGRAM_POINT_SIZE enabled). A
 point of a fixed size in space spans pixels in inverse proportion to its distance, and that is clip
-w: the size is the scale over w. `gl_PointCoord` runs over the square, and makes a disc of it. A
-header may promise anything; the lab compares it with the file's size before it believes it.
+w: the size is the scale over w. `gl_PointCoord` runs over the square, and turns it into a disc. A
+header may claim anything, so the lab checks it against the file's size.
 
 Look at: the galaxy, 1500 stars of one file. The near arm's are the larger ones. The same cloud is
 there in three encodings, and all three draw the same picture, to the bit.
