@@ -116,7 +116,7 @@ _SAMPLES: WeakKeyDictionary[Fragments, dict[tuple[int, bool], _Seen]] = WeakKeyD
 
 
 def _sample(captured: Fragments, most: int, whole: bool) -> Array | None:
-    """DriverInfo `most` of the covered pixels, by their numbers; `whole` quads; None for all."""
+    """About `most` of the covered pixels, by their numbers; `whole` quads; None for all."""
     places = np.flatnonzero(captured.covered)
     if len(places) <= most:
         return None

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from shaderlab.errors import CaseError
-from shaderlab.model.frame import Array
+from shaderlab.model.expectation import Judgement
+from shaderlab.model.frame import Array, Samples
 from shaderlab.model.records import Row
 
 from ..judging.distance import shown
-from .laws import Finding, OutputLaw
+from .laws import OutputLaw
 
 MAX_QUADRATURE_ERROR = 0.01
 
@@ -75,15 +76,24 @@ class EnergyConserving(OutputLaw):
         directions, weights = (np.concatenate(both) for both in zip(fine, coarse, strict=True))
         return directions, weights
 
-    def find(self, measured: Array) -> Finding:
+    def judge_runs(self, measured: Array, samples: Samples) -> Judgement:
         weighted = self._quadratures[1][:, None] * measured
         fine = self.polar * self.around
         total = weighted[:fine].sum(axis=0)
         error = np.abs(total - weighted[fine:].sum(axis=0))
         above = total > self.limit + error
         rough = error > MAX_QUADRATURE_ERROR * self.limit
-        c = int(np.argmax(total))
         known_to = f"{float(error.max()):.2g}"
+        message = ""
+        if above.any():
+            message = f"it reflects {total.max():.6f} of the light, more than {shown(self.limit)}"
+        elif rough.any():
+            message = (
+                f"the error of the quadrature, {known_to}, is too large to judge: "
+                "give it more points (polar, around)"
+            )
+        elif not total.any():
+            message = "it reflects nothing at all: any limit would hold"
         row = Row(
             label="∫ over the hemisphere",
             expected=f"at most {shown(self.limit)}",
@@ -91,27 +101,7 @@ class EnergyConserving(OutputLaw):
             ok=not (above.any() or rough.any()),
             note=f"{fine} directions; quadrature known to {known_to}",
         )
-        message = ""
-        if above.any():
-            message = f"it reflects {total[c]:.6f} of the light, more than {shown(self.limit)}"
-        elif rough.any():
-            message = (
-                f"the quadrature is known to {known_to} only, which is too rough to "
-                f"judge: give it more points (polar, around)"
-            )
-        elif not total.any():
-            message = "it reflects nothing at all: any limit would hold"
-        return Finding(
-            (int(np.argmax(weighted[:fine, c])), c),
-            total,
-            0.0,
-            self.limit,
-            int((above | rough).sum()),
-            message,
-            (row,),
-            measured=total,
-            widths=np.inf if above.any() else 0.0,
-        )
+        return self.judge_rows([row], message, judged=measured.size)
 
 
 def _hemisphere(

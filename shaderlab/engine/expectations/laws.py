@@ -32,27 +32,6 @@ from .needs import Probe
 Figure = float | Sequence[float]
 
 
-@dataclass(frozen=True)
-class Finding:
-    """What a law finds in its runs.
-
-    `place` (run, component) is the value nearest to breaking the law, or breaking it most. It is
-    shown beside `reference` between `low` and `high`, with `measured` in place of the runs where
-    the law judges something made of them. `wrong` counts what breaks the law, and `message` says
-    it. `widths` is the distance to show; by default infinite where the law is broken.
-    """
-
-    place: tuple[int, int]
-    reference: Any
-    low: Any
-    high: Any
-    wrong: int = 0
-    message: str = ""
-    rows: tuple[Row, ...] = ()
-    measured: Array | None = None
-    widths: float | None = None
-
-
 @dataclass(frozen=True, kw_only=True)
 class OutputLaw(OutputExpectation):
     """A law of an output while inputs vary; `at` are other inputs by name, those that it leaves out
@@ -66,7 +45,7 @@ class OutputLaw(OutputExpectation):
         """The inputs of each run by name."""
 
     @abstractmethod
-    def find(self, measured: Array) -> Finding:
+    def judge_runs(self, measured: Array, samples: Samples) -> Judgement:
         """Hold finite float64 values (runs, components) against the law."""
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
@@ -78,48 +57,12 @@ class OutputLaw(OutputExpectation):
         measured = samples.outputs[self.own_name(scene)].astype(np.float64)
         finite = np.isfinite(measured)
         if finite.all():
-            found = self.find(measured)
-        else:
-            i, c = (int(k) for k in np.argwhere(~finite)[0])
-            count = int((~finite).sum())
-            found = Finding(
-                (i, c), measured[i], -np.inf, np.inf, count, f"{count} values are not finite"
-            )
-        return Judgement(
-            outcome=Outcome(
-                name=self.name,
-                kind=self.kind,
-                status="fail" if found.message else "pass",
-                message=found.message,
-                judged=int(measured.size),
-                outside=found.wrong,
-                worst=self._worst(found, samples, measured),
-                rows=found.rows,
-            )
-        )
-
-    def _worst(self, found: Finding, samples: Samples, measured: Array) -> Worst:
-        i, c = found.place
-        values = measured[i] if found.measured is None else found.measured
-        reference, low, high = (
-            np.broadcast_to(part, values.shape) for part in (found.reference, found.low, found.high)
-        )
-        broken = math.inf if found.message else 0.0
-        return Worst(
-            pixel=None,
-            component=c,
-            measured=plain(values),
-            reference=plain(reference),
-            low=plain(low),
-            high=plain(high),
-            ulp=ulp_distance(values[c], float(reference[c])),
-            widths=broken if found.widths is None else found.widths,
-            inputs={
-                name: plain(samples.inputs[name][i])
-                for name in dict.fromkeys((*self.steps[i], *self.at))
-                if name in samples.inputs and samples.inputs[name][i].ndim == 1
-            },
-        )
+            return self.judge_runs(measured, samples)
+        run = int(np.argwhere(~finite)[0, 0])
+        inputs = ", ".join(f"{name} = {shown(value)}" for name, value in self.steps[run].items())
+        row = Row(label=inputs, expected="finite", measured=shown(measured[run]), ok=False)
+        message = f"{int((~finite).sum())} values are not finite"
+        return self.judge_rows([row], message, judged=measured.size)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -168,19 +111,49 @@ class EachValue(OutputLaw):
             for step in zip(*(values.tolist() for values in inputs.values()), strict=True)
         ]
 
-    def find(self, measured: Array) -> Finding:
+    def judge_runs(self, measured: Array, samples: Samples) -> Judgement:
         count = len(self.values)
         found = self.law.judge(self.inputs, measured[:count], measured[count:], (count,))
         wrong = int((~found.holds).sum())
-        i, c = _find_least(found.slack)
         message = ""
         if wrong:
             message = f"{self.law.title} does not hold at {wrong} of {found.holds.size} values"
         elif found.trivial:
             message = f"{self.law.title} could hardly fail: {found.trivial}"
-        parts = (found.reference, found.low, found.high)
-        reference, low, high = (np.broadcast_to(part, found.values.shape)[i] for part in parts)
-        return Finding((i, c), reference, low, high, wrong, message)
+        outcome = Outcome(
+            name=self.name,
+            kind=self.kind,
+            status="fail" if message else "pass",
+            message=message,
+            judged=measured.size,
+            outside=wrong,
+            worst=self._find_worst(found, samples, broken=bool(message)),
+        )
+        return Judgement(outcome=outcome)
+
+    def _find_worst(self, found: laws.Finding, samples: Samples, broken: bool) -> Worst:
+        """The value nearest to breaking the law, or breaking it most; the first of equals."""
+        place = np.unravel_index(int(np.argmin(found.slack)), found.slack.shape)
+        i, c = (int(n) for n in place)
+        parts = (found.values, found.reference, found.low, found.high)
+        measured, reference, low, high = (
+            plain(np.broadcast_to(part, found.values.shape)[i]) for part in parts
+        )
+        return Worst(
+            pixel=None,
+            component=c,
+            measured=measured,
+            reference=reference,
+            low=low,
+            high=high,
+            ulp=ulp_distance(measured[c], reference[c]),
+            widths=math.inf if broken else 0.0,
+            inputs={
+                name: plain(samples.inputs[name][i])
+                for name in dict.fromkeys((*self.steps[i], *self.at))
+                if name in samples.inputs and samples.inputs[name][i].ndim == 1
+            },
+        )
 
 
 @dataclass(frozen=True)
@@ -291,7 +264,7 @@ class Symmetric(Even):
 
     def __post_init__(self) -> None:
         if self.ulps is not None:
-            laws.reject_old_spelling("symmetric", {"ulps": 0}, {"ulps": f"ulp={self.ulps!r}"})
+            laws.reject_old_spelling("symmetric", {"ulps": self.ulps})
 
     @property
     def law(self) -> laws.Symmetric:
@@ -347,7 +320,7 @@ class MeanOf(OutputLaw):
     def steps(self) -> Sequence[Mapping[str, Any]]:
         return [{self.over: value} for value in self.values]
 
-    def find(self, measured: Array) -> Finding:
+    def judge_runs(self, measured: Array, samples: Samples) -> Judgement:
         count = len(measured)
         expected = np.broadcast_to(np.asarray(self.equals, np.float64), measured.shape[1:])
         mean = measured.mean(axis=0)
@@ -356,39 +329,24 @@ class MeanOf(OutputLaw):
         with np.errstate(all="ignore"):
             z = np.where(difference == 0.0, 0.0, difference / error)
         chance = np.array([math.erfc(abs(value) / math.sqrt(2.0)) for value in z])
-        wrong = chance < self.significance
-        rows = tuple(
+        rows = [
             Row(
                 label="mean" if measured.shape[1] == 1 else f"mean of {'xyzw'[k]}",
                 expected=shown(expected[k]),
                 measured=f"{mean[k]:.6g} ± {error[k]:.2g} (n = {count})",
-                ok=not wrong[k],
+                ok=bool(chance[k] >= self.significance),
                 note=f"z = {z[k]:.2f}, p = {chance[k]:.2g}, α = {self.significance:g}",
             )
             for k in range(measured.shape[1])
-        )
+        ]
         c = int(np.argmin(chance))
-        message = (
-            f"a mean of {mean[c]:.6g} or further off has a probability of {chance[c]:.2g} "
-            f"in {count} samples"
-        )
-        return Finding(
-            (int(np.argmax(np.abs(measured[:, c] - expected[c]))), c),
-            expected,
-            expected - error,
-            expected + error,
-            int(wrong.sum()),
-            message if wrong.any() else "",
-            rows,
-            measured=mean,
-            widths=float(np.abs(z[c])),
-        )
-
-
-def _find_least(values: Array) -> tuple[int, int]:
-    """The place (run, component) of the least value, the first of equals."""
-    index, component = np.unravel_index(int(np.argmin(values)), values.shape)
-    return int(index), int(component)
+        message = ""
+        if chance[c] < self.significance:
+            message = (
+                f"a mean of {mean[c]:.6g} or further off has a probability of {chance[c]:.2g} "
+                f"in {count} samples"
+            )
+        return self.judge_rows(rows, message, judged=measured.size)
 
 
 bounded, monotone, even, odd, symmetric, mean_of = Bounded, Monotone, Even, Odd, Symmetric, MeanOf

@@ -233,24 +233,14 @@ class Symmetric(Close, Law):
         return self.compare(values, self.sign * np.asarray(second), trivial)
 
 
-def bounded(low: Any = -np.inf, high: Any = np.inf) -> Bounded:
-    """low ≤ f ≤ high, both included; see `Bounded`."""
-    return Bounded(low, high)
+bounded = Bounded
 
 
 def monotone(
     over: str = "", *, direction: str = "increasing", strict: bool = False, **old: Any
 ) -> Monotone:
     """f never falls (or never rises) as the input `over` grows; see `Monotone`."""
-    reject_old_spelling(
-        "monotone",
-        old,
-        {
-            "along": f"over={old.get('along')!r}",
-            "rising": 'direction="increasing" or direction="decreasing"',
-            "strictly": f"strict={old.get('strictly')}",
-        },
-    )
+    reject_old_spelling("monotone", old)
     return Monotone(over, direction=direction, strict=strict)
 
 
@@ -265,29 +255,32 @@ def odd(over: str, *, ulp: float = 0.0, within: float = 0.0) -> Symmetric:
 
 
 def symmetric(
-    over: tuple[str, str],
-    *old: str,
-    odd: bool = False,
-    ulp: float = 0.0,
-    within: float = 0.0,
+    over: tuple[str, str], *old: str, odd: bool = False, ulp: float = 0.0, within: float = 0.0
 ) -> Symmetric:
     """f(a, b) = f(b, a); with `odd`, f(a, b) = −f(b, a)."""
     if old or isinstance(over, str) or len(over) != 2:
-        names = ", ".join(map(repr, (over, *old))) if isinstance(over, str) else repr(over)
         raise CaseError(
-            f"symmetric: over is {names}, not a pair of names",
+            f"symmetric: over must be a pair of names, not {over!r}",
             remedy='symmetric(over=("a", "b")) exchanges two inputs; '
             'even(over="x") and odd(over="x") change the sign of one',
         )
     return Symmetric(tuple(over), -1 if odd else 1, ulp=ulp, within=within)
 
 
-def reject_old_spelling(owner: str, given: Mapping[str, Any], now: Mapping[str, str]) -> None:
+OLD_SPELLINGS = {
+    "along": "over=",
+    "rising": 'direction="increasing" or direction="decreasing"',
+    "strictly": "strict=",
+    "ulps": "ulp=",
+}
+
+
+def reject_old_spelling(owner: str, given: Mapping[str, Any]) -> None:
     """Raise an error for keywords that are not taken; for one of an earlier version, name what it
     is now."""
     for name in given:
-        if name in now:
-            raise CaseError(f"{owner}: {name}= is now spelt differently", remedy=now[name])
+        if name in OLD_SPELLINGS:
+            raise CaseError(f"{owner}: there is no {name}=", remedy=f"give {OLD_SPELLINGS[name]}")
         raise TypeError(f"{owner}() got an unexpected keyword argument {name!r}")
 
 
