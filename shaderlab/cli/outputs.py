@@ -119,9 +119,13 @@ def _with_options(command: Command, formats: Sequence[Format]) -> Command:
         if file is not None:
             outputs[option.name] = file
 
-    for name, help in reversed(formats):
+    for format in reversed(formats):
         command = click.option(
-            f"--{name}", metavar="FILE", help=help, expose_value=False, callback=collect
+            f"--{format.name}",
+            metavar="FILE",
+            help=format.help,
+            expose_value=False,
+            callback=collect,
         )(command)
     return command
 

@@ -145,7 +145,7 @@ class _Session:
 
     def plugins(self) -> list[object]:
         """What pytest is called with."""
-        from shaderlab.pytest_plugin.report import Recorder
+        from shaderlab.pytest_plugin import Recorder
 
         return [self, Recorder(lambda _, record: self.records.append(record), every=True)]
 

@@ -125,7 +125,7 @@ def test_a_file_is_examined_once(
         asked.append(file)
         return inspect_file(file)
 
-    monkeypatch.setattr("shaderlab.pytest_plugin.examined", noted)
+    monkeypatch.setattr("shaderlab.pytest_plugin.inspect_file", noted)
     pytester.makepyfile(test_own="def test_own(): pass", test_other="", helper="")
     pytester.runpytest_inprocess("--collect-only")
     assert sorted(file.name for file in asked) == ["helper.py", "test_other.py", "test_own.py"]

@@ -10,7 +10,7 @@ import pytest
 from shaderlab.engine.jobs import DriverInfo
 from shaderlab.model import store
 from shaderlab.model.records import Record
-from shaderlab.pytest_plugin.report import ReportWriter
+from shaderlab.pytest_plugin import ReportWriter
 from shaderlab.report.findings import findings_of
 
 LIGHT = "float half_of(float x) { return 0.5 * x; }\nfloat same(float x) { return x; }\n"

@@ -78,3 +78,11 @@ def test_a_buffer_is_bound_for_each_vertex_array() -> None:
     assert tracker.changes(*bind) and not tracker.changes(*bind)
     tracker.changes(*call("glBindVertexArray", array="vertex array 2"))
     assert tracker.changes(*bind)
+
+
+def test_after_an_object_is_deleted_binding_its_number_does_something() -> None:
+    """OpenGL unbinds what is deleted, and may give its number to the next object."""
+    tracker = StateTracker()
+    assert tracker.changes(*LEFT) and not tracker.changes(*LEFT)
+    assert tracker.changes(*call("glDeleteTextures", n="1", textures="texture 1"))
+    assert tracker.changes(*LEFT)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import pkgutil
 import sys
 from pathlib import Path
@@ -33,7 +34,15 @@ def test_commands_have_an_option_for_each(command: str, format: formats.Format) 
 
 @pytest.mark.parametrize("format", formats.FORMATS)
 def test_a_run_without_records_can_be_written(format: formats.Format) -> None:
-    assert format.render(run()) or format.name == "annotations"  # of nothing there are none
+    assert isinstance(format.render(run()), str)
+
+
+@pytest.mark.parametrize("format", formats.FORMATS)
+def test_a_format_of_findings_has_a_function_for_them(format: formats.Format) -> None:
+    module = importlib.import_module(f"{formats.__name__}.{format.name}")
+    assert hasattr(module, "render_findings") is format.findings
+    if format.findings:
+        assert isinstance(format.render_findings([], "compile"), str)
 
 
 def test_a_new_format_is_a_module_and_a_line(

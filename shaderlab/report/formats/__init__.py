@@ -2,7 +2,7 @@
 
 Each is a module of this folder with a function `render(run) -> str`, and a line in FORMATS, from
 which `shaderlab run` and `shaderlab report` get the option `--NAME FILE`. A module is imported
-when it is used. Those of findings have a function `render_findings` too.
+when it is used.
 """
 
 from __future__ import annotations
@@ -17,18 +17,26 @@ if TYPE_CHECKING:
 
 
 class Format(NamedTuple):
-    """One output format: the name of its module and its option, and the option's help."""
+    """One output format.
+
+    Attributes:
+        name: of its module and its option.
+        help: the option's.
+        findings: whether the module has `render_findings` too: then commands that make no run,
+            such as `compile`, have the option as well.
+    """
 
     name: str
     help: str
+    findings: bool = False
 
     def render(self, run: Run) -> str:
-        """The run in this format."""
+        """Return the run in this format."""
         text: str = importlib.import_module(f"{__name__}.{self.name}").render(run)
         return text
 
     def render_findings(self, findings: Iterable[Finding], command: str) -> str:
-        """What a command found in this format, which is one of FINDING_FORMATS."""
+        """Return what a command found in this format, which is one of FINDING_FORMATS."""
         module = importlib.import_module(f"{__name__}.{self.name}")
         text: str = module.render_findings(findings, command)
         return text
@@ -38,8 +46,7 @@ FORMATS = (
     Format("json", "Write results as JSON; - for stdout."),
     Format("junit", "Write results as JUnit XML; - for stdout."),
     Format("markdown", "Write a summary in Markdown; - for stdout."),
-    Format("sarif", "Write what is wrong, with file and line, as SARIF; - for stdout."),
-    Format("annotations", "Write it as annotations of GitHub's reviews; - for stdout."),
+    Format("sarif", "Write failures with file and line as SARIF; - for stdout.", findings=True),
+    Format("annotations", "Write failures as GitHub annotations; - for stdout.", findings=True),
 )
-FINDING_FORMATS = tuple(format for format in FORMATS if format.name in ("sarif", "annotations"))
-"""Those that show findings, and nothing else of a run: commands without a run have them too."""
+FINDING_FORMATS = tuple(format for format in FORMATS if format.findings)

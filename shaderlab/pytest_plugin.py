@@ -1,12 +1,12 @@
 """`pytest my_cases/`: each variant of each case file is an item; a failure shows what `run` does.
 
-Only files that take `Case` from shaderlab and assign `case` are touched; one that takes it, assigns
-none and has no Python tests is named in a warning. Case files are imported and run by worker
-processes, the first of them started when it is first needed: a case that crashes or hangs is a
-failed test, or a file that can't be collected, and the session goes on.
+Only files that take `Case` from shaderlab and assign `case` are collected; one that takes it,
+assigns none and has no Python tests is named in a warning. Case files are imported and run by
+worker processes, the first of them started when it is first needed: a case that crashes or hangs
+is a failed test, or a file that can't be collected, and the session goes on.
 
 While an item is reported, the workers already run those that come after it, as far as no other
-kind of test comes in between: none of them begins a variant while someone's Python test runs. With
+kind of test comes in between: none of them begins a variant while a Python test runs. With
 `shaderlab_jobs = 1`, in pytest's own process, and in those of pytest-xdist, which have a worker
 each, nothing is run ahead.
 
@@ -15,17 +15,21 @@ limits of one variant and of one call of a GLSL function (`shaderlab.glsl`) and 
 `[tool.shaderlab]`; `shaderlab_jobs` is the number of workers. SHADERLAB_JOBS goes before it; with 0
 everything runs in pytest's own process, for debuggers.
 
-`--shaderlab-report DIR` writes the page of `shaderlab run` (`shaderlab.pytest_plugin.report`).
+`--shaderlab-report DIR` writes the page of `shaderlab run`, of cases and of tests of GLSL
+functions.
 """
 
 from __future__ import annotations
 
+import datetime
 import fnmatch
+import inspect
 import os
 import re
-from collections.abc import Generator, Iterator
+import time
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 
@@ -38,13 +42,17 @@ from shaderlab.report.text import format_failure, format_label, has_failed
 
 if TYPE_CHECKING:
     from shaderlab.engine.executors import Prefetcher
-    from shaderlab.engine.jobs import Job
-    from shaderlab.model.records import Record
+    from shaderlab.engine.jobs import DriverInfo, Job
+    from shaderlab.functions.records import Notes
+    from shaderlab.model.records import Record, Status
     from shaderlab.settings import Settings
 
+RECORD_ATTRIBUTE = "shaderlab_record"
+"""A report's attribute with the record as plain data: pytest-xdist sends it on."""
 _TESTS = re.compile(rb"^\s*(?:async\s+)?def test|^\s*class \w*Test|^Test", re.MULTILINE)
 _PREFETCHER: pytest.StashKey[Prefetcher] = pytest.StashKey()
-_EXAMINED: pytest.StashKey[tuple[Path, str | None]] = pytest.StashKey()
+_INSPECTED: pytest.StashKey[tuple[Path, str | None]] = pytest.StashKey()
+_NOTES: pytest.StashKey[Notes] = pytest.StashKey()
 
 
 class CaseFailure(Exception):
@@ -61,7 +69,7 @@ class CaseFile(pytest.File):
     def collect(self) -> Iterator[CaseItem]:
         from shaderlab.engine.jobs import jobs_of
 
-        (facts,) = prefetcher_of(self.config).executor.load([self.path])
+        (facts,) = get_prefetcher(self.config).executor.load([self.path])
         if facts.error is not None:
             raise facts.error
         for job in jobs_of(facts):
@@ -94,15 +102,16 @@ class CaseItem(pytest.Item):
 
     def runtest(self) -> None:
         self.record = None
-        record = prefetcher_of(self.config).record(self.job, lambda: following(self))
+        record = get_prefetcher(self.config).record(self.job, lambda: find_following(self))
         self.record = record
         if record.status == "unsupported":
             pytest.skip(record.message or "this driver lacks what the case needs")
         if has_failed(record):
             raise CaseFailure(record)
         if record.not_asked:
-            said = f"{len(record.not_asked)} checks of OpenGL's own calls were not asked"
-            self.warn(pytest.PytestWarning(f"{said}: {', '.join(record.not_asked)}"))
+            count = len(record.not_asked)
+            message = f"{count} checks of OpenGL's own calls were skipped"
+            self.warn(pytest.PytestWarning(f"{message}: {', '.join(record.not_asked)}"))
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         if isinstance(excinfo.value, CaseFailure):
@@ -115,8 +124,8 @@ class CaseItem(pytest.Item):
         return self.path, 0, self.name
 
 
-def prefetcher_of(config: pytest.Config) -> Prefetcher:
-    """What runs this process's cases, made when it is first needed."""
+def get_prefetcher(config: pytest.Config) -> Prefetcher:
+    """Return what runs this process's cases, made when it is first needed."""
     prefetcher = config.stash.get(_PREFETCHER, None)
     if prefetcher is None:
         from shaderlab.engine.executors import InProcessExecutor, Prefetcher, ProcessExecutor
@@ -138,8 +147,8 @@ def prefetcher_of(config: pytest.Config) -> Prefetcher:
     return prefetcher
 
 
-def following(item: CaseItem) -> Iterator[Job]:
-    """The jobs of the items right after this one that are going to run, up to another test."""
+def find_following(item: CaseItem) -> Iterator[Job]:
+    """Yield the jobs of the items after this one that are going to run, up to another test."""
     items = item.session.items  # selected, and in their order
     start = items.index(item) + 1 if item in items else len(items)
     for number in range(start, len(items)):
@@ -154,12 +163,10 @@ def pytest_configure(config: pytest.Config) -> None:
     """Calls of GLSL functions have the limits of variants; a report needs records."""
     folder = _report_folder(config)
     if folder is not None:
-        from shaderlab.pytest_plugin.report import Recorder, ReportWriter, attach
-
-        config.pluginmanager.register(Recorder(attach))
+        config.pluginmanager.register(Recorder(attach_record))
         if not hasattr(config, "workerinput"):  # of pytest-xdist, whose first process writes it
             folder.mkdir(parents=True, exist_ok=True)
-            writer = ReportWriter(folder, lambda: prefetcher_of(config).executor.about())
+            writer = ReportWriter(folder, lambda: get_prefetcher(config).executor.about())
             config.pluginmanager.register(writer)
     if config.getini("shaderlab_timeout") or config.getini("shaderlab_memory"):
         CALL_LIMITS.set(_limits(config))
@@ -232,7 +239,7 @@ class NoCaseWarning(pytest.PytestWarning):
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile | None:
     """Collect case files, and nothing else."""
-    reason = _examined(file_path, parent.config)
+    reason = _inspect(file_path, parent.config)
     if reason != "":
         if reason and file_path.name != "conftest.py" and not _has_tests(file_path, parent):
             shown = display_path(file_path)
@@ -246,19 +253,18 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile |
 def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> NoTests | None:
     """Keep pytest from importing a case file as a module of tests, in its own process and outside
     the tree of cases. One that has tests as well stays one."""
-    if _examined(module_path, parent.config) != "" or _has_tests(module_path, parent):
+    if _inspect(module_path, parent.config) != "" or _has_tests(module_path, parent):
         return None
     found: NoTests = NoTests.from_parent(parent, path=module_path)
     return found
 
 
-def _examined(file: Path, config: pytest.Config) -> str | None:
-    """What `shaderlab.engine.discovery.inspect_file` says; of two hooks that ask for the
-    same file, the first has it parsed."""
-    asked, reason = config.stash.get(_EXAMINED, (None, None))
-    if asked != file:
+def _inspect(file: Path, config: pytest.Config) -> str | None:
+    """As `inspect_file`; of two hooks that have the same file, the first has it parsed."""
+    inspected, reason = config.stash.get(_INSPECTED, (None, None))
+    if inspected != file:
         reason = inspect_file(file)
-        config.stash[_EXAMINED] = (file, reason)
+        config.stash[_INSPECTED] = (file, reason)
     return reason
 
 
@@ -293,3 +299,131 @@ def pytest_unconfigure(config: pytest.Config) -> None:
     if prefetcher is not None:
         prefetcher.close()
         del config.stash[_PREFETCHER]
+
+
+class Recorder:
+    """Makes a record of each test that calls GLSL functions.
+
+    Args:
+        take: gets the report of a test's call, and its record.
+        every: whether other tests have records, too.
+    """
+
+    def __init__(
+        self, take: Callable[[pytest.TestReport, Record], None], every: bool = False
+    ) -> None:
+        self._take = take
+        self._every = every
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_call(self, item: pytest.Item) -> Generator[None, Any, Any]:
+        """Note what the test's checks find."""
+        from shaderlab.functions.records import take_notes
+
+        with take_notes() as notes:
+            item.stash[_NOTES] = notes
+            return (yield)
+
+    @pytest.hookimpl(wrapper=True, tryfirst=True)
+    def pytest_runtest_makereport(
+        self, item: pytest.Item, call: pytest.CallInfo[None]
+    ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+        """Make the record, from the report of the call or of a setup that ended the test."""
+        report = yield
+        if report.when == "call" or (report.when == "setup" and not report.passed):
+            record = self._record(item, report)
+            if record is not None:
+                self._take(report, record)
+        return report
+
+    def _record(self, item: pytest.Item, report: pytest.TestReport) -> Record | None:
+        own: Record | None = getattr(item, "record", None)  # a variant of a case
+        notes = item.stash.get(_NOTES, None)
+        if own is not None or not (notes or self._every):
+            return own
+        from shaderlab.functions.records import record_of_test
+
+        status = "pass" if report.passed else "unsupported" if report.skipped else "fail"
+        if report.when == "setup" and report.failed:
+            status = "error"
+        module = getattr(item, "module", None)
+        line = (item.location[1] or 0) + 1
+        return record_of_test(
+            str(item.path),
+            item.name,
+            line,
+            status=cast("Status", status),
+            message=_why(report),
+            seconds=report.duration,
+            lesson=inspect.getdoc(module) or "",
+            notes=notes,
+        )
+
+
+class ReportWriter:
+    """Gathers records, in the process that ends the session, and writes the page.
+
+    Args:
+        folder: of the report.
+        about: tells the driver.
+    """
+
+    def __init__(self, folder: Path, about: Callable[[], DriverInfo]) -> None:
+        self._folder = folder
+        self._about = about
+        self._records: list[Record] = []
+        self._started = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
+        self._clock = time.perf_counter()
+        self._message = ""
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Keep a report's record."""
+        data = getattr(report, RECORD_ATTRIBUTE, None)
+        if data is not None:
+            from shaderlab.model.records import Record
+            from shaderlab.model.store import parse
+
+            self._records.append(parse(data, Record))
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self) -> None:
+        """Write the page."""
+        from shaderlab.model import store
+        from shaderlab.model.records import Run
+        from shaderlab.report import html
+
+        if not self._records:
+            self._message = "no test of cases or of GLSL functions: no report is written"
+            return
+        about = self._about()
+        run = Run(
+            driver=about.driver,
+            versions=about.versions,
+            started=self._started,
+            seconds=time.perf_counter() - self._clock,
+            records=tuple(self._records),
+        )
+        try:
+            store.save(run, self._folder)
+            self._message = f"report: {display_path(html.write(run, self._folder))}"
+        except ShaderlabError as error:
+            self._message = f"shaderlab: {error}"
+
+    def pytest_terminal_summary(self, terminalreporter: Any) -> None:
+        """Say where it is."""
+        terminalreporter.write_line(self._message)
+
+
+def attach_record(report: pytest.TestReport, record: Record) -> None:
+    """Give a report its record."""
+    from shaderlab.model.store import to_plain
+
+    setattr(report, RECORD_ATTRIBUTE, to_plain(record))
+
+
+def _why(report: pytest.TestReport) -> str:
+    if report.passed:
+        return ""
+    if report.skipped and isinstance(report.longrepr, tuple):
+        return str(report.longrepr[2]).removeprefix("Skipped: ")
+    return report.longreprtext
