@@ -6,18 +6,20 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import OtherApiError, UnsupportedError
-from shaderlab.model.calls import CallEdit
-from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Bindings, Fragments, Image, PassDraw, Samples
 from shaderlab.model.records import Verdict
-from shaderlab.model.scene import Pass
-from shaderlab.model.textures import TextureSource
 
-from .programs.prepare import Programs
+if TYPE_CHECKING:
+    from shaderlab.model.calls import CallEdit
+    from shaderlab.model.case import Scene
+    from shaderlab.model.scene import Pass
+    from shaderlab.model.textures import TextureSource
+
+    from .programs.prepare import Programs
 
 Size = tuple[int, int]
 Answers = Mapping[str, Callable[..., Any]]
