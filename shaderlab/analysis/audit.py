@@ -1,8 +1,16 @@
-"""A program audited: what may go wrong in it, on the inputs that it may get."""
+"""Audit a program: what may go wrong in it, on the inputs that it may get.
+
+    audit = audit_program(load(source), Plan(ranges={"distance": "0..50"}))
+    audit.clean                                             # no hazard was shown
+    print(*audit.lines(), sep="; ")
+
+A hazard is shown by an invocation: in float32 an instruction's operands are ones for which GLSL
+defines no result there, and an output depends on what the instruction gives.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,14 +20,15 @@ from shaderlab.errors import UsageError, nearest
 from .batches import InputBatch, merge_batches
 from .checks import INDEX, OVERFLOW
 from .hazards import Audit as Audit, Hazard as Hazard, find_dependents, reached_by_0
-from .inputs import Input, InputDomain, declared_ranges, domains_of, inputs_of, unknown_names
+from .inputs import Input, declared_ranges, domains_of, inputs_of, unknown_names
 from .interpreter import Program
 from .interpreter.values import NUMBERS
-from .portability import find_spreads, widest_spreads
-from .search import DRAWN, EQUAL, Counterexample, InputSearch, counterexamples_of, watch_batch
+from .portability import Spread, find_spreads, widest_spreads
+from .search import EQUAL, RANDOM, Counterexample, InputSearch, find_counterexamples, watch_batch
 from .undefined import between_invocations, divergent, undefined_values
 
-_MOST = 16_384  # invocations that a case's draws give, of those with the same textures
+_ONLY_AT_0 = "; only if an input is 0"
+_MAX_CAPTURED = 16_384  # invocations of a case's draws with the same textures
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,8 +37,8 @@ class Plan:
 
     Attributes:
         ranges: "a..b", "a:b" or "unit" for inputs, by name.
-        count: invocations that are drawn at random.
-        precision: whether it is asked how far devices may differ, at highp and at mediump.
+        count: the number of random invocations.
+        precision: whether to measure how far devices may differ, at highp and at mediump.
     """
 
     ranges: Mapping[str, str] = field(default_factory=dict)
@@ -40,12 +49,12 @@ class Plan:
 def audit_program(
     program: Program, plan: Plan | None = None, captured: Sequence[InputBatch] = ()
 ) -> Audit:
-    """What may go wrong in a program.
+    """Find what may go wrong in a program.
 
     Args:
         program: one stage.
         plan: how it is audited.
-        captured: what a scene's draws give it. Without any, inputs are made up and searched.
+        captured: what a scene's draws give it. Without any, inputs are searched.
 
     Raises:
         NotInterpretedError: it does what the interpreter does not know, or does not end.
@@ -57,41 +66,38 @@ def audit_program(
     for name in unknown_names(list(plan.ranges), inputs):
         raise UsageError(f"the shader does not read {name!r}", remedy=nearest(name, inputs))
     if captured:
-        captured = merge_batches(captured, program, _MOST)
-        examples = [
-            example
-            for batch in captured
-            for example in counterexamples_of(
-                watch_batch(program, batch), batch, np.full(batch.count, DRAWN)
-            )
-        ]
-        tried, domains = sum(batch.count for batch in captured), {}
-        sets = list(captured)
+        batches = merge_batches(captured, program, _MAX_CAPTURED)
+        examples = [e for batch in batches for e in _captured_examples(program, batch)]
+        tried = sum(batch.count for batch in batches)
+        words = dict.fromkeys(inputs, "as the case gives it")
     else:
         if program.workgroup_size > 1:
             inputs = _of_workgroups(inputs)
         domains = domains_of(inputs.values(), declared_ranges(program), plan.ranges)
         search = InputSearch(program, inputs, domains, plan.count)
         search.run()
-        examples, tried = list(search.examples.values()), search.tried
-        sets = [search.sample_inputs]
-    hazards = [f for w in examples for f in _hazards(program, w, inputs)]
-    for batch in sets:
+        examples, tried, batches = list(search.found.values()), search.tried, [search.first]
+        words = {name: f"{domain} ({domain.source})" for name, domain in domains.items()}
+    hazards = [hazard for e in examples for hazard in _hazards(program, e, inputs)]
+    spreads: list[Spread] = []
+    for batch in batches:
         hazards += undefined_values(program, batch, inputs)
         hazards += divergent(program, batch, inputs, made_up=not captured)
         hazards += between_invocations(program, batch, inputs)
-    spreads = (
-        [s for batch in sets for s in find_spreads(program, batch, inputs)]
-        if plan.precision
-        else []
-    )
+        if plan.precision:
+            spreads += find_spreads(program, batch, inputs)
     return Audit(
         file="" if program.source is None else program.source.path,
         hazards=tuple(_distinct(hazards)),
         tried=tried,
-        inputs=_in_words(domains, inputs, captured),
+        inputs=words,
         spreads=tuple(widest_spreads(spreads)),
     )
+
+
+def _captured_examples(program: Program, batch: InputBatch) -> Iterator[Counterexample]:
+    origins = np.full(batch.count, RANDOM)
+    return find_counterexamples(watch_batch(program, batch), batch, origins)
 
 
 def _of_workgroups(inputs: Mapping[str, Input]) -> dict[str, Input]:
@@ -102,14 +108,6 @@ def _of_workgroups(inputs: Mapping[str, Input]) -> dict[str, Input]:
         name = NUMBERS[0]
         found[name] = Input(name, "uvec3", uniform=False, workgroup=numbers[0].workgroup)
     return found
-
-
-def _in_words(
-    domains: Mapping[str, InputDomain], inputs: Mapping[str, Input], captured: Sequence[InputBatch]
-) -> dict[str, str]:
-    if captured:
-        return dict.fromkeys(inputs, "as the case gives it")
-    return {name: f"{domain} ({domain.source})" for name, domain in domains.items()}
 
 
 def _hazards(
@@ -124,29 +122,24 @@ def _hazards(
         program, example.batch, example.row, place, example.operands[-1]
     ):
         return ()
-    file, line = program.place(one.at.line)
     words = one.check.words(*example.operands)
     if example.crossing:
         words = f"{words}, nearly: the divisor passes through 0 here"
     if one.check.possible:
         words += f"; {one.check.possible}"
-    if example.origin != DRAWN:
-        words += (
-            "; only if two inputs are equal"
-            if example.origin == EQUAL
-            else "; only if an input is 0"
-        )
+    if example.origin != RANDOM:
+        words += "; only if two inputs are equal" if example.origin == EQUAL else _ONLY_AT_0
+    file, line = program.place(one.at.line)
+    values = {name: tuple(map(float, value)) for name, value in outputs.items()}
     return (
         Hazard(
             file=file,
             line=line,
             kind=place.kind,
-            message=f"{place.kind}: {words}" if not words.startswith(place.kind) else words,
-            evident=example.origin == DRAWN and not one.check.possible,
+            message=words if words.startswith(place.kind) else f"{place.kind}: {words}",
+            evident=example.origin == RANDOM and not one.check.possible,
             inputs=example.batch.example(example.row, inputs),
-            outputs={}
-            if program.workgroup_size > 1
-            else {name: tuple(map(float, value)) for name, value in outputs.items()},
+            outputs=values if program.workgroup_size == 1 else {},
             calls=tuple(program.place(call)[1] for call in place.calls),
         ),
     )

@@ -247,7 +247,7 @@ def steps(
     turns: Counter[str] = Counter()
 
     def note(stored: Stored) -> None:
-        if stored.mask[own] and not isinstance(stored.value, tuple):
+        if not stored.is_flow and stored.mask[own] and not isinstance(stored.value, tuple):
             value = stored.value
             lane = value[own : own + 1] if value.shape[0] > 1 else value
             found.append(Step(stored.name, turns[stored.name], stored.line, lane))

@@ -72,7 +72,6 @@ def traced(given: Invocations, arithmetic: Arithmetic) -> Trace:
         count=given.count,
         max_blocks=_MOST_BLOCKS,
         trace=events.append,
-        flow=events.append,
     )
     undecided = np.zeros(given.count, np.bool_)
     for flags in result.undecided.values():

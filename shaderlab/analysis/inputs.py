@@ -132,6 +132,14 @@ class InputDomain:
         text = words.get(self.kind, f"{self.low:g}..{self.high:g}")
         return f"{text}, >= {self.above}" if self.above else text
 
+    def clip(self, values: Array) -> Array:
+        """The nearest values of the domain, float32; of numbers and of unit vectors."""
+        if self.kind == "unit":
+            with np.errstate(all="ignore"):
+                values = values / np.linalg.norm(values, axis=1, keepdims=True)
+            return np.nan_to_num(values, nan=0.57735).astype(np.float32)
+        return np.clip(values, self.low, self.high).astype(np.float32)
+
     @property
     def relaxed(self) -> InputDomain | None:
         """The role without its assumption; None where somebody said it, or nothing is assumed."""

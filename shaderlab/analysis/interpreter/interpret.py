@@ -191,7 +191,6 @@ def interpret(
     max_loop_iterations: int = MAX_LOOP_ITERATIONS,
     max_blocks: int = MAX_BLOCKS,
     trace: Trace | None = None,
-    flow: Trace | None = None,
     watch: Watch | None = None,
     unwritten: bool = False,
 ) -> Interpreted:
@@ -210,8 +209,8 @@ def interpret(
         workgroup_size: how many invocations in a row are one workgroup and share variables.
         max_loop_iterations: of a loop, each time that it is entered.
         max_blocks: how many blocks may be run in all.
-        trace: is called with each value that a variable, or a part of one, is given.
-        flow: is called with each argument of a function, and with what each branch is taken by.
+        trace: is called with each value that a variable, or a part of one, is given; with each
+            argument of a function, and with what each branch is taken by, too: `Stored.is_flow`.
         watch: is called after each instruction, and may change its result.
         unwritten: whether outputs hold an undefined value where an invocation writes none.
 
@@ -236,7 +235,7 @@ def interpret(
         program, arithmetic, count,
         places=places, workgroup_size=workgroup_size,
         max_loop_iterations=max_loop_iterations, max_blocks=max_blocks,
-        trace=trace, flow=flow, watch=watch,
+        trace=trace, watch=watch,
     )  # fmt: skip
     # What is no number is a result like any other.
     with warnings.catch_warnings(), np.errstate(all="ignore"):

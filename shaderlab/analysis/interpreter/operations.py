@@ -33,7 +33,7 @@ def call_function(function: str) -> Handler:
     def handler(run: Run, at: Instruction, state: PathState) -> Any:
         if run.arithmetic.rules is None:
             return run.call_once(at, function)
-        return run.arithmetic.call(function, *run.values(at.operands))
+        return compute(run, function, run.values(at.operands))
 
     return handler
 
@@ -73,17 +73,6 @@ def _unit(values: Any) -> float:
         return 0.0
     ratios = (float(v).as_integer_ratio() for v in values.flat if v)
     return min((float(n & -n) / d for n, d in ratios), default=1.0)
-
-
-def call_exactly(function: str) -> Handler:
-    """A handler of an operation: exact where it can't be rounded, else as the arithmetic has it."""
-
-    def handler(run: Run, at: Instruction, state: PathState) -> Any:
-        if run.arithmetic.rules is None:
-            return run.call_once(at, function)
-        return compute(run, function, run.values(at.operands))
-
-    return handler
 
 
 def compute(run: Run, function: str, values: list[Any]) -> Any:
@@ -281,14 +270,14 @@ FLOATS: Mapping[int, Handler] = {
     Op.ConvertSToF: _from_integer,
     Op.ConvertUToF: _from_integer,
     Op.Bitcast: _bitcast,
-    Op.FNegate: call_exactly("negate"),
-    Op.FAdd: call_exactly("add"),
-    Op.FSub: call_exactly("subtract"),
-    Op.FMul: call_exactly("multiply"),
+    Op.FNegate: call_function("negate"),
+    Op.FAdd: call_function("add"),
+    Op.FSub: call_function("subtract"),
+    Op.FMul: call_function("multiply"),
     Op.FDiv: call_function("divide"),
     Op.FRem: call_function("remainder"),
-    Op.FMod: call_exactly("mod"),
-    Op.VectorTimesScalar: call_exactly("multiply"),
+    Op.FMod: call_function("mod"),
+    Op.VectorTimesScalar: call_function("multiply"),
     Op.MatrixTimesScalar: _matrix_times_scalar,
     Op.VectorTimesMatrix: _vector_times_matrix,
     Op.MatrixTimesVector: call_function("mul"),

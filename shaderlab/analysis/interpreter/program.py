@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -68,7 +67,7 @@ class Type:
         return f"[{index}]"
 
 
-class Types(Mapping[int, Type]):
+class Types(dict[int, Type]):
     """A module's types by id, each made when it is first asked for; a pointer's id gives the type
     of the pointer, see `Program.variables` for what variables hold.
 
@@ -78,80 +77,45 @@ class Types(Mapping[int, Type]):
 
     def __init__(self, module: Module) -> None:
         self._module = module
-        self._known: dict[int, Type] = {}
 
-    def __getitem__(self, id_: int) -> Type:
-        if id_ not in self._known:
-            self._known[id_] = self._make(id_)
-        return self._known[id_]
-
-    def __iter__(self) -> Iterator[int]:
-        return iter(self._module.types)
-
-    def __len__(self) -> int:
-        return len(self._module.types)
+    def __missing__(self, id_: int) -> Type:
+        found = self[id_] = self._make(id_)
+        return found
 
     def _make(self, id_: int) -> Type:
-        if id_ in self._module.pointers:
+        module = self._module
+        if id_ in module.pointers:
             return Type("pointer")
-        declared = self._module.types[id_]
-        if declared.op not in _MAKERS:
-            raise NotInterpretedError(f"not interpreted: a type of SPIR-V's opcode {declared.op}")
-        return _MAKERS[declared.op](self, id_, declared)
-
-    def array(self, _: int, declared: Raw) -> Type:
-        """An array of known length."""
-        element, length = declared.words
-        return Type("array", self[element], self._module.constants[length])
-
-    def struct(self, id_: int, declared: Raw) -> Type:
-        """A struct with its members' names."""
-        names = self._module.member_names
-        members = enumerate(declared.words)
-        return Type(
-            "struct",
-            members=tuple((names.get((id_, i), f"_{i}"), self[of]) for i, of in members),
-        )
-
-    def number(self, kind: Kind, declared: Raw) -> Type:
-        """An integer or a float of 32 bits."""
-        if declared.words[0] != 32:
-            word = {64: "double", 16: "float16_t"}.get(declared.words[0], "a number's type")
-            raise NotInterpretedError(
-                f"not interpreted: {word if kind == 'float' else f'int{declared.words[0]}_t'}"
-            )
-        return Type(kind, signed=kind == "int" and bool(declared.words[1]))
+        op, words = module.types[id_].op, module.types[id_].words
+        match op:
+            case Op.TypeVoid | Op.TypeBool:
+                return Type("void" if op == Op.TypeVoid else "bool")
+            case Op.TypeInt | Op.TypeFloat:
+                return _make_number("int" if op == Op.TypeInt else "float", words)
+            case Op.TypeVector | Op.TypeMatrix:
+                kind: Kind = "vector" if op == Op.TypeVector else "matrix"
+                return Type(kind, self[words[0]], words[1])
+            case Op.TypeArray:
+                return Type("array", self[words[0]], module.constants[words[1]])
+            case Op.TypeRuntimeArray:
+                return Type("array", self[words[0]])
+            case Op.TypeStruct:
+                names = [module.member_names.get((id_, i), f"_{i}") for i in range(len(words))]
+                members = tuple(zip(names, (self[of] for of in words), strict=True))
+                return Type("struct", members=members)
+            case Op.TypeImage | Op.TypeSampler | Op.TypeSampledImage:
+                return Type("image")
+        raise NotInterpretedError(f"not interpreted: a type of SPIR-V's opcode {op}")
 
 
-def _several(kind: Kind) -> _Maker:
-    """A maker of vectors, matrices, and arrays whose length is known at run time only."""
-
-    def made(types: Types, _: int, declared: Raw) -> Type:
-        element, count = (*declared.words, 0)[:2]
-        return Type(kind, types[element], count)
-
-    return made
-
-
-def _plain(kind: Kind) -> _Maker:
-    return lambda types, id_, declared: Type(kind)
-
-
-_Maker = Callable[[Types, int, Raw], Type]
-_MAKERS: Mapping[int, _Maker] = {
-    Op.TypeVoid: _plain("void"),
-    Op.TypeBool: _plain("bool"),
-    Op.TypeInt: lambda types, id_, declared: types.number("int", declared),
-    Op.TypeFloat: lambda types, id_, declared: types.number("float", declared),
-    Op.TypeVector: _several("vector"),
-    Op.TypeMatrix: _several("matrix"),
-    Op.TypeImage: _plain("image"),
-    Op.TypeSampler: _plain("image"),
-    Op.TypeSampledImage: _plain("image"),
-    Op.TypeArray: Types.array,
-    Op.TypeRuntimeArray: _several("array"),
-    Op.TypeStruct: Types.struct,
-}
+def _make_number(kind: Literal["int", "float"], words: tuple[int, ...]) -> Type:
+    """An integer or a float of 32 bits."""
+    bits = words[0]
+    if bits != 32:
+        word = {64: "double", 16: "float16_t"}.get(bits, "a number's type")
+        name = word if kind == "float" else f"int{bits}_t"
+        raise NotInterpretedError(f"not interpreted: {name}")
+    return Type(kind, signed=kind == "int" and bool(words[1]))
 
 
 INPUTS = (

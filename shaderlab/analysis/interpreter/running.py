@@ -241,7 +241,7 @@ class Run:
         program, arithmetic, count: what is run, in what, for how many invocations.
         places: gl_FragCoord of each invocation, if it is given.
         workgroup_size: how many invocations in a row share variables.
-        max_loop_iterations, max_blocks, trace, flow, watch: as of `interpret`.
+        max_loop_iterations, max_blocks, trace, watch: as of `interpret`.
         shared: what variables of workgroups hold by id, on whatever path an invocation is.
         emission: the vertices that a geometry stage emitted.
         results: each instruction's result by id, as of its last execution, and each constant.
@@ -259,7 +259,6 @@ class Run:
     max_loop_iterations: int = MAX_LOOP_ITERATIONS
     max_blocks: int = MAX_BLOCKS
     trace: Trace | None = None
-    flow: Trace | None = None
     watch: Watch | None = None
 
     def __post_init__(self) -> None:
@@ -339,14 +338,14 @@ class Run:
 
     def trace_branch(self, at: Instruction, value: Value, state: PathState) -> None:
         """Tell who asked of what a branch is taken by."""
-        if self.flow is not None:
+        if self.trace is not None:
             kind: Kind = "bool" if isinstance(value, Truth) else "int"
             name = "condition" if kind == "bool" else "selector"
-            self.flow(self._event(at, name, Type(kind), value, state))
+            self.trace(self._event(at, name, Type(kind), value, state))
 
     def trace_arguments(self, at: Instruction, function: Function, state: PathState) -> None:
         """Tell who asked of what a function is passed; it was not given anything for `out`."""
-        if self.flow is None:
+        if self.trace is None:
             return
         called = self.program.name(function.id).partition("(")[0]
         for id_, of in function.parameters.items():
@@ -357,7 +356,7 @@ class Run:
                 value = fetch(state.memory.get(value.variable), value.path, state.mask)
             if type_.kind != "image" and not isinstance(value, Missing | None):
                 name = f"{called}({self.program.name(id_)})"
-                self.flow(self._event(at, name, type_, value, state))
+                self.trace(self._event(at, name, type_, value, state))
 
     def _event(
         self, at: Instruction, name: str, type_: Type, value: Value, state: PathState
