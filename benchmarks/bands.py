@@ -33,7 +33,7 @@ from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import subject_of
-from shaderlab.engine.judging.inputs import Inputs, evaluate
+from shaderlab.engine.judging.references import Inputs, evaluate
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Frame

@@ -37,8 +37,8 @@ from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import subject_of
-from shaderlab.engine.judging.formats import stored
-from shaderlab.engine.judging.inputs import evaluate, wanted
+from shaderlab.engine.judging.bands import store_band
+from shaderlab.engine.judging.references import evaluate, match_parameters
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DriverError, NotInterpretedError, ShaderlabError
 from shaderlab.model.case import Scene
@@ -197,7 +197,7 @@ def compare(survey: Survey, name: str, band: Any, given: Invocations, kept: Any)
     """Count the driver's values outside of the program's own band."""
     measured = given.measured[name]
     components = min(band.shape[-1], measured.shape[-1])
-    allowed = stored(band[..., :components], given.formats[name], components)
+    allowed = store_band(band[..., :components], given.formats[name], components)
     inside = allowed.contains(measured[..., :components])[kept]
     survey.values += inside.size
     outside = int((~inside).sum())
@@ -224,7 +224,7 @@ def widths(
     number = np.cumsum(subject.covered.ravel()).reshape(subject.covered.shape) - 1
     rows = number[given.pixels[:, 1], given.pixels[:, 0]]
     part = subject.inputs.part(rows)
-    asked = wanted(formula.reference, subject.inputs)
+    asked = match_parameters(formula.reference, subject.inputs)
     started = time.process_time()
     by_hand = evaluate(formula.reference, part, rules=rules, decimal=False, asked=asked)
     seconds = time.process_time() - started

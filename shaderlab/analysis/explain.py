@@ -19,7 +19,7 @@ from shaderlab.bands.rounding import ulp
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import CapturedFragments, subject_of
-from shaderlab.engine.judging.inputs import Inputs, evaluate
+from shaderlab.engine.judging.references import Inputs, evaluate
 from shaderlab.errors import ShaderlabError, UsageError, nearest
 from shaderlab.files import display_path
 from shaderlab.model.frame import Array, PassDraw

@@ -23,7 +23,7 @@ from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.textures import for_output
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.needs import CapturedFragments
-from shaderlab.engine.judging.formats import stored
+from shaderlab.engine.judging.bands import store_band
 from shaderlab.errors import DeviceLostError, NotInterpretedError, ShaderlabError
 from shaderlab.model.expectation import Judgement, Need
 from shaderlab.model.frame import PassDraw
@@ -205,7 +205,7 @@ def outside(given: Invocations, name: str, band: Any) -> Flags | None:
         return None
     measured = given.measured[name]
     components = min(measured.shape[-1], band.shape[-1])
-    allowed = stored(band[:, :components], given.formats[name], components)
+    allowed = store_band(band[:, :components], given.formats[name], components)
     found: Flags = np.asarray(~allowed.contains(measured[:, :components]).all(axis=-1))
     return found
 

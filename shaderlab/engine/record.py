@@ -52,7 +52,7 @@ from shaderlab.model.records import (
 from shaderlab.model.scene import Ramp, UniformBuffer
 
 from .discovery import chapter_title
-from .judging.distance import shown
+from .judging.banded import format_value
 from .pictures import PictureFiles, PictureWriter, digest_values
 
 _MOST_BUFFERS = 24
@@ -156,7 +156,7 @@ class RecordBuilder:
 
         Args:
             modules: what was judged.
-            judgement: its outcome, which is shown where it fails.
+            judgement: its outcome, which is format_value where it fails.
             outside: the outputs that their shader does not allow.
             always: show the outcome in any case.
         """
@@ -392,13 +392,13 @@ def _inputs(scene: Scene) -> dict[str, str]:
 
 def _input_text(value: object) -> str:
     if isinstance(value, Ramp):
-        ends = [shown(value.origin)]
+        ends = [format_value(value.origin)]
         for label, step in (("across", value.dx), ("up", value.dy)):
             if any(v != 0.0 for v in _numbers(step)):
-                ends.append(f"{label} {shown(step)}")
+                ends.append(f"{label} {format_value(step)}")
         return " + ".join(ends)
     try:
-        return shown(value)
+        return format_value(value)
     except (TypeError, ValueError):  # not numbers: another part of the record says so
         return repr(value)
 

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from shaderlab.engine.judging.banded import judge_band
-from shaderlab.engine.judging.inputs import Inputs, parameter_name
 from shaderlab.engine.judging.laws import Finding, Law
+from shaderlab.engine.judging.references import Inputs, parameter_name
 from shaderlab.errors import CallError, FormulaError
 from shaderlab.functions.call import Call, Opaque, read_textures
 from shaderlab.functions.declarations import Type

@@ -20,7 +20,7 @@ from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.base import Named, judged_outputs
 from shaderlab.engine.expectations.gl_call import Traced
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
-from shaderlab.engine.judging.reference_bands import RememberedBands
+from shaderlab.engine.judging.bands import BandCache
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError, ShaderError
 from shaderlab.model.case import Case, Scene
@@ -66,7 +66,7 @@ class Judge:
         self._lab = lab
         self._locate = locate
         self._draw_traces: dict[str, Traces] = {}
-        self._bands = RememberedBands()
+        self._bands = BandCache()
         self._scenes = select_scenes(case, variants)
         self._judged: Judged = judged_outputs(self._scenes)
         self._originals = {s.variant: self._evaluate_original(s) for s in self._scenes}

@@ -19,7 +19,7 @@ from shaderlab.analysis.interpreter import load
 from shaderlab.cli.explain import command
 from shaderlab.compiler import Shaders
 from shaderlab.drivers.programs.instrument import statements
-from shaderlab.engine.judging.inputs import Inputs
+from shaderlab.engine.judging.references import Inputs
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import UsageError
 from shaderlab.glslmath import dot, max, normalize, vec3, vec4, where

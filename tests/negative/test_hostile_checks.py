@@ -16,8 +16,8 @@ import pytest
 from shaderlab.bands import Rules
 from shaderlab.engine.expectations.exact import exact
 from shaderlab.engine.judging.banded import judge_band
-from shaderlab.engine.judging.formats import in_format
-from shaderlab.engine.judging.inputs import Inputs, evaluate
+from shaderlab.engine.judging.bands import in_format
+from shaderlab.engine.judging.references import Inputs, evaluate
 from shaderlab.errors import CaseError
 from shaderlab.glslmath import (
     abs,

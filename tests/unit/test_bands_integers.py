@@ -12,7 +12,7 @@ import pytest
 from shaderlab import glslmath as g
 from shaderlab.bands import Band, Integer, Rules, Truth
 from shaderlab.engine.judging.banded import judge_band
-from shaderlab.engine.judging.inputs import Inputs
+from shaderlab.engine.judging.references import Inputs
 from shaderlab.errors import FormulaError
 
 RULES = Rules()

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shaderlab.engine.judging import reference_bands
+from shaderlab.engine.judging import bands
 from shaderlab.engine.judging.banded import judge_band
-from shaderlab.engine.judging.inputs import Inputs
+from shaderlab.engine.judging.references import Inputs
 from shaderlab.errors import FormulaError
-from shaderlab.glslmath import dFdx, dFdy, dot, max, normalize, pow, vec3, where
+from shaderlab.glslmath import dot, max, normalize, pow, vec3, where
 
 
 def shaded(normal: Any, light: Any, gain: Any) -> Any:
@@ -42,33 +42,12 @@ def test_pieces_are_judged_as_the_whole(monkeypatch: pytest.MonkeyPatch, chunk: 
     values = measured(given)
     whole = judge_band(values, shaded, given, rules=None)
     assert np.argwhere(~whole.inside).tolist() == [[11, 1], [57, 2]]
-    monkeypatch.setattr(reference_bands, "CHUNK", chunk)
+    monkeypatch.setattr(bands, "CHUNK", chunk)
     pieces = judge_band(values, shaded, given, rules=None)
     for name in ("reference", "low", "high", "inside", "vacuous_share", "undecided_share"):
         np.testing.assert_array_equal(getattr(pieces, name), getattr(whole, name))
     np.testing.assert_array_equal(pieces.signed(), whole.signed())
     assert pieces.worst() == whole.worst() or repr(pieces.worst()) == repr(whole.worst())
-
-
-def test_float64_is_asked_only_for_what_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a check without pictures, a sample and the row of the worst value, at once."""
-    asked: list[int] = []
-
-    def counted(normal: Any, light: Any, gain: Any) -> Any:
-        if isinstance(normal, np.ndarray):
-            asked.append(len(normal))
-        return shaded(normal, light, gain)
-
-    given = inputs(95)
-    values = measured(given)
-    monkeypatch.setattr(reference_bands, "CHUNK", 10)
-    monkeypatch.setattr(reference_bands, "SAMPLED", 30)
-    judged = judge_band(values, counted, given, rules=None)
-    assert asked == []
-    found = judged.worst()
-    assert found is not None and judged.informative_share == 1.0 and asked == [32 + 1]
-    np.testing.assert_array_equal(judged.band.exact.part(57)[0], judged.reference[57])
-    assert asked[1] == 1 and sum(asked[2:]) == 95
 
 
 def test_a_formula_that_fails_in_float64_only_is_no_pass() -> None:
@@ -102,30 +81,3 @@ def test_a_large_frame_takes_megabytes() -> None:
     tracemalloc.stop()
     result = 5 * values.size * 8  # what the judgement itself holds: five arrays of numbers
     assert peak < result + 150 * 2**20
-
-
-def test_some_rows_are_evaluated_alone() -> None:
-    """Of a formula that sees a pixel's neighbours whole rows of quads are."""
-    asked: list[int] = []
-
-    def plain(x: Any) -> Any:
-        if isinstance(x, np.ndarray):
-            asked.append(len(x))
-        return x * 2.0
-
-    def seeing(x: Any, frag_coord: Any) -> Any:
-        return plain(x) + dFdx(x, frag_coord) * dFdy(x, frag_coord)
-
-    x = np.random.default_rng(3).random((12 * 8, 1)).astype(np.float32)
-    places = np.stack([*np.divmod(np.arange(12 * 8), 8)][::-1], axis=1) + 0.5
-    given = Inputs(shared={}, each={"x": x, "frag_coord": places.astype(np.float32)})
-    rows = np.array([17, 18, 25, 26])
-    for formula, least in ((plain, 4), (seeing, 16)):
-        judged = judge_band(2 * x, formula, given, rules=None)
-        asked.clear()
-        found = judged.band.at(rows)
-        assert asked == [least]
-        np.testing.assert_array_equal(found, judged.reference[rows])
-        asked.clear()
-        judged.band.at(rows)
-        assert asked == []  # all are there now

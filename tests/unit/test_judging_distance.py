@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from shaderlab.bands.allowed import contains, widths
-from shaderlab.engine.judging import distance
-from shaderlab.engine.judging.distance import Placed
+from shaderlab.engine.judging import banded
+from shaderlab.engine.judging.banded import Placed
 
 INF, NAN = np.inf, np.nan
 # low, high, whether NaN is legal, measured
@@ -45,7 +45,7 @@ def plainly(kinds: np.ndarray, components: int, unit: float | None) -> np.ndarra
 def test_blocks_give_what_all_at_once_gives(
     monkeypatch: pytest.MonkeyPatch, block: int, unit: float | None, components: int
 ) -> None:
-    monkeypatch.setattr(distance, "BLOCK", block)
+    monkeypatch.setattr(banded, "BLOCK", block)
     generator = np.random.default_rng(2)
     for _ in range(6):
         kinds = np.array(KINDS)[generator.integers(0, len(KINDS), 60)]

@@ -12,7 +12,7 @@ import pytest
 
 from shaderlab import glslmath as g
 from shaderlab.bands import Band, Rules
-from shaderlab.engine.judging.inputs import Inputs, evaluate
+from shaderlab.engine.judging.references import Inputs, evaluate
 from shaderlab.reference import gamma
 
 HALF = 0.52 - 0.02

@@ -15,8 +15,8 @@ from shaderlab.model.frame import Array, Frame, Samples
 from shaderlab.model.phases import phase
 
 from ..judging.banded import judge_band
-from ..judging.chunks import PLACE
-from ..judging.inputs import Inputs, evaluate
+from ..judging.bands import PLACE
+from ..judging.references import Inputs, evaluate
 from .base import Context
 from .formula import Reference, ReferenceExpectation
 from .needs import CapturedFragments, inputs_of

@@ -21,9 +21,8 @@ from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Programs
 from shaderlab.model.frame import Array, Fragments, Frame, PassDraw, every_component
 
-from ..judging.formats import name_of, source_of
-from ..judging.inputs import evaluate, wanted
-from ..judging.reference_bands import CHUNK
+from ..judging.bands import CHUNK
+from ..judging.references import evaluate, match_parameters, name_of, source_of
 from .base import OutputExpectation
 from .needs import CapturedFragments, Probe, inputs_of
 
@@ -170,7 +169,7 @@ def _truth(
     values = {**fragments.inputs, "frag_coord": fragments.frag_coord}
     each = {name: array.reshape(-1, *array.shape[2:]) for name, array in values.items()}
     inputs = inputs_of(frame, key, each=each, given=getattr(rule, "given", {}))
-    asked = wanted(reference, inputs)
+    asked = match_parameters(reference, inputs)
     names = {name for names in asked.values() for name in names}
     inputs = replace(inputs, each={n: v for n, v in inputs.each.items() if n in names})
     bands = getattr(rule, "rules", None) or Rules()
@@ -179,7 +178,7 @@ def _truth(
     for start in range(0, max(len(numbers), 1), CHUNK):
         rows = slice(start, start + CHUNK)
         part = inputs.part(numbers[rows])
-        found = evaluate(reference, part, rules=bands, decimal=False, asked=asked)
+        found = evaluate(reference, part, rules=bands, decimal=False, parameters=asked)
         try:
             if isinstance(found, Band):
                 raise TypeError

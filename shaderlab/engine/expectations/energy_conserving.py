@@ -14,7 +14,7 @@ from shaderlab.model.expectation import Judgement
 from shaderlab.model.frame import Array, Samples
 from shaderlab.model.records import Row
 
-from ..judging.distance import shown
+from ..judging.banded import format_value
 from .laws import OutputLaw
 
 MAX_QUADRATURE_ERROR = 0.01
@@ -86,7 +86,9 @@ class EnergyConserving(OutputLaw):
         known_to = f"{float(error.max()):.2g}"
         message = ""
         if above.any():
-            message = f"it reflects {total.max():.6f} of the light, more than {shown(self.limit)}"
+            message = (
+                f"it reflects {total.max():.6f} of the light, more than {format_value(self.limit)}"
+            )
         elif rough.any():
             message = (
                 f"the error of the quadrature, {known_to}, is too large to judge: "
@@ -96,8 +98,8 @@ class EnergyConserving(OutputLaw):
             message = "it reflects nothing at all: any limit would hold"
         row = Row(
             label="∫ over the hemisphere",
-            expected=f"at most {shown(self.limit)}",
-            measured=shown(total, 6),
+            expected=f"at most {format_value(self.limit)}",
+            measured=format_value(total, 6),
             ok=not (above.any() or rough.any()),
             note=f"{fine} directions; quadrature known to {known_to}",
         )

@@ -15,7 +15,7 @@ from shaderlab.model.frame import Array, Frame, every_component
 from shaderlab.model.records import Outcome, Worst
 from shaderlab.model.textures import Output
 
-from ..judging.distance import plain
+from ..judging.banded import to_tuple
 from .base import OutputExpectation
 from .needs import find_image
 
@@ -142,7 +142,7 @@ def laid_over(expected: Any, values: Array, name: str) -> Array:
 
 def _first_difference(same: Array, values: Array, wanted: Array) -> Worst:
     y, x = (int(k) for k in np.argwhere(~same)[0])
-    measured, reference = plain(values[y, x]), plain(wanted[y, x])
+    measured, reference = to_tuple(values[y, x]), to_tuple(wanted[y, x])
     differs = [m != r for m, r in zip(measured, reference, strict=True)]
     return Worst(
         pixel=(x, y),

@@ -18,10 +18,8 @@ from shaderlab.engine.expectations.needs import (
     inputs_of,
     pixel_inputs,
 )
-from shaderlab.engine.judging.banded import judge_band
-from shaderlab.engine.judging.distance import figure_row, rounds_to, shown
-from shaderlab.engine.judging.formats import source_of
-from shaderlab.engine.judging.inputs import evaluate
+from shaderlab.engine.judging.banded import figure_row, format_value, judge_band, rounds_to
+from shaderlab.engine.judging.references import evaluate, source_of
 from shaderlab.errors import CaseError, FormulaError
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Judgement, Need, Programs, Read
@@ -91,7 +89,10 @@ class Value(ReferenceExpectation):
         computed = evaluate(reference, inputs, rules=None, decimal=True)
         status, message = banded.verdict()
         if not rounds_to(computed, self.equals, self.digits):
-            status, message = "fail", f"the reference gives {shown(computed, self.digits + 3)}"
+            status, message = (
+                "fail",
+                f"the reference gives {format_value(computed, self.digits + 3)}",
+            )
         row = self._row(computed, banded.measured[0], status == "pass")
         return self.judgement(scene, banded, (status, message), [row], rows_show_worst=True)
 
@@ -102,7 +103,7 @@ class Value(ReferenceExpectation):
         else:
             measured = frame.answers[Probe(self)].outputs[self.own_name(scene)][0]
         ok = rounds_to(measured, self.equals, self.digits)
-        message = "" if ok else f"measured {shown(measured)}"
+        message = "" if ok else f"measured {format_value(measured)}"
         row = self._row(measured, measured, ok)
         return self.judge_rows([row], message, judged=int(np.size(measured)))
 
@@ -119,7 +120,7 @@ class Value(ReferenceExpectation):
         if isinstance(self.at, Pixel):
             where = f"pixel ({self.at.x}, {self.at.y})"
         else:
-            where = ", ".join(f"{k} = {shown(v)}" for k, v in self.at.items())
+            where = ", ".join(f"{k} = {format_value(v)}" for k, v in self.at.items())
         named = self.name != self.output
         label = f"{self.name} ({where})" if named else f"{self.name} at {where}"
         return figure_row(label, self.equals, self.digits, computed, measured, ok, self.note)
@@ -162,7 +163,7 @@ class Computed(Expectation):
         ok = rounds_to(got, self.equals, self.digits)
         note = self.note or "float64, no shader"
         row = figure_row(self.name, self.equals, self.digits, got, None, ok, note)
-        message = "" if ok else f"the reference gives {shown(got, self.digits + 3)}"
+        message = "" if ok else f"the reference gives {format_value(got, self.digits + 3)}"
         return self.judge_rows([row], message, judged=1, rows_per_variant=False)
 
 

@@ -138,7 +138,7 @@ def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
         return PixelMap(covered, values.__getitem__, nothing)
 
     def reference(rows: Array | slice) -> Array:
-        exact = banded.band.at(rows)
+        exact = banded.reference[rows]
         kind = image.values.dtype
         return np.nan_to_num(np.rint(exact)).astype(kind) if kind.kind in "iu" else exact
 
@@ -147,7 +147,7 @@ def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
         "reference": PixelMap(covered, reference, 0),
         "distance": PixelMap(covered, lambda rows: banded.signed()[rows], np.nan),
         "covered": covered,
-        "exact": PixelMap(covered, banded.band.at, np.nan),
+        "exact": PixelMap(covered, banded.reference.__getitem__, np.nan),
         "low": laid_out(banded.low, np.nan),
         "high": laid_out(banded.high, np.nan),
         "outside": laid_out(~banded.inside, False),

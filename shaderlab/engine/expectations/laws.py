@@ -25,7 +25,7 @@ from shaderlab.model.records import Outcome, Row, Worst
 from shaderlab.model.scene import UniformValue
 
 from ..judging import laws
-from ..judging.distance import plain, shown, ulp_distance
+from ..judging.banded import format_value, to_tuple, ulp_distance
 from .base import OutputExpectation
 from .needs import Probe
 
@@ -59,8 +59,10 @@ class OutputLaw(OutputExpectation):
         if finite.all():
             return self.judge_runs(measured, samples)
         run = int(np.argwhere(~finite)[0, 0])
-        inputs = ", ".join(f"{name} = {shown(value)}" for name, value in self.steps[run].items())
-        row = Row(label=inputs, expected="finite", measured=shown(measured[run]), ok=False)
+        inputs = ", ".join(
+            f"{name} = {format_value(value)}" for name, value in self.steps[run].items()
+        )
+        row = Row(label=inputs, expected="finite", measured=format_value(measured[run]), ok=False)
         message = f"{int((~finite).sum())} values are not finite"
         return self.judge_rows([row], message, judged=measured.size)
 
@@ -137,7 +139,7 @@ class EachValue(OutputLaw):
         i, c = (int(n) for n in place)
         parts = (found.values, found.reference, found.low, found.high)
         measured, reference, low, high = (
-            plain(np.broadcast_to(part, found.values.shape)[i]) for part in parts
+            to_tuple(np.broadcast_to(part, found.values.shape)[i]) for part in parts
         )
         return Worst(
             pixel=None,
@@ -149,7 +151,7 @@ class EachValue(OutputLaw):
             ulp=ulp_distance(measured[c], reference[c]),
             widths=math.inf if broken else 0.0,
             inputs={
-                name: plain(samples.inputs[name][i])
+                name: to_tuple(samples.inputs[name][i])
                 for name in dict.fromkeys((*self.steps[i], *self.at))
                 if name in samples.inputs and samples.inputs[name][i].ndim == 1
             },
@@ -332,7 +334,7 @@ class MeanOf(OutputLaw):
         rows = [
             Row(
                 label="mean" if measured.shape[1] == 1 else f"mean of {'xyzw'[k]}",
-                expected=shown(expected[k]),
+                expected=format_value(expected[k]),
                 measured=f"{mean[k]:.6g} ± {error[k]:.2g} (n = {count})",
                 ok=bool(chance[k] >= self.significance),
                 note=f"z = {z[k]:.2f}, p = {chance[k]:.2g}, α = {self.significance:g}",

@@ -18,8 +18,7 @@ import numpy as np
 
 from shaderlab.engine.expectations.base import DrawExpectation
 from shaderlab.engine.expectations.needs import find_image
-from shaderlab.engine.judging.formats import located, source_of
-from shaderlab.engine.judging.inputs import parameter_name
+from shaderlab.engine.judging.references import locate_error, parameter_name, source_of
 from shaderlab.errors import CaseError, FormulaError, ShaderlabError, nearest
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import checked_arguments
@@ -276,7 +275,7 @@ class Measure(DrawExpectation):
         except ShaderlabError:
             raise
         except Exception as error:
-            raise located(
+            raise locate_error(
                 self.statistic,
                 error,
                 "a statistic gets arrays (height, width, components) and returns one number",

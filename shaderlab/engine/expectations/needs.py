@@ -14,7 +14,7 @@ from shaderlab.drivers.programs.bind import convert_inputs, convert_value, decla
 from shaderlab.drivers.programs.prepare import PreparedDraw
 from shaderlab.drivers.programs.stages import changes_inputs, elements, may_keep_out
 from shaderlab.engine.expectations.base import Context, OutputExpectation
-from shaderlab.engine.judging.inputs import Inputs
+from shaderlab.engine.judging.references import Inputs
 from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Need, Programs

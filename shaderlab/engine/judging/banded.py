@@ -1,31 +1,133 @@
-"""Judging numbers by the band that a reference formula gives them: formula, sweep and value."""
+"""Holds measured values against the band that a reference formula gives them.
+
+A record shows only the largest distance from a band's middle, a picture the largest of each
+pixel, so distances are computed block by block, in memory that stays in the processor's cache.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from shaderlab.bands import Rules
-from shaderlab.bands.allowed import contains
+from shaderlab.bands.allowed import contains, widths
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
-from shaderlab.model.records import Row, SourceText, Worst
+from shaderlab.model.records import Row, SourceText, Worst, significant
 
-from .distance import Placed, plain, ulp_distance
-from .formats import FLOAT_FORMATS, source_of
-from .inputs import Inputs, Reference, evaluate
-from .reference_bands import (
-    MAX_UNDECIDED,
-    MIN_INFORMATIVE,
-    Plausible,
-    ReferenceBand,
-    reference_band,
-)
+from .bands import FLOAT_FORMATS, MAX_UNDECIDED, MIN_INFORMATIVE, ReferenceBand, reference_band
+from .references import Inputs, Reference, evaluate, source_of
 
+Floats = npt.NDArray[np.float64]
+Distances = npt.NDArray[np.floating[Any]]
+BLOCK = 4096
+"""Rows whose distances are computed at a time: with four components in float64, twice, a quarter of
+a megabyte."""
 MAX_VACUOUS = 0.01
+"""The largest share of values whose band may allow anything."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Placed:
+    """Measured values with their bands, all arrays (count, components).
+
+    `inside` says which are in their band; `unit` is the size of one code for fixed-point formats,
+    None for floats.
+    """
+
+    measured: Array
+    low: Array
+    high: Array
+    inside: npt.NDArray[np.bool_]
+    unit: float | None = None
+
+    def furthest(self) -> tuple[int, int]:
+        """Row and component of the value furthest from its band's middle, the first of equals.
+
+        A value outside outranks all inside, whatever their distances.
+        """
+        furthest, largest = 0, -1.0
+        for start, distance in self.blocks():
+            index = int(distance.argmax())
+            here = float(distance.flat[index])
+            if here > largest:
+                furthest, largest = start * distance.shape[1] + index, here
+        row, component = divmod(furthest, self.measured.shape[1])
+        return row, component
+
+    def widths_at(self, row: int, component: int) -> float:
+        """One value's distance in half widths, as `Band.widths` has it."""
+        at = row, slice(component, component + 1)
+        low, high = (bound[at].astype(np.float64) for bound in (self.low, self.high))
+        return float(widths(low, high, self.inside[at], self.measured[at], self.unit or 0.0)[0])
+
+    def signed(self) -> Floats:
+        """Of each row's components the largest distance, as (count,): negative below the middle,
+        at most 1 in size inside, infinite outside."""
+        signed = np.empty(len(self.measured))
+        for start, distance in self.blocks():
+            rows = slice(start, start + len(distance))
+            distance[~self.inside[rows]] = np.inf
+            at = distance.argmax(axis=1) + np.arange(0, distance.size, distance.shape[1])
+            arrays = (self.low[rows], self.high[rows], self.measured[rows], distance)
+            low, high, value, size = (array.reshape(-1).take(at) for array in arrays)
+            with np.errstate(invalid="ignore"):
+                below = value < 0.5 * np.add(low, high, dtype=np.float64)
+            signed[rows] = np.where(below, -size, size)
+        return signed
+
+    def blocks(self) -> Iterator[tuple[int, Distances]]:
+        """The first row and the distances of each block: at most 1 inside, at least 1 outside.
+        The next block may overwrite the array."""
+        alike = self.measured.dtype == self.low.dtype == self.high.dtype == np.float32
+        count, components = self.measured.shape
+        scratch = np.empty((3, min(BLOCK, count) if alike else 0, components), np.float32)
+        for start in range(0, count, BLOCK):
+            rows = slice(start, start + BLOCK)
+            block = self.low[rows], self.high[rows], self.measured[rows], self.inside[rows]
+            distance: Distances | None = _narrow(*block[:3], scratch) if alike else None
+            if distance is None:
+                distance = self._widths(*block)
+            elif not block[3].all():
+                beyond = ~block[3]
+                distance = distance.astype(np.float64)
+                distance[beyond] = self._widths(*(array[beyond] for array in block))
+            yield start, distance
+
+    def _widths(
+        self, low: Array, high: Array, value: Array, inside: npt.NDArray[np.bool_]
+    ) -> Floats:
+        # NaN is inside only where it is legal.
+        bounds = low.astype(np.float64), high.astype(np.float64)
+        distance = widths(*bounds, inside, value, self.unit or 0.0)
+        return np.where(inside, np.minimum(distance, 1.0), np.maximum(distance, 1.0))
+
+
+@np.errstate(all="ignore")
+def _narrow(low: Array, high: Array, value: Array, scratch: Array) -> Distances | None:
+    """Distances of float32 values inside float32 bounds, to a few units of the last place of 1;
+    None where a band is wider than float32 can hold."""
+    distance: Distances
+    whole, distance, below = scratch[:, : len(value)]
+    np.subtract(high, low, out=whole)
+    if not whole.max() < np.inf:  # NaN too
+        return None
+    # How far from either bound: exact where bounds are close to each other, and the same in size
+    # for a value and a band mirrored at zero.
+    np.subtract(value, low, out=distance)
+    np.subtract(high, value, out=below)
+    distance -= below
+    np.abs(distance, out=distance)
+    distance /= whole
+    # A band without width, or without an end, has no distance inside but 0.
+    np.fmax(distance, 0.0, out=distance)
+    np.minimum(distance, 1.0, out=distance)
+    return distance
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,12 +143,12 @@ class Banded(Placed):
     @property
     def inputs(self) -> Inputs:
         """What the reference was given."""
-        return self.band.exact.inputs
+        return self.band.inputs
 
     @property
     def source(self) -> SourceText:
         """Where the reference stands, and its text."""
-        return source_of(self.band.exact.reference)
+        return source_of(self.band.reference)
 
     @property
     def vacuous_share(self) -> float:
@@ -70,18 +172,8 @@ class Banded(Placed):
 
     @cached_property
     def informative_share(self) -> float:
-        """The share of values whose band excludes something plausible (see `informative`)."""
-        plausible = Plausible.of(self._sample[0], self.band.exact.format)
-        return plausible.informative_share(self.low, self.high)
-
-    @cached_property
-    def _furthest(self) -> tuple[int, int]:
-        return self.furthest()
-
-    @cached_property
-    def _sample(self) -> tuple[Array, Array]:
-        """What the formula gives in float64 in rows from all over, and in the worst value's."""
-        return self.band.sample(self._furthest[0] if self.measured.size else 0)
+        """The share of values whose band excludes something plausible."""
+        return self.band.informative_share
 
     def worst(self, covered: Array | None = None) -> Worst | None:
         """The value furthest from its band's middle, as seen from the band; None of nothing.
@@ -90,19 +182,20 @@ class Banded(Placed):
         """
         if not self.measured.size:
             return None
-        i, c = self._furthest
-        reference = self._sample[1][0]
+        i, c = self.furthest()
+        reference = self.reference[i]
         self._require_inside(i, reference)
+        names = [name for names in self.band.parameters.values() for name in names]
         return Worst(
             pixel=None if covered is None else _pixel(covered, i),
             component=c,
-            measured=plain(self.measured[i]),
-            reference=plain(reference),
-            low=plain(self.low[i]),
-            high=plain(self.high[i]),
+            measured=to_tuple(self.measured[i]),
+            reference=to_tuple(reference),
+            low=to_tuple(self.low[i]),
+            high=to_tuple(self.high[i]),
             ulp=ulp_distance(self.measured[i, c], reference[c], self.unit),
             widths=self.widths_at(i, c),
-            inputs=self.inputs.at(i, self.band.names),
+            inputs=self.inputs.at(i, names),
         )
 
     def _require_inside(self, i: int, reference: Array) -> None:
@@ -218,3 +311,50 @@ def _pixel(covered: Array, index: int) -> tuple[int, int]:
     """x and y of covered pixel number `index`, counted along rows."""
     y, x = divmod(int(np.flatnonzero(covered)[index]), covered.shape[1])
     return x, y
+
+
+def figure_row(
+    label: str, equals: Any, digits: int, computed: Any, measured: Any, ok: bool, note: str
+) -> Row:
+    """One line of a table of figures: as printed, and as measured with a few digits more, or none
+    of integers."""
+    found = computed if measured is None else measured
+    whole = isinstance(found, np.ndarray) and found.dtype.kind in "iu"
+    text = format_value(found, 0 if whole else min(digits + 3, 9))
+    digits = 0 if whole else digits
+    return Row(label=label, expected=format_value(equals, digits), measured=text, ok=ok, note=note)
+
+
+def rounds_to(computed: Any, equals: Any, digits: int) -> bool:
+    """Whether every component, rounded to `digits` decimals, is the printed figure.
+
+    A tie may be printed rounded either way.
+    """
+    difference = np.abs(np.asarray(computed, np.float64) - np.asarray(equals, np.float64))
+    return bool(np.all(difference <= 0.5 * 10.0**-digits * (1.0 + 1e-6)))
+
+
+def ulp_distance(measured: float, reference: float, unit: float | None = None) -> float:
+    """How many float32 units in the last place of `reference` (or `unit`s) lie between the two.
+
+    >>> ulp_distance(1.0 + 2.0**-23, 1.0)
+    1.0
+    """
+    unit = unit or float(np.spacing(np.float32(abs(reference))))
+    return abs(float(measured) - float(reference)) / unit if np.isfinite(reference) else np.nan
+
+
+def to_tuple(values: Array) -> tuple[float, ...]:
+    """A vector as a tuple of Python numbers."""
+    return tuple(float(v) for v in np.ravel(values))
+
+
+def format_value(values: object, digits: int | None = None) -> str:
+    """A number or vector for people: `digits` decimals, or nine significant digits.
+
+    >>> format_value((0.5, 1.0)), format_value(0.25, 4)
+    ('(0.5, 1)', '0.2500')
+    """
+    numbers = [float(v) for v in np.ravel(np.asarray(values, np.float64))]
+    texts = [f"{n:.{digits}f}" if digits is not None else significant(n) for n in numbers]
+    return texts[0] if len(texts) == 1 else f"({', '.join(texts)})"

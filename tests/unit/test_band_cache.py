@@ -11,8 +11,8 @@ import pytest
 
 from shaderlab.bands import Band, Rules
 from shaderlab.engine.judging.banded import Banded, judge_band
-from shaderlab.engine.judging.inputs import Inputs, Reference
-from shaderlab.engine.judging.reference_bands import RememberedBands, remembered_bands
+from shaderlab.engine.judging.bands import BandCache
+from shaderlab.engine.judging.references import Inputs, Reference
 from shaderlab.glslmath import dot, vec4
 from shaderlab.glslmath.sampling import texture
 from shaderlab.model.frame import Texels
@@ -55,14 +55,13 @@ def judged(
 
 
 def test_the_same_inputs_have_the_same_band() -> None:
-    reference, bands = Counted(), RememberedBands()
+    reference, bands = Counted(), BandCache()
     alone = judged(reference, given())
     with bands.in_use():
         first = judged(reference, given())
         again = judged(reference, given())
         wrong = judge_band(first.low + np.float32(9.0), reference, given(), rules=None)
     assert reference.bands == 2  # once alone, once remembered
-    assert remembered_bands() is None
     for name in ("low", "high", "inside", "reference", "informative_share"):
         np.testing.assert_array_equal(getattr(again, name), getattr(alone, name))
     assert repr(again.worst()) == repr(alone.worst())
@@ -93,7 +92,7 @@ def other_filter(inputs: Inputs) -> Inputs:
 @pytest.mark.parametrize("changed", [other_normal, other_gain, other_texel, other_filter])
 def test_other_inputs_have_a_band_of_their_own(changed: Callable[[Inputs], Inputs]) -> None:
     reference = Counted()
-    with RememberedBands().in_use():
+    with BandCache().in_use():
         before = judged(reference, given())
         after = judged(reference, changed(given()))
     assert reference.bands == 2
@@ -102,7 +101,7 @@ def test_other_inputs_have_a_band_of_their_own(changed: Callable[[Inputs], Input
 
 def test_other_formulas_rules_and_formats_have_a_band_of_their_own() -> None:
     reference = Counted()
-    with RememberedBands().in_use():
+    with BandCache().in_use():
         judged(reference, given())
         judged(reference, given(), rules=Rules(rearrange=False))
         judged(reference, given(), format="rgba8")
@@ -112,7 +111,7 @@ def test_other_formulas_rules_and_formats_have_a_band_of_their_own() -> None:
 
 def test_an_input_that_no_formula_reads_changes_nothing() -> None:
     reference, inputs = Counted(), given()
-    with RememberedBands().in_use():
+    with BandCache().in_use():
         judged(reference, inputs)
         judged(reference, replace(inputs, shared={**inputs.shared, "unread": np.ones(1)}))
     assert reference.bands == 1
@@ -120,7 +119,7 @@ def test_an_input_that_no_formula_reads_changes_nothing() -> None:
 
 def test_what_has_no_room_is_evaluated_each_time() -> None:
     reference = Counted()
-    with RememberedBands(limit=100).in_use():
+    with BandCache(limit=100).in_use():
         judged(reference, given())
         judged(reference, given())
     assert reference.bands == 2

@@ -1,4 +1,4 @@
-"""Giving a reference formula its inputs, found by its parameters' names.
+"""Evaluates reference formulas: their inputs, found by their parameters' names, and their source.
 
 `light.constant` is the parameter light_constant, `lights[0].position` is lights_0_position, and
 all of `lights[i].position` together are the list lights_position. An array uniform is a list.
@@ -26,12 +26,13 @@ from shaderlab.glslmath.arrays import Elements
 from shaderlab.glslmath.sampling import Sampler
 from shaderlab.model.frame import Array, Bindings, Texels
 from shaderlab.model.phases import phase
+from shaderlab.model.records import SourceText
 
-from .formats import located, name_of, source_of
 from .literals import with_literals
 
 Reference = Callable[..., Any]
-_TAKEN: WeakKeyDictionary[FunctionType, dict[str, bool]] = WeakKeyDictionary()
+_PARAMETERS: WeakKeyDictionary[FunctionType, dict[str, bool]] = WeakKeyDictionary()
+_SOURCES: WeakKeyDictionary[FunctionType, SourceText] = WeakKeyDictionary()
 # NumPy's words of a product by component that was meant as a matrix's: shapes such as (2,2) (50,2).
 _MATRIX = re.compile(r"broadcast together.*\(([234]),\1\)")
 _INDEXED = re.compile(r"\[(\d+)\]")
@@ -126,17 +127,17 @@ def parameter_name(glsl_name: str) -> str:
     return re.sub(r"\W+", "_", glsl_name).strip("_")
 
 
-def wanted(reference: Reference, inputs: Inputs) -> dict[str, list[str]]:
+def match_parameters(reference: Reference, inputs: Inputs) -> dict[str, list[str]]:
     """The GLSL names that each of the reference's parameters stands for.
 
     Raises:
         FormulaError: a parameter without a default matches nothing; lists what there is.
     """
     known = inputs.parameters()
-    asked = {}
-    for name, required in _taken(reference).items():
+    found = {}
+    for name, required in _parameters_of(reference).items():
         if name in known:
-            asked[name] = known[name]
+            found[name] = known[name]
         elif required:
             raise FormulaError(
                 f"{name_of(reference)}() asks for {name!r}, which the shader lacks",
@@ -144,22 +145,18 @@ def wanted(reference: Reference, inputs: Inputs) -> dict[str, list[str]]:
                 line=source_of(reference).line,
                 remedy=nearest(name, known),
             )
-    return asked
-
-
-def _taken(reference: Reference) -> dict[str, bool]:
-    """A formula's parameters, and whether each must be given; a function's are found once."""
-    if not isinstance(reference, FunctionType):
-        return _parameters_of(reference)
-    found = _TAKEN.get(reference)
-    if found is None:
-        found = _TAKEN[reference] = _parameters_of(reference)
     return found
 
 
 def _parameters_of(reference: Reference) -> dict[str, bool]:
+    """A formula's parameters, and whether each must be given; a function's are found once."""
+    if isinstance(reference, FunctionType) and reference in _PARAMETERS:
+        return _PARAMETERS[reference]
     parameters = inspect.signature(reference).parameters.values()
-    return {p.name: p.default is p.empty for p in parameters}
+    found = {p.name: p.default is p.empty for p in parameters}
+    if isinstance(reference, FunctionType):
+        _PARAMETERS[reference] = found
+    return found
 
 
 def evaluate(
@@ -168,12 +165,13 @@ def evaluate(
     *,
     rules: Rules | None,
     decimal: bool,
-    asked: Mapping[str, list[str]] | None = None,
+    parameters: Mapping[str, list[str]] | None = None,
 ) -> Any:
     """The reference's value: a Band under `rules`, or a float64 array without them.
 
-    With `decimal`, inputs are taken as the case wrote them, before they became float32. `asked` is
-    the result of `wanted`, for callers that evaluate one part after the other.
+    With `decimal`, inputs are taken as the case wrote them, before they became float32.
+    `parameters` is the result of `match_parameters`, for callers that evaluate one part after the
+    other.
 
     Raises:
         FormulaError: a parameter matches nothing, or the reference fails; names its file and line.
@@ -195,7 +193,7 @@ def evaluate(
         return Elements(_number(piece, rules, whole=whole) for piece in pieces)
 
     arguments = {}
-    for parameter, names in (asked or wanted(reference, inputs)).items():
+    for parameter, names in (parameters or match_parameters(reference, inputs)).items():
         several = len(names) > 1 or parameter != parameter_name(names[0])
         arguments[parameter] = Elements(map(convert, names)) if several else convert(names[0])
     try:
@@ -216,7 +214,7 @@ def evaluate(
             remedy = "a matrix times a vector is glslmath.mul(m, v), times a matrix matmul(a, b)"
         if "bitwise_" in str(error) or "_shift" in str(error):
             remedy = WHOLE
-        raise located(reference, error, remedy) from error
+        raise locate_error(reference, error, remedy) from error
 
 
 def _numeric(result: Any) -> Any:
@@ -239,3 +237,47 @@ def _number(values: Array, rules: Rules | None, *, whole: bool) -> Any:
     if whole:
         return Integer(values, unsigned=values.dtype.kind == "u", rules=rules)
     return values.astype(np.float64).view(Vector) if rules is None else Band.exact(values, rules)
+
+
+def name_of(reference: Callable[..., Any]) -> str:
+    """What a formula is called; an object that can be called has its type's name."""
+    target = inspect.unwrap(reference)
+    target = getattr(target, "func", target)
+    return str(getattr(target, "__name__", type(target).__name__))
+
+
+def source_of(reference: Callable[..., Any]) -> SourceText:
+    """Where a formula stands, and its text."""
+    target = inspect.unwrap(reference)
+    while hasattr(target, "func"):
+        target = target.func
+    if not isinstance(target, FunctionType):
+        return _source_of(target, reference)
+    if target not in _SOURCES:  # a formula is asked for it once a variant
+        _SOURCES[target] = _source_of(target, reference)
+    return _SOURCES[target]
+
+
+def _source_of(target: Any, reference: Callable[..., Any]) -> SourceText:
+    try:
+        lines, line = inspect.getsourcelines(target)
+        file = inspect.getsourcefile(target) or "?"
+    except (OSError, TypeError):
+        return SourceText(file="?", line=0, language="python", text=repr(reference))
+    return SourceText(file=file, line=max(line, 1), language="python", text="".join(lines))
+
+
+def locate_error(reference: Callable[..., Any], error: Exception, remedy: str) -> FormulaError:
+    """Make a FormulaError of a foreign one, with the line of the formula's own file."""
+    place = source_of(reference)
+    line, trace = place.line, error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == place.file:
+            line = trace.tb_lineno
+        trace = trace.tb_next
+    return FormulaError(
+        f"{name_of(reference)}() fails: {type(error).__name__}: {error}",
+        file=place.file,
+        line=line,
+        remedy=remedy,
+    )
