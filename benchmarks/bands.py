@@ -28,7 +28,7 @@ import numpy as np
 
 from shaderlab import glslmath
 from shaderlab.bands import Band, Rules, compiled
-from shaderlab.bands.allowed import contains
+from shaderlab.bands.bounds import contains
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.expectations.formula import Formula

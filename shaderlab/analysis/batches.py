@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Integer, Truth
+from shaderlab.bands import Integer, TriBool
 from shaderlab.compiler.spirv import Op
 from shaderlab.model.frame import Array, Bindings, Fragments, Samples
 
@@ -107,7 +107,7 @@ def run_batch(
     if size == 1:
         return found
     outputs = {name: v.reshape(count, -1) for name, v in flatten_outputs(found.outputs)}
-    return replace(found, outputs=outputs, discarded=Truth.known(np.zeros(count, np.bool_)))
+    return replace(found, outputs=outputs, discarded=TriBool.of(np.zeros(count, np.bool_)))
 
 
 def _each_of_workgroups(program: Program, batch: InputBatch) -> dict[str, Array]:
@@ -129,7 +129,7 @@ def flatten_outputs(outputs: Mapping[str, Any]) -> list[tuple[str, Array]]:
             continue
         if isinstance(value, Integer):
             value = value.lo
-        elif isinstance(value, Truth):
+        elif isinstance(value, TriBool):
             value = value.all_true
         numbers = np.asarray(value, np.float64)
         numbers = numbers.reshape(len(numbers), -1)

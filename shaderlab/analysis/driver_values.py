@@ -17,7 +17,7 @@ import numpy as np
 from shaderlab.analysis.interpreter import Program, Stored
 from shaderlab.analysis.interpreter.program import Instruction, Type
 from shaderlab.analysis.interpreter.values import Flags, component
-from shaderlab.bands import Band, Integer, Truth
+from shaderlab.bands import Band, Integer, TriBool
 from shaderlab.drivers.programs.instrument import (
     VALUE,
     Watch,
@@ -202,7 +202,7 @@ class Watched:
     Attributes:
         event: what was stored.
         name: the event's name, and the way to this part of it.
-        value: a band, an `Integer` or a `Truth`, (count or 1, components).
+        value: a band, an `Integer` or a `TriBool`, (count or 1, components).
         watch: what to write, but for the turn.
     """
 
@@ -331,7 +331,7 @@ def _covers(place: str, name: str) -> bool:
 def _parts(value: Any, type_: Type, way: str = "") -> Iterator[tuple[str, Any]]:
     """The vectors and scalars of a value, each with the way to it."""
     if type_.kind in ("vector", "float", "int", "bool"):
-        if isinstance(value, Band | Integer | Truth) and value.ndim == 2:
+        if isinstance(value, Band | Integer | TriBool) and value.ndim == 2:
             yield way, value
     elif type_.kind in ("matrix", "array", "struct"):
         count = len(type_.members) if type_.kind == "struct" else type_.count

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Band, Integer, Truth
+from shaderlab.bands import Band, Integer, TriBool
 from shaderlab.bands.rounding import ulp
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.formula import Formula
@@ -143,12 +143,12 @@ def steps_at(
 
 
 def _is_plain(value: Any) -> bool:
-    return is_vector(value) or (isinstance(value, Integer | Truth) and value.ndim == 2)
+    return is_vector(value) or (isinstance(value, Integer | TriBool) and value.ndim == 2)
 
 
 def _bounds(value: Any, row: int) -> tuple[Any, Any]:
     """The least and the greatest value of one invocation, (components,) each."""
-    if isinstance(value, Truth):
+    if isinstance(value, TriBool):
         return row_of(value.all_true, row), row_of(~value.all_false, row)
     if isinstance(value, Integer | Band):
         return row_of(value.lo, row), row_of(value.hi, row)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Integer, Truth
+from shaderlab.bands import Integer, TriBool
 from shaderlab.compiler.spirv import ExecutionMode, Op, StorageClass
 from shaderlab.model.frame import Array, Texels
 
@@ -102,7 +102,7 @@ class _Filling:
 def _has_numbers(value: Any) -> bool:
     if isinstance(value, tuple):
         return all(_has_numbers(part) for part in value)
-    return isinstance(value, np.ndarray | Integer | Truth)
+    return isinstance(value, np.ndarray | Integer | TriBool)
 
 
 def _stand_in(value: Any, number: float) -> Any:
@@ -110,8 +110,8 @@ def _stand_in(value: Any, number: float) -> Any:
         return tuple(_stand_in(part, number) for part in value)
     if isinstance(value, Integer):
         return Integer(np.full_like(value.lo, int(number)), unsigned=value.unsigned)
-    if isinstance(value, Truth):
-        return Truth.known(np.full_like(value.all_true, number > 1.0))
+    if isinstance(value, TriBool):
+        return TriBool.of(np.full_like(value.all_true, number > 1.0))
     return np.full_like(value, number)
 
 

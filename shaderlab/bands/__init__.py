@@ -5,12 +5,10 @@ tables of GLSL and Vulkan allow. A measured value outside is a failure on any co
 inside, no device can be blamed. GLSL's functions for bands are in `shaderlab.glslmath`.
 """
 
-from shaderlab.bands.allowed import Allowed
-from shaderlab.bands.band import Band
+from shaderlab.bands.band import Band, Literal
+from shaderlab.bands.formats import Allowed
 from shaderlab.bands.integer import Integer
-from shaderlab.bands.literal import Literal
-from shaderlab.bands.truth import Truth
+from shaderlab.bands.rounding import Rules
+from shaderlab.bands.tri_bool import TriBool
 
-from .rounding import Rules
-
-__all__ = ["Allowed", "Band", "Integer", "Literal", "Rules", "Truth"]
+__all__ = ["Allowed", "Band", "Integer", "Literal", "Rules", "TriBool"]

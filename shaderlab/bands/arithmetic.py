@@ -19,36 +19,28 @@ A plain band has no `mag` of its own (None: its own absolute value), and pays no
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
+from shaderlab.bands.bounds import BandT, Bounds, Terms, find_least, flush_gain_of, may_be_tiny
 from shaderlab.bands.compiled import use_kernel
-from shaderlab.bands.exact import negative
-from shaderlab.bands.hulls import (
-    LARGEST_DIVISOR,
-    product_bounds,
-    quotient_bounds,
-    usable_divisor,
-    zero_times_infinity,
-)
+from shaderlab.bands.exact import negate, transpose
 from shaderlab.bands.rounding import (
     LARGEST,
     RELATIVE_STEP,
     SMALLEST_NORMAL,
     Flags,
-    Floats,
+    Float64Array,
     add_above,
     add_below,
-    finite,
+    is_finite,
     is_power_of_two,
-    widened_by_ulps,
+    widen_by_ulps,
 )
-from shaderlab.bands.terms import Terms, is_tiny, least_of, reach_of
+from shaderlab.errors import FormulaError
 
-if TYPE_CHECKING:
-    from shaderlab.bands.band import Band
-
+LARGEST_DIVISOR = 2.0**126
 DIVISION_ULPS = 2.5
 # Terms whose sizes add up to the result's (but for roundings) have one sign, and keep it in any
 # order.
@@ -57,34 +49,34 @@ UNCANCELLED = 1.0 - 2.0**-20
 
 @use_kernel
 @np.errstate(all="ignore")
-def add(a: Band, b: Band) -> Band:
+def add(a: BandT, b: BandT) -> BandT:
     """a + b, correctly rounded in either direction."""
-    a_lo, a_hi = a.settled()
-    b_lo, b_hi = b.settled()
+    a_lo, a_hi = a.apply_slack()
+    b_lo, b_hi = b.apply_slack()
     lo, hi = add_below(a_lo, b_lo), add_above(a_hi, b_hi)
     if a_lo is a_hi and b_lo is b_hi and (lo == hi).all():
         hi = lo
     nan = None
-    if not finite(lo, hi):
+    if not is_finite(lo, hi):
         nan = ((a_hi == np.inf) & (b_lo == -np.inf)) | ((a_lo == -np.inf) & (b_hi == np.inf))
     if not a.rules.rearrange:
-        return a.made(lo, hi, b, nan=nan)
-    mag_a, mag_b = a.mag, b.mag
+        return a.derive(lo, hi, b, nan=nan)
+    mag_a, mag_b = a.abs_sum, b.abs_sum
     mag = mag_a + mag_b
     terms = Terms.of(
         mag,
-        lambda: reach_of(mag_a, a.terms) + reach_of(mag_b, b.terms),
+        lambda: flush_gain_of(mag_a, a.terms) + flush_gain_of(mag_b, b.terms),
         a.terms,
         b.terms,
         count=a.count + b.count,
     )
     step = terms.step()
-    if least_of(mag_a) <= 0.0 or least_of(mag_b) <= 0.0:
+    if find_least(mag_a) <= 0.0 or find_least(mag_b) <= 0.0:
         # Adding an exact zero is no sum: no compiler keeps it.
         step = np.where((mag_a > 0.0) & (mag_b > 0.0), step, 0.0)
     if a.is_plain and b.is_plain:
         terms.slack = step
-        return a.made(lo, hi, b, nan=nan, terms=terms)
+        return a.derive(lo, hi, b, nan=nan, terms=terms)
     if a.count > 1:
         step = step + (a.count - 1) * RELATIVE_STEP * mag_b
     if b.count > 1:
@@ -102,23 +94,23 @@ def add(a: Band, b: Band) -> Band:
             found &= (a_hi + b_hi <= -step) | (-lo >= mag * UNCANCELLED)
         return found
 
-    moved = moved_out(lo, hi, step, not_negative, not_positive)
-    return a.made(*moved, b, nan=nan, terms=terms)
+    moved = move_out(lo, hi, step, not_negative, not_positive)
+    return a.derive(*moved, b, nan=nan, terms=terms)
 
 
 @use_kernel
-def subtract(a: Band, b: Band) -> Band:
+def subtract(a: BandT, b: BandT) -> BandT:
     """a - b, correctly rounded in either direction."""
-    return add(a, negative(b))
+    return add(a, negate(b))
 
 
-def moved_out(
-    lo: Floats,
-    hi: Floats,
-    step: Floats,
+def move_out(
+    lo: Float64Array,
+    hi: Float64Array,
+    step: Float64Array,
     not_negative: Callable[[Flags], Flags],
     not_positive: Callable[[Flags], Flags],
-) -> tuple[Floats, Floats]:
+) -> tuple[Float64Array, Float64Array]:
     """Bounds moved out by a step, which does not take a result past zero that can't have its sign.
 
     Operands of one sign, once settled, are further from zero than any rearrangement can err.
@@ -135,12 +127,12 @@ def moved_out(
 
 
 def _safe_signs(
-    lo: Floats, hi: Floats, terms: Terms, least: Floats | None = None
+    lo: Float64Array, hi: Float64Array, terms: Terms, least: Float64Array | None = None
 ) -> tuple[Callable[[Flags], Flags], Callable[[Flags], Flags]]:
-    """For `moved_out`: where a settled sum times or over a plain value keeps its sign, its terms
+    """For `move_out`: where a settled sum times or over a plain value keeps its sign, its terms
     distributed; and where its size is at least `least`, if given."""
 
-    def kept(crossed: Flags, sided: Flags, size: Floats) -> Flags:
+    def keeps_sign(crossed: Flags, sided: Flags, size: Float64Array) -> Flags:
         found: Flags = crossed & sided
         if found.any():
             found &= terms.safe()
@@ -149,121 +141,281 @@ def _safe_signs(
         return found
 
     return (
-        lambda crossed: kept(crossed, lo >= 0.0, hi),
-        lambda crossed: kept(crossed, hi <= 0.0, -lo),
+        lambda crossed: keeps_sign(crossed, lo >= 0.0, hi),
+        lambda crossed: keeps_sign(crossed, hi <= 0.0, -lo),
     )
 
 
 @use_kernel
 @np.errstate(all="ignore")
-def multiply(a: Band, b: Band) -> Band:
+def multiply(a: BandT, b: BandT) -> BandT:
     """a · b, correctly rounded in either direction; a value times itself is not negative."""
     if a is b:
         return square(a)
-    for scale, other in ((a, b), (b, a)):
-        if (
-            scale.lo is scale.hi
-            and scale.is_plain
-            and scale.lo.size <= 16
-            and is_power_of_two(scale.lo)
-        ):
-            return scaled(other, scale)
-    a_lo, a_hi = a.settled()
-    b_lo, b_hi = b.settled()
+    for factor, other in ((a, b), (b, a)):
+        few = factor.lo is factor.hi and factor.is_plain and factor.lo.size <= 16
+        if few and is_power_of_two(factor.lo):
+            return scale(other, factor)
+    a_lo, a_hi = a.apply_slack()
+    b_lo, b_hi = b.apply_slack()
     lo, hi = product_bounds(a_lo, a_hi, b_lo, b_hi)
     nan = None
-    if not finite(lo, hi):
+    if not is_finite(lo, hi):
         nan = zero_times_infinity(a_lo, a_hi, b_lo, b_hi)
     if not a.rules.rearrange:
-        return a.made(lo, hi, b, nan=nan)
-    mag_a, mag_b = a.mag, b.mag
+        return a.derive(lo, hi, b, nan=nan)
+    mag_a, mag_b = a.abs_sum, b.abs_sum
     mag = mag_a * mag_b
     terms = Terms.of(
         mag,
-        lambda: np.maximum(reach_of(mag_a, a.terms) * reach_of(mag_b, b.terms), 1.0),
+        lambda: np.maximum(flush_gain_of(mag_a, a.terms) * flush_gain_of(mag_b, b.terms), 1.0),
         a.terms,
         b.terms,
         count=a.count * b.count,
     )
     if a.is_plain and b.is_plain:
-        return a.made(lo, hi, b, nan=nan, terms=terms)
+        return a.derive(lo, hi, b, nan=nan, terms=terms)
     # (a + b)·(c + d) may become four products and three sums, each of the size of the terms.
     steps = 1 if a.is_plain or b.is_plain else max(3, terms.count - 1)
     keeps = _safe_signs(lo, hi, terms, mag * UNCANCELLED if steps > 1 else None)
-    moved = moved_out(lo, hi, steps * terms.step() if steps > 1 else terms.step(), *keeps)
-    return a.made(*moved, b, nan=nan, terms=terms)
+    moved = move_out(lo, hi, steps * terms.step() if steps > 1 else terms.step(), *keeps)
+    return a.derive(*moved, b, nan=nan, terms=terms)
 
 
 @np.errstate(all="ignore")
-def scaled(a: Band, scale: Band) -> Band:
+def scale(a: BandT, scale: BandT) -> BandT:
     """a · 0 or a · ±2^k: nothing is rounded, so a pending slack stays pending."""
     lo, hi = product_bounds(a.lo, a.hi, scale.lo, scale.lo)
     nan = None
-    if not finite(lo, hi):
+    if not is_finite(lo, hi):
         nan = zero_times_infinity(a.lo, a.hi, scale.lo, scale.lo)
-    return a.made(lo, hi, scale, nan=nan, terms=_scaled_terms(a, np.abs(scale.lo)))
+    return a.derive(lo, hi, scale, nan=nan, terms=_scaled_terms(a, np.abs(scale.lo)))
 
 
-def _scaled_terms(a: Band, factor: Floats) -> Terms | None:
+def _scaled_terms(a: Bounds, factor: Float64Array) -> Terms | None:
     terms = a.terms
     if terms is None:
-        scaled = a.mag * factor
-        if not a.rules.rearrange or not is_tiny(scaled, least_of(scaled)):
+        scaled = a.abs_sum * factor
+        if not a.rules.rearrange or not may_be_tiny(scaled, find_least(scaled)):
             return None
         # Small times large: the small one may meet another small one first.
-        large = np.maximum(a.mag, 1.0) * np.maximum(factor, 1.0)
-        return Terms(scaled, reach=large) if (large > 1.0).any() else None
-    slack = reach = None
+        large = np.maximum(a.abs_sum, 1.0) * np.maximum(factor, 1.0)
+        return Terms(scaled, flush_gain=large) if (large > 1.0).any() else None
+    slack = flush_gain = None
     if terms.slack is not None:
         scaled = terms.slack * factor
         slack = np.where(scaled > 0.0, np.maximum(scaled, SMALLEST_NORMAL), 0.0)
-    if terms.reach is not None:
-        reach = terms.reach * np.maximum(factor, 1.0)
-    return Terms(terms.mag * factor, slack, terms.count, reach)
+    if terms.flush_gain is not None:
+        flush_gain = terms.flush_gain * np.maximum(factor, 1.0)
+    return Terms(terms.abs_sum * factor, slack, terms.count, flush_gain)
 
 
 @use_kernel
 @np.errstate(all="ignore")
-def square(a: Band) -> Band:
+def square(a: BandT) -> BandT:
     """a · a for one and the same value: never negative, and no compiler expands (b + c)²."""
     if a.lo is a.hi:
         product = a.lo * a.lo
-        return a.made(product, product, terms=_squared(a, product) if a.rules.rearrange else None)
+        return a.derive(product, product, terms=_squared(a, product) if a.rules.rearrange else None)
     low, high = a.lo * a.lo, a.hi * a.hi
     straddles = (a.lo < 0.0) & (a.hi > 0.0)
     lo, hi = np.where(straddles, 0.0, np.minimum(low, high)), np.maximum(low, high)
     if not a.rules.rearrange:
-        return a.made(lo, hi)
+        return a.derive(lo, hi)
     terms = _squared(a, hi)
     step = 0.0 if a.is_plain else terms.step()
-    return a.made(np.maximum(lo - step, 0.0), hi + step, terms=terms)
+    return a.derive(np.maximum(lo - step, 0.0), hi + step, terms=terms)
 
 
-def _squared(a: Band, product: Floats) -> Terms:
+def _squared(a: Bounds, product: Float64Array) -> Terms:
     mag = np.minimum(product, LARGEST)
-    return Terms.of(mag, lambda: np.maximum(reach_of(a.mag, a.terms) ** 2, 1.0), a.terms)
+    return Terms.of(mag, lambda: np.maximum(flush_gain_of(a.abs_sum, a.terms) ** 2, 1.0), a.terms)
 
 
 @use_kernel
 @np.errstate(all="ignore")
-def divide(a: Band, b: Band) -> Band:
+def divide(a: BandT, b: BandT) -> BandT:
     """a / b within 2.5 ULP where 2^-126 ≤ |b| ≤ 2^126; anything elsewhere."""
-    a_lo, a_hi = a.settled()
+    a_lo, a_hi = a.apply_slack()
     b_lo, b_hi = b.lo, b.hi
     outside = None
-    if least_of(b_lo) >= SMALLEST_NORMAL and b_hi.size and b_hi.max() <= LARGEST_DIVISOR:
+    if find_least(b_lo) >= SMALLEST_NORMAL and b_hi.size and b_hi.max() <= LARGEST_DIVISOR:
         smallest = b_lo
     else:
         b_lo, b_hi, smallest, outside = usable_divisor(b_lo, b_hi)
     lo, hi = quotient_bounds(a_lo, a_hi, b_lo, b_hi)
-    lo, hi = widened_by_ulps(lo, hi, DIVISION_ULPS, DIVISION_ULPS)
+    lo, hi = widen_by_ulps(lo, hi, DIVISION_ULPS, DIVISION_ULPS)
     if a.terms is None:
-        return a.made(lo, hi, b, anything=outside)
+        return a.derive(lo, hi, b, anything=outside)
     terms = Terms.of(
-        a.terms.mag / smallest,
-        lambda: reach_of(a.mag, a.terms) * np.maximum(1.0 / smallest, 1.0),
+        a.terms.abs_sum / smallest,
+        lambda: flush_gain_of(a.abs_sum, a.terms) * np.maximum(1.0 / smallest, 1.0),
         a.terms,
         count=a.count,
     )
-    moved = moved_out(lo, hi, DIVISION_ULPS * terms.step(), *_safe_signs(lo, hi, terms))
-    return a.made(*moved, b, anything=outside, terms=terms)
+    moved = move_out(lo, hi, DIVISION_ULPS * terms.step(), *_safe_signs(lo, hi, terms))
+    return a.derive(*moved, b, anything=outside, terms=terms)
+
+
+def product_bounds(
+    a_lo: Float64Array, a_hi: Float64Array, b_lo: Float64Array, b_hi: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """The hull of the products of the ends. Exact: 24 + 24 bits fit into float64."""
+    if b_lo is b_hi:
+        a_lo, a_hi, b_lo, b_hi = b_lo, b_hi, a_lo, a_hi
+    if a_lo is a_hi:
+        first = a_lo * b_lo
+        if b_lo is b_hi:
+            return first, first
+        second = a_lo * b_hi
+        return np.fmin(first, second), np.fmax(first, second)
+    if find_least(a_lo) >= 0.0:
+        a_lo, a_hi, b_lo, b_hi = b_lo, b_hi, a_lo, a_hi
+    if find_least(b_lo) >= 0.0:
+        if find_least(a_lo) >= 0.0:
+            lo, hi = a_lo * b_lo, a_hi * b_hi
+        else:
+            lo = np.minimum(a_lo * b_lo, a_lo * b_hi)
+            hi = np.maximum(a_hi * b_lo, a_hi * b_hi)
+        # Where 0·inf adds a NaN, not a bound, all four products are looked at.
+        if is_finite(lo, hi):
+            return lo, hi
+    first, second, third, fourth = a_lo * b_lo, a_lo * b_hi, a_hi * b_lo, a_hi * b_hi
+    return (
+        np.fmin(np.fmin(first, second), np.fmin(third, fourth)),
+        np.fmax(np.fmax(first, second), np.fmax(third, fourth)),
+    )
+
+
+def zero_times_infinity(
+    a_lo: Float64Array, a_hi: Float64Array, b_lo: Float64Array, b_hi: Float64Array
+) -> Flags:
+    a_zero = (a_lo <= 0.0) & (a_hi >= 0.0)
+    b_zero = (b_lo <= 0.0) & (b_hi >= 0.0)
+    a_infinite = np.isinf(a_lo) | np.isinf(a_hi)
+    b_infinite = np.isinf(b_lo) | np.isinf(b_hi)
+    found: Flags = (a_zero & b_infinite) | (b_zero & a_infinite)
+    return found
+
+
+def usable_divisor(
+    b_lo: Float64Array, b_hi: Float64Array
+) -> tuple[Float64Array, Float64Array, Float64Array, Flags]:
+    """The divisor's bounds and its smallest absolute value, 1 where it is outside the range that
+    has a precision; and where that is."""
+    low, high = np.abs(b_lo), np.abs(b_hi)
+    smallest = np.minimum(low, high)
+    outside = (
+        (smallest < SMALLEST_NORMAL)
+        | (np.maximum(low, high) > LARGEST_DIVISOR)
+        | ((b_lo <= 0.0) & (b_hi >= 0.0))
+    )
+    if not outside.any():
+        return b_lo, b_hi, smallest, outside
+    usable_lo = np.where(outside, 1.0, b_lo)
+    usable_hi = usable_lo if b_lo is b_hi else np.where(outside, 1.0, b_hi)
+    return usable_lo, usable_hi, np.where(outside, 1.0, smallest), outside
+
+
+def quotient_bounds(
+    a_lo: Float64Array, a_hi: Float64Array, b_lo: Float64Array, b_hi: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """The hull of the quotients of the ends; no divisor is zero."""
+    if a_lo is a_hi and b_lo is b_hi:
+        quotient = a_lo / b_lo
+        return quotient, quotient
+    if find_least(a_lo) >= 0.0 and find_least(b_lo) > 0.0:
+        return a_lo / b_hi, a_hi / b_lo
+    low, high = a_lo / b_lo, a_hi / b_lo
+    lo, hi = np.minimum(low, high), np.maximum(low, high)
+    if b_lo is not b_hi:
+        low, high = a_lo / b_hi, a_hi / b_hi
+        lo, hi = np.minimum(lo, np.minimum(low, high)), np.maximum(hi, np.maximum(low, high))
+    return lo, hi
+
+
+@use_kernel
+@np.errstate(all="ignore")
+def sum_last(a: BandT) -> BandT:
+    """The sum over the last axis (kept, with size 1), its terms added in any order."""
+    if a.shape[-1] == 1:
+        return a
+    a_lo, a_hi = a.apply_slack()
+    lo, hi = _over_last(a_lo, add_below), _over_last(a_hi, add_above)
+    if a_lo is a_hi and (lo == hi).all():
+        hi = lo
+    nan = None
+    if not is_finite(lo, hi):
+        rises = (a_hi == np.inf).sum(axis=-1, keepdims=True)
+        falls = (a_lo == -np.inf).sum(axis=-1, keepdims=True)
+        both = ((a_hi == np.inf) & (a_lo == -np.inf)).sum(axis=-1, keepdims=True)
+        nan = rises * falls > both
+    sizes = a.abs_sum
+    mag = _over_last(sizes, np.add)
+    # The terms of the products are not counted: no compiler expands a dot product's arguments.
+    terms = Terms.of(
+        mag,
+        lambda: _over_last(np.broadcast_to(flush_gain_of(sizes, a.terms), sizes.shape), np.add),
+        a.terms,
+        count=a.shape[-1],
+    )
+    step = terms.step()
+    count: Any = float(a.shape[-1])
+    no_zeros = find_least(sizes) > 0.0
+    if not no_zeros:
+        count = _over_last((sizes > 0.0).astype(np.float64), np.add)
+    # All partial sums but the last, which `derive` rounds, may each lose a step.
+    between = np.maximum(count - 2.0, 0.0) * step
+    lo, hi = move_out(
+        lo,
+        hi,
+        between,
+        lambda crossed: crossed & _over_last(a_lo >= 0.0, np.logical_and),
+        lambda crossed: crossed & _over_last(a_hi <= 0.0, np.logical_and),
+    )
+    if not a.rules.rearrange:
+        return a.join_flags_over_last().derive(lo, hi, nan=nan)
+    terms.slack = step if no_zeros else np.where(count >= 2.0, step, 0.0)
+    return a.join_flags_over_last().derive(lo, hi, nan=nan, terms=terms)
+
+
+def _over_last(values: Any, join: Callable[[Any, Any], Any]) -> Any:
+    """The components along the last axis, which stays with size 1, joined from first to last.
+
+    They are taken one by one, because NumPy's reductions of so few numbers spend their time
+    between them.
+    """
+    total = values[..., 0:1]
+    for j in range(1, values.shape[-1]):
+        total = join(total, values[..., j : j + 1])
+    return total
+
+
+def dot(a: BandT, b: BandT) -> BandT:
+    """The sum of the products over the last axis (kept, with size 1), in any order."""
+    return sum_last(multiply(a, b))
+
+
+def times_vector(m: BandT, v: BandT) -> BandT:
+    """m · v for matrices (…, r, c) and vectors (…, c): vectors (…, r)."""
+    if m.ndim < 2 or v.shape[-1] != m.shape[-1]:
+        raise FormulaError(f"no product of a matrix {m.shape} and a vector {v.shape}")
+    products = multiply(m, v[..., None, :])
+    return sum_last(products)[..., 0]
+
+
+def times_matrix(a: BandT, b: BandT) -> BandT:
+    """a · b for matrices (…, r, k) and (…, k, c): matrices (…, r, c)."""
+    if a.ndim < 2 or b.ndim < 2 or a.shape[-1] != b.shape[-2]:
+        raise FormulaError(f"no product of matrices {a.shape} and {b.shape}")
+    products = multiply(a[..., :, None, :], transpose(b)[..., None, :, :])
+    return sum_last(products)[..., 0]
+
+
+def matmul(a: BandT, b: BandT) -> BandT:
+    """NumPy's `a @ b`: b is a vector if it has one axis, or if its rows don't fit a's columns."""
+    if b.ndim == 1 or (b.shape[-1] == a.shape[-1] != b.shape[-2]):
+        return times_vector(a, b)
+    if a.ndim == 1:
+        return times_vector(transpose(b), a)
+    return times_matrix(a, b)

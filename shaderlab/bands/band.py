@@ -1,43 +1,87 @@
-"""The band: per value, the interval that a conforming device's float32 result may lie in."""
+"""The band: per value, the interval that a conforming device's float32 result may lie in.
+
+Python's operators work on bands, on literals of the shader, and on both; what would lose their
+intervals raises.
+"""
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
+from typing import Any, NoReturn, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from shaderlab.bands.allowed import Allowed, Interval
+from shaderlab.bands import arithmetic, formats
+from shaderlab.bands.bounds import NO, NOWHERE, Bounds, Terms
 from shaderlab.bands.compiled import use_bands
-from shaderlab.bands.operators import Operators
-from shaderlab.bands.rounding import (
-    LARGEST,
-    Flags,
-    Floats,
-    enclosed,
-    ordinary,
-    outward,
-)
+from shaderlab.bands.exact import absolute_value, equal, less, negate, not_less, union
+from shaderlab.bands.rounding import Float64Array, Rules, round_outward
 from shaderlab.bands.swizzles import Swizzled
-from shaderlab.bands.terms import Terms
-from shaderlab.bands.truth import Truth
+from shaderlab.bands.tri_bool import TriBool
 from shaderlab.errors import FormulaError
-
-from . import allowed as formats
-from .rounding import Rules
 
 _DEFAULT = Rules()
 _FLOAT32 = np.dtype(np.float32)
-_NO = np.zeros((), dtype=np.bool_)
-_NOWHERE = (_NO, _NO, _NO)
+WHOLE = "glslmath.int(x) makes an integer; where(c, 1, 2) and abs(3) of numbers alone give floats"
 
-Flagged = tuple[Any, Any, Any]
-"""Where a value may be NaN, where it may be anything, where it is undecided; 0-d for nowhere."""
+# What NumPy calls for `array + band`, and the band's operator that answers.
+REFLECTED = {
+    np.add: "__radd__",
+    np.subtract: "__rsub__",
+    np.multiply: "__rmul__",
+    np.divide: "__rtruediv__",
+    np.matmul: "__rmatmul__",
+    np.less: "__gt__",
+    np.greater: "__lt__",
+    np.less_equal: "__ge__",
+    np.greater_equal: "__le__",
+    np.equal: "__eq__",
+    np.not_equal: "__ne__",
+    np.remainder: "__rmod__",
+    np.bitwise_and: "__rand__",
+    np.bitwise_or: "__ror__",
+    np.bitwise_xor: "__rxor__",
+    np.left_shift: "__rlshift__",
+    np.right_shift: "__rrshift__",
+}
+_BOUNDS = "use shaderlab.glslmath's functions; the bounds are .lo and .hi"
+# What would take one number for a band: what the error calls it, and what to write instead.
+_OF_BITS = {"and": "&", "or": "|", "xor": "^", "lshift": "<<", "rshift": ">>"}
+_REFUSED = {
+    "__array__": ("a NumPy array", _BOUNDS),
+    "__bool__": ("a Python condition", "choose with glslmath.where(condition, a, b)"),
+    "__float__": ("float() or math", _BOUNDS),
+    "__int__": ("Python's int()", "use glslmath.int, glslmath.trunc or glslmath.floor"),
+    "__round__": ("Python's round()", "use glslmath.round or glslmath.roundEven"),
+    "__iter__": ("a loop", "take components with glslmath.swizzle(v, 'xyz') or v[..., 0:1]"),
+    "__pow__": ("**", "use glslmath.pow(x, y), which has GLSL's precision; or multiply"),
+    "__mod__": ("%", "use glslmath.mod(x, y)"),
+    "__floordiv__": ("//", "use glslmath.floor(x / y)"),
+    **{f"__{word}__": (sign, WHOLE) for word, sign in _OF_BITS.items()},
+    **{f"__r{word}__": (sign, WHOLE) for word, sign in _OF_BITS.items()},
+}
 
 
-class Band(Interval, Operators, Swizzled):
+def _refuse(what: str, remedy: str) -> NoReturn:
+    raise FormulaError(f"{what} cannot take a band", remedy=remedy)
+
+
+def _refusal(what: str, remedy: str) -> Callable[..., NoReturn]:
+    return lambda *values, **options: _refuse(what, remedy)
+
+
+def _make_operators(operation: Callable[[Any, Any], Any]) -> tuple[Any, Any]:
+    """`operation` as a band's operator, and with the band on the right."""
+    return (
+        lambda self, other: operation(self, self.lift(other)),
+        lambda self, other: operation(self.lift(other), self),
+    )
+
+
+class Band(Bounds, Swizzled):
     """An interval for every value of an array, on the float32 grid, rounded outward.
 
     The last axis is the vector's components, always: a per-pixel float is (N, 1), a uniform
@@ -62,24 +106,8 @@ class Band(Interval, Operators, Swizzled):
     (array([ True]), array([False]))
     """
 
-    __slots__ = ("_size", "direction", "flags", "hi", "lo", "rules", "terms")
-
-    def __init__(
-        self,
-        lo: Floats,
-        hi: Floats,
-        rules: Rules,
-        flags: Flagged = _NOWHERE,
-        terms: Terms | None = None,
-    ) -> None:
-        # `lo is hi` marks exact values, and halves the arithmetic's work.
-        self.lo = lo
-        self.hi = hi
-        self.rules = rules
-        self.flags = flags
-        self.terms = terms
-        self.direction: Band | None = None
-        self._size: Floats | None = None
+    __slots__ = ()
+    __hash__ = None  # type: ignore[assignment]
 
     @classmethod
     def exact(cls, values: ArrayLike, rules: Rules = _DEFAULT) -> Band:
@@ -91,9 +119,6 @@ class Band(Interval, Operators, Swizzled):
         if type(got) is not np.ndarray or got.dtype is not _FLOAT32 or not got.ndim:
             with np.errstate(all="ignore"):
                 got = np.atleast_1d(np.asarray(values, dtype=np.float32))
-        plain = ordinary(got)
-        if plain is not None:
-            return cls(plain, plain, rules)
         with np.errstate(all="ignore"):
             wide = got.astype(np.float64)
         return cls._leaf(wide, wide, rules)
@@ -108,13 +133,9 @@ class Band(Interval, Operators, Swizzled):
         low, high = (np.atleast_1d(np.asarray(bound, dtype=np.float64)) for bound in (lo, hi))
         if low.shape != high.shape:
             low, high = np.broadcast_arrays(low, high)
-        with np.errstate(all="ignore"):
-            inside = enclosed(low, high, rules.flush)
-            if inside is not None:
-                return cls(*inside, rules)
-            if (low > high).any():
-                raise FormulaError("a band's lower bound lies above its upper bound")
-            return cls._leaf(*outward(low, high, rules.flush), rules)
+        if (low > high).any():
+            raise FormulaError("a band's lower bound lies above its upper bound")
+        return cls._leaf(low, high, rules)
 
     @classmethod
     def literal(cls, value: ArrayLike, rules: Rules = _DEFAULT) -> Band:
@@ -129,154 +150,23 @@ class Band(Interval, Operators, Swizzled):
         else:
             given = np.atleast_1d(np.asarray(value, dtype=np.float64))
             if given.size > 16:
-                with np.errstate(all="ignore"):
-                    return cls._leaf(*outward(given, given, False), rules)
+                return cls._leaf(given, given, rules)
             first, last, unknown = _literal(given.tobytes(), rules.flush)
             low = first.reshape(given.shape)
             high = low if first is last else last.reshape(given.shape)
         return cls(low, high, rules) if not unknown else cls._leaf(low, high, rules)
 
     @classmethod
-    def _leaf(cls, lo: Floats, hi: Floats, rules: Rules) -> Band:
+    def _leaf(cls, lo: Float64Array, hi: Float64Array, rules: Rules) -> Band:
+        """The band of bounds in order, rounded outward; for NaN anything is legal."""
         unknown = np.isnan(lo) if lo is hi else np.isnan(lo) | np.isnan(hi)
-        flags = _NOWHERE
+        flags = NOWHERE
         if unknown.any():
             lo, hi = np.where(unknown, -np.inf, lo), np.where(unknown, np.inf, hi)
-            flags = (unknown, unknown, _NO)
-        if rules.flush:
-            lo, hi = outward(lo, hi, True)
-        return cls(lo, hi, rules, flags)
+            flags = (unknown, unknown, NO)
+        return cls(*round_outward(lo, hi, rules.flush), rules, flags)
 
-    def made(
-        self,
-        lo: Floats,
-        hi: Floats,
-        *others: Band,
-        nan: Any = None,
-        anything: Any = None,
-        terms: Terms | None = None,
-    ) -> Band:
-        """A result of this band (and others) with real bounds lo, hi: rounded outward, flagged.
-
-        For functions that compute with bands, not for formulas.
-        """
-        rounded_lo, rounded_hi = outward(lo, hi, self.rules.flush)
-        flags = self._flags_with(others)
-        if nan is not None and nan.any():
-            flags = flags[0] | nan, flags[1], flags[2]
-            rounded_lo = np.where(np.isnan(rounded_lo), -np.inf, rounded_lo)
-            rounded_hi = np.where(np.isnan(rounded_hi), np.inf, rounded_hi)
-        if anything is not None and anything.any():
-            flags = flags[0] | anything, flags[1] | anything, flags[2]
-            rounded_lo = np.where(anything, -np.inf, rounded_lo)
-            rounded_hi = np.where(anything, np.inf, rounded_hi)
-        return Band(rounded_lo, rounded_hi, self.rules, flags, terms)
-
-    def kept(self, lo: Floats, hi: Floats, *others: Band, terms: Terms | None = None) -> Band:
-        """`made` from bounds that are on the float32 grid: nothing is left to round or flush."""
-        return Band(lo, hi, self.rules, self._flags_with(others), terms)
-
-    def _flags_with(self, others: tuple[Band, ...]) -> Flagged:
-        """The flags of this band or of others."""
-        flags = self.flags
-        for other in others:
-            a, b = flags, other.flags
-            if b is not _NOWHERE and not all(flag is _NO for flag in b):
-                flags = a[0] | b[0], a[1] | b[1], a[2] | b[2]
-        return flags
-
-    def flags_over_last(self) -> Band:
-        """A band that only carries this one's flags, each joined over the last axis."""
-        nothing = self.lo[..., 0:1]
-        return Band(
-            nothing, nothing, self.rules, self._moved_flags(lambda a: a.any(-1, keepdims=True))
-        )
-
-    def _moved_flags(self, function: Callable[[Any], Any]) -> Flagged:
-        if self.flags is _NOWHERE:
-            return _NOWHERE
-        nan, anything, undecided = (
-            flag if flag.ndim == 0 else function(np.broadcast_to(flag, self.shape))
-            for flag in self.flags
-        )
-        return nan, anything, undecided
-
-    def settled(self) -> tuple[Floats, Floats]:
-        """The bounds once a pending slack is paid (see `arithmetic`)."""
-        slack = None if self.terms is None else self.terms.slack
-        if slack is None:
-            return self.lo, self.hi
-        return self.lo - slack, self.hi + slack
-
-    def again(self) -> Band:
-        """An equal but independent value: the product of the two is no square."""
-        return Band(self.lo, self.hi, self.rules, self.flags, self.terms)
-
-    def opaque(self) -> Band:
-        """The same values without their terms: nothing distributes over them."""
-        return Band(self.lo, self.hi, self.rules, self.flags)
-
-    @property
-    def is_plain(self) -> bool:
-        """Whether this is no sum, so that there is nothing to rearrange."""
-        return self.terms is None
-
-    @property
-    def count(self) -> int:
-        """How many terms this value may be the sum of, once all is distributed."""
-        return 1 if self.terms is None else self.terms.count
-
-    @property
-    def mag(self) -> Floats:
-        """The sum of the absolute values of the terms that this value is made of."""
-        if self.terms is not None:
-            return self.terms.mag
-        if self._size is None:
-            size = np.abs(self.lo)
-            if self.lo is not self.hi:
-                size = np.maximum(size, np.abs(self.hi))
-            self._size = np.minimum(size, LARGEST)
-        return self._size
-
-    @property
-    def nan(self) -> Flags:
-        """Where the value may be NaN."""
-        return np.broadcast_to(self.flags[0], self.shape)
-
-    @property
-    def may_be_nan(self) -> Flags:
-        """`nan`, 0-d for nowhere."""
-        found: Flags = self.flags[0]
-        return found
-
-    @property
-    def undecided(self) -> Flags:
-        """Where a branch that led here took both sides."""
-        return np.broadcast_to(self.flags[2], self.shape)
-
-    @property
-    def vacuous(self) -> Flags:
-        """Where anything is legal, here or in something that this value was computed from."""
-        everything: Flags = self.flags[1] | ((self.lo == -np.inf) & (self.hi == np.inf))
-        return np.broadcast_to(everything, self.shape)
-
-    def __getitem__(self, index: Any) -> Band:
-        return self.mapped(lambda array: np.asarray(array[index]))
-
-    def mapped(self, function: Callable[[Any], Any]) -> Band:
-        """The same values rearranged by `function`, such as indexing or a transposition."""
-
-        def moved(array: Any) -> Any:
-            same = array.shape == shape
-            return function(array if same else np.broadcast_to(array, shape))
-
-        shape = self.shape
-        lo = moved(self.lo)
-        hi = lo if self.lo is self.hi else moved(self.hi)
-        terms = None if self.terms is None else self.terms.mapped(moved)
-        return Band(lo, hi, self.rules, self._moved_flags(function), terms)
-
-    def quantise(self, fmt: str, *, tolerance: float | None = None) -> Allowed:
+    def quantise(self, fmt: str, *, tolerance: float | None = None) -> formats.Allowed:
         """What reading these values back from a render target of this format may give.
 
         See `formats.quantise` for the formats, their units and their tolerances.
@@ -296,7 +186,7 @@ class Band(Interval, Operators, Swizzled):
                     f"bands of different rules in one formula: {self.rules} and {other.rules}"
                 )
             return other
-        if isinstance(other, Truth):
+        if isinstance(other, TriBool):
             raise FormulaError(
                 "a condition is not a number", remedy="choose with glslmath.where(condition, a, b)"
             )
@@ -304,28 +194,156 @@ class Band(Interval, Operators, Swizzled):
         as_band: Callable[[Rules], Band] | None = getattr(other, "as_band", None)
         return Band.literal(other, self.rules) if as_band is None else as_band(self.rules)
 
+    __add__, __radd__ = _make_operators(arithmetic.add)
+    __sub__, __rsub__ = _make_operators(arithmetic.subtract)
+    __mul__, __rmul__ = _make_operators(arithmetic.multiply)
+    __truediv__, __rtruediv__ = _make_operators(arithmetic.divide)
+    __matmul__, __rmatmul__ = _make_operators(arithmetic.matmul)
+    __lt__, __gt__ = _make_operators(less)
+    __ge__, __le__ = _make_operators(not_less)
 
-use_bands(Band, Terms, Rules, _NOWHERE)
+    def __eq__(self, other: Any) -> TriBool:  # type: ignore[override]
+        return equal(self, self.lift(other))
+
+    def __ne__(self, other: Any) -> TriBool:  # type: ignore[override]
+        return ~equal(self, self.lift(other))
+
+    def __neg__(self) -> Band:
+        return negate(self)
+
+    def __pos__(self) -> Self:
+        return self
+
+    def __abs__(self) -> Band:
+        return absolute_value(self)
+
+    def __array_ufunc__(
+        self: Any, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any
+    ) -> Any:
+        reflected = REFLECTED.get(ufunc)
+        if reflected and method == "__call__" and not options and inputs[1] is self:
+            operation = getattr(self, reflected, None)
+            if operation is not None:
+                return operation(inputs[0])
+        name = f"numpy.{ufunc.__name__}" + ("" if method == "__call__" else f".{method}")
+        if options.get("out"):
+            _refuse(f"{name} into an array", "write a = a + band, not a += band")
+        _refuse(name, "use the function of the same purpose in shaderlab.glslmath")
+
+    def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> NoReturn:
+        _refuse(
+            f"numpy.{function.__name__}",
+            "use shaderlab.glslmath: vec2/vec3/vec4 to join, where to choose, dot to sum products",
+        )
+
+
+for _name, _why in _REFUSED.items():
+    setattr(Band, _name, _refusal(*_why))
+for _name in ("pow", "mod", "floordiv"):
+    setattr(Band, f"__r{_name}__", _refusal(*_REFUSED[f"__{_name}__"]))
+
+use_bands(Band, Terms, Rules, NOWHERE)
 
 
 @lru_cache(maxsize=512)
-def _number(value: float, flush: bool) -> tuple[Floats, Floats, bool]:
+def _number(value: float, flush: bool) -> tuple[Float64Array, Float64Array, bool]:
     """`_literal` of one number."""
     return _literal(np.float64(value).tobytes(), flush)
 
 
 @lru_cache(maxsize=512)
 @np.errstate(all="ignore")
-def _literal(data: bytes, flush: bool) -> tuple[Floats, Floats, bool]:
+def _literal(data: bytes, flush: bool) -> tuple[Float64Array, Float64Array, bool]:
     """The bounds of a few constants, and whether one is NaN; a formula has the same ones for
     every block of pixels, and its shader mostly as well."""
     given = np.frombuffer(data, np.float64)
-    low, high = outward(given, given, False)
+    low, high = round_outward(given, given, False)
     if low is not high:
         computed = [float(f"{x:.9g}") != x for x in given.flat]
         if any(computed):
             wide = np.where(np.array(computed) & (low != high), 2.0 * (high - low), 0.0)
             low, high = low - wide, high + wide
-    low, high = outward(low, high, flush)
+    low, high = round_outward(low, high, flush)
     low.flags.writeable = high.flags.writeable = False
     return low, high, bool(np.isnan(given).any())
+
+
+class Literal(float):
+    """A float constant that remembers which float32 it may be; `band` has shape (1,).
+
+    Where `0.52 - 0.02` stands in a shader, some compilers compute it in float32, whose result is
+    not ½, and some in float64, whose result is: the band of a sum, product or quotient of
+    literals holds both. To everything but bands and `shaderlab.glslmath` it is a plain float.
+
+    >>> half = Literal.of(0.52) - Literal.of(0.02)
+    >>> half == 0.5, bool(half.band.lo[0] < 0.5 < half.band.hi[0])
+    (True, True)
+    """
+
+    __slots__ = ("band",)
+    band: Band
+
+    @classmethod
+    def of(cls, value: float, rules: Rules | None = None) -> Literal:
+        """The constant as it is written: exact if it is a float32, else both neighbours."""
+        made = cls(value)
+        made.band = Band.literal(value, rules or Rules())
+        return made
+
+    @classmethod
+    def fold(cls, value: float, band: Band) -> Literal:
+        """What a compiler makes of constants: `value` in float64, or anything in `band`."""
+        made = cls(value)
+        # No compiler rearranges what it has computed exactly.
+        exact = band.lo is band.hi
+        made.band = band.without_terms() if exact else union(band, Band.literal(value, band.rules))
+        return made
+
+    def as_band(self, rules: Rules) -> Band:
+        """The band under these rules."""
+        own = self.band.rules
+        return self.band if rules is own or rules == own else Band.literal(float(self), rules)
+
+    def __pow__(self, other: Any, modulo: None = None) -> Any:
+        return Literal.of(float(self) ** float(other), self.band.rules)
+
+    def __neg__(self) -> Literal:
+        return Literal.fold(-float(self), -self.band)
+
+    def __pos__(self) -> Literal:
+        return self
+
+    def __abs__(self) -> Literal:
+        return Literal.fold(abs(float(self)), abs(self.band))
+
+
+def _make_folding_operators(
+    value_of: Callable[[Any, Any], Any], operation: Callable[[Any, Any], Any]
+) -> tuple[Any, Any]:
+    """An operation on floats, and on bands, as a literal's operator, and with the literal on the
+    right."""
+
+    def straight(self: Literal, other: Any) -> Any:
+        if type(other) not in (float, int, Literal):
+            return NotImplemented
+        value = value_of(float(self), float(other))
+        return Literal.fold(value, operation(self.band, self.band.lift(other)))
+
+    def reflected(self: Literal, other: Any) -> Any:
+        if type(other) not in (float, int):
+            return NotImplemented
+        value = value_of(float(other), float(self))
+        return Literal.fold(value, operation(self.band.lift(other), self.band))
+
+    return straight, reflected
+
+
+for _name, _value_of, _operation in (
+    ("add", operator.add, arithmetic.add),
+    ("sub", operator.sub, arithmetic.subtract),
+    ("mul", operator.mul, arithmetic.multiply),
+    ("truediv", operator.truediv, arithmetic.divide),
+):
+    _straight, _reflected = _make_folding_operators(_value_of, _operation)
+    setattr(Literal, f"__{_name}__", _straight)
+    setattr(Literal, f"__r{_name}__", _reflected)

@@ -16,7 +16,7 @@ from typing import Any, TypeVar, cast
 
 VARIABLE = "SHADERLAB_BANDS"
 # The same number stands in kernels/_kernels.c.
-INTERFACE = 6
+INTERFACE = 7
 
 
 def is_turned_off() -> bool:

@@ -8,27 +8,29 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import reduce
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from shaderlab.bands import arithmetic, exact
+from shaderlab.bands.band import Band
+from shaderlab.bands.bounds import Terms, flush_gain_of
 from shaderlab.bands.compiled import use_kernel
 from shaderlab.bands.rounding import (
     FLOAT64_ERROR,
     LARGEST,
+    RELATIVE_STEP,
+    SMALLEST_DENORMAL,
     SMALLEST_NORMAL,
     Flags,
-    Floats,
-    down,
+    Float64Array,
+    round_down,
+    round_outward,
+    round_up,
     ulp,
-    up,
-    widened_by_ulps,
+    widen_by_ulps,
 )
 from shaderlab.errors import FormulaError
-
-if TYPE_CHECKING:
-    from shaderlab.bands.band import Band
 
 INVERSESQRT_ULPS = 2.0
 ARC_ULPS = 4096.0
@@ -38,13 +40,15 @@ TRIG_ERROR = 2.0**-11
 ARC_ERROR = TRIG_ERROR
 LOG_ERROR_NEAR_ONE = 2.0**-21
 LOG_ULPS = 3.0
+# How many operations of a mix may each flush a denormal.
+_MIX_FLUSHED = 8.0
 # float32(π) lies above π; a formula that says π means the range to include it.
 _PI_32 = float(np.float32(np.pi))
 
 
-def _evaluated(a: Band, function: Any) -> tuple[Floats, Floats]:
+def _evaluate(a: Band, function: Any) -> tuple[Float64Array, Float64Array]:
     """The function at both ends; once only where they are the same."""
-    lo: Floats = function(a.lo)
+    lo: Float64Array = function(a.lo)
     return lo, lo if a.lo is a.hi else function(a.hi)
 
 
@@ -53,13 +57,15 @@ def _evaluated(a: Band, function: Any) -> tuple[Floats, Floats]:
 def inversesqrt(a: Band) -> Band:
     """1/√a within 2 ULP; a ≤ 0 is undefined."""
     lo, hi = _inversesqrt_bounds(a.lo, a.hi)
-    return a.made(lo, hi, anything=a.lo <= 0.0)
+    return a.derive(lo, hi, anything=a.lo <= 0.0)
 
 
-def _inversesqrt_bounds(a_lo: Floats, a_hi: Floats) -> tuple[Floats, Floats]:
+def _inversesqrt_bounds(
+    a_lo: Float64Array, a_hi: Float64Array
+) -> tuple[Float64Array, Float64Array]:
     lo = 1.0 / np.sqrt(np.maximum(a_hi, 0.0))
     hi = lo if a_lo is a_hi else 1.0 / np.sqrt(np.maximum(a_lo, 0.0))
-    return widened_by_ulps(lo, hi, INVERSESQRT_ULPS, INVERSESQRT_ULPS)
+    return widen_by_ulps(lo, hi, INVERSESQRT_ULPS, INVERSESQRT_ULPS)
 
 
 @use_kernel
@@ -67,29 +73,22 @@ def _inversesqrt_bounds(a_lo: Floats, a_hi: Floats) -> tuple[Floats, Floats]:
 def sqrt(a: Band) -> Band:
     """√a as 1/inversesqrt(a), so 2 ULP and then 2.5; a < 0 is undefined, and √0 is 0."""
     root_lo, root_hi = _inversesqrt_bounds(a.lo, a.hi)
-    lo, hi = 1.0 / up(root_hi), 1.0 / down(root_lo)
+    lo, hi = 1.0 / round_up(root_hi), 1.0 / round_down(root_lo)
     ulps = arithmetic.DIVISION_ULPS
-    lo, hi = widened_by_ulps(lo, np.minimum(hi, LARGEST), ulps, ulps)
+    lo, hi = widen_by_ulps(lo, np.minimum(hi, LARGEST), ulps, ulps)
     hi = np.where(a.hi <= 0.0, 0.0, np.where(a.hi == np.inf, np.inf, hi))
-    return a.made(lo, hi, anything=a.lo < 0.0)
+    return a.derive(lo, hi, anything=a.lo < 0.0)
 
 
 @np.errstate(all="ignore")
 def exponential(a: Band, function: Any) -> Band:
     """exp or exp2 within (3 + 2·|a|) ULP, and not negative."""
-    lo, hi = _evaluated(a, function)
-    return a.made(*exponentials_widened(a.lo, a.hi, lo, hi))
-
-
-def exponentials_widened(
-    a_lo: Floats, a_hi: Floats, lo: Floats, hi: Floats
-) -> tuple[Floats, Floats]:
-    """The exponentials of both ends, moved out by their error."""
-    ulps_lo = 3.0 + 2.0 * np.minimum(np.abs(a_lo), LARGEST)
-    ulps_hi = 3.0 + 2.0 * np.minimum(np.abs(a_hi), LARGEST)
-    lo, hi = widened_by_ulps(lo, hi, ulps_lo, ulps_hi)
+    lo, hi = _evaluate(a, function)
+    ulps_lo = 3.0 + 2.0 * np.minimum(np.abs(a.lo), LARGEST)
+    ulps_hi = 3.0 + 2.0 * np.minimum(np.abs(a.hi), LARGEST)
+    lo, hi = widen_by_ulps(lo, hi, ulps_lo, ulps_hi)
     # The true value is positive however small: the last step above zero stays legal.
-    return np.maximum(lo, 0.0), np.maximum(hi, 2.0**-149)
+    return a.derive(np.maximum(lo, 0.0), np.maximum(hi, SMALLEST_DENORMAL))
 
 
 @np.errstate(all="ignore")
@@ -97,17 +96,14 @@ def logarithm(a: Band, function: Any) -> Band:
     """log or log2: 2^-21 absolute where ½ ≤ a ≤ 2, 3 ULP elsewhere; a ≤ 0 is undefined."""
     low = np.maximum(a.lo, 0.0)
     lo, hi = _log_bounds(low, low if a.lo is a.hi else np.maximum(a.hi, 0.0), function)
-    return a.made(lo, hi, anything=a.lo <= 0.0)
+    return a.derive(lo, hi, anything=a.lo <= 0.0)
 
 
-def _log_bounds(a_lo: Floats, a_hi: Floats, function: Any) -> tuple[Floats, Floats]:
-    lo: Floats = function(a_lo)
-    hi: Floats = lo if a_lo is a_hi else function(a_hi)
-    return logarithms_widened(a_lo, a_hi, lo, hi)
-
-
-def logarithms_widened(a_lo: Floats, a_hi: Floats, lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
-    """The logarithms of both ends, moved out by their error."""
+def _log_bounds(
+    a_lo: Float64Array, a_hi: Float64Array, function: Any
+) -> tuple[Float64Array, Float64Array]:
+    lo: Float64Array = function(a_lo)
+    hi: Float64Array = lo if a_lo is a_hi else function(a_hi)
     error_lo = np.where((a_lo >= 0.5) & (a_lo <= 2.0), LOG_ERROR_NEAR_ONE, LOG_ULPS * ulp(lo))
     if a_lo is a_hi:
         error = error_lo
@@ -129,7 +125,7 @@ def power(x: Band, y: Band) -> Band:
     """
     x_lo = np.maximum(x.lo, SMALLEST_NORMAL)
     x_hi = x_lo if x.lo is x.hi else np.maximum(x.hi, SMALLEST_NORMAL)
-    logarithms = x.made(*_log_bounds(x_lo, x_hi, np.log2))
+    logarithms = x.derive(*_log_bounds(x_lo, x_hi, np.log2))
     result = exponential(arithmetic.multiply(y, logarithms), np.exp2)
     reaches_zero = x.lo < SMALLEST_NORMAL
     if not reaches_zero.any():
@@ -137,11 +133,11 @@ def power(x: Band, y: Band) -> Band:
     undefined = (x.lo < 0.0) | (reaches_zero & (y.lo <= 0.0))
     lo = np.where(reaches_zero, 0.0, result.lo)
     if not undefined.any():
-        return result.kept(lo, result.hi)
-    return result.made(lo, result.hi, anything=undefined)
+        return result.derive_exact(lo, result.hi)
+    return result.derive(lo, result.hi, anything=undefined)
 
 
-def _contains_turn(lo: Floats, hi: Floats, phase: float) -> Flags:
+def _contains_turn(lo: Float64Array, hi: Float64Array, phase: float) -> Flags:
     """Whether phase + 2πk lies between the bounds for some integer k."""
     turns: Flags = np.floor((hi - phase) / (2 * np.pi)) >= np.ceil((lo - phase) / (2 * np.pi))
     return turns
@@ -150,7 +146,7 @@ def _contains_turn(lo: Floats, hi: Floats, phase: float) -> Flags:
 @np.errstate(all="ignore")
 def wave(a: Band, function: Any, crest: float) -> Band:
     """sin (crest π/2) or cos (crest 0): 2^-11 absolute in [-π, π], beyond as the rules say."""
-    first, last = _evaluated(a, function)
+    first, last = _evaluate(a, function)
     lo, hi = np.minimum(first, last), np.maximum(first, last)
     if a.lo is not a.hi:
         hi = np.where(_contains_turn(a.lo, a.hi, crest), 1.0, hi)
@@ -158,7 +154,7 @@ def wave(a: Band, function: Any, crest: float) -> Band:
     size = np.maximum(np.abs(a.lo), np.abs(a.hi))
     outside = ~(size <= _PI_32)
     if a.rules.spec == "glsl":
-        return a.made(lo, hi, anything=np.ones_like(outside))
+        return a.derive(lo, hi, anything=np.ones_like(outside))
     error: Any = TRIG_ERROR
     if outside.any():
         if a.rules.trig_outside == "error":
@@ -169,14 +165,14 @@ def wave(a: Band, function: Any, crest: float) -> Band:
         if a.rules.trig_outside == "scaled":
             error = np.where(outside, size * 2.0**-12, TRIG_ERROR)
             outside = ~np.isfinite(size)
-    return a.made(lo - error, hi + error, anything=outside)
+    return a.derive(lo - error, hi + error, anything=outside)
 
 
 @np.errstate(all="ignore")
 def arctangent(a: Band) -> Band:
     """atan(a) within 4096 ULP."""
-    lo, hi = widened_by_ulps(*_evaluated(a, np.arctan), ARC_ULPS, ARC_ULPS)
-    return a.made(lo, hi, anything=_unspecified(a))
+    lo, hi = widen_by_ulps(*_evaluate(a, np.arctan), ARC_ULPS, ARC_ULPS)
+    return a.derive(lo, hi, anything=_unspecified(a))
 
 
 @np.errstate(all="ignore")
@@ -185,12 +181,14 @@ def arctangent2(y: Band, x: Band) -> Band:
     lo, hi = _angles(y.lo, y.hi, x.lo, x.hi)
     on_cut = (y.lo <= 0.0) & (y.hi >= 0.0) & (x.lo < 0.0)
     lo, hi = np.where(on_cut, -np.pi, lo), np.where(on_cut, np.pi, hi)
-    lo, hi = widened_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
+    lo, hi = widen_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
     origin = (y.lo <= 0.0) & (y.hi >= 0.0) & (x.lo <= 0.0) & (x.hi >= 0.0)
-    return y.made(lo, hi, x, anything=origin | _unspecified(y))
+    return y.derive(lo, hi, x, anything=origin | _unspecified(y))
 
 
-def _angles(y_lo: Floats, y_hi: Floats, x_lo: Floats, x_hi: Floats) -> tuple[Floats, Floats]:
+def _angles(
+    y_lo: Float64Array, y_hi: Float64Array, x_lo: Float64Array, x_hi: Float64Array
+) -> tuple[Float64Array, Float64Array]:
     """The angles of a box that the cut does not cross: monotone along each edge."""
     corners = [np.arctan2(y + 0.0, x) for y in (y_lo, y_hi) for x in (x_lo, x_hi)]
     return reduce(np.minimum, corners), reduce(np.maximum, corners)
@@ -201,13 +199,13 @@ def _unspecified(a: Band) -> Flags:
     return np.full(a.shape, a.rules.spec == "glsl")
 
 
-def _arc(a: Band, angles: Callable[[Band], tuple[Floats, Floats]]) -> Band:
+def _arc(a: Band, angles: Callable[[Band], tuple[Float64Array, Float64Array]]) -> Band:
     """An angle in a right triangle, made of the leg a and the other one, √(1 - a²)."""
-    rest = arithmetic.add(a.lift(1.0), exact.negative(arithmetic.square(a)))
-    lo, hi = angles(sqrt(exact.larger(rest, a.lift(0.0))))
-    wide_lo, wide_hi = widened_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
+    rest = arithmetic.add(a.lift(1.0), exact.negate(arithmetic.square(a)))
+    lo, hi = angles(sqrt(exact.maximum_of(rest, a.lift(0.0))))
+    wide_lo, wide_hi = widen_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
     lo, hi = np.minimum(wide_lo, lo - ARC_ERROR), np.maximum(wide_hi, hi + ARC_ERROR)
-    return a.made(lo, hi, anything=(a.lo < -1.0) | (a.hi > 1.0) | _unspecified(a))
+    return a.derive(lo, hi, anything=(a.lo < -1.0) | (a.hi > 1.0) | _unspecified(a))
 
 
 @np.errstate(all="ignore")
@@ -220,3 +218,79 @@ def arcsine(a: Band) -> Band:
 def arccosine(a: Band) -> Band:
     """acos(a): as atan(√(1 - a²), a), 4096 ULP or 2^-11 absolute; undefined for |a| > 1."""
     return _arc(a, lambda leg: _angles(leg.lo, leg.hi, a.lo, a.hi))
+
+
+@use_kernel
+def cut_to_ends(found: Band, x: Band, y: Band, a: Band) -> Band:
+    """The band `found` of mix(x, y, a) by its operations, cut to what it may be at most.
+
+    Without roundings mix is linear in each of x, y and a, so it is greatest and least at ends of
+    their bands. What roundings add is `_lost`.
+    """
+    terms = _terms(found, x, y, a)
+    if found.lo is found.hi:
+        return found.derive_exact(found.lo, found.lo, terms=terms)
+    lo, hi = _end_bounds(found, x, y, a, found.rules.flush)
+    return found.derive_exact(lo, hi, terms=terms)
+
+
+@np.errstate(all="ignore")
+def _end_bounds(
+    found: Band, x: Band, y: Band, a: Band, flush: bool
+) -> tuple[Float64Array, Float64Array]:
+    """The bounds of `found`, no wider than the ends of x, y and a allow."""
+    sides = [_ends(x.apply_slack(), y.apply_slack(), end) for end in a.apply_slack()]
+    lost = _lost(found, x, y, a)
+    least = np.minimum(sides[0][0], sides[1][0]) - lost
+    most = np.maximum(sides[0][1], sides[1][1]) + lost
+    lo, hi = round_outward(least, most, flush)
+    # Where a bound is NaN, of infinity times 0, the operations' own stays.
+    return np.fmax(found.lo, lo), np.fmin(found.hi, hi)
+
+
+def _lost(found: Band, x: Band, y: Band, a: Band) -> Float64Array:
+    """What the roundings of a mix may add up to, in whichever of its forms.
+
+    x·(1 - a) + y·a rounds the difference, two products and a sum; x + (y - x)·a a difference, a
+    product and a sum; x - x·a + y·a two products and two sums. Sums that x, y and a are themselves
+    may be taken apart for it, and added in any order.
+    """
+    both = (x.abs_sum + y.abs_sum) * _size(*a.apply_slack())
+    sums = 3.0 * (x.abs_sum + both) + (x.count + y.count - 2) * both
+    weights = x.abs_sum * (1.0 + a.abs_sum) + y.abs_sum * a.abs_sum
+    lost: Float64Array = np.maximum(
+        RELATIVE_STEP * (sums + weights), _MIX_FLUSHED * SMALLEST_NORMAL
+    )
+    if found.terms is not None and found.terms.flush_gain is not None:
+        lost = np.maximum(lost, _MIX_FLUSHED * found.terms.step())
+    return np.where(a.abs_sum > 0.0, lost, 0.0)  # where a is 0, this is x
+
+
+@np.errstate(all="ignore")
+def _terms(found: Band, x: Band, y: Band, a: Band) -> Terms | None:
+    """The terms of a mix: those of x, and products with the share. They may be added to others in
+    any order. No compiler multiplies out a long chain of mixes, whose terms double with each; of
+    four the roundings stay inside even so.
+    """
+    terms = found.terms
+    if terms is None:
+        return None
+    near, far = (_size(*band.apply_slack()) for band in (x, y))
+    mag = x.abs_sum + (near + far) * a.abs_sum
+    mag = np.minimum(np.maximum(mag, _size(found.lo, found.hi)), LARGEST)
+    return Terms.of(mag, lambda: flush_gain_of(terms.abs_sum, terms), terms, count=x.count + 2)
+
+
+def _size(low: Float64Array, high: Float64Array) -> Float64Array:
+    """The largest absolute value between two bounds."""
+    size: Float64Array = np.minimum(np.maximum(np.abs(low), np.abs(high)), LARGEST)
+    return size
+
+
+def _ends(
+    x: tuple[Float64Array, Float64Array], y: tuple[Float64Array, Float64Array], a: Float64Array
+) -> tuple[Float64Array, Float64Array]:
+    """The least and the greatest x·(1 - a) + y·a at one `a`."""
+    of_x = x[0] * (1.0 - a), x[1] * (1.0 - a)
+    of_y = y[0] * a, y[1] * a
+    return np.minimum(*of_x) + np.minimum(*of_y), np.maximum(*of_x) + np.maximum(*of_y)

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from shaderlab.bands.compiled import use_kernel
 from shaderlab.errors import FormulaError, nearest
 
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
+Float64Array = NDArray[np.float64]
+Float32Array = NDArray[np.float32]
 Flags = NDArray[np.bool_]
 
 SMALLEST_NORMAL = 2.0**-126
@@ -41,19 +41,19 @@ _FIRST_POSITIVE = np.uint32(1)
 _FAR = 2.0**600
 
 
-def add_below(a: Floats, b: Floats) -> Floats:
+def add_below(a: Float64Array, b: Float64Array) -> Float64Array:
     """The largest float64 not above a + b."""
     total, lost = _two_sum(a, b)
     return np.where(lost < 0.0, np.nextafter(total, -np.inf), total) + 0.0
 
 
-def add_above(a: Floats, b: Floats) -> Floats:
+def add_above(a: Float64Array, b: Float64Array) -> Float64Array:
     """The smallest float64 not below a + b."""
     total, lost = _two_sum(a, b)
     return np.where(lost > 0.0, np.nextafter(total, np.inf), total)
 
 
-def _two_sum(a: Floats, b: Floats) -> tuple[Floats, Floats]:
+def _two_sum(a: Float64Array, b: Float64Array) -> tuple[Float64Array, Float64Array]:
     """a + b rounded to float64, and what the rounding lost (Knuth, TAOCP 2, 4.2.2 theorem B).
 
     The loss is NaN where the sum or a step towards it overflows.
@@ -63,19 +63,19 @@ def _two_sum(a: Floats, b: Floats) -> tuple[Floats, Floats]:
     return total, (a - (total - b_part)) + (b - b_part)
 
 
-def _narrow_below(x: Floats) -> Singles:
+def _narrow_below(x: Float64Array) -> Float32Array:
     """The largest float32 not above x."""
     single = x.astype(np.float32)
     return np.where(single > x, np.nextafter(single, np.float32(-np.inf)), single)
 
 
-def _narrow_above(x: Floats) -> Singles:
+def _narrow_above(x: Float64Array) -> Float32Array:
     """The smallest float32 not below x."""
     single = x.astype(np.float32)
     return np.where(single < x, np.nextafter(single, np.float32(np.inf)), single)
 
 
-def ulp(x: Floats) -> Floats:
+def ulp(x: Float64Array) -> Float64Array:
     """The float32 ULP at `x`; at a power of two the smaller neighbour's.
 
     >>> [float(u * 2**24) for u in ulp(np.array([1.0, 1.5, 2.0, 3.0]))]
@@ -89,13 +89,15 @@ def ulp(x: Floats) -> Floats:
     bits -= 1
     bits &= _EXPONENT_BITS
     size *= 2.0**-23
-    step: Floats = np.maximum(size, SMALLEST_DENORMAL, out=size)
+    step: Float64Array = np.maximum(size, SMALLEST_DENORMAL, out=size)
     return step
 
 
 @use_kernel
 @np.errstate(all="ignore")
-def outward(lo: Floats, hi: Floats, flush: bool) -> tuple[Floats, Floats]:
+def round_outward(
+    lo: Float64Array, hi: Float64Array, flush: bool
+) -> tuple[Float64Array, Float64Array]:
     """The largest float32 not above `lo`, the smallest not below `hi`; the same array twice where
     all are float32 themselves and one array was given. With `flush`, bounds that touch denormals
     include zero."""
@@ -114,51 +116,38 @@ def outward(lo: Floats, hi: Floats, flush: bool) -> tuple[Floats, Floats]:
     return low, high
 
 
-def enclosed(lo: Floats, hi: Floats, flush: bool) -> tuple[Floats, Floats] | None:
-    """`outward` of bounds in order; None where one is NaN or lies on the wrong side."""
-    return outward(lo, hi, flush) if (lo <= hi).all() else None
-
-
-@np.errstate(all="ignore")
-def ordinary(values: NDArray[np.float32]) -> Floats | None:
-    """float32 values as float64; None where one of them is a denormal or NaN."""
-    wide = values.astype(np.float64)
-    size = np.abs(wide)
-    return wide if ((size >= SMALLEST_NORMAL) | (size == 0.0)).all() else None
-
-
 def _any_denormal(values: NDArray[np.float32], first: np.uint32) -> bool:
     """Whether there is one of the denormals whose bits begin with `first`."""
     bits: Any = values.view(np.uint32) - first
     return bool((bits < _DENORMALS).any())
 
 
-def down(x: Floats) -> Floats:
+def round_down(x: Float64Array) -> Float64Array:
     """The largest float32 not above `x`."""
     return _narrow_below(np.asarray(x)).astype(np.float64)
 
 
-def up(x: Floats) -> Floats:
+def round_up(x: Float64Array) -> Float64Array:
     """The smallest float32 not below `x`."""
     return _narrow_above(np.asarray(x)).astype(np.float64)
 
 
-def finite(lo: Floats, hi: Floats) -> bool:
+def is_finite(lo: Float64Array, hi: Float64Array) -> bool:
     """Whether bounds lo ≤ hi are all finite numbers."""
     return not lo.size or bool(lo.min() > -np.inf and hi.max() < np.inf)
 
 
-def is_power_of_two(x: Floats) -> bool:
+def is_power_of_two(x: Float64Array) -> bool:
     """Whether each of `x` is zero or ±2^k, so that multiplying by it rounds nothing."""
     return not (x.view(np.int64) & _FRACTION_BITS).any()
 
 
-def widened_by_ulps(
-    lo: Floats, hi: Floats, ulps_lo: Floats | float, ulps_hi: Floats | float
-) -> tuple[Floats, Floats]:
+def widen_by_ulps(
+    lo: Float64Array, hi: Float64Array, ulps_lo: Float64Array | float, ulps_hi: Float64Array | float
+) -> tuple[Float64Array, Float64Array]:
     """Bounds moved out by some ULP; a bound does not move past zero, and zero stays zero."""
     if lo.size and lo.min() > 2.0 * SMALLEST_NORMAL and hi.max() <= LARGEST:
-        return _widened_normal(lo, hi, ulps_lo, ulps_hi)
+        return _widen_normal(lo, hi, ulps_lo, ulps_hi)
     out_lo = ulps_lo * ulp(lo) + FLOAT64_ERROR * np.minimum(np.abs(lo), LARGEST)
     out_hi = ulps_hi * ulp(hi) + FLOAT64_ERROR * np.minimum(np.abs(hi), LARGEST)
     # An ULP doubles past a power of two: a value above `lo`, just past one, may err further
@@ -170,24 +159,24 @@ def widened_by_ulps(
     return np.maximum(new_lo, 0.0 - (lo < 0.0) * _FAR), np.minimum(new_hi, (hi > 0.0) * _FAR)
 
 
-def _widened_normal(
-    lo: Floats, hi: Floats, ulps_lo: Floats | float, ulps_hi: Floats | float
-) -> tuple[Floats, Floats]:
-    """`widened_by_ulps` of positive bounds, none a denormal or next to one."""
+def _widen_normal(
+    lo: Float64Array, hi: Float64Array, ulps_lo: Float64Array | float, ulps_hi: Float64Array | float
+) -> tuple[Float64Array, Float64Array]:
+    """`widen_by_ulps` of positive bounds, none a denormal or next to one."""
     out_lo = _out_of_normal(lo, ulps_lo)
     if lo is hi:
         out_hi = more_lo = out_lo
     else:
         out_hi = _out_of_normal(hi, ulps_hi)
         more_lo = np.minimum(np.maximum(out_hi, out_lo), 2.0 * out_lo)
-    new_lo: Floats = lo - more_lo
+    new_lo: Float64Array = lo - more_lo
     return np.maximum(new_lo, 0.0), hi + out_hi
 
 
-def _out_of_normal(x: Floats, ulps: Floats | float) -> Floats:
+def _out_of_normal(x: Float64Array, ulps: Float64Array | float) -> Float64Array:
     bits = x.view(np.int64) - 1
     bits &= _EXPONENT_BITS
-    size: Floats = bits.view(np.float64)
+    size: Float64Array = bits.view(np.float64)
     size *= 2.0**-23
     size *= ulps
     size += FLOAT64_ERROR * x

@@ -20,7 +20,7 @@ from shaderlab.errors import CallError, FormulaError
 from shaderlab.functions.call import Call, Opaque, read_textures
 from shaderlab.functions.declarations import Type
 from shaderlab.functions.laws import CallLaw, judge_law
-from shaderlab.glslmath.arrays import stacked
+from shaderlab.glslmath.arrays import stack
 from shaderlab.glslmath.choice import where
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Outcome, SourceText
@@ -290,7 +290,7 @@ def _flatten(value: Any, kind: Type) -> Any:
             f"gives shape {shape} for a {kind}",
             remedy=f"build it of its columns, or give an array (…, {rows} rows, {columns} columns)",
         )
-    return stacked([value[..., row, :] for row in range(rows)], -1)
+    return stack([value[..., row, :] for row in range(rows)], -1)
 
 
 def _flatten_array(value: Any, kind: Type) -> Any:
@@ -307,13 +307,13 @@ def _flatten_array(value: Any, kind: Type) -> Any:
         raise FormulaError(f"gives {len(value)} elements for {kind}")
     size = math.prod(kind.element.shape)
     elements = [_flatten(each, kind.element) for each in value]
-    return stacked([_with_all_components(each, size) for each in elements], -1)
+    return stack([_with_all_components(each, size) for each in elements], -1)
 
 
 def _with_all_components(value: Any, size: int) -> Any:
     """An element of an array with all its components, where one number stands for them."""
     shape = getattr(value, "shape", ())
-    return stacked([value] * size, -1) if size > 1 and shape[-1:] in ((), (1,)) else value
+    return stack([value] * size, -1) if size > 1 and shape[-1:] in ((), (1,)) else value
 
 
 Input = TypeVar("Input")

@@ -8,30 +8,30 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Band, Integer, Literal
-from shaderlab.bands.exact import concatenated, joined
+from shaderlab.bands.exact import concatenate, join
 from shaderlab.bands.rounding import SMALLEST_NORMAL
 from shaderlab.bands.swizzles import SETS, as_vector, components
 from shaderlab.errors import FormulaError
 
 from .choice import equal, where
-from .dispatch import Value, applied, bands, integers, undefined
+from .dispatch import Value, apply, as_bands, as_integers, mark_undefined
 from .scalar import trunc
 
 
-def stacked(parts: Sequence[Value], axis: int) -> Value:
+def stack(parts: Sequence[Value], axis: int) -> Value:
     """Values one after the other along an axis, the other axes broadcast."""
-    lifted = bands(*parts)
+    lifted = as_bands(*parts)
     if lifted is not None:
-        return joined(lifted, axis)
+        return join(lifted, axis)
     arrays = [np.atleast_1d(np.asarray(part, np.float64)) for part in parts]
-    return as_vector(concatenated(arrays, axis), *parts)
+    return as_vector(concatenate(arrays, axis), *parts)
 
 
 def _vector(size: int, parts: Sequence[Value]) -> Value:
     name = f"vec{size}"
     if not parts:
         raise FormulaError(f"{name} needs at least one value")
-    together = stacked(parts, -1)
+    together = stack(parts, -1)
     got = together.shape[-1]
     if got == size:
         return together
@@ -105,7 +105,7 @@ def _matrix(columns: int, rows: int, parts: Sequence[Value]) -> Value:
             f"{name} of an array of shape {shape}",
             remedy=f"give it one number, a larger matrix, or {columns * rows} components",
         )
-    together = stacked(parts, -1) if parts else np.empty(0)
+    together = stack(parts, -1) if parts else np.empty(0)
     got, size = together.shape[-1], columns * rows
     last = (_shape(parts[-1])[-1:] or (1,))[0] if parts else 0
     if got < size or got - last >= size:
@@ -115,7 +115,7 @@ def _matrix(columns: int, rows: int, parts: Sequence[Value]) -> Value:
             "column by column",
         )
     each = [together[..., n * rows : (n + 1) * rows, None] for n in range(columns)]
-    return stacked(each, -1)
+    return stack(each, -1)
 
 
 def _diagonal(columns: int, rows: int, value: Value) -> Value:
@@ -166,9 +166,9 @@ def modf(x: Value) -> tuple[Value, Value]:
         crosses = low != high
         lo = np.where(crosses, -1.0 * (x.lo < 0.0), x.lo - low)
         hi = np.where(crosses, 1.0 * (x.hi > 0.0), x.hi - high)
-        return undefined(x.made(lo, hi), np.isinf(x.lo) | np.isinf(x.hi))
+        return mark_undefined(x.derive(lo, hi), np.isinf(x.lo) | np.isinf(x.hi))
 
-    return applied(lambda x: x - np.trunc(x), banded, x), trunc(x)
+    return apply(lambda x: x - np.trunc(x), banded, x), trunc(x)
 
 
 def frexp(x: Value) -> tuple[Value, Integer]:
@@ -196,8 +196,8 @@ def frexp(x: Value) -> tuple[Value, Integer]:
     )
     anything = np.isinf(band.lo) | np.isinf(band.hi) | band.nan | denormal
     exact = bool((least == most).all())
-    whole = Integer(0, rules=band.rules).made(least, None if exact else most, anything=anything)
-    return undefined(band.made(lo, hi), anything), whole
+    whole = Integer(0, rules=band.rules).derive(least, None if exact else most, anything=anything)
+    return mark_undefined(band.derive(lo, hi), anything), whole
 
 
 @np.errstate(all="ignore")
@@ -221,7 +221,7 @@ def ldexp(x: Value, exponent: Value) -> Value:
     lo = np.where(small, np.minimum(lo, 0.0), lo)
     hi = np.where(small, np.maximum(hi, 0.0), hi)
     large = (whole.hi > 128) | (np.maximum(np.abs(lo), np.abs(hi)) >= 2.0**128) | whole.anything
-    return undefined(band.made(lo, hi), large)
+    return mark_undefined(band.derive(lo, hi), large)
 
 
 def floatBitsToInt(x: Value) -> Integer:
@@ -287,11 +287,11 @@ def _bits(x: Value, *, unsigned: bool) -> Integer:
     last = last + np.where(below | (both & unsigned), negative, 0)
     exact = bool((first == last).all())
     whole = Integer(0, unsigned=unsigned, rules=band.rules)
-    return whole.made(first, None if exact else last, anything=band.nan)
+    return whole.derive(first, None if exact else last, anything=band.nan)
 
 
 def _float(n: Value) -> Value:
-    whole = n if isinstance(n, Integer) else integers(Integer(0), n)[1]  # type: ignore[index]
+    whole = n if isinstance(n, Integer) else as_integers(Integer(0), n)[1]  # type: ignore[index]
     sizes = [bound % _SIGN_BIT for bound in (whole.lo, whole.hi)]
     signs = [(bound % 2**32) >= _SIGN_BIT for bound in (whole.lo, whole.hi)]
     ends = [
@@ -303,7 +303,7 @@ def _float(n: Value) -> Value:
     torn = (signs[0] != signs[1]) | whole.anything
     nan = np.maximum(*sizes) > _INFINITY
     lo, hi = (np.where(nan | torn, 0.0, end) for end in (np.minimum(*ends), np.maximum(*ends)))
-    return undefined(Band.between(lo, hi, whole.rules), nan | torn)
+    return mark_undefined(Band.between(lo, hi, whole.rules), nan | torn)
 
 
 class Elements(list[Any]):
@@ -328,10 +328,10 @@ class Elements(list[Any]):
         for number, element in enumerate(self[:-1]):
             chosen = _either(equal(index, number), element, chosen)
         if isinstance(chosen, Integer):
-            return chosen.made(
+            return chosen.derive(
                 chosen.lo, None if chosen.known else chosen.hi, index, anything=outside
             )
-        return undefined(chosen, outside) if isinstance(chosen, Band) else chosen
+        return mark_undefined(chosen, outside) if isinstance(chosen, Band) else chosen
 
 
 def array(*elements: Value) -> Elements:

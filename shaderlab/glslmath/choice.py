@@ -1,17 +1,17 @@
 """Comparisons and choice: GLSL's relational functions (GLSL 4.60, 8.7) and its ternary operator.
 
-On bands a condition is a `Truth`: true, false, or undecided, value by value.
+On bands a condition is a `TriBool`: true, false, or undecided, value by value.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from shaderlab.bands import Band, Integer, Truth, exact
+from shaderlab.bands import Band, Integer, TriBool, exact
 from shaderlab.bands.swizzles import as_vector
-from shaderlab.bands.truth import as_truth
+from shaderlab.bands.tri_bool import as_tri_bool
 from shaderlab.glslmath import integer
-from shaderlab.glslmath.dispatch import Condition, Value, applied, bands, integers, number
+from shaderlab.glslmath.dispatch import Condition, Value, apply, as_bands, as_integers, as_number
 
 
 def where(condition: Condition, a: Value, b: Value) -> Value:
@@ -22,20 +22,20 @@ def where(condition: Condition, a: Value, b: Value) -> Value:
     >>> float(where(0.5 < 1.0, 2.0, 3.0))
     2.0
     """
-    whole = integers(a, b)
+    whole = as_integers(a, b)
     if isinstance(condition, Integer):
         condition = notEqual(condition, 0)
     if whole is not None:
         return integer.select(condition, *whole)
-    lifted = bands(a, b)
-    if lifted is None and isinstance(condition, Truth) and condition.rules is not None:
+    lifted = as_bands(a, b)
+    if lifted is None and isinstance(condition, TriBool) and condition.rules is not None:
         lifted = [Band.literal(a, condition.rules), Band.literal(b, condition.rules)]
     if lifted is None:
-        if isinstance(condition, Truth):
+        if isinstance(condition, TriBool):
             condition = condition.all_true
-        chosen: Value = np.where(condition, number(a), number(b))
+        chosen: Value = np.where(condition, as_number(a), as_number(b))
         return as_vector(chosen, condition, a, b)[()]
-    return exact.select(as_truth(condition), *lifted)
+    return exact.select(as_tri_bool(condition), *lifted)
 
 
 def either(a: Value, b: Value) -> Value:
@@ -46,55 +46,55 @@ def either(a: Value, b: Value) -> Value:
     >>> float(either(0.75, 1.0 - 0.25))
     0.75
     """
-    return applied(lambda a, b: a, exact.union, a, b)
+    return apply(lambda a, b: a, exact.union, a, b)
 
 
 def isnan(x: Value) -> Condition:
     """Whether x is NaN; undecided for a band that may be."""
-    lifted = bands(x)
+    lifted = as_bands(x)
     if lifted is None:
         return np.isnan(x)
     nan = lifted[0].nan
-    return Truth(np.zeros_like(nan), ~nan, lifted[0].rules)
+    return TriBool(np.zeros_like(nan), ~nan, lifted[0].rules)
 
 
 def isinf(x: Value) -> Condition:
     """Whether x is infinite; undecided for a band that may be."""
-    lifted = bands(x)
+    lifted = as_bands(x)
     if lifted is None:
         return np.isinf(x)
     a = lifted[0]
     always = (a.lo == a.hi) & np.isinf(a.lo) & ~a.nan
     never = np.isfinite(a.lo) & np.isfinite(a.hi)
-    return Truth(always, never, a.rules)
+    return TriBool(always, never, a.rules)
 
 
 def lessThan(x: Value, y: Value) -> Condition:
     """x < y, component by component."""
-    return number(x) < number(y)
+    return as_number(x) < as_number(y)
 
 
 def lessThanEqual(x: Value, y: Value) -> Condition:
     """x ≤ y, component by component."""
-    return number(x) <= number(y)
+    return as_number(x) <= as_number(y)
 
 
 def greaterThan(x: Value, y: Value) -> Condition:
     """x > y, component by component."""
-    return number(x) > number(y)
+    return as_number(x) > as_number(y)
 
 
 def greaterThanEqual(x: Value, y: Value) -> Condition:
     """x ≥ y, component by component."""
-    return number(x) >= number(y)
+    return as_number(x) >= as_number(y)
 
 
 def equal(x: Value, y: Value) -> Condition:
     """x == y, component by component."""
-    if isinstance(x, Truth) or isinstance(y, Truth):
-        x, y = as_truth(x), as_truth(y)
+    if isinstance(x, TriBool) or isinstance(y, TriBool):
+        x, y = as_tri_bool(x), as_tri_bool(y)
         return (x & y) | (~x & ~y)
-    return number(x) == number(y)
+    return as_number(x) == as_number(y)
 
 
 def notEqual(x: Value, y: Value) -> Condition:
@@ -104,14 +104,14 @@ def notEqual(x: Value, y: Value) -> Condition:
 
 def any(x: Condition) -> Condition:
     """Whether a component holds; the last axis stays with size 1."""
-    return x.any() if isinstance(x, Truth) else np.any(np.atleast_1d(x), axis=-1, keepdims=True)
+    return x.any() if isinstance(x, TriBool) else np.any(np.atleast_1d(x), axis=-1, keepdims=True)
 
 
 def all(x: Condition) -> Condition:
     """Whether all components hold; the last axis stays with size 1."""
-    return x.all() if isinstance(x, Truth) else np.all(np.atleast_1d(x), axis=-1, keepdims=True)
+    return x.all() if isinstance(x, TriBool) else np.all(np.atleast_1d(x), axis=-1, keepdims=True)
 
 
 def not_(x: Condition) -> Condition:
     """Where x does not hold (GLSL's `not` and `!`)."""
-    return ~x if isinstance(x, Truth) else np.logical_not(x)
+    return ~x if isinstance(x, TriBool) else np.logical_not(x)

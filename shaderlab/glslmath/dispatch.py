@@ -7,16 +7,16 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from shaderlab.bands import Band, Integer, Literal, Truth
+from shaderlab.bands import Band, Integer, Literal, TriBool
 
 # A Python number, a float64 array whose last axis is the components, or a Band.
 Value: TypeAlias = Any
-# A Python bool, a boolean array, or a Truth.
+# A Python bool, a boolean array, or a TriBool.
 Condition: TypeAlias = Any
 _OF_THE_SHADER = (Band, Literal, Integer)
 
 
-def number(value: Value) -> Value:
+def as_number(value: Value) -> Value:
     """A band, literal or integer as it is, anything else as float64: dividing by zero then
     follows IEEE 754."""
     if isinstance(value, _OF_THE_SHADER):
@@ -24,7 +24,7 @@ def number(value: Value) -> Value:
     return np.asanyarray(value, dtype=np.float64)[()]
 
 
-def bands(*values: Value) -> list[Band] | None:
+def as_bands(*values: Value) -> list[Band] | None:
     """All values as bands if one of them is a band, a literal or an integer of a band's rules,
     else None."""
     for value in values:
@@ -39,18 +39,18 @@ def bands(*values: Value) -> list[Band] | None:
     return None
 
 
-def integers(*values: Value) -> list[Integer] | None:
+def as_integers(*values: Value) -> list[Integer] | None:
     """All values as integers of one type if one is an `Integer` and no other is a float."""
     for value in values:
         if isinstance(value, Integer):
             lifted = [value.lift(other) for other in values]
             unsigned = any(n is not None and n.unsigned for n in lifted)
-            found = [n.converted(unsigned) for n in lifted if n is not None]
+            found = [n.convert(unsigned) for n in lifted if n is not None]
             return found if len(found) == len(values) else None
     return None
 
 
-def applied(plain: Callable[..., Any], banded: Callable[..., Band | Truth], *values: Value) -> Any:
+def apply(plain: Callable[..., Any], banded: Callable[..., Band | TriBool], *values: Value) -> Any:
     """`banded` of the values as bands if one is a band, else `plain` of them as float64.
 
     Of literals it is both: a compiler may compute them, in float64 or as the device does.
@@ -58,17 +58,17 @@ def applied(plain: Callable[..., Any], banded: Callable[..., Band | Truth], *val
     for value in values:
         if isinstance(value, Band):
             return banded(*[o if o is value else value.lift(o) for o in values])
-    lifted = bands(*values)
+    lifted = as_bands(*values)
     band = None if lifted is None else banded(*lifted)
     if band is not None and not all(isinstance(value, int | float) for value in values):
         return band
     with np.errstate(all="ignore"):
         result = plain(*(np.asanyarray(value, dtype=np.float64)[()] for value in values))
     if isinstance(band, Band):
-        return Literal.folded(float(result), band) if np.ndim(result) == 0 else band
+        return Literal.fold(float(result), band) if np.ndim(result) == 0 else band
     return result if band is None else band
 
 
-def undefined(band: Band, where: Any) -> Band:
+def mark_undefined(band: Band, where: Any) -> Band:
     """The band with anything allowed where GLSL leaves a function's result undefined."""
-    return band.made(band.lo, band.hi, anything=where, terms=band.terms) if where.any() else band
+    return band.derive(band.lo, band.hi, anything=where, terms=band.terms) if where.any() else band

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Band, Integer, Literal, Rules, Truth
-from shaderlab.bands.exact import concatenated
-from shaderlab.bands.integer_operators import WHOLE
-from shaderlab.bands.truth import as_truth
+from shaderlab.bands import Band, Integer, Literal, Rules, TriBool
+from shaderlab.bands.band import WHOLE
+from shaderlab.bands.exact import concatenate
+from shaderlab.bands.tri_bool import as_tri_bool
 from shaderlab.errors import FormulaError
 
 from .dispatch import Condition, Value
@@ -31,7 +31,7 @@ def uaddCarry(x: Value, y: Value) -> tuple[Integer, Integer]:
     ([1], [1])
     """
     a, b = _whole(x, unsigned=True), _whole(y, unsigned=True)
-    carry = a.made((a.lo + b.lo) >> 32, None if _known(a, b) else (a.hi + b.hi) >> 32, b)
+    carry = a.derive((a.lo + b.lo) >> 32, None if _known(a, b) else (a.hi + b.hi) >> 32, b)
     return a + b, carry  # type: ignore[operator]
 
 
@@ -43,7 +43,7 @@ def usubBorrow(x: Value, y: Value) -> tuple[Integer, Integer]:
     ([4294967295], [1])
     """
     a, b = _whole(x, unsigned=True), _whole(y, unsigned=True)
-    borrow = a.made(1 * (a.hi < b.lo), None if _known(a, b) else 1 * (a.lo < b.hi), b)
+    borrow = a.derive(1 * (a.hi < b.lo), None if _known(a, b) else 1 * (a.lo < b.hi), b)
     return a - b, borrow  # type: ignore[operator]
 
 
@@ -76,13 +76,13 @@ def bitfieldExtract(value: Value, offset: Value, bits: Value) -> Integer:
     """
     whole, at, size = _whole(value), _whole(offset), _whole(bits)
     if not _known(whole, at, size):
-        return whole.unknown(at, size)
+        return whole.derive_unknown(at, size)
     start, count, undefined = _field(at, size)
     field = (whole.lo % _RANGE >> start) & ((np.int64(1) << count) - 1)
     if not whole.unsigned:
         negative = (count > 0) & (field >> np.maximum(count - 1, 0) & 1 > 0)
         field = np.where(negative, field - (np.int64(1) << count), field)
-    return whole.made(field, None, at, size, anything=undefined)
+    return whole.derive(field, None, at, size, anything=undefined)
 
 
 def bitfieldInsert(base: Value, insert: Value, offset: Value, bits: Value) -> Integer:
@@ -94,11 +94,11 @@ def bitfieldInsert(base: Value, insert: Value, offset: Value, bits: Value) -> In
     """
     whole, other, at, size = _whole(base), _whole(insert), _whole(offset), _whole(bits)
     if not _known(whole, other, at, size):
-        return whole.unknown(other, at, size)
+        return whole.derive_unknown(other, at, size)
     start, count, undefined = _field(at, size)
     mask = ((np.int64(1) << count) - 1) << start
     merged = (whole.lo % _RANGE & ~mask) | ((other.lo % _RANGE << start) & mask)
-    return whole.made(merged, None, other, at, size, anything=undefined)
+    return whole.derive(merged, None, other, at, size, anything=undefined)
 
 
 def bitfieldReverse(value: Value) -> Integer:
@@ -156,8 +156,8 @@ def _whole(value: Value, *, unsigned: bool | None = None) -> Integer:
     whole = value if isinstance(value, Integer) else Integer(value)
     kind = whole.unsigned if unsigned is None else unsigned
     if not isinstance(value, Integer):
-        whole = Integer(0, unsigned=kind).made(whole.lo)
-    return whole.converted(kind)
+        whole = Integer(0, unsigned=kind).derive(whole.lo)
+    return whole.convert(kind)
 
 
 def _known(*values: Integer) -> bool:
@@ -166,17 +166,17 @@ def _known(*values: Integer) -> bool:
 
 def _of_bits(whole: Integer, function: Callable[[Any], Any], *, unsigned: bool = False) -> Integer:
     if not whole.known:
-        return whole.unknown(unsigned=unsigned)
-    return whole.made(function(whole.lo % _RANGE), unsigned=unsigned)
+        return whole.derive_unknown(unsigned=unsigned)
+    return whole.derive(function(whole.lo % _RANGE), unsigned=unsigned)
 
 
 def _extended(a: Integer, b: Integer) -> tuple[Integer, Integer]:
     if not _known(a, b):
-        return a.unknown(b), a.unknown(b)
+        return a.derive_unknown(b), a.derive_unknown(b)
     # In two halves: the whole of unsigned products does not fit into int64.
     upper, lower = a.lo >> 16, a.lo & 0xFFFF
     middle = (lower * b.lo >> 16) + upper * b.lo
-    return a.made(middle >> 16, None, b), a.made(a.lo * b.lo, None, b)
+    return a.derive(middle >> 16, None, b), a.derive(a.lo * b.lo, None, b)
 
 
 def _field(offset: Integer, bits: Integer) -> tuple[Any, Any, Any]:
@@ -214,7 +214,7 @@ def float(x: Value) -> Value:
         return x.to_float()
     if isinstance(x, Band | Literal):
         return x
-    if isinstance(x, Truth):
+    if isinstance(x, TriBool):
         return Band.between(x.all_true, ~x.all_false, x.rules or Rules())
     return np.asarray(x, np.float64)[()]
 
@@ -255,8 +255,8 @@ def uvec4(*parts: Value) -> Integer:
 
 def _integer(x: Value, *, unsigned: bool) -> Integer:
     if isinstance(x, Integer):
-        return x.converted(unsigned)
-    if isinstance(x, Truth):
+        return x.convert(unsigned)
+    if isinstance(x, TriBool):
         return Integer(x.all_true, ~x.all_false, unsigned=unsigned, rules=x.rules)
     least, most = _RANGES[unsigned]
     if isinstance(x, Band | Literal):
@@ -271,7 +271,7 @@ def _integer(x: Value, *, unsigned: bool) -> Integer:
     found = Integer(0, unsigned=unsigned, rules=rules)
     usable = [np.where(undefined, least, bound).astype(np.int64) for bound in (low, high)]
     same = np.array_equal(usable[0], usable[1])
-    return found.made(usable[0], None if same else usable[1], anything=undefined)
+    return found.derive(usable[0], None if same else usable[1], anything=undefined)
 
 
 def _vector(size: builtins.int, parts: Sequence[Value], *, unsigned: bool) -> Integer:
@@ -290,50 +290,50 @@ def _vector(size: builtins.int, parts: Sequence[Value], *, unsigned: bool) -> In
 def _joined(parts: Sequence[Integer]) -> Integer:
     known = all(part.known for part in parts)
     flags = [np.broadcast_to(part.anything, part.shape) for part in parts]
-    return parts[0].made(
-        concatenated([part.lo for part in parts], -1),
-        None if known else concatenated([part.hi for part in parts], -1),
+    return parts[0].derive(
+        concatenate([part.lo for part in parts], -1),
+        None if known else concatenate([part.hi for part in parts], -1),
         *(Integer(0, rules=part.rules) for part in parts[1:]),
-        anything=concatenated(flags, -1),
+        anything=concatenate(flags, -1),
     )
 
 
-def absolute(n: Integer) -> Integer:
+def absolute_value(n: Integer) -> Integer:
     """|n|; the least integer stays what it is."""
     ends = np.abs(n.lo), np.abs(n.hi)
     low = np.where((n.lo < 0) & (n.hi > 0), 0, np.minimum(*ends))
-    return n.made(low, None if n.known else np.maximum(*ends))
+    return n.derive(low, None if n.known else np.maximum(*ends))
 
 
 def sign(n: Integer) -> Integer:
     """-1, 0 or 1."""
-    return n.made(np.sign(n.lo), None if n.known else np.sign(n.hi))
+    return n.derive(np.sign(n.lo), None if n.known else np.sign(n.hi))
 
 
-def smaller(a: Integer, b: Integer) -> Integer:
+def minimum_of(a: Integer, b: Integer) -> Integer:
     """The smaller of two."""
     known = a.known and b.known
-    return a.made(np.minimum(a.lo, b.lo), None if known else np.minimum(a.hi, b.hi), b)
+    return a.derive(np.minimum(a.lo, b.lo), None if known else np.minimum(a.hi, b.hi), b)
 
 
-def larger(a: Integer, b: Integer) -> Integer:
+def maximum_of(a: Integer, b: Integer) -> Integer:
     """The larger of two."""
     known = a.known and b.known
-    return a.made(np.maximum(a.lo, b.lo), None if known else np.maximum(a.hi, b.hi), b)
+    return a.derive(np.maximum(a.lo, b.lo), None if known else np.maximum(a.hi, b.hi), b)
 
 
-def clamped(n: Integer, minimum: Integer, maximum: Integer) -> Integer:
+def clamp(n: Integer, minimum: Integer, maximum: Integer) -> Integer:
     """min(max(n, minimum), maximum); undefined where minimum may exceed maximum."""
-    found = smaller(larger(n, minimum), maximum)
+    found = minimum_of(maximum_of(n, minimum), maximum)
     undefined = minimum.hi > maximum.lo
-    return found.made(found.lo, None if found.known else found.hi, anything=undefined)
+    return found.derive(found.lo, None if found.known else found.hi, anything=undefined)
 
 
 def select(condition: Condition, a: Integer, b: Integer) -> Integer:
     """a where the condition holds, else b; the hull of both where it is undecided."""
-    truth = as_truth(condition)
+    truth = as_tri_bool(condition)
     low = np.where(truth.all_true, a.lo, np.where(truth.all_false, b.lo, np.minimum(a.lo, b.lo)))
     high = np.where(truth.all_true, a.hi, np.where(truth.all_false, b.hi, np.maximum(a.hi, b.hi)))
     flags = (a.anything & ~truth.all_false) | (b.anything & ~truth.all_true)
     plain = Integer(0, unsigned=a.unsigned, rules=a.rules or b.rules or truth.rules)
-    return plain.made(low, None if np.array_equal(low, high) else high, anything=flags)
+    return plain.derive(low, None if np.array_equal(low, high) else high, anything=flags)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Band, Integer, Rules
-from shaderlab.bands.allowed import quantise
+from shaderlab.bands.formats import quantise
 from shaderlab.glslmath.dispatch import Value
 from shaderlab.glslmath.integer import float as to_float, int as to_int
 from shaderlab.glslmath.scalar import clamp, round
@@ -121,7 +121,7 @@ def unpackHalf2x16(p: Value) -> Value:
     hi = np.where(small, np.maximum(values, 0.0), values)
     nan = np.isnan(values) | whole.anything
     band = Band.between(np.where(nan, 0.0, lo), np.where(nan, 0.0, hi), whole.rules)
-    return band.made(band.lo, band.hi, anything=nan)
+    return band.derive(band.lo, band.hi, anything=nan)
 
 
 def _packed(v: Value, count: int, least: float) -> Integer:
@@ -146,7 +146,7 @@ def _together(codes: Integer, count: int, anything: Any = None) -> Integer:
     if flags.ndim:
         flags = flags.any(axis=-1, keepdims=True)
     whole = Integer(0, unsigned=True, rules=codes.rules)
-    return whole.made(low, None if codes.known else high, anything=flags)
+    return whole.derive(low, None if codes.known else high, anything=flags)
 
 
 def _parts(p: Value, count: int) -> Integer:

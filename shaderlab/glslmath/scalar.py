@@ -11,11 +11,11 @@ import math
 
 import numpy as np
 
-from shaderlab.bands import Band, Truth, arithmetic, exact, functions, mixed
+from shaderlab.bands import Band, TriBool, arithmetic, exact, functions
 
 from . import integer
 from .choice import where
-from .dispatch import Value, applied, integers, number, undefined
+from .dispatch import Value, apply, as_integers, as_number, mark_undefined
 
 _DEGREE = math.pi / 180.0
 
@@ -26,44 +26,44 @@ def radians(degrees: Value) -> Value:
     >>> float(radians(180.0))
     3.141592653589793
     """
-    return number(degrees) * _DEGREE
+    return as_number(degrees) * _DEGREE
 
 
 def degrees(radians: Value) -> Value:
     """180/π · radians: one multiplication."""
-    return number(radians) * (1.0 / _DEGREE)
+    return as_number(radians) * (1.0 / _DEGREE)
 
 
 def sin(angle: Value) -> Value:
     """The sine of radians; 2^-11 absolute within [-π, π], outside as `Rules.trig_outside` says."""
-    return applied(np.sin, lambda a: functions.wave(a, np.sin, math.pi / 2), angle)
+    return apply(np.sin, lambda a: functions.wave(a, np.sin, math.pi / 2), angle)
 
 
 def cos(angle: Value) -> Value:
     """The cosine of radians; 2^-11 absolute within [-π, π], outside as `Rules.trig_outside`."""
-    return applied(np.cos, lambda a: functions.wave(a, np.cos, 0.0), angle)
+    return apply(np.cos, lambda a: functions.wave(a, np.cos, 0.0), angle)
 
 
 def tan(angle: Value) -> Value:
     """The tangent of radians: sin / cos, with the errors of both."""
-    return applied(np.tan, lambda a: arithmetic.divide(sin(a), cos(a)), angle)
+    return apply(np.tan, lambda a: arithmetic.divide(sin(a), cos(a)), angle)
 
 
 def asin(x: Value) -> Value:
     """The angle in [-π/2, π/2]; undefined for |x| > 1; 2^-11 absolute or 4096 ULP."""
-    return applied(np.arcsin, functions.arcsine, x)
+    return apply(np.arcsin, functions.arcsine, x)
 
 
 def acos(x: Value) -> Value:
     """The angle in [0, π]; undefined for |x| > 1; 2^-11 absolute or 4096 ULP."""
-    return applied(np.arccos, functions.arccosine, x)
+    return apply(np.arccos, functions.arccosine, x)
 
 
 def atan(y: Value, x: Value = None) -> Value:
     """atan(y_over_x) in [-π/2, π/2], or atan(y, x) in [-π, π], undefined at (0, 0); 4096 ULP."""
     if x is None:
-        return applied(np.arctan, functions.arctangent, y)
-    return applied(np.arctan2, functions.arctangent2, y, x)
+        return apply(np.arctan, functions.arctangent, y)
+    return apply(np.arctan2, functions.arctangent2, y, x)
 
 
 def pow(x: Value, y: Value) -> Value:
@@ -72,78 +72,78 @@ def pow(x: Value, y: Value) -> Value:
     >>> f"{pow(0.5, 1 / 2.2):.6f}"
     '0.729740'
     """
-    return applied(np.power, functions.power, x, y)
+    return apply(np.power, functions.power, x, y)
 
 
 def exp(x: Value) -> Value:
     """e to the x; (3 + 2·|x|) ULP."""
-    return applied(np.exp, lambda a: functions.exponential(a, np.exp), x)
+    return apply(np.exp, lambda a: functions.exponential(a, np.exp), x)
 
 
 def exp2(x: Value) -> Value:
     """2 to the x; (3 + 2·|x|) ULP."""
-    return applied(np.exp2, lambda a: functions.exponential(a, np.exp2), x)
+    return apply(np.exp2, lambda a: functions.exponential(a, np.exp2), x)
 
 
 def log(x: Value) -> Value:
     """The natural logarithm; 2^-21 absolute within [½, 2], 3 ULP outside; undefined for x ≤ 0."""
-    return applied(np.log, lambda a: functions.logarithm(a, np.log), x)
+    return apply(np.log, lambda a: functions.logarithm(a, np.log), x)
 
 
 def log2(x: Value) -> Value:
     """The logarithm to base 2; 2^-21 absolute within [½, 2], 3 ULP outside; undefined for x ≤ 0."""
-    return applied(np.log2, lambda a: functions.logarithm(a, np.log2), x)
+    return apply(np.log2, lambda a: functions.logarithm(a, np.log2), x)
 
 
 def sqrt(x: Value) -> Value:
     """The square root, as 1 / inversesqrt(x); undefined for x < 0."""
-    return applied(np.sqrt, functions.sqrt, x)
+    return apply(np.sqrt, functions.sqrt, x)
 
 
 def inversesqrt(x: Value) -> Value:
     """1 / √x; 2 ULP; undefined for x ≤ 0."""
-    return applied(lambda a: 1.0 / np.sqrt(a), functions.inversesqrt, x)
+    return apply(lambda a: 1.0 / np.sqrt(a), functions.inversesqrt, x)
 
 
 def abs(x: Value) -> Value:
     """|x|; exact."""
-    whole = integers(x)
+    whole = as_integers(x)
     if whole is not None:
-        return integer.absolute(*whole)
-    return applied(np.abs, exact.absolute, x)
+        return integer.absolute_value(*whole)
+    return apply(np.abs, exact.absolute_value, x)
 
 
 def sign(x: Value) -> Value:
     """-1, 0 or 1; exact."""
-    whole = integers(x)
+    whole = as_integers(x)
     if whole is not None:
         return integer.sign(*whole)
-    return applied(np.sign, lambda a: exact.monotone(a, np.sign), x)
+    return apply(np.sign, lambda a: exact.apply_monotone(a, np.sign), x)
 
 
 def floor(x: Value) -> Value:
     """The integer at or below x; exact."""
-    return applied(np.floor, lambda a: exact.monotone(a, np.floor), x)
+    return apply(np.floor, lambda a: exact.apply_monotone(a, np.floor), x)
 
 
 def ceil(x: Value) -> Value:
     """The integer at or above x; exact."""
-    return applied(np.ceil, lambda a: exact.monotone(a, np.ceil), x)
+    return apply(np.ceil, lambda a: exact.apply_monotone(a, np.ceil), x)
 
 
 def trunc(x: Value) -> Value:
     """The integer next to x towards zero; exact."""
-    return applied(np.trunc, lambda a: exact.monotone(a, np.trunc), x)
+    return apply(np.trunc, lambda a: exact.apply_monotone(a, np.trunc), x)
 
 
 def round(x: Value) -> Value:
     """The nearest integer; a half goes either way in a band, to the even one in float64."""
-    return applied(np.rint, exact.rounded, x)
+    return apply(np.rint, exact.round_either_way, x)
 
 
 def roundEven(x: Value) -> Value:
     """The nearest integer, a half to the even one; exact."""
-    return applied(np.rint, lambda a: exact.monotone(a, np.rint), x)
+    return apply(np.rint, lambda a: exact.apply_monotone(a, np.rint), x)
 
 
 def fract(x: Value) -> Value:
@@ -152,7 +152,7 @@ def fract(x: Value) -> Value:
     def banded(a: Band) -> Band:
         return clamp(a - floor(a), 0.0, 1.0)  # type: ignore[no-any-return]
 
-    return applied(lambda a: a - np.floor(a), banded, x)
+    return apply(lambda a: a - np.floor(a), banded, x)
 
 
 def mod(x: Value, y: Value) -> Value:
@@ -164,25 +164,25 @@ def mod(x: Value, y: Value) -> Value:
 
     def banded(x: Band, y: Band) -> Band:
         result = x - y * floor(x / y)
-        return undefined(result, (y.lo <= 0.0) & (y.hi >= 0.0))
+        return mark_undefined(result, (y.lo <= 0.0) & (y.hi >= 0.0))
 
-    return applied(lambda x, y: x - y * np.floor(x / y), banded, x, y)
+    return apply(lambda x, y: x - y * np.floor(x / y), banded, x, y)
 
 
 def min(x: Value, y: Value) -> Value:
     """The smaller; exact. Where one may be NaN, either may come out."""
-    whole = integers(x, y)
+    whole = as_integers(x, y)
     if whole is not None:
-        return integer.smaller(*whole)
-    return applied(np.minimum, exact.smaller, x, y)
+        return integer.minimum_of(*whole)
+    return apply(np.minimum, exact.minimum_of, x, y)
 
 
 def max(x: Value, y: Value) -> Value:
     """The larger; exact. Where one may be NaN, either may come out."""
-    whole = integers(x, y)
+    whole = as_integers(x, y)
     if whole is not None:
-        return integer.larger(*whole)
-    return applied(np.maximum, exact.larger, x, y)
+        return integer.maximum_of(*whole)
+    return apply(np.maximum, exact.maximum_of, x, y)
 
 
 def clamp(x: Value, minimum: Value, maximum: Value) -> Value:
@@ -191,13 +191,11 @@ def clamp(x: Value, minimum: Value, maximum: Value) -> Value:
     >>> float(clamp(1.5, 0.0, 1.0))
     1.0
     """
-    whole = integers(x, minimum, maximum)
+    whole = as_integers(x, minimum, maximum)
     if whole is not None:
-        return integer.clamped(*whole)
+        return integer.clamp(*whole)
 
-    return applied(
-        lambda x, a, b: np.minimum(np.maximum(x, a), b), exact.clamped, x, minimum, maximum
-    )
+    return apply(lambda x, a, b: np.minimum(np.maximum(x, a), b), exact.clamp, x, minimum, maximum)
 
 
 def mix(x: Value, y: Value, a: Value) -> Value:
@@ -206,19 +204,19 @@ def mix(x: Value, y: Value, a: Value) -> Value:
     >>> float(mix(1.0, 3.0, 0.25))
     1.5
     """
-    if isinstance(a, Truth | bool | np.bool_) or getattr(a, "dtype", None) == np.bool_:
+    if isinstance(a, TriBool | bool | np.bool_) or getattr(a, "dtype", None) == np.bool_:
         return where(a, y, x)
 
     def banded(x: Band, y: Band, a: Band) -> Band:
         found = exact.union(x * (1.0 - a) + y * a, x + (y - x) * a)
-        return mixed.within_ends(found, x, y, a)
+        return functions.cut_to_ends(found, x, y, a)
 
-    return applied(lambda x, y, a: x * (1.0 - a) + y * a, banded, x, y, a)
+    return apply(lambda x, y, a: x * (1.0 - a) + y * a, banded, x, y, a)
 
 
 def step(edge: Value, x: Value) -> Value:
     """0 where x < edge, else 1; exact, but undecided where the bands overlap."""
-    x, edge = number(x), number(edge)
+    x, edge = as_number(x), as_number(edge)
     return where(x < edge, 0.0, 1.0)
 
 
@@ -240,15 +238,15 @@ def smoothstep(edge0: Value, edge1: Value, x: Value) -> Value:
         t = share(edge0, edge1, x)
         # Of exactly 0 and 1 all products and sums of the curve are exact, in any order.
         ends = (t.lo == t.hi) & ((t.lo == 0.0) | (t.lo == 1.0))
-        risen = exact.select(Truth(ends, ~ends, t.rules), t.opaque(), curve(t))
-        return undefined(risen, edge0.hi >= edge1.lo)
+        risen = exact.select(TriBool(ends, ~ends, t.rules), t.without_terms(), curve(t))
+        return mark_undefined(risen, edge0.hi >= edge1.lo)
 
-    return applied(lambda *given: curve(share(*given)), banded, edge0, edge1, x)
+    return apply(lambda *given: curve(share(*given)), banded, edge0, edge1, x)
 
 
 def fma(a: Value, b: Value, c: Value) -> Value:
     """a·b + c, fused or not."""
-    return number(a) * number(b) + number(c)
+    return as_number(a) * as_number(b) + as_number(c)
 
 
 def sinh(x: Value) -> Value:
@@ -257,7 +255,7 @@ def sinh(x: Value) -> Value:
     >>> f"{sinh(1.0):.6f}"
     '1.175201'
     """
-    return applied(np.sinh, lambda x: (exp(x) - exp(-x)) * 0.5, x)
+    return apply(np.sinh, lambda x: (exp(x) - exp(-x)) * 0.5, x)
 
 
 def cosh(x: Value) -> Value:
@@ -266,7 +264,7 @@ def cosh(x: Value) -> Value:
     >>> f"{cosh(1.0):.6f}"
     '1.543081'
     """
-    return applied(np.cosh, lambda x: (exp(x) + exp(-x)) * 0.5, x)
+    return apply(np.cosh, lambda x: (exp(x) + exp(-x)) * 0.5, x)
 
 
 def tanh(x: Value) -> Value:
@@ -275,7 +273,7 @@ def tanh(x: Value) -> Value:
     >>> f"{tanh(1.0):.6f}"
     '0.761594'
     """
-    return applied(np.tanh, lambda x: sinh(x) / cosh(x), x)
+    return apply(np.tanh, lambda x: sinh(x) / cosh(x), x)
 
 
 def asinh(x: Value) -> Value:
@@ -284,7 +282,7 @@ def asinh(x: Value) -> Value:
     >>> f"{asinh(1.0):.6f}"
     '0.881374'
     """
-    return applied(np.arcsinh, lambda x: log(x + sqrt(x * x + 1.0)), x)
+    return apply(np.arcsinh, lambda x: log(x + sqrt(x * x + 1.0)), x)
 
 
 def acosh(x: Value) -> Value:
@@ -295,9 +293,9 @@ def acosh(x: Value) -> Value:
     """
 
     def banded(x: Band) -> Band:
-        return undefined(log(x + sqrt(x * x - 1.0)), x.lo < 1.0)
+        return mark_undefined(log(x + sqrt(x * x - 1.0)), x.lo < 1.0)
 
-    return applied(np.arccosh, banded, x)
+    return apply(np.arccosh, banded, x)
 
 
 def atanh(x: Value) -> Value:
@@ -309,6 +307,6 @@ def atanh(x: Value) -> Value:
 
     def banded(x: Band) -> Band:
         found = log((1.0 + x) / (1.0 - x)) * 0.5
-        return undefined(found, (x.lo <= -1.0) | (x.hi >= 1.0))
+        return mark_undefined(found, (x.lo <= -1.0) | (x.hi >= 1.0))
 
-    return applied(np.arctanh, banded, x)
+    return apply(np.arctanh, banded, x)

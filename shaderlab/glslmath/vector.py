@@ -6,13 +6,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from shaderlab.bands import Band, arithmetic, exact, functions, sums
+from shaderlab.bands import Band, arithmetic, exact, functions
 from shaderlab.bands.rounding import SMALLEST_NORMAL
 from shaderlab.errors import FormulaError
 
-from .arrays import stacked
+from .arrays import stack
 from .choice import where
-from .dispatch import Value, applied, number, undefined
+from .dispatch import Value, apply, as_number, mark_undefined
 from .scalar import clamp, max, sqrt
 
 # What rounding may add to a component of a unit vector, in both of its expansions.
@@ -29,7 +29,7 @@ def dot(a: Value, b: Value) -> Value:
     def plain(a: Value, b: Value) -> Value:
         return np.sum(np.atleast_1d(a * b), axis=-1, keepdims=True)
 
-    return applied(plain, sums.dot, a, b)
+    return apply(plain, arithmetic.dot, a, b)
 
 
 def length(v: Value) -> Value:
@@ -43,7 +43,7 @@ def length(v: Value) -> Value:
 
 def distance(a: Value, b: Value) -> Value:
     """length(a - b)."""
-    return length(number(a) - number(b))
+    return length(as_number(a) - as_number(b))
 
 
 def normalize(v: Value) -> Value:
@@ -58,19 +58,19 @@ def normalize(v: Value) -> Value:
 
     def banded(v: Band) -> Band:
         if v.direction is None:
-            v.direction = direction(v.opaque())
-        return v.direction.again()
+            v.direction = direction(v.without_terms())
+        return v.direction.copy_independent()
 
-    return applied(plain, banded, v)
+    return apply(plain, banded, v)
 
 
 def direction(v: Band) -> Band:
     """The unit vector of a band that is no sum."""
-    squared = sums.sum_last(arithmetic.square(v))
+    squared = arithmetic.sum_last(arithmetic.square(v))
     quotient = arithmetic.divide(v, functions.sqrt(squared))
     product = arithmetic.multiply(v, functions.inversesqrt(squared))
     either: Band = clamp(exact.union(quotient, product), -_BEYOND_UNIT, _BEYOND_UNIT)
-    return undefined(either, squared.lo < SMALLEST_NORMAL)
+    return mark_undefined(either, squared.lo < SMALLEST_NORMAL)
 
 
 def cross(a: Value, b: Value) -> Value:
@@ -79,7 +79,7 @@ def cross(a: Value, b: Value) -> Value:
     >>> cross(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
     array([0., 0., 1.])
     """
-    a, b = number(a), number(b)
+    a, b = as_number(a), as_number(b)
     if a.shape[-1:] != (3,) or b.shape[-1:] != (3,):
         raise FormulaError(f"cross takes vectors of three components, not {a.shape}, {b.shape}")
     yzx, zxy = [1, 2, 0], [2, 0, 1]
@@ -88,13 +88,13 @@ def cross(a: Value, b: Value) -> Value:
 
 def faceforward(n: Value, incident: Value, reference: Value) -> Value:
     """n if reference·incident < 0, else -n."""
-    n = number(n)
+    n = as_number(n)
     return where(dot(reference, incident) < 0.0, n, -n)
 
 
 def reflect(incident: Value, n: Value) -> Value:
     """incident - 2·(n·incident)·n, for a unit vector n."""
-    incident, n = number(incident), number(n)
+    incident, n = as_number(incident), as_number(n)
     return incident - 2.0 * dot(n, incident) * n
 
 
@@ -103,7 +103,7 @@ def refract(incident: Value, n: Value, eta: Value) -> Value:
 
     k = 1 - eta²·(1 - (n·i)²); k < 0 gives 0, else eta·i - (eta·(n·i) + √k)·n.
     """
-    incident, n, eta = number(incident), number(n), number(eta)
+    incident, n, eta = as_number(incident), as_number(n), as_number(eta)
     cos_theta = dot(n, incident)
     k = 1.0 - eta * eta * (1.0 - cos_theta * cos_theta)
     through = eta * incident - (eta * cos_theta + sqrt(max(k, 0.0))) * n
@@ -117,32 +117,32 @@ def mul(m: Value, v: Value) -> Value:
     array([[ 0.,  1.],
            [-1.,  0.]])
     """
-    return applied(lambda m, v: np.matmul(m, v[..., None])[..., 0], sums.times_vector, m, v)
+    return apply(lambda m, v: np.matmul(m, v[..., None])[..., 0], arithmetic.times_vector, m, v)
 
 
 def matmul(a: Value, b: Value) -> Value:
     """a·b for matrices (…, r, k) and (…, k, c): matrices (…, r, c)."""
-    return applied(np.matmul, sums.times_matrix, a, b)
+    return apply(np.matmul, arithmetic.times_matrix, a, b)
 
 
 def matrixCompMult(a: Value, b: Value) -> Value:
     """The product element by element."""
-    return number(a) * number(b)
+    return as_number(a) * as_number(b)
 
 
 def outerProduct(column: Value, row: Value) -> Value:
     """column · rowᵀ, (…, r) and (…, c): matrices (…, r, c)."""
-    return number(column)[..., :, None] * number(row)[..., None, :]
+    return as_number(column)[..., :, None] * as_number(row)[..., None, :]
 
 
 def transpose(m: Value) -> Value:
     """Rows and columns exchanged; exact."""
-    return applied(lambda a: np.swapaxes(a, -1, -2), exact.transposed, m)
+    return apply(lambda a: np.swapaxes(a, -1, -2), exact.transpose, m)
 
 
 def determinant(m: Value) -> Value:
     """The determinant (…, 1), expanded along the first row; GLSL states no precision of its own."""
-    m = number(m)
+    m = as_number(m)
     size = _size(m)
     if size == 2:
         value = _at(m, 0, 0) * _at(m, 1, 1) - _at(m, 0, 1) * _at(m, 1, 0)
@@ -153,10 +153,10 @@ def determinant(m: Value) -> Value:
 
 def inverse(m: Value) -> Value:
     """The inverse by cofactors over the determinant; undefined for a singular matrix."""
-    m = number(m)
+    m = as_number(m)
     size = _size(m)
-    rows = [stacked([_cofactor(m, j, i) for j in range(size)], -1) for i in range(size)]
-    adjugate = stacked([row[..., None, :] for row in rows], -2)
+    rows = [stack([_cofactor(m, j, i) for j in range(size)], -1) for i in range(size)]
+    adjugate = stack([row[..., None, :] for row in rows], -2)
     with np.errstate(all="ignore"):
         return adjugate / determinant(m)[..., None]
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from shaderlab import glslmath as g
-from shaderlab.bands import Band, Truth
+from shaderlab.bands import Band, TriBool
 from shaderlab.errors import FormulaError
 
 X = Band.exact(np.linspace(0.0, 1.0, 6).reshape(2, 3))
@@ -129,4 +129,4 @@ def test_truths_over_components() -> None:
     truth = Band.exact([[1.0, 2.0], [3.0, 4.0]]) < Band.between([1.5, 1.0], [1.5, 5.0])
     assert g.any(truth).all_true.tolist() == [[True], [False]]
     assert g.all(truth).undecided.tolist() == [[True], [False]]
-    assert isinstance(g.not_(truth), Truth)
+    assert isinstance(g.not_(truth), TriBool)

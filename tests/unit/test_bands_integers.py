@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from shaderlab import glslmath as g
-from shaderlab.bands import Band, Integer, Rules, Truth
+from shaderlab.bands import Band, Integer, Rules, TriBool
 from shaderlab.engine.judging.banded import judge_band
 from shaderlab.engine.judging.references import Inputs
 from shaderlab.errors import FormulaError
@@ -139,7 +139,7 @@ def test_functions_of_integers_are_exact_and_stay_integers() -> None:
     assert g.clamp(n, -1, 1).lo.ravel().tolist() == [-1, 1]
     assert g.where(n > 0, n, 7).lo.ravel().tolist() == [7, 3]
     assert g.ivec3(n, 1, 2).zyx.lo.tolist() == [[2, 1, -5], [2, 1, 3]]
-    assert isinstance(n < 4, Truth) and isinstance(n * 0.5, Band) and isinstance(0.5 + n, Band)
+    assert isinstance(n < 4, TriBool) and isinstance(n * 0.5, Band) and isinstance(0.5 + n, Band)
 
 
 def test_components_are_attributes_of_all_values_that_references_get() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.adversary_device import Device
 from shaderlab import glslmath as g
-from shaderlab.bands import Band, mixed
+from shaderlab.bands import Band, functions
 
 F = np.float32
 COUNT = 20_000
@@ -55,7 +55,7 @@ def nested(depth: int) -> float:
 
 def test_mixing_again_and_again_does_not_widen(monkeypatch: pytest.MonkeyPatch) -> None:
     assert nested(6) < nested(1) < 1e-4
-    monkeypatch.setattr(mixed, "within_ends", lambda found, *_: found)
+    monkeypatch.setattr(functions, "cut_to_ends", lambda found, *_: found)
     assert nested(6) > 5e-4  # by the operations alone
 
 
@@ -108,13 +108,13 @@ def test_terms_of_nested_mixes_add_up_and_do_not_multiply() -> None:
     color = Band.exact([[0.5]])
     for _ in range(8):
         color = g.mix(color, 0.75, 1.0 - Band.exact([[0.5]]))
-    assert color.mag[0, 0] < 20.0 and color.count < 20
+    assert color.abs_sum[0, 0] < 20.0 and color.count < 20
 
 
 def test_a_share_of_0_gives_the_first_colour_as_it_is() -> None:
     x = Band.exact([[0.3]]) + 0.1
     band = g.mix(x, 0.7, Band.exact([[0.0], [0.5]]))
-    settled = x.settled()[1] - x.settled()[0]
+    settled = x.apply_slack()[1] - x.apply_slack()[0]
     assert (band.hi - band.lo)[0] < settled + 1e-7 < (band.hi - band.lo)[1]
 
 

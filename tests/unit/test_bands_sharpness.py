@@ -157,6 +157,6 @@ def test_smoothstep_beyond_its_edges_is_exact() -> None:
     far = Band.between([[-3.0], [7.0]], [[-2.9], [7.1]])
     risen = g.smoothstep(0.25, 0.75, far)
     assert risen.lo.ravel().tolist() == risen.hi.ravel().tolist() == [0.0, 1.0]
-    assert (1.0 - risen).mag.ravel().tolist() == [1.0, 2.0]
+    assert (1.0 - risen).abs_sum.ravel().tolist() == [1.0, 2.0]
     between = g.smoothstep(0.25, 0.75, Band.exact([[0.5]]))
     assert between.lo.item() < 0.5 < between.hi.item()

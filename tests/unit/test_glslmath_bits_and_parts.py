@@ -49,7 +49,7 @@ def test_where_hyperbolic_functions_are_not_defined_anything_goes() -> None:
 @pytest.mark.parametrize("unsigned", [False, True])
 def test_functions_of_bits_are_those_of_the_digits(unsigned: bool) -> None:
     for number in NUMBERS:
-        whole = Integer([number], unsigned=unsigned).made(np.array([number]))
+        whole = Integer([number], unsigned=unsigned).derive(np.array([number]))
         bits = number % 2**32
         digits = f"{bits:032b}"
         seen = bits ^ 0xFFFFFFFF if number < 0 and not unsigned else bits

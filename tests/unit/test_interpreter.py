@@ -140,9 +140,9 @@ INTEGERS: Mapping[str, Callable[[Integer, Integer], Any]] = {
     "n / 7 + abs(n) % 5": lambda n, m: n / 7 + g.abs(n) % 5,
     "-n & 0xFF | n << 3 ^ n >> 2": lambda n, m: (-n & 0xFF) | ((n << 3) ^ (n >> 2)),
     "ivec4(m >> 3u) + ivec4(m * 747796405u + 2891336453u)": lambda n, m: (
-        (m >> 3).converted(False) + (m * 747796405 + 2891336453).converted(False)
+        (m >> 3).convert(False) + (m * 747796405 + 2891336453).convert(False)
     ),
-    "ivec4(m / 7u % 5u) + ~n": lambda n, m: (m / 7 % 5).converted(False) + ~n,
+    "ivec4(m / 7u % 5u) + ~n": lambda n, m: (m / 7 % 5).convert(False) + ~n,
     "min(n, 3) + max(n, n.wzyx) + clamp(n, -5, 5) + sign(n)": lambda n, m: (
         g.min(n, 3) + g.max(n, n.wzyx) + g.clamp(n, -5, 5) + g.sign(n)
     ),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shaderlab.bands.allowed import contains, widths
+from shaderlab.bands.bounds import contains, widths
 from shaderlab.engine.judging import banded
 from shaderlab.engine.judging.banded import Placed
 

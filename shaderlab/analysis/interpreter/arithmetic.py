@@ -1,6 +1,6 @@
 """What the interpreter asks of an arithmetic: the one protocol behind floats, whatever they are.
 
-Integers are `shaderlab.bands.Integer` and conditions `shaderlab.bands.Truth` in every arithmetic;
+Integers are `shaderlab.bands.Integer` and conditions `shaderlab.bands.TriBool` in every arithmetic;
 only floats differ: NumPy arrays of one width (`numbers.py`), or bands (`banded.py`). Both are
 shaped (count, components), or (1, components) where all invocations have the same value, and
 (count or 1, rows, columns) for matrices.
@@ -17,7 +17,7 @@ import numpy as np
 
 from shaderlab import glslmath
 from shaderlab.bands import Band, Integer, Rules
-from shaderlab.bands.arithmetic import scaled
+from shaderlab.bands.arithmetic import scale
 from shaderlab.bands.rounding import is_power_of_two, shortest
 
 Floats = Any
@@ -256,11 +256,11 @@ def _is_zero(value: Any) -> bool:
 
 def _multiply(a: Any, b: Any) -> Any:
     """a · b. Times 0 or a power of two, as `step` gives them, nothing is rounded."""
-    for scale, other in ((a, b), (b, a)):
-        exact = scale.lo is scale.hi and scale.terms is None and scale.lo.size
+    for factor, other in ((a, b), (b, a)):
+        exact = factor.lo is factor.hi and factor.terms is None and factor.lo.size
         # The first value of most inputs shows already that they are no powers of two.
-        if exact and is_power_of_two(scale.lo.flat[0]) and is_power_of_two(scale.lo):
-            return scaled(other, scale)
+        if exact and is_power_of_two(factor.lo.flat[0]) and is_power_of_two(factor.lo):
+            return scale(other, factor)
     return a * b
 
 

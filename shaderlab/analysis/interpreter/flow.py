@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands import Band
-from shaderlab.bands.truth import as_truth
+from shaderlab.bands.tri_bool import as_tri_bool
 from shaderlab.compiler.spirv import Op, StorageClass
 from shaderlab.errors import NotInterpretedError
 
@@ -201,7 +201,7 @@ def _conditional(
     run: Run, function: Function, label: int, at: Instruction, state: PathState
 ) -> Leaving:
     condition, then, otherwise = at.operands[:3]
-    truth = as_truth(run.value(condition))
+    truth = as_tri_bool(run.value(condition))
     run.trace_branch(at, truth, state)
     if truth.all_true.size == 1 and run.count:  # all go the same way, as loops mostly do
         for target, is_sure in ((then, truth.all_true), (otherwise, truth.all_false)):
@@ -226,7 +226,7 @@ def _switch(run: Run, function: Function, label: int, at: Instruction, state: Pa
     going: dict[int, Any] = {}
     elsewhere = state.mask
     for literal, target in zip(at.operands[2::2], at.operands[3::2], strict=True):
-        same = as_truth(selector == int(np.uint32(literal).astype(bits)))
+        same = as_tri_bool(selector == int(np.uint32(literal).astype(bits)))
         may, sure = (
             np.broadcast_to(side[:, 0], state.mask.shape)
             for side in (~same.all_false, same.all_true)
@@ -319,7 +319,7 @@ def narrow(run: Run, condition: int, holds: bool, state: PathState) -> None:
         smaller, larger = at.operands if (at.op in _LESS) == holds else at.operands[::-1]
         values = run.value(smaller), run.value(larger)
         if all(isinstance(value, Band) for value in values):
-            (least, _), (_, most) = (value.settled() for value in values)
+            (least, _), (_, most) = (value.apply_slack() for value in values)
             _bound(run, smaller, state, -np.inf, most)
             _bound(run, larger, state, least, np.inf)
 

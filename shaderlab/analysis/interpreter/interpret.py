@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Integer, Truth
+from shaderlab.bands import Integer, TriBool
 from shaderlab.compiler.reflection import leaves
 from shaderlab.compiler.spirv import Decoration, Op, StorageClass, unwrap
 from shaderlab.errors import FormulaError
@@ -152,7 +152,7 @@ class _InputReader:
         if type_.base.kind == "float":
             return self._arithmetic.exact(values)
         if type_.base.kind == "bool":
-            return Truth.known(values != 0)
+            return TriBool.of(values != 0)
         unsigned = not type_.base.signed
         return Integer(values, unsigned=unsigned, rules=self._arithmetic.rules)
 
@@ -166,7 +166,7 @@ class Interpreted:
 
     Attributes:
         outputs: by name, those that were written; a row for every invocation: floats of the
-            arithmetic (count, components), `Integer`s, `Truth`s, tuples of them for arrays. What
+            arithmetic (count, components), `Integer`s, `TriBool`s, tuples of them for arrays. What
             was discarded has rows, too, which mean nothing. Of a geometry stage tuples with what
             each vertex was emitted with, and "EmitVertex()", how many those are; of a compute stage
             what its buffers hold.
@@ -175,7 +175,7 @@ class Interpreted:
     """
 
     outputs: Mapping[str, Any]
-    discarded: Truth
+    discarded: TriBool
     undecided: Mapping[int, Flags]
 
 
@@ -250,7 +250,7 @@ def interpret(
     survivors = np.zeros(count, np.bool_) if end is None else end.mask
     return Interpreted(
         outputs={} if end is None else _outputs(run, end.memory),
-        discarded=Truth(run.killed & ~survivors, ~run.killed),
+        discarded=TriBool(run.killed & ~survivors, ~run.killed),
         undecided=run.undecided,
     )
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab import glslmath
-from shaderlab.bands import Band, Integer, Truth
-from shaderlab.bands.exact import monotone, negative
-from shaderlab.bands.hulls import product_bounds
+from shaderlab.bands import Band, Integer, TriBool
+from shaderlab.bands.arithmetic import product_bounds
+from shaderlab.bands.bounds import Terms
+from shaderlab.bands.exact import apply_monotone, negate
 from shaderlab.bands.rounding import RELATIVE_STEP
-from shaderlab.bands.terms import Terms
-from shaderlab.bands.truth import as_truth
+from shaderlab.bands.tri_bool import as_tri_bool
 from shaderlab.compiler.spirv import Glsl450 as G, Op
 from shaderlab.errors import FormulaError
 
@@ -103,16 +103,18 @@ Found = tuple[Band, float] | None
 
 
 def _add(a: Band, b: Band, of_a: float, of_b: float) -> Found:
-    return _make(a, b, a.lo + b.lo, a.hi + b.hi, a.mag + b.mag, a.count + b.count, min(of_a, of_b))
+    return _make(
+        a, b, a.lo + b.lo, a.hi + b.hi, a.abs_sum + b.abs_sum, a.count + b.count, min(of_a, of_b)
+    )
 
 
 def _subtract(a: Band, b: Band, of_a: float, of_b: float) -> Found:
-    return _add(a, negative(b), of_a, of_b)
+    return _add(a, negate(b), of_a, of_b)
 
 
 def _multiply(a: Band, b: Band, of_a: float, of_b: float) -> Found:
     bounds = product_bounds(a.lo, a.hi, b.lo, b.hi)
-    return _make(a, b, *bounds, a.mag * b.mag, a.count * b.count, of_a * of_b)
+    return _make(a, b, *bounds, a.abs_sum * b.abs_sum, a.count * b.count, of_a * of_b)
 
 
 def _make(a: Band, b: Band, lo: Any, hi: Any, mag: Any, count: int, unit: float) -> Found:
@@ -123,24 +125,24 @@ def _make(a: Band, b: Band, lo: Any, hi: Any, mag: Any, count: int, unit: float)
     terms = None
     if a.rules.rearrange:
         terms = Terms(mag, (count - 1) * RELATIVE_STEP * mag if count > 1 else None, count)
-    return a.kept(lo, hi, b, terms=terms), unit
+    return a.derive_exact(lo, hi, b, terms=terms), unit
 
 
 def _negate(a: Band, unit: float) -> Found:
-    return negative(a), unit
+    return negate(a), unit
 
 
 def _mod(x: Band, y: Band, of_x: float, of_y: float) -> Found:
     """x - y·⌊x/y⌋, whose terms are those of x and one product."""
-    turns = glslmath.floor(x.opaque() / y)
+    turns = glslmath.floor(x.without_terms() / y)
     product = _multiply(y, turns, of_y, 1.0)
     found = _subtract(x, product[0], of_x, product[1]) if product is not None else None
     inside = (y.lo > 0.0).all() or (y.hi < 0.0).all()
-    return (found[0].opaque(), found[1]) if found is not None and inside else None
+    return (found[0].without_terms(), found[1]) if found is not None and inside else None
 
 
 def _fract(x: Band, unit: float) -> Found:
-    found = _subtract(x, monotone(x, np.floor), unit, 1.0)
+    found = _subtract(x, apply_monotone(x, np.floor), unit, 1.0)
     return None if found is None else (glslmath.clamp(found[0], 0.0, 1.0), found[1])
 
 
@@ -206,16 +208,16 @@ COMPOSITES: Mapping[int, Handler] = {
 
 
 def _compare(function: Any) -> Handler:
-    return apply(lambda *values: as_truth(function(*values)))
+    return apply(lambda *values: as_tri_bool(function(*values)))
 
 
-def _different(a: Truth, b: Truth) -> Truth:
+def _different(a: TriBool, b: TriBool) -> TriBool:
     return (a & ~b) | (~a & b)
 
 
 LOGIC: Mapping[int, Handler] = {
-    Op.Any: apply(Truth.any),
-    Op.All: apply(Truth.all),
+    Op.Any: apply(TriBool.any),
+    Op.All: apply(TriBool.all),
     Op.IsNan: _compare(glslmath.isnan),
     Op.IsInf: _compare(glslmath.isinf),
     Op.LogicalEqual: apply(lambda a, b: ~_different(a, b)),
@@ -258,9 +260,9 @@ def _from_integer(run: Run, at: Instruction, state: PathState) -> Any:
 def _bitcast(run: Run, at: Instruction, state: PathState) -> Any:
     value, to = run.value(at.operands[0]), run.program.types[at.type].base
     if to.kind == "float":
-        return run.arithmetic.call("uintBitsToFloat", value.converted(True))
+        return run.arithmetic.call("uintBitsToFloat", value.convert(True))
     if isinstance(value, Integer):
-        return value.converted(not to.signed)
+        return value.convert(not to.signed)
     return run.arithmetic.call("floatBitsToInt" if to.signed else "floatBitsToUint", value)
 
 
@@ -363,10 +365,10 @@ def _extended(run: Run, at: Instruction, state: PathState) -> Any:
         function, unsigned = _INTEGERS[number]
         values: list[Integer] = run.values(operands)
         if unsigned is not None:
-            values = [value.converted(unsigned) for value in values]
+            values = [value.convert(unsigned) for value in values]
         result: Integer = run.arithmetic.call(function, *values)
         to = run.program.types[at.type].base
-        return settle(run, result.converted(not to.signed), state)
+        return settle(run, result.convert(not to.signed), state)
     raise run.program.not_interpreted(
         _UNKNOWN.get(number, f"GLSL.std.450's instruction {number}"), at.line
     )
@@ -393,14 +395,14 @@ def call_integers(
     def handler(run: Run, at: Instruction, state: PathState) -> Any:
         values: list[Integer] = run.values(at.operands)
         if unsigned is not None:
-            values = [value.converted(unsigned) for value in values]
+            values = [value.convert(unsigned) for value in values]
         elif not bits and len({value.unsigned for value in values}) > 1:
-            values = [value.converted(values[0].unsigned) for value in values]
+            values = [value.convert(values[0].unsigned) for value in values]
         result = function(*values)
         type_ = run.program.types[at.type]
         if type_.kind == "struct":
             return tuple(settle(run, part, state) for part in result)
-        return settle(run, result.converted(not type_.base.signed), state)
+        return settle(run, result.convert(not type_.base.signed), state)
 
     return handler
 
@@ -424,17 +426,17 @@ def settle(run: Run, value: Integer, state: PathState) -> Integer:
     )
 
 
-_YES, _NO = (Truth.known([[holds]]) for holds in (True, False))
+_YES, _NO = (TriBool.of([[holds]]) for holds in (True, False))
 
 
 def _compare_integers(function: Callable[[Any, Any], Any], unsigned: bool | None = None) -> Handler:
     def handler(run: Run, at: Instruction, state: PathState) -> Any:
         a, b = run.values(at.operands)
         kind = a.unsigned if unsigned is None else unsigned
-        a, b = a.converted(kind), b.converted(kind)
+        a, b = a.convert(kind), b.convert(kind)
         if a.lo.size == b.lo.size == 1 and run.arithmetic.rules is None:  # as a loop's counter is
             return _YES if function(a.lo.item(), b.lo.item()) else _NO
-        return as_truth(function(a, b))
+        return as_tri_bool(function(a, b))
 
     return handler
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Band, Integer, Truth
+from shaderlab.bands import Band, Integer, TriBool
 from shaderlab.bands.rounding import ulp
 from shaderlab.compiler.spirv import Op, StorageClass
 from shaderlab.errors import FormulaError
@@ -48,7 +48,7 @@ class Stored:
         name: the variable, or the part of it, as GLSL writes it; "f()" is the result of f, "f(x)"
             what f is passed as x, "condition" what a branch goes by, "selector" a switch.
         type: the value's type.
-        value: floats of the arithmetic, an `Integer`, a `Truth`, or a tuple of such, with one row
+        value: floats of the arithmetic, an `Integer`, a `TriBool`, or a tuple of such, with one row
             or as many as there are invocations.
         mask: the invocations that were here; the value means nothing to others.
         calls: the lines of the calls that led here, the outermost first.
@@ -131,7 +131,7 @@ def value(run: Run, id_: int) -> Value:
     op, words = declared.op, declared.words
     type_ = program.types[words[0]]
     if op in _TRUE or op in _FALSE:
-        return Truth.known(np.full((1, 1), op in _TRUE))
+        return TriBool.of(np.full((1, 1), op in _TRUE))
     if op in _SCALAR:
         word = np.array([[words[2]]], np.uint32)
         if type_.kind == "float":
@@ -177,7 +177,7 @@ class Emission:
                 self.vertices.append(held)
                 self.strip_of.append(self.strips)
                 continue
-            before, own = self.vertices[number], Truth.known(here[:, None])
+            before, own = self.vertices[number], TriBool.of(here[:, None])
             self.vertices[number] = {id_: select(own, held[id_], before[id_]) for id_ in held}
             self.strip_of[number] = np.where(here, self.strips, self.strip_of[number])
         self.emitted = self.emitted + state.mask
@@ -192,7 +192,7 @@ class Emission:
     def memories(self, run: Run) -> Iterator[dict[int, Value]]:
         """What each vertex' outputs hold by id, 0 of the invocations that emitted fewer."""
         for number, vertex in enumerate(self.vertices):
-            there = Truth.known((self.emitted > number)[:, None])
+            there = TriBool.of((self.emitted > number)[:, None])
             yield {
                 id_: select(there, broadcast(value, run.count), _nothing(run, id_))
                 for id_, value in vertex.items()
@@ -339,7 +339,7 @@ class Run:
     def trace_branch(self, at: Instruction, value: Value, state: PathState) -> None:
         """Tell who asked of what a branch is taken by."""
         if self.trace is not None:
-            kind: Kind = "bool" if isinstance(value, Truth) else "int"
+            kind: Kind = "bool" if isinstance(value, TriBool) else "int"
             name = "condition" if kind == "bool" else "selector"
             self.trace(self._event(at, name, Type(kind), value, state))
 

@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.bands import Band, Integer, Rules, Truth
+from shaderlab.bands import Band, Integer, Rules, TriBool
 from shaderlab.compiler.spirv import Op
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath import sampling
 from shaderlab.glslmath.sampling import Sampler
-from shaderlab.glslmath.sampling.functions import COORDINATES, level_of, sampled
+from shaderlab.glslmath.sampling.functions import COORDINATES, compute_level, sample
 from shaderlab.glslmath.sampling.reading import (
     ROUNDING,
     WEIGHT,
     Span,
     component as bounds_of,
+    fetch,
     level_values,
-    span_of,
-    stored,
+    to_span,
 )
 from shaderlab.model.frame import Texels
 
@@ -64,9 +64,9 @@ def sample_texture(run: Run, lookup: Lookup, mask: Flags) -> Any:
         found = Band.between(found.lo - give, found.hi + give, rules)
     unsure = wide & ~ignored
     if unsure.any():
-        found = select(Truth(unsure[:, None], ~unsure[:, None]), _any_texel(lookup, rules), found)
+        found = select(TriBool(unsure[:, None], ~unsure[:, None]), _any_texel(lookup, rules), found)
     if lookup.unknown is not None and lookup.unknown.any():
-        found = found.made(found.lo, found.hi, anything=lookup.unknown[:, None])
+        found = found.derive(found.lo, found.hi, anything=lookup.unknown[:, None])
     return found
 
 
@@ -102,17 +102,17 @@ def _sample_here(run: Run, lookup: Lookup, elsewhere: Flags) -> Any:
     if elsewhere.any():
         out = elsewhere[:, None]
         middle = run.arithmetic.exact(np.full((1, place.shape[-1]), 0.25))
-        place = select(Truth(out, ~out), middle, place)
+        place = select(TriBool(out, ~out), middle, place)
         if level is not None:
             zeroed = np.where(elsewhere, 0.0, level[0])
             same = level[0] is level[1]
             level = (zeroed, zeroed if same else np.where(elsewhere, 0.0, level[1]))
-    return sampled(lookup.sampler, place, level, lookup.offset)
+    return sample(lookup.sampler, place, level, lookup.offset)
 
 
 def _find_wide(lookup: Lookup) -> Flags:
     """Which places or levels are known to less than a texel or a level."""
-    low, high = span_of(lookup.place)
+    low, high = to_span(lookup.place)
     texels = lookup.sampler.texels
     with np.errstate(all="ignore"):
         if texels.kind == "Cube":
@@ -147,7 +147,7 @@ def _any_texel(lookup: Lookup, rules: Rules) -> Band:
     for level in range(1 + len(sampler.texels.smaller)):
         layers, height, width, _ = level_values(sampler, level).shape
         layer, y, x = (axis.ravel() for axis in np.indices((layers, height, width)))
-        low, high = stored(sampler, level, x, y, layer)
+        low, high = fetch(sampler, level, x, y, layer)
         lows.append(low.min(axis=0))
         highs.append(high.max(axis=0))
     low, high = np.minimum.reduce(lows), np.maximum.reduce(highs)
@@ -206,7 +206,7 @@ def _level(
     """The level of detail, None where nothing depends on it; and where it is unknown."""
     texels = sampler.texels
     if _LOD in rest:
-        return bounds_of(span_of(rest[_LOD][0]), 0), None
+        return bounds_of(to_span(rest[_LOD][0]), 0), None
     if texels.filter[0] == texels.filter[1]:
         return None, None
     if _GRAD in rest:
@@ -217,13 +217,13 @@ def _level(
     else:
         plane = place[..., :2] if texels.kind == "2DArray" else place
         dx, dy = (derivative(run, name, plane) for name in ("dFdx", "dFdy"))
-    low, high = level_of(sampler, dx, dy)
+    low, high = compute_level(sampler, dx, dy)
     unknown = np.isnan(low) | np.isnan(high)
     for d in (dx, dy):
         if isinstance(d, Band):
             unknown = unknown | d.vacuous.any(axis=-1)
     if _BIAS in rest:
-        bias = bounds_of(span_of(rest[_BIAS][0]), 0)
+        bias = bounds_of(to_span(rest[_BIAS][0]), 0)
         low, high = low + bias[0], high + bias[1]
     same = low is high
     low = np.where(unknown, 0.0, low)
@@ -263,9 +263,9 @@ def _fetch(run: Run, at: Instruction, state: PathState) -> Any:
         return run.arithmetic.rounded(found)
     # What lies outside is undefined; a robust device gives 0.
     if isinstance(found, Band):
-        return found.made(found.lo, found.hi, anything=outside[:, None])
+        return found.derive(found.lo, found.hi, anything=outside[:, None])
     if isinstance(found, Integer):
-        return found.made(found.lo, anything=outside[:, None])
+        return found.derive(found.lo, anything=outside[:, None])
     return run.arithmetic.rounded(np.where(outside[:, None], 0.0, found))
 
 
@@ -276,7 +276,7 @@ def _gather(*, compared: bool) -> Handler:
         rest = _image_operands(run, at.operands[3:])
         if not state.mask.all() and p.shape[0] > 1:
             middle = run.arithmetic.exact(np.full((1, p.shape[-1]), 0.25))
-            p = select(Truth.known(state.mask[:, None]), p, middle)
+            p = select(TriBool.of(state.mask[:, None]), p, middle)
         sampler = Sampler(texels, run.arithmetic.rules)
         part = 0 if compared else int(last.lo.flat[0])
         place = _join([p[..., :2], last]) if compared else p

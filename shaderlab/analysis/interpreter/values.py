@@ -1,6 +1,6 @@
 """Values of every GLSL type: made, taken apart, changed in parts, chosen between.
 
-A float is an arithmetic's, an integer an `Integer`, a condition a `Truth`, each shaped
+A float is an arithmetic's, an integer an `Integer`, a condition a `TriBool`, each shaped
 (count or 1, components); a matrix is (count or 1, rows, columns); structs and arrays are tuples;
 samplers are `Texels`. None is what nothing was stored to.
 """
@@ -15,9 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab import glslmath
-from shaderlab.bands import Band, Integer, Truth
-from shaderlab.bands.exact import concatenated, joined, select as select_bands
-from shaderlab.bands.truth import as_truth
+from shaderlab.bands import Band, Integer, TriBool
+from shaderlab.bands.exact import concatenate, join as join_bands, select as select_bands
+from shaderlab.bands.tri_bool import as_tri_bool
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
 
@@ -65,7 +65,7 @@ def _fill(type_: Type, arithmetic: Arithmetic, number: Floats) -> Value:
         return compose(type_, [_fill(type_.of, arithmetic, number)] * type_.count)
     if type_.kind == "int":
         return Integer(np.zeros((1, 1)), unsigned=not type_.signed, rules=arithmetic.rules)
-    return number if type_.kind == "float" else Truth.known(np.zeros((1, 1), np.bool_))
+    return number if type_.kind == "float" else TriBool.of(np.zeros((1, 1), np.bool_))
 
 
 def compose(type_: Type, parts: Sequence[Value]) -> Value:
@@ -80,18 +80,18 @@ def compose(type_: Type, parts: Sequence[Value]) -> Value:
 def _stack(parts: Sequence[Value]) -> Value:
     first = parts[0]
     if isinstance(first, Band):
-        return joined(parts, -1)
+        return join_bands(parts, -1)
     if isinstance(first, Integer):
         size = sum(part.shape[-1] for part in parts)
         vector = getattr(glslmath, f"{'u' if first.unsigned else 'i'}vec{size}")
         return vector(*parts)
-    if isinstance(first, Truth):
+    if isinstance(first, TriBool):
         yes, no = (
-            concatenated([getattr(part, side) for part in parts], -1)
+            concatenate([getattr(part, side) for part in parts], -1)
             for side in ("all_true", "all_false")
         )
-        return Truth(yes, no, next((part.rules for part in parts if part.rules), None))
-    return concatenated(parts, -1)
+        return TriBool(yes, no, next((part.rules for part in parts if part.rules), None))
+    return concatenate(parts, -1)
 
 
 def component(value: Value, index: int) -> Value:
@@ -101,7 +101,7 @@ def component(value: Value, index: int) -> Value:
     return value[..., index] if value.ndim == 3 else value[..., index : index + 1]
 
 
-def select(condition: Truth, a: Value, b: Value) -> Value:
+def select(condition: TriBool, a: Value, b: Value) -> Value:
     """a where the condition (count or 1, components or 1) holds, else b; the hull of both where it
     is undecided. Where nothing was stored to one of them, the other.
 
@@ -116,7 +116,7 @@ def select(condition: Truth, a: Value, b: Value) -> Value:
         return a if isinstance(a, Missing) else b  # only reading it is an error
     if isinstance(a, tuple) and isinstance(b, tuple):
         return tuple(select(condition, x, y) for x, y in zip(a, b, strict=True))
-    if isinstance(a, Truth):
+    if isinstance(a, TriBool):
         return _select_truth(condition, a, b)
     if isinstance(a, Integer):
         return glslmath.where(condition, a, b)
@@ -131,14 +131,14 @@ def select(condition: Truth, a: Value, b: Value) -> Value:
     return np.where(condition.all_true, a, b)
 
 
-def _select_truth(condition: Truth, a: Truth, b: Truth) -> Truth:
+def _select_truth(condition: TriBool, a: TriBool, b: TriBool) -> TriBool:
     yes, no = condition.all_true, condition.all_false
 
     def known(of_a: Any, of_b: Any) -> Any:
         return (yes & of_a) | (no & of_b) | (of_a & of_b)
 
     sides = (known(a.all_true, b.all_true), known(a.all_false, b.all_false))
-    return Truth(*sides, a.rules or b.rules or condition.rules)
+    return TriBool(*sides, a.rules or b.rules or condition.rules)
 
 
 def broadcast(value: Value, count: int) -> Value:
@@ -192,7 +192,7 @@ def join(states: Sequence[PathState]) -> PathState:
     mask, memory = states[0].mask, states[0].memory
     for other in states[1:]:
         both = mask & other.mask
-        here = Truth(((mask | ~other.mask) & ~both)[:, None], (other.mask & ~mask)[:, None])
+        here = TriBool(((mask | ~other.mask) & ~both)[:, None], (other.mask & ~mask)[:, None])
         memory = dict(memory)
         for key, value in other.memory.items():
             own = memory.get(key)
@@ -242,8 +242,8 @@ def _pick(value: Value, size: int, index: Integer, mask: Flags) -> Value:
     return found
 
 
-def _is(index: Integer, number: int) -> Truth:
-    return as_truth(index == number)  # type: ignore[comparison-overlap]
+def _is(index: Integer, number: int) -> TriBool:
+    return as_tri_bool(index == number)  # type: ignore[comparison-overlap]
 
 
 def replace_part(
@@ -335,4 +335,4 @@ def _last(old: Value, new: Value, mask: Flags, group: int) -> Value:
     last = group - 1 - stores[:, ::-1].argmax(axis=1)
     rows = np.repeat(np.arange(len(stores)) * group + last, group)
     wrote = np.repeat(stores.any(axis=1), group)[:, None]
-    return select(Truth.known(wrote), broadcast(new, len(mask))[rows], old)
+    return select(TriBool.of(wrote), broadcast(new, len(mask))[rows], old)

@@ -30,7 +30,7 @@
 #include "mixes.h"
 
 /* Changes with what Python expects of the passes; the same number stands in compiled.py. */
-#define INTERFACE 6
+#define INTERFACE 7
 
 #define METHOD(name, function) \
     {#name, (PyCFunction)(void (*)(void))function, METH_FASTCALL, NULL}
@@ -39,8 +39,8 @@ static PyMethodDef methods[] = {
     METHOD(use_bands, use_bands), METHOD(add, add), METHOD(subtract, subtract),
     METHOD(sum_last, sum_last), METHOD(multiply, multiply), METHOD(square, square),
     METHOD(divide, divide), METHOD(inversesqrt, inversesqrt), METHOD(sqrt, square_root),
-    METHOD(outward, outward),
-    METHOD(within_ends, within_ends), {0}};
+    METHOD(round_outward, outward),
+    METHOD(cut_to_ends, within_ends), {0}};
 
 static struct PyModuleDef module = {PyModuleDef_HEAD_INIT, "_kernels", NULL, -1, methods};
 

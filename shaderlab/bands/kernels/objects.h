@@ -64,8 +64,8 @@ static PyObject *use_bands(PyObject *self, PyObject *const *args, Py_ssize_t giv
         {"lo", &bands.lo}, {"hi", &bands.hi}, {"rules", &bands.rules}, {"flags", &bands.flags},
         {"terms", &bands.terms}, {"direction", &bands.direction}, {"_size", &bands.size}, {0}};
     const Slot of_terms[] = {
-        {"mag", &term_lists.mag}, {"slack", &term_lists.slack}, {"count", &term_lists.count},
-        {"reach", &term_lists.reach}, {"_least", &term_lists.least}, {0}};
+        {"abs_sum", &term_lists.mag}, {"slack", &term_lists.slack}, {"count", &term_lists.count},
+        {"flush_gain", &term_lists.reach}, {"_least", &term_lists.least}, {0}};
     const Slot of_rules[] = {
         {"rearrange", &rule_sets.rearrange}, {"flush", &rule_sets.flush}, {0}};
     if (given != 4 || !PyTuple_Check(args[3])) {

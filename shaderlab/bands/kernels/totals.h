@@ -125,7 +125,7 @@ static PyObject *flags_over_last(PyObject *band)
 {
     PyObject *flags = SLOT(band, bands.flags);
     if (flagless(flags)) return Py_NewRef(flags);
-    PyObject *carrier = PyObject_CallMethod(band, "flags_over_last", NULL);
+    PyObject *carrier = PyObject_CallMethod(band, "join_flags_over_last", NULL);
     if (!carrier) return NULL;
     flags = Py_NewRef(SLOT(carrier, bands.flags));
     Py_DECREF(carrier);
@@ -157,7 +157,7 @@ static PyObject *sum_last(PyObject *self, PyObject *const *args, Py_ssize_t give
         }
     }
     if (!pass.rearrange) drop_terms(result);
-    return flagged(&pass, flags_over_last(args[0]));
+    return flagged(&pass, result->rare ? NULL : flags_over_last(args[0]));
 }
 
 #endif

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Band, Rules, Truth
-from shaderlab.bands.truth import as_truth
+from shaderlab.bands import Band, Rules, TriBool
+from shaderlab.bands.tri_bool import as_tri_bool
 from shaderlab.drivers.programs.stages import may_discard, writes_depth
 from shaderlab.errors import FormulaError
 from shaderlab.model.case import Scene
@@ -163,7 +163,7 @@ def _seen_alike(found: Fragments, everything: Fragments, at: Array) -> Array:
 
 def _truth(
     rule: OutputExpectation, frame: Frame, key: PassDraw, fragments: Fragments, where: Array
-) -> Truth:
+) -> TriBool:
     """Whether each of some fragments is discarded, (count,)."""
     reference: Any = rule.discards
     values = {**fragments.inputs, "frag_coord": fragments.frag_coord}
@@ -182,7 +182,7 @@ def _truth(
         try:
             if isinstance(found, Band):
                 raise TypeError
-            truth = as_truth(found)
+            truth = as_tri_bool(found)
             yes[rows], no[rows] = truth.all_true, truth.all_false
         except (TypeError, ValueError):
             place = source_of(reference)
@@ -192,7 +192,7 @@ def _truth(
                 line=place.line,
                 remedy="return one truth for each fragment, such as alpha < 0.1",
             ) from None
-    return Truth(yes[:, 0], no[:, 0])
+    return TriBool(yes[:, 0], no[:, 0])
 
 
 def _places(where: Array) -> str:

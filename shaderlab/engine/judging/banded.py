@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.bands import Rules
-from shaderlab.bands.allowed import contains, widths
+from shaderlab.bands.bounds import contains, widths
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Row, SourceText, Worst, significant

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.bands import Allowed, Band, Integer, Rules
-from shaderlab.bands.allowed import srgb_encode
+from shaderlab.bands.formats import srgb_encode
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array, Texels
 

@@ -18,9 +18,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from shaderlab.bands import Band, Integer, Rules
-from shaderlab.bands.integer_operators import WHOLE
+from shaderlab.bands.band import WHOLE
 from shaderlab.bands.swizzles import Vector
-from shaderlab.bands.truth import Truth
+from shaderlab.bands.tri_bool import TriBool
 from shaderlab.errors import FormulaError, ShaderlabError, nearest
 from shaderlab.glslmath.arrays import Elements
 from shaderlab.glslmath.sampling import Sampler
@@ -222,7 +222,7 @@ def _numeric(result: Any) -> Any:
     if isinstance(result, Band):
         return result
     numbers = isinstance(result, np.ndarray | np.generic) and result.dtype.kind in "fiub"
-    if numbers or isinstance(result, Integer | Truth | int | float):
+    if numbers or isinstance(result, Integer | TriBool | int | float):
         return result
     if isinstance(result, list | tuple):
         several = ", ".join("…" for _ in result)

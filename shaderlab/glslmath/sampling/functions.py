@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Band, Integer
-from shaderlab.bands.quads import difference
 from shaderlab.bands.swizzles import Vector
 from shaderlab.errors import FormulaError
+from shaderlab.glslmath.derivatives import difference
 from shaderlab.model.frame import Array
 
 from . import reading
@@ -23,8 +23,8 @@ from .reading import (
     components,
     hull,
     require_narrow,
-    span_of,
-    widened,
+    to_span,
+    widen,
 )
 
 Offset = tuple[int, int]
@@ -51,30 +51,30 @@ def texture(sampler: Sampler, p: Any, lod: Any = None) -> Any:
         FormulaError: `p` has another number of components, the filters need a level and none is
             given, or a band reaches over several texels.
     """
-    return sampled(sampler, p, None if lod is None else component(span_of(lod), 0))
+    return sample(sampler, p, None if lod is None else component(to_span(lod), 0))
 
 
-def sampled(sampler: Sampler, p: Any, level: Span | None, offset: Offset = (0, 0)) -> Any:
+def sample(sampler: Sampler, p: Any, level: Span | None, offset: Offset = (0, 0)) -> Any:
     """`texture` at a mipmap level, at a position moved by `offset` texels of each level read."""
     texels = sampler.texels
     wanted = COORDINATES.get(texels.kind, 0) + (texels.compare is not None)
     if texels.kind not in COORDINATES:
         raise FormulaError(f"texture(): a sampler{texels.kind} is read by texelFetch() alone")
-    given = components(span_of(p))
+    given = components(to_span(p))
     if given != wanted:
         shadow = "Shadow" * (texels.compare is not None)
         raise FormulaError(
             f"texture(): a sampler{texels.kind}{shadow} takes {wanted} coordinates, not {given}"
         )
     if texels.kind in ("2D", "2DArray"):
-        return value_of(sampler, _of_plane(sampler, p, level, offset))
+        return make_value(sampler, _of_plane(sampler, p, level, offset))
     if offset != (0, 0):
         raise FormulaError(
             f"offsets of a sampler{texels.kind} are not known; GLSL has none on cubes"
         )
     if texels.kind == "3D":
-        return value_of(sampler, reading.sampled(sampler, p))
-    return value_of(sampler, _of_cube(sampler, p, level))
+        return make_value(sampler, reading.sample_volume(sampler, p))
+    return make_value(sampler, _of_cube(sampler, p, level))
 
 
 def textureLod(sampler: Sampler, p: Any, lod: Any) -> Any:
@@ -97,11 +97,11 @@ def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
     texels = sampler.texels
     if texels.kind == "Cube":
         raise FormulaError("texelFetch(): GLSL fetches no texels of cubes")
-    low, high = span_of(p)
+    low, high = to_span(p)
     place = np.rint(low).astype(np.int64)
     if low is not high and not np.array_equal(place, np.rint(high)):
         raise FormulaError("texelFetch(): a band holds several texels")
-    number = int(span_of(lod)[0].flat[0])
+    number = int(to_span(lod)[0].flat[0])
     level, layer = (0, number) if texels.kind == "2DMS" else (number, 0)
     if not 0 <= level <= len(texels.smaller):
         raise FormulaError(f"texelFetch(): there is no level {level}")
@@ -115,7 +115,7 @@ def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
             f"texelFetch(): a texel outside {width} × {height}"
             + (f" × {count}" if count > 1 else "")
         )
-    return value_of(sampler, reading.stored(sampler, level, *places))
+    return make_value(sampler, reading.fetch(sampler, level, *places))
 
 
 def textureSize(sampler: Sampler, lod: Any = 0) -> Integer:
@@ -127,7 +127,7 @@ def textureSize(sampler: Sampler, lod: Any = 0) -> Integer:
     >>> textureSize(Sampler(image))
     Integer(int, [4, 2] … [4, 2])
     """
-    count, height, width, _ = reading.level_values(sampler, int(span_of(lod)[0].flat[0])).shape
+    count, height, width, _ = reading.level_values(sampler, int(to_span(lod)[0].flat[0])).shape
     deep = sampler.texels.kind in ("2DArray", "3D")
     size = (width, height, count) if deep else (width, height)
     return Integer(np.array(size), rules=sampler.rules)
@@ -140,42 +140,39 @@ def textureQueryLevels(sampler: Sampler) -> int:
 
 def _of_plane(sampler: Sampler, p: Any, lod: Span | None, offset: Offset) -> Span:
     texels = sampler.texels
-    reference = reference_of(sampler, p)
-    layers: list[Integers] = [np.zeros(span_of(p)[0].shape[:-1], np.int64)]
+    reference = find_reference(sampler, p)
+    layers: list[Integers] = [np.zeros(to_span(p)[0].shape[:-1], np.int64)]
     if texels.kind == "2DArray":
         count = reading.level_values(sampler, 0).shape[0]
-        low, high = component(span_of(p), 2)
+        low, high = component(to_span(p), 2)
         ends = [low] if low is high else [low, high]
         layers = [np.clip(np.floor(end + 0.5), 0, count - 1).astype(np.int64) for end in ends]
 
     def filtered(level: int, word: str) -> Span:
         height, width = reading.level_values(sampler, level).shape[1:3]
         uv = p[..., 0:2] if isinstance(p, Band) else np.asarray(p, np.float64)[..., 0:2]
-        place = span_of(uv * np.array([width, height], np.float64))
+        place = to_span(uv * np.array([width, height], np.float64))
         x, y = component(place, 0), component(place, 1)
         found = []
         for number in layers:
 
             def texel(column: Array, row: Array, at: Any, number: Integers = number) -> Span:
                 column, row = column + offset[0], row + offset[1]
-                found = reading.wrapped(sampler, level, column, row, number[at])
-                return compared(sampler, reference, found, at)
+                found = reading.read_texels(sampler, level, column, row, number[at])
+                return _compare(sampler, reference, found, at)
 
-            whole = None
-            if word == "nearest" and reference is None and offset == (0, 0):
-                whole = reading.lookup(sampler, level, number)
-            found.append(_filtered(sampler, word, texel, x, y, whole))
+            found.append(_filter(sampler, word, texel, x, y))
         return hull(found)
 
-    return reading.at_level(sampler, filtered, lod)
+    return reading.filter_at_level(sampler, filtered, lod)
 
 
 def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
-    reference = reference_of(sampler, p)
-    bounds = span_of(p)
+    reference = find_reference(sampler, p)
+    bounds = to_span(p)
     shorter = bounds[0][..., :3]
     direction = (shorter,) * 2 if bounds[0] is bounds[1] else (shorter, bounds[1][..., :3])
-    faces = list(reading.met_faces(direction, sampler.rules is None))
+    faces = list(reading.find_faces(direction, sampler.rules is None))
 
     def filtered(level: int, word: str) -> Span:
         size = reading.level_values(sampler, level).shape[1]
@@ -189,47 +186,39 @@ def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
             ) -> Span:
                 number = np.full(column.shape, face, np.int64)
                 if word == "nearest":
-                    how = reading.lookup(sampler, level, number, reading.EDGE, reading.EDGE)
-                    found = reading.texels_at(column, row, *how)
+                    found = reading.read_texels(
+                        sampler, level, column, row, number, "clamp_to_edge"
+                    )
                 else:
-                    found = reading.across_edges(sampler, level, column, row, number)
-                return compared(sampler, depths, found, at)
+                    found = reading.read_across_edges(sampler, level, column, row, number)
+                return _compare(sampler, depths, found, at)
 
             x, y = (
                 (e[0] * size,) * 2 if e[0] is e[1] else (e[0] * size, e[1] * size) for e in (s, t)
             )
-            whole = None
-            if word == "nearest" and depths is None:
-                number = np.full(x[0].shape, face, np.int64)
-                whole = reading.lookup(sampler, level, number, reading.EDGE, reading.EDGE)
-            part = _filtered(sampler, word, texel, x, y, whole)
+            part = _filter(sampler, word, texel, x, y)
             if low is None:
                 shape = (*may.shape, part[0].shape[-1])
                 low, high = np.full(shape, np.inf), np.full(shape, -np.inf)
             low[may], high[may] = np.minimum(low[may], part[0]), np.maximum(high[may], part[1])
         return low, high
 
-    return reading.at_level(sampler, filtered, lod)
+    return reading.filter_at_level(sampler, filtered, lod)
 
 
-def _filtered(
-    sampler: Sampler, word: str, texel: reading.Texel, x: Span, y: Span, whole: Any = None
-) -> Span:
-    """A sample by the filter `word`; `whole` is the lookup of texels that nothing compares, which
-    NEAREST finds in one pass."""
-    if whole is not None:
-        return reading.nearest_texels(*x, *y, *whole)
+def _filter(sampler: Sampler, word: str, texel: reading.Texel, x: Span, y: Span) -> Span:
+    """A sample by the filter `word`."""
     if word == "nearest":
         return reading.nearest(texel, x, y)
     compared = sampler.texels.compare is not None
     return reading.linear(texel, x, y, exact=sampler.rules is None, compared=compared)
 
 
-def reference_of(sampler: Sampler, p: Any) -> Span | None:
+def find_reference(sampler: Sampler, p: Any) -> Span | None:
     """What a shadow sampler compares with, (count, 1); clamped as fixed-point depths are."""
     if sampler.texels.compare is None:
         return None
-    span = span_of(p)
+    span = to_span(p)
     last = components(span) - 1
     bounds = tuple(bound[..., last:] for bound in span)
     if sampler.texels.format[:7] in reading.LARGEST:
@@ -237,15 +226,15 @@ def reference_of(sampler: Sampler, p: Any) -> Span | None:
     return bounds[0], bounds[1]
 
 
-def compared(sampler: Sampler, reference: Span | None, found: Span, at: Any) -> Span:
+def _compare(sampler: Sampler, reference: Span | None, found: Span, at: Any) -> Span:
     """What a shadow sampler answers for the texels found at an index into all places."""
     if reference is None or sampler.texels.compare is None:
         return found
     depth = (found[0][..., 0:1], found[1][..., 0:1])
-    return reading.compared(sampler.texels.compare, (reference[0][at], reference[1][at]), depth)
+    return reading.compare(sampler.texels.compare, (reference[0][at], reference[1][at]), depth)
 
 
-def value_of(sampler: Sampler, span: Span) -> Any:
+def make_value(sampler: Sampler, span: Span) -> Any:
     """The result of a sampler: a band, float64 values, or integers."""
     integers = np.dtype(sampler.texels.values.dtype).kind in "iu" and "32" in sampler.texels.format
     if integers:
@@ -266,20 +255,20 @@ def textureGather(sampler: Sampler, p: Any, comp: int = 0) -> Any:
 
     A band holds the texels of both footprints where the place may lie in either.
     """
-    return _gathered(sampler, p, comp, _FOOTPRINT)
+    return _gather(sampler, p, comp, _FOOTPRINT)
 
 
 def textureGatherOffset(sampler: Sampler, p: Any, offset: Offset, comp: int = 0) -> Any:
     """GLSL's `textureGatherOffset`."""
     moved = [(x + offset[0], y + offset[1]) for x, y in _FOOTPRINT]
-    return _gathered(sampler, p, comp, moved)
+    return _gather(sampler, p, comp, moved)
 
 
 def textureGatherOffsets(sampler: Sampler, p: Any, offsets: Sequence[Offset], comp: int = 0) -> Any:
     """GLSL's `textureGatherOffsets`: the lower left texel of the footprint at each offset."""
     if len(offsets) != 4:
         raise FormulaError(f"textureGatherOffsets() takes 4 offsets, not {len(offsets)}")
-    return _gathered(sampler, p, comp, offsets)
+    return _gather(sampler, p, comp, offsets)
 
 
 def textureQueryLod(sampler: Sampler, p: Any, frag_coord: Any) -> Any:
@@ -289,7 +278,7 @@ def textureQueryLod(sampler: Sampler, p: Any, frag_coord: Any) -> Any:
     GLSL takes the derivatives implicitly; here they follow from `frag_coord`, the pixels of p.
     """
     dx, dy = (difference(p, frag_coord, direction, own=False) for direction in "xy")
-    low, high = level_of(sampler, dx, dy)
+    low, high = compute_level(sampler, dx, dy)
     between = sampler.texels.filter[0].partition("_mipmap_")[2]
     last = len(sampler.texels.smaller) if between else 0
     read = [np.clip(np.clip(end, *sampler.texels.lod), 0.0, last) for end in (low, high)]
@@ -300,7 +289,7 @@ def textureQueryLod(sampler: Sampler, p: Any, frag_coord: Any) -> Any:
         return ends[0]
     band = Band.between(ends[0], ends[1], sampler.rules)
     unknown = dx.vacuous.any(axis=-1) | dy.vacuous.any(axis=-1)
-    return band.made(band.lo, band.hi, anything=unknown[:, None])
+    return band.derive(band.lo, band.hi, anything=unknown[:, None])
 
 
 def textureSamples(sampler: Sampler) -> Integer:
@@ -310,19 +299,19 @@ def textureSamples(sampler: Sampler) -> Integer:
     return Integer(reading.level_values(sampler, 0).shape[0], rules=sampler.rules)
 
 
-def _gathered(sampler: Sampler, p: Any, comp: int, offsets: Sequence[Offset]) -> Any:
+def _gather(sampler: Sampler, p: Any, comp: int, offsets: Sequence[Offset]) -> Any:
     if sampler.texels.kind != "2D":
         raise FormulaError(f"textureGather() of a sampler{sampler.texels.kind} is not known")
-    reference = reference_of(sampler, p)
+    reference = find_reference(sampler, p)
     height, width = reading.level_values(sampler, 0).shape[1:3]
-    place = span_of(p)
+    place = to_span(p)
     ends = []
     for k, size in ((0, width), (1, height)):
         low, high = component(place, k)
         if sampler.rules is None:
             ends.append([np.floor(low * size - 0.5)])
             continue
-        span = widened((low * size - 0.5, high * size - 0.5), WEIGHT)
+        span = widen((low * size - 0.5, high * size - 0.5), WEIGHT)
         require_narrow(span, "textureGather()")
         ends.append([np.floor(end) for end in span])
     parts: list[Span] = []
@@ -331,12 +320,12 @@ def _gathered(sampler: Sampler, p: Any, comp: int, offsets: Sequence[Offset]) ->
             found = [_texel(sampler, reference, column + x, row + y, comp) for x, y in offsets]
             low, high = (np.concatenate(bounds, axis=-1) for bounds in zip(*found, strict=True))
             parts.append((low, high))
-    return value_of(sampler, hull(parts))
+    return make_value(sampler, hull(parts))
 
 
 def _texel(sampler: Sampler, reference: Span | None, column: Any, row: Any, comp: int) -> Span:
     layer = np.zeros(column.shape, np.int64)
-    found = compared(sampler, reference, reading.wrapped(sampler, 0, column, row, layer), ...)
+    found = _compare(sampler, reference, reading.read_texels(sampler, 0, column, row, layer), ...)
     if reference is not None:
         return found
     return found[0][..., comp : comp + 1], found[1][..., comp : comp + 1]
@@ -357,7 +346,7 @@ def imageLoad(image: Sampler, p: Any) -> Any:
     Raises:
         FormulaError: `p` has another number of components, or a band holds several texels.
     """
-    low, high = span_of(p)
+    low, high = to_span(p)
     wanted = 2 if image.texels.kind == "2D" else 3
     if components((low, high)) != wanted:
         given = components((low, high))
@@ -371,9 +360,9 @@ def imageLoad(image: Sampler, p: Any) -> Any:
     size = np.array((width, height, count)[:wanted])
     outside = np.any((place < 0) | (place >= size), axis=-1, keepdims=True)
     x, y, *layer = np.moveaxis(np.clip(place, 0, size - 1), -1, 0)
-    ends = reading.stored(image, 0, x, y, layer[0] if layer else np.zeros_like(x))
+    ends = reading.fetch(image, 0, x, y, layer[0] if layer else np.zeros_like(x))
     inside = [np.where(outside, 0.0, end) for end in ends]
-    return value_of(image, (inside[0], inside[1]))
+    return make_value(image, (inside[0], inside[1]))
 
 
 def imageSize(image: Sampler) -> Integer:
@@ -390,17 +379,17 @@ LINEAR_LOGARITHM = 0.0861
 
 def textureOffset(sampler: Sampler, p: Any, offset: Offset, lod: Any = None) -> Any:
     """GLSL's `textureOffset`; `lod` as for `texture`."""
-    return sampled(sampler, p, _level(lod), offset)
+    return sample(sampler, p, _level(lod), offset)
 
 
 def textureLodOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
     """GLSL's `textureLodOffset`."""
-    return sampled(sampler, p, _level(lod), offset)
+    return sample(sampler, p, _level(lod), offset)
 
 
 def texelFetchOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
     """GLSL's `texelFetchOffset`: the texel at p + `offset`; undefined outside the texture."""
-    low, high = span_of(p)
+    low, high = to_span(p)
     if not np.array_equal(np.rint(low), np.rint(high)):
         raise FormulaError("texelFetchOffset(): a band holds several texels")
     step = np.zeros(low.shape[-1])
@@ -410,45 +399,45 @@ def texelFetchOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
 
 def textureProj(sampler: Sampler, p: Any, lod: Any = None) -> Any:
     """GLSL's `textureProj`: p's coordinates are divided by its last one."""
-    return sampled(sampler, _projected(sampler, p), _level(lod))
+    return sample(sampler, _project(sampler, p), _level(lod))
 
 
 def textureProjOffset(sampler: Sampler, p: Any, offset: Offset, lod: Any = None) -> Any:
     """GLSL's `textureProjOffset`."""
-    return sampled(sampler, _projected(sampler, p), _level(lod), offset)
+    return sample(sampler, _project(sampler, p), _level(lod), offset)
 
 
 def textureProjLod(sampler: Sampler, p: Any, lod: Any) -> Any:
     """GLSL's `textureProjLod`."""
-    return sampled(sampler, _projected(sampler, p), _level(lod))
+    return sample(sampler, _project(sampler, p), _level(lod))
 
 
 def textureProjLodOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
     """GLSL's `textureProjLodOffset`."""
-    return sampled(sampler, _projected(sampler, p), _level(lod), offset)
+    return sample(sampler, _project(sampler, p), _level(lod), offset)
 
 
 def textureGrad(sampler: Sampler, p: Any, dPdx: Any, dPdy: Any) -> Any:
     """GLSL's `textureGrad`: the level follows from these derivatives of p, (…, 2)."""
-    return sampled(sampler, p, level_of(sampler, dPdx, dPdy))
+    return sample(sampler, p, compute_level(sampler, dPdx, dPdy))
 
 
 def textureGradOffset(sampler: Sampler, p: Any, dPdx: Any, dPdy: Any, offset: Offset) -> Any:
     """GLSL's `textureGradOffset`."""
-    return sampled(sampler, p, level_of(sampler, dPdx, dPdy), offset)
+    return sample(sampler, p, compute_level(sampler, dPdx, dPdy), offset)
 
 
 def textureProjGrad(sampler: Sampler, p: Any, dPdx: Any, dPdy: Any) -> Any:
     """GLSL's `textureProjGrad`: the derivatives are those of the projected coordinates."""
-    return sampled(sampler, _projected(sampler, p), level_of(sampler, dPdx, dPdy))
+    return sample(sampler, _project(sampler, p), compute_level(sampler, dPdx, dPdy))
 
 
 def textureProjGradOffset(sampler: Sampler, p: Any, dPdx: Any, dPdy: Any, offset: Offset) -> Any:
     """GLSL's `textureProjGradOffset`."""
-    return sampled(sampler, _projected(sampler, p), level_of(sampler, dPdx, dPdy), offset)
+    return sample(sampler, _project(sampler, p), compute_level(sampler, dPdx, dPdy), offset)
 
 
-def level_of(sampler: Sampler, dPdx: Any, dPdy: Any) -> Span:
+def compute_level(sampler: Sampler, dPdx: Any, dPdy: Any) -> Span:
     """The level of detail λ that derivatives of s and t give, before it is clamped.
 
     A device may take any scale between the larger of mᵤ and mᵥ and their sum, where mᵤ is the
@@ -459,7 +448,7 @@ def level_of(sampler: Sampler, dPdx: Any, dPdy: Any) -> Span:
         raise FormulaError("derivatives on cubes are not known; give the level to textureLod()")
     height, width = reading.level_values(sampler, 0).shape[1:3]
     du_dx, du_dy, dv_dx, dv_dy = (
-        _sizes(component(span_of(d), k)) for k in (0, 1) for d in (dPdx, dPdy)
+        _sizes(component(to_span(d), k)) for k in (0, 1) for d in (dPdx, dPdy)
     )
     with np.errstate(divide="ignore"):
         if sampler.rules is None:
@@ -470,7 +459,7 @@ def level_of(sampler: Sampler, dPdx: Any, dPdy: Any) -> Span:
         m_u = [np.maximum(a, b) * width for a, b in zip(du_dx, du_dy, strict=True)]
         m_v = [np.maximum(a, b) * height for a, b in zip(dv_dx, dv_dy, strict=True)]
         least, most = np.log2(np.maximum(m_u[0], m_v[0])), np.log2(m_u[1] + m_v[1])
-    return widened((least - LINEAR_LOGARITHM, most), WEIGHT)
+    return widen((least - LINEAR_LOGARITHM, most), WEIGHT)
 
 
 def _sizes(span: Span) -> Span:
@@ -481,16 +470,16 @@ def _sizes(span: Span) -> Span:
 
 
 def _level(lod: Any) -> Span | None:
-    return None if lod is None else component(span_of(lod), 0)
+    return None if lod is None else component(to_span(lod), 0)
 
 
-def _projected(sampler: Sampler, p: Any) -> Any:
+def _project(sampler: Sampler, p: Any) -> Any:
     """(s, t)/q, or (s, t, r)/q of a shadow sampler; of four coordinates without a comparison the
     third is not used."""
     if sampler.texels.kind != "2D":
         raise FormulaError(f"GLSL projects onto no sampler{sampler.texels.kind}")
     shadow = sampler.texels.compare is not None
-    given = components(span_of(p))
+    given = components(to_span(p))
     if given not in ((4,) if shadow else (3, 4)):
         raise FormulaError(f"textureProj() takes 4 coordinates, or 3 without shadow, not {given}")
     p = p if isinstance(p, Band) else np.asarray(p, np.float64)

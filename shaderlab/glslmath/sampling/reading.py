@@ -18,10 +18,10 @@ Span = tuple[Array, Array]
 """The least and the greatest value; for a number both are the same array."""
 
 
-def span_of(value: Any) -> Span:
+def to_span(value: Any) -> Span:
     """The bounds of a coordinate, (count, components) or (components,), as float64."""
     if isinstance(value, Band):
-        low, high = value.settled()
+        low, high = value.apply_slack()
         return (low, low) if value.lo is value.hi and low is value.lo else (low, high)
     if isinstance(value, Integer):
         low = value.lo.astype(np.float64)
@@ -42,7 +42,7 @@ def components(span: Span) -> int:
     return int(span[0].shape[-1])
 
 
-def widened(span: Span, amount: Any) -> Span:
+def widen(span: Span, amount: Any) -> Span:
     """The span extended by `amount` on both sides."""
     return span[0] - amount, span[1] + amount
 
@@ -120,113 +120,55 @@ def _modulo(index: Integers, size: int) -> Integers:
     return np.mod(index, size) if size & (size - 1) else index & (size - 1)
 
 
-@dataclass(frozen=True, eq=False)
-class Decoding:
-    """How stored values are read: codes by tables of the least and the greatest that each may be,
-    numbers as they are, but for a relative error of those that are neither 0 nor 1."""
-
-    lowest: Array | None = None
-    highest: Array | None = None
-    error: float = 0.0
-
-
-_NUMBERS = Decoding()
-_DEPTHS = Decoding(error=CODE_PRECISION)
-_EXACT_CODES = Decoding(_CODES, _CODES)
-_READ_CODES = Decoding(_LOWEST, _HIGHEST)
-
-
-def decoding(sampler: Sampler) -> Decoding:
-    """How a sampler's stored values are read. Raises FormulaError for sRGB."""
-    texels = sampler.texels
-    if texels.format.startswith("srgb"):
-        raise FormulaError(
-            "texture(): how precisely an sRGB texel is decoded differs from driver to driver",
-            remedy='use a float format, such as Texture(format="rgba32f")',
-        )
-    if texels.values.dtype == np.uint8:
-        return _EXACT_CODES if sampler.rules is None else _READ_CODES
-    return _DEPTHS if texels.format[:7] in LARGEST and sampler.rules is not None else _NUMBERS
-
-
-def lookup(sampler: Sampler, level: int, layer: Integers, *wrap: str) -> tuple[Any, ...]:
-    """What `texels_at` takes besides whole numbers: a level, where in it, and how it is read."""
-    texels, how = sampler.texels, decoding(sampler)
-    fixed = texels.values.dtype == np.uint8 or texels.format in LARGEST
-    border = _border(tuple(texels.border[: texels.values.shape[-1]]), fixed)
-    modes = wrap or texels.wrap[:2]
-    return (
-        level_values(sampler, level), layer, *modes, how.lowest, how.highest, how.error, border
-    )  # fmt: skip
-
-
 @lru_cache(maxsize=64)
 def _border(color: tuple[float, ...], fixed: bool) -> Array:
     """What a border's four components are, of texels that are fixed-point numbers or floats."""
     given = np.array(color, np.float32).astype(np.float64)
-    return _completed((np.clip(given, 0.0, 1.0) if fixed else given,) * 2)[0]
+    return _complete((np.clip(given, 0.0, 1.0) if fixed else given,) * 2)[0]
 
 
-def texels_at(
-    x: Array,
-    y: Array,
-    values: Array,
-    layer: Integers,
-    across: str,
-    up: str,
-    lowest: Array | None,
-    highest: Array | None,
-    error: float,
-    border: Array,
+def fetch(sampler: Sampler, level: int, x: Integers, y: Integers, layer: Integers) -> Span:
+    """Texels inside a level, by column, row and layer, as (count, 4): absent components are 0,
+    absent alpha is 1."""
+    _, height, width, _ = level_values(sampler, level).shape
+    return _fetch_numbered(sampler, level, (layer * height + y) * width + x)
+
+
+def _fetch_numbered(sampler: Sampler, level: int, place: Integers) -> Span:
+    """`fetch` by the number of a texel, counted row by row and layer by layer."""
+    values = level_values(sampler, level)
+    found = values.reshape(-1, values.shape[-1]).take(place, axis=0)
+    return _complete(_decode(sampler, found))
+
+
+def read_texels(
+    sampler: Sampler, level: int, x: Array, y: Array, layer: Integers, edge: str | None = None
 ) -> Span:
-    """Texels at whole numbers of any size in (layers, height, width, channels), decoded, as
-    (count, 4): absent components are 0, absent alpha is 1; the border where a layer is -1, too."""
-    _, height, width, channels = values.shape
-    column = wrap_index(x.astype(np.int64), width, across)
-    row = wrap_index(y.astype(np.int64), height, up)
+    """Texels at any integer column and row, and layer of three dimensions, by the sampler's wrap
+    modes or `edge` for both; (count, 4). The border where a layer is -1, too."""
+    depth, height, width, channels = level_values(sampler, level).shape
+    modes = (edge,) * 2 if edge else sampler.texels.wrap
+    if sampler.texels.kind == "3D":
+        layer = wrap_index(layer, depth, modes[2])
+    column = wrap_index(x.astype(np.int64), width, modes[0])
+    row = wrap_index(y.astype(np.int64), height, modes[1])
     outside = (column < 0) | (row < 0) | (layer < 0)
-    place = np.where(outside, 0, (layer * height + row) * width + column)
-    found = values.reshape(-1, channels).take(place, axis=0)
-    low, high = _completed(_decoded(found, Decoding(lowest, highest, error)))
+    low, high = fetch(sampler, level, *(np.where(outside, 0, n) for n in (column, row, layer)))
     if not outside.any():
         return low, high
+    texels = sampler.texels
+    fixed = texels.values.dtype == np.uint8 or texels.format in LARGEST
+    border = _border(tuple(texels.border[:channels]), fixed)
     same, outside = low is high, outside[..., None]
     low = np.where(outside, border, low)
     return low, low if same else np.where(outside, border, high)
 
 
-def stored(sampler: Sampler, level: int, x: Integers, y: Integers, layer: Integers) -> Span:
-    """Texels inside a level, by column, row and layer, as (count, 4): absent components are 0,
-    absent alpha is 1."""
-    values = level_values(sampler, level)
-    count, height, width, _ = values.shape
-    if values.flags.c_contiguous:
-        place = y * width + x if count == 1 else (layer * height + y) * width + x
-        return stored_at(sampler, level, place)
-    return _completed(_decoded(values[layer, y, x], decoding(sampler)))
-
-
-def stored_at(sampler: Sampler, level: int, place: Integers) -> Span:
-    """`stored` by the number of a texel, counted row by row and layer by layer."""
-    values = level_values(sampler, level)
-    found = values.reshape(-1, values.shape[-1]).take(place, axis=0)
-    return _completed(_decoded(found, decoding(sampler)))
-
-
-def wrapped(sampler: Sampler, level: int, x: Array, y: Array, layer: Integers) -> Span:
-    """Texels at any integer column and row, and layer of three dimensions, by the sampler's wrap
-    modes; (count, 4)."""
-    if sampler.texels.kind == "3D":
-        depth = level_values(sampler, level).shape[0]
-        layer = wrap_index(layer, depth, sampler.texels.wrap[2])
-    return texels_at(x, y, *lookup(sampler, level, layer))
-
-
-def compared(function: str, reference: Span, texel: Span) -> Span:
+def compare(function: str, reference: Span, texel: Span) -> Span:
     """A shadow sampler's answer for one texel: 1 where `reference function texel` holds, else 0;
     both where that depends on the last bits."""
     if function in _MIRRORED:
-        return compared(_MIRRORED[function], texel, reference)
+        return compare(_MIRRORED[function], texel, reference)
     (r_low, r_high), (t_low, t_high) = reference, texel
     sure: Any
     may: Any
@@ -243,19 +185,26 @@ def compared(function: str, reference: Span, texel: Span) -> Span:
     return sure.astype(np.float64), may.astype(np.float64)
 
 
-def _decoded(values: Array, how: Decoding) -> Span:
-    """Stored values as the shader reads them."""
-    if how.lowest is not None and how.highest is not None:
-        low = how.lowest.take(values)
-        return low, low if how.lowest is how.highest else how.highest.take(values)
+def _decode(sampler: Sampler, values: Array) -> Span:
+    """Stored values as the shader reads them: codes, or numbers with a relative error of depths
+    that are neither 0 nor 1. Raises FormulaError for sRGB."""
+    texels, exact = sampler.texels, sampler.rules is None
+    if texels.format.startswith("srgb"):
+        raise FormulaError(
+            "texture(): how precisely an sRGB texel is decoded differs from driver to driver",
+            remedy='use a float format, such as Texture(format="rgba32f")',
+        )
+    if texels.values.dtype == np.uint8:
+        low = (_CODES if exact else _LOWEST).take(values)
+        return low, low if exact else _HIGHEST.take(values)
     numbers = values.astype(np.float64)
-    if not how.error:
+    if exact or texels.format[:7] not in LARGEST:
         return numbers, numbers
-    give = np.where((numbers == 0.0) | (numbers == 1.0), 0.0, how.error * numbers)
+    give = np.where((numbers == 0.0) | (numbers == 1.0), 0.0, CODE_PRECISION * numbers)
     return numbers - give, numbers + give
 
 
-def _completed(span: Span) -> Span:
+def _complete(span: Span) -> Span:
     low, high = span
     channels = low.shape[-1]
     if channels == 4:
@@ -305,7 +254,7 @@ def cube_face(direction: Any) -> tuple[Integers, Array, Array]:
     return face, s, t
 
 
-def met_faces(direction: Span, exact: bool) -> Iterator[tuple[int, Flags, Span, Span]]:
+def find_faces(direction: Span, exact: bool) -> Iterator[tuple[int, Flags, Span, Span]]:
     """Each face that some directions may select: its number, which directions, and their s and t.
 
     `exact` for float64 directions, which select one face even if two components are equal.
@@ -334,11 +283,11 @@ def met_faces(direction: Span, exact: bool) -> Iterator[tuple[int, Flags, Span, 
         yield number, may, of_s, of_t
 
 
-def across_edges(sampler: Sampler, level: int, x: Array, y: Array, face: Integers) -> Span:
+def read_across_edges(sampler: Sampler, level: int, x: Array, y: Array, face: Integers) -> Span:
     """Texels of a face or beyond its edges: of the adjacent face where filtering is
     seamless, else by the wrap modes."""
     if not sampler.texels.seamless:
-        return wrapped(sampler, level, x, y, face)
+        return read_texels(sampler, level, x, y, face)
     size = level_values(sampler, level).shape[1]
     column, row = x.astype(np.int64), y.astype(np.int64)
     inside_x, inside_y = (np.minimum(np.maximum(at, 0), size - 1) for at in (column, row))
@@ -350,11 +299,11 @@ def across_edges(sampler: Sampler, level: int, x: Array, y: Array, face: Integer
         # Few texels lie beyond an edge. At a corner this ends with the neighbour above or below.
         few = out.nonzero()
         place[few] = _beyond(size)[face[few], side + (at[few] > 0), along[few]]
-    low, high = stored_at(sampler, level, place)
+    low, high = _fetch_numbered(sampler, level, place)
     if not corner.any():
         return low, high
     beside = _beyond(size)[face[corner], (column[corner] > 0) + 0, inside_y[corner]]
-    three = [stored_at(sampler, level, places) for places in (own, beside, place[corner])]
+    three = [_fetch_numbered(sampler, level, places) for places in (own, beside, place[corner])]
     if sampler.rules is None:
         low[corner] = sum(one for one, _ in three) / 3.0
         return low, low
@@ -404,7 +353,7 @@ Filtered = Callable[[int, str], Span]
 """A sample of one level, filtered "nearest" or "linear"."""
 
 
-def at_level(sampler: Sampler, filtered: Filtered, lod: Span | None) -> Span:
+def filter_at_level(sampler: Sampler, filtered: Filtered, lod: Span | None) -> Span:
     """A sample at a level of detail: magnified, minified from one level, or a mix of two levels.
 
     Raises:
@@ -438,7 +387,7 @@ def at_level(sampler: Sampler, filtered: Filtered, lod: Span | None) -> Span:
         result_low = np.where(may[..., None], np.minimum(result_low, part_low), result_low)
         result_high = np.where(may[..., None], np.maximum(result_high, part_high), result_high)
     if sampler.rules is not None and "linear" in {within, magnify}:
-        return widened((result_low, result_high), ROUNDING * _largest(sampler))
+        return widen((result_low, result_high), ROUNDING * _largest(sampler))
     return result_low, result_high
 
 
@@ -466,7 +415,7 @@ def _minified(sampler: Sampler, filtered: Filtered, within: str, between: str, l
         known = _levels(filtered, within, chosen)
         return hull([_picked(known, number) for number in chosen])
     exact = sampler.rules is None
-    place = lod if exact else widened(lod, WEIGHT)
+    place = lod if exact else widen(lod, WEIGHT)
     require_narrow(place, "texture(), the level")
     low, high = np.clip(place[0], 0, last), np.clip(place[1], 0, last)
     ends = [low] if exact else corners((low, high))
@@ -534,18 +483,6 @@ def nearest(texel: Texel, x: Span, y: Span) -> Span:
     return low, high
 
 
-def nearest_texels(
-    x_low: Array, x_high: Array, y_low: Array, y_high: Array,
-    values: Array, layer: Integers, *how: Any,
-) -> Span:  # fmt: skip
-    """`nearest` of texels that `texels_at` finds."""
-
-    def texel(column: Array, row: Array, at: Any) -> Span:
-        return texels_at(column, row, values, layer[at], *how)
-
-    return nearest(texel, (x_low, x_high), (y_low, y_high))
-
-
 def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) -> Span:
     """The weighted mean of the four texels around a position; `exact` for float64 positions.
 
@@ -556,7 +493,7 @@ def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) 
         column, row = x[0] - 0.5, y[0] - 0.5
         return _within_cell(texel, (column, column), (row, row), EVERYWHERE)
     x, y = (x[0] - 0.5, x[1] - 0.5), (y[0] - 0.5, y[1] - 0.5)
-    x, y = widened(x, WEIGHT), widened(y, WEIGHT)
+    x, y = widen(x, WEIGHT), widen(y, WEIGHT)
     require_narrow(x, "texture()")
     require_narrow(y, "texture()")
     low, high = _within_cell(texel, x, y, EVERYWHERE)
@@ -599,18 +536,16 @@ def _within_cell(texel: Texel, x: Span, y: Span, places: Any) -> Span:
     left, low = np.floor(x[0]), np.floor(y[0])
     across = [(end - left)[..., None] for end in _ends(x)]
     up = [(end - low)[..., None] for end in _ends(y)]
-    spans = [texel(left + i, low + j, places) for j in (0, 1) for i in (0, 1)]
-    lows, highs = ([span[k] for span in spans] for k in (0, 1))
+    texels = [texel(left + i, low + j, places) for j in (0, 1) for i in (0, 1)]
     if x[0] is x[1] and y[0] is y[1]:
-        mean = _at_corners(lows, across, up)[0]
+        mean = _at_corners([lowest for lowest, _ in texels], across, up)[0]
         return mean, mean
-    return mixed_texels(*lows, *highs, across[0], across[-1], up[0], up[-1])
+    return _mix_texels(texels, across, up)
 
 
-def mixed_texels(*given: Array) -> Span:
-    """The bounds of a mean of four texels: of the lowest that each may be, the highest, and the
-    ends of both weights."""
-    lows, highs, across, up = (list(given[a:b]) for a, b in ((0, 4), (4, 8), (8, 10), (10, 12)))
+def _mix_texels(texels: list[Span], across: list[Array], up: list[Array]) -> Span:
+    """The bounds of a mean of four texels, at the ends of both weights."""
+    lows, highs = ([texel[k] for texel in texels] for k in (0, 1))
     give = ROUNDING * np.maximum.reduce([np.abs(bound) for bound in (*lows, *highs)])
     return (
         np.minimum.reduce(_at_corners(lows, across, up)) - give,
@@ -631,7 +566,7 @@ def _at_corners(texels: list[Array], across: list[Array], up: list[Array]) -> li
     return found
 
 
-def sampled(sampler: Sampler, p: Any) -> Span:
+def sample_volume(sampler: Sampler, p: Any) -> Span:
     """A sample at s, t and r, by the filter that minifying and magnifying share.
 
     Args:
@@ -641,7 +576,7 @@ def sampled(sampler: Sampler, p: Any) -> Span:
     exact = sampler.rules is None
     depth, height, width, _ = level_values(sampler, 0).shape
     uvw = p if isinstance(p, Band) else np.asarray(p, np.float64)
-    place = span_of(uvw * np.array([width, height, depth], np.float64))
+    place = to_span(uvw * np.array([width, height, depth], np.float64))
     x, y, z = (component(place, axis) for axis in range(3))
     if sampler.texels.filter[1] == "nearest":
         require_narrow(z, "texture()")
@@ -650,7 +585,7 @@ def sampled(sampler: Sampler, p: Any) -> Span:
     z = (z[0] - 0.5, z[1] - 0.5)
     if exact:
         return _between_volume(sampler, x, y, z[0], exact=True)
-    z = widened(z, WEIGHT)
+    z = widen(z, WEIGHT)
     require_narrow(z, "texture()")
     low, high = hull([_between_volume(sampler, x, y, end, exact=False) for end in corners(z)])
     give = ROUNDING * np.maximum(np.abs(low), np.abs(high))
@@ -670,6 +605,6 @@ def _layer(sampler: Sampler, number: Array) -> Texel:
     """The texels of a layer, which may differ from place to place."""
 
     def texel(column: Array, row: Array, at: Any) -> Span:
-        return wrapped(sampler, 0, column, row, number.astype(np.int64)[at])
+        return read_texels(sampler, 0, column, row, number.astype(np.int64)[at])
 
     return texel

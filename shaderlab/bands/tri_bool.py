@@ -6,13 +6,11 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from shaderlab.bands.rounding import Flags
+from shaderlab.bands.rounding import Flags, Rules
 from shaderlab.errors import FormulaError
 
-from .rounding import Rules
 
-
-class Truth:
+class TriBool:
     """What a condition is at each value: true on every device, false on every device, or neither.
 
     `&`, `|`, `~` combine truths (and plain boolean arrays); `glslmath.where(truth, a, b)` chooses.
@@ -36,7 +34,7 @@ class Truth:
         self.rules = rules
 
     @classmethod
-    def known(cls, values: Any) -> Truth:
+    def of(cls, values: Any) -> TriBool:
         """The truth of plain booleans."""
         flags = np.atleast_1d(np.asarray(values, dtype=np.bool_))
         return cls(flags, ~flags)
@@ -54,36 +52,36 @@ class Truth:
     def ndim(self) -> int:
         return self.all_true.ndim
 
-    def __getitem__(self, index: Any) -> Truth:
-        return Truth(self.all_true[index], self.all_false[index], self.rules)
+    def __getitem__(self, index: Any) -> TriBool:
+        return TriBool(self.all_true[index], self.all_false[index], self.rules)
 
-    def __and__(self, other: Any) -> Truth:
-        other = as_truth(other)
-        return Truth(
+    def __and__(self, other: Any) -> TriBool:
+        other = as_tri_bool(other)
+        return TriBool(
             self.all_true & other.all_true,
             self.all_false | other.all_false,
             self.rules or other.rules,
         )
 
-    def __or__(self, other: Any) -> Truth:
-        other = as_truth(other)
-        return ~(~self & ~as_truth(other))
+    def __or__(self, other: Any) -> TriBool:
+        other = as_tri_bool(other)
+        return ~(~self & ~as_tri_bool(other))
 
     __rand__ = __and__
     __ror__ = __or__
 
-    def __invert__(self) -> Truth:
-        return Truth(self.all_false, self.all_true, self.rules)
+    def __invert__(self) -> TriBool:
+        return TriBool(self.all_false, self.all_true, self.rules)
 
-    def all(self) -> Truth:
+    def all(self) -> TriBool:
         """GLSL's `all`: over the last axis, which stays with size 1."""
-        return Truth(
+        return TriBool(
             self.all_true.all(axis=-1, keepdims=True),
             self.all_false.any(axis=-1, keepdims=True),
             self.rules,
         )
 
-    def any(self) -> Truth:
+    def any(self) -> TriBool:
         """GLSL's `any`: over the last axis, which stays with size 1."""
         return ~(~self).all()
 
@@ -93,9 +91,11 @@ class Truth:
             remedy="choose with glslmath.where(condition, a, b); combine conditions with & | ~",
         )
 
-    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Truth:
+    def __array_ufunc__(
+        self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any
+    ) -> TriBool:
         if method == "__call__" and len(inputs) == 2 and not options:
-            left, right = (as_truth(value) for value in inputs)
+            left, right = (as_tri_bool(value) for value in inputs)
             if ufunc in (np.bitwise_and, np.logical_and):
                 return left & right
             if ufunc in (np.bitwise_or, np.logical_or):
@@ -107,11 +107,11 @@ class Truth:
 
     def __repr__(self) -> str:
         return (
-            f"Truth(shape={self.shape}, true={int(self.all_true.sum())}, "
+            f"TriBool(shape={self.shape}, true={int(self.all_true.sum())}, "
             f"false={int(self.all_false.sum())}, undecided={int(self.undecided.sum())})"
         )
 
 
-def as_truth(condition: Any) -> Truth:
+def as_tri_bool(condition: Any) -> TriBool:
     """`condition` itself, or plain booleans as a truth."""
-    return condition if isinstance(condition, Truth) else Truth.known(condition)
+    return condition if isinstance(condition, TriBool) else TriBool.of(condition)
