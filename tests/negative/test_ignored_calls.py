@@ -15,7 +15,7 @@ from shaderlab.drivers.opengl import (
     linking,
     target,
 )
-from shaderlab.drivers.opengl.device import named
+from shaderlab.drivers.opengl.device import gl_constant
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.textures import Sampling
 from tests.catalogue import judged_only, shipped
@@ -25,7 +25,7 @@ Patch = Callable[[pytest.MonkeyPatch], None]
 
 def always_static(patch: pytest.MonkeyPatch) -> None:
     """Each buffer gets the same hint."""
-    patch.setattr(buffers, "named", lambda word: named("static_draw"))
+    patch.setattr(buffers, "gl_constant", lambda word: gl_constant("static_draw"))
 
 
 def always_copied(patch: pytest.MonkeyPatch) -> None:

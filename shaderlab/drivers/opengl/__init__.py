@@ -42,9 +42,9 @@ def preload() -> None:
     uses and that forks others."""
     _without_checks()
     from . import backend, device
-    from .device import named
+    from .device import gl_constant
 
-    _ = backend, device, named("sample_shading")  # the newest name that each draw takes
+    _ = backend, device, gl_constant("sample_shading")  # the newest name that each draw takes
 
 
 def _without_checks() -> None:

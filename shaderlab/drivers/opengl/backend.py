@@ -31,8 +31,8 @@ from ..programs.stages import PREFIX
 from ..programs.storage import capture_invocations
 from ..protocol import Answers
 from . import calls, drawing, linking, tracing
-from .buffers import read_block, read_layout, read_storage
-from .device import GL, Device, named
+from .buffers import read_block, read_layout
+from .device import GL, Device, gl_constant
 from .drawing import Drawing, Evaluator, drain_errors, submit
 from .linking import Linker, output_locations, uniform_location
 from .target import apply_state
@@ -52,7 +52,7 @@ def counted(drawing: Drawing, key: PassDraw, counter: str) -> int:
     device = drawing.device
     if counter not in _ALWAYS and _STATISTICS not in device.context.extensions:
         raise UnsupportedError(f"counting {counter}: the driver has no {_STATISTICS}")
-    made, what = np.atleast_1d(GL.glGenQueries(1)), named(_SPELT.get(counter, counter))
+    made, what = np.atleast_1d(GL.glGenQueries(1)), gl_constant(_SPELT.get(counter, counter))
     try:
         with drawing.fresh_target(key[0]) as target:
             for index, draw in enumerate(drawing.programs[key[0]][: key[1] + 1]):
@@ -114,10 +114,7 @@ def block_readings(drawing: Drawing, key: PassDraw) -> dict[str, BlockReading]:
     """Where the driver has the members of each uniform or storage block of a draw's program."""
     draw = drawing.programs[key[0]][key[1]]
     program = drawing.linker.link(draw.texts)
-    return {
-        name: (read_storage if block.kind == "storage" else read_block)(program, block)
-        for name, block in draw.interface.blocks.items()
-    }
+    return {name: read_block(program, block) for name, block in draw.interface.blocks.items()}
 
 
 def locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:

@@ -32,7 +32,7 @@ from ..programs.textures import (
     layers_of,
 )
 from ..resources import DeviceTexels, SceneTextures
-from .device import GL, Device, named
+from .device import GL, Device, gl_constant
 from .linking import uniform_location
 from .target import RenderTarget
 from .textures import (
@@ -141,15 +141,15 @@ def _new_sampler(sampling: Sampling) -> int:
     """A sampler object. Source: OpenGL 4.5 core profile, table 8.15."""
     name = int(GL.glGenSamplers(1))
     compare = GL.GL_NONE if sampling.compare is None else GL.GL_COMPARE_REF_TO_TEXTURE
-    along_r = [(GL.GL_TEXTURE_WRAP_R, named(word)) for word in sampling.wrap[2:]]
+    along_r = [(GL.GL_TEXTURE_WRAP_R, gl_constant(word)) for word in sampling.wrap[2:]]
     for what, number in (
-        (GL.GL_TEXTURE_MIN_FILTER, named(sampling.filter[0])),
-        (GL.GL_TEXTURE_MAG_FILTER, named(sampling.filter[1])),
-        (GL.GL_TEXTURE_WRAP_S, named(sampling.wrap[0])),
-        (GL.GL_TEXTURE_WRAP_T, named(sampling.wrap[1])),
+        (GL.GL_TEXTURE_MIN_FILTER, gl_constant(sampling.filter[0])),
+        (GL.GL_TEXTURE_MAG_FILTER, gl_constant(sampling.filter[1])),
+        (GL.GL_TEXTURE_WRAP_S, gl_constant(sampling.wrap[0])),
+        (GL.GL_TEXTURE_WRAP_T, gl_constant(sampling.wrap[1])),
         *along_r,
         (GL.GL_TEXTURE_COMPARE_MODE, compare),
-        (GL.GL_TEXTURE_COMPARE_FUNC, named(sampling.compare or "lequal")),
+        (GL.GL_TEXTURE_COMPARE_FUNC, gl_constant(sampling.compare or "lequal")),
     ):
         GL.glSamplerParameteri(name, what, number)
     GL.glSamplerParameterf(name, GL.GL_TEXTURE_MIN_LOD, sampling.lod[0])

@@ -19,8 +19,8 @@ from shaderlab.model.scene import UniformBuffer
 
 from ..programs import bind
 from ..programs.prepare import PreparedDraw
-from .device import GL, Device, named
-from .linking import has_names
+from .device import GL, Device, gl_constant
+from .linking import has_names, read_resource
 
 _KINDS = {"f": 0x1406, "i": 0x1404, "u": 0x1405}
 _INDICES = {1: 0x1401, 2: 0x1403, 4: 0x1405}  # GL_UNSIGNED_BYTE, _SHORT and _INT, by bytes
@@ -123,7 +123,7 @@ def _filled(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> Devic
     buffer = DeviceBuffer(device)
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffer.glo)
     given = whole if mesh.upload == "data" and whole else None
-    GL.glBufferData(GL.GL_ARRAY_BUFFER, max(len(whole), 1), given, named(mesh.usage))
+    GL.glBufferData(GL.GL_ARRAY_BUFFER, max(len(whole), 1), given, gl_constant(mesh.usage))
     if mesh.upload == "sub_data":
         for offset, piece in parts:
             GL.glBufferSubData(GL.GL_ARRAY_BUFFER, offset, len(piece), piece)
@@ -168,9 +168,6 @@ def write_mapped(target: int, whole: bytes) -> None:
         raise DriverError("the driver lost a buffer's contents while it was mapped")
 
 
-_NONE = 0xFFFFFFFF  # GL_INVALID_INDEX
-
-
 class UniformBuffers:
     """Makes each buffer when it is first bound.
 
@@ -182,7 +179,6 @@ class UniformBuffers:
     def __init__(self, device: Device, stack: ExitStack) -> None:
         self._device = device
         self._stack = stack
-        self._active: dict[int, tuple[Any, dict[str, bool]]] = {}
         self._shared = bind.SharedLayouts()
         self._made: dict[tuple[int, bytes], Any] = {}
 
@@ -196,19 +192,17 @@ class UniformBuffers:
             DriverError: the driver lays a block out differently.
         """
         for point, (name, block) in enumerate(bind.uniform_blocks(draw.interface).items()):
-            # The program is kept, so that no other one gets its identity.
-            known = self._active.setdefault(id(program), (program, {}))[1]
-            if name not in known:
-                known[name] = check_against_driver(program, block)
-            if not known[name]:
+            index = find_block(program, block)
+            if index is None:
                 yield name
                 continue
-            GL.glUniformBlockBinding(program.glo, _index(program, block), point)
+            check_layout(program, block)
+            GL.glUniformBlockBinding(program.glo, index, point)
             buffer = self._buffer(draw.draw.blocks[name], block, bind.pack_block(block, uniforms))
             buffer.bind_to_uniform_block(point)
 
     def _buffer(self, source: UniformBuffer, block: Block, data: bytes) -> Any:
-        """The one buffer of a UniformBuffer; a probe with other values gets one of its own."""
+        """Return the one buffer of a UniformBuffer; a probe with other values gets another."""
         self._shared.check(source, block)
         key = (id(source), data)
         if key not in self._made:
@@ -217,98 +211,101 @@ class UniformBuffers:
         return self._made[key]
 
 
-def read_block(program: Any, block: Block) -> BlockReading:
-    """Where the driver has a block's members, and where the lab has them."""
-    size = np.zeros(1, np.int32)
-    offsets: dict[str, int | None] = {}
-    index = _index(program, block)
-    if index != _NONE:
-        GL.glGetActiveUniformBlockiv(program.glo, index, GL.GL_UNIFORM_BLOCK_DATA_SIZE, size)
-        if not has_names(program):  # the module itself says where members lie
-            offsets = {name: member.offset for name, member in block.members.items()}
-        else:
-            offsets = {
-                name: _offset(program, bind.member_name(block, name)) for name in block.members
-            }
-    return BlockReading(
-        offsets={name: at for name, at in offsets.items() if at is not None},
-        size=int(size[0]),
-        placed={name: member.offset for name, member in block.members.items()},
-        placed_size=block.size,
-    )
+def bind_storage_buffer(program: Any, block: Block, buffer: Any, point: int) -> None:
+    """Bind a buffer to a storage block of a program; a module says the block's binding itself.
 
-
-def _index(program: Any, block: Block) -> int:
-    """The block's index in a program, _NONE where it has no effect."""
+    Raises:
+        DriverError: the driver lays the block out differently.
+    """
     if not has_names(program):
-        found: int | None = program.block(block.name)
-        return _NONE if found is None else found
-    return int(GL.glGetUniformBlockIndex(program.glo, block.name.encode()))
+        buffer.bind_to_storage_buffer(block.binding or 0)
+        return
+    index = find_block(program, block)
+    if index is not None:
+        check_layout(program, block)
+        GL.glShaderStorageBlockBinding(program.glo, index, point)
+        buffer.bind_to_storage_buffer(point)
 
 
-def check_against_driver(program: Any, block: Block) -> bool:
-    """Compare the lab's layout of a block with the driver's; False if the block has no effect.
+def find_block(program: Any, block: Block) -> int | None:
+    """Find the index of a uniform or storage block in a program; None where it has no effect."""
+    if not has_names(program):
+        of_module: int | None = program.block(block.name) if block.kind == "uniform" else 0
+        return of_module
+    if block.kind == "uniform":
+        index = int(GL.glGetUniformBlockIndex(program.glo, block.name.encode()))
+    else:
+        index = _find_resource(program, GL.GL_SHADER_STORAGE_BLOCK, block.name)
+    return None if index == GL.GL_INVALID_INDEX else index
+
+
+def read_block(program: Any, block: Block) -> BlockReading:
+    """Read where the driver has a block's members, beside where the lab has them; a module itself
+    says where they lie."""
+    placed = {name: member.offset for name, member in block.members.items()}
+    index, size, offsets = find_block(program, block), 0, dict[str, int]()
+    if index is not None:
+        if block.kind == "uniform":
+            got = np.zeros(1, np.int32)
+            GL.glGetActiveUniformBlockiv(program.glo, index, GL.GL_UNIFORM_BLOCK_DATA_SIZE, got)
+            size, find_offset = int(got[0]), _find_uniform_offset
+        else:
+            what = (GL.GL_SHADER_STORAGE_BLOCK, index, GL.GL_BUFFER_DATA_SIZE)
+            size = read_resource(program.glo, *what) if has_names(program) else block.size
+            find_offset = _find_storage_offset
+        if not has_names(program):
+            offsets = dict(placed)
+        else:
+            found = {n: find_offset(program, bind.member_name(block, n)) for n in placed}
+            offsets = {name: offset for name, offset in found.items() if offset is not None}
+    return BlockReading(offsets=offsets, size=size, placed=placed, placed_size=block.size)
+
+
+def check_layout(program: Any, block: Block) -> None:
+    """Compare the lab's layout of an active block with the driver's.
 
     Raises:
         DriverError: they disagree; names the first member that lies elsewhere.
     """
-    reading = read_block(program, block)
-    if not reading.size:
-        return False
-    remedy = "declare the block layout (std140), so that its layout is fixed"
+    reading, of_uniforms = read_block(program, block), block.kind == "uniform"
+    layout = "std140" if of_uniforms else "std430"
+    remedy = f"declare the block layout ({layout}), so that its layout is fixed"
     for name, offset in reading.placed.items():
         theirs = reading.offsets.get(name)
-        if theirs != offset:
+        # A driver may leave out members of storage blocks that have no effect.
+        if theirs != offset and (of_uniforms or theirs is not None):
             where = "leaves it out" if theirs is None else f"has it at byte {theirs}"
             raise DriverError(
-                f"uniform block {block.name}: std140 puts {name} at byte {offset}, "
-                f"the driver {where}",
+                f"{block.kind} block {block.name}: {'std140' if of_uniforms else 'glslang'} puts "
+                f"{name} at byte {offset}, the driver {where}",
                 remedy=remedy,
             )
-    if reading.size < reading.placed_size:
+    if of_uniforms and reading.size < reading.placed_size:
         raise DriverError(
             f"uniform block {block.name} takes {reading.placed_size} bytes, "
             f"the driver says {reading.size}",
             remedy=remedy,
         )
-    return True
 
 
-def _offset(program: Any, name: str) -> int | None:
+def _find_uniform_offset(program: Any, name: str) -> int | None:
     names = (ctypes.c_char_p * 1)(name.encode())
     pointer = ctypes.cast(names, ctypes.POINTER(ctypes.POINTER(ctypes.c_char)))
-    index = (ctypes.c_uint * 1)(_NONE)
+    index = (ctypes.c_uint * 1)(GL.GL_INVALID_INDEX)
     GL.glGetUniformIndices(program.glo, 1, pointer, index)
-    if index[0] == _NONE:
+    if index[0] == GL.GL_INVALID_INDEX:
         return None
-    found = np.zeros(1, np.int32)
-    GL.glGetActiveUniformsiv(program.glo, 1, index, GL.GL_UNIFORM_OFFSET, found)
-    return int(found[0])
+    offset = np.zeros(1, np.int32)
+    GL.glGetActiveUniformsiv(program.glo, 1, index, GL.GL_UNIFORM_OFFSET, offset)
+    return int(offset[0])
 
 
-def read_storage(program: Any, block: Block) -> BlockReading:
-    """Where the driver has a storage block's members, and where the lab has them."""
-    placed = {name: member.offset for name, member in block.members.items()}
-    offsets, size = dict(placed), block.size
-    if has_names(program):
-        index = resource_index(program, GL.GL_SHADER_STORAGE_BLOCK, block.name)
-        size = 0 if index is None else _read(
-            program, GL.GL_SHADER_STORAGE_BLOCK, index, GL.GL_BUFFER_DATA_SIZE
-        )  # fmt: skip
-        offsets = {}
-        for name in block.members:
-            at = resource_index(program, GL.GL_BUFFER_VARIABLE, bind.member_name(block, name))
-            if at is not None:
-                offsets[name] = _read(program, GL.GL_BUFFER_VARIABLE, at, GL.GL_OFFSET)
-    return BlockReading(offsets=offsets, size=size, placed=placed, placed_size=block.size)
+def _find_storage_offset(program: Any, name: str) -> int | None:
+    index = _find_resource(program, GL.GL_BUFFER_VARIABLE, name)
+    if index == GL.GL_INVALID_INDEX:
+        return None
+    return read_resource(program.glo, GL.GL_BUFFER_VARIABLE, index, GL.GL_OFFSET)
 
 
-def resource_index(program: Any, interface: int, name: str) -> int | None:
-    found = int(GL.glGetProgramResourceIndex(program.glo, interface, name.encode()))
-    return None if found == _NONE else found
-
-
-def _read(program: Any, interface: int, index: int, what: int) -> int:
-    wanted, got = (ctypes.c_uint * 1)(what), (ctypes.c_int * 1)()
-    GL.glGetProgramResourceiv(program.glo, interface, index, 1, wanted, 1, None, got)
-    return int(got[0])
+def _find_resource(program: Any, interface: int, name: str) -> int:
+    return int(GL.glGetProgramResourceIndex(program.glo, interface, name.encode()))

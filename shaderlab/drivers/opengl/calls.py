@@ -30,7 +30,7 @@ from .device import (
     Device,
     GLError,
     NullFunctionError,
-    named,
+    gl_constant,
 )
 from .drawing import drain_errors
 
@@ -223,7 +223,7 @@ class _Maker:
             program = GL.glCreateProgram()
             self._programs[wanted] = program
             for stage, text in self._texts(wanted).items():
-                shader = GL.glCreateShader(named(f"{stage}_shader"))
+                shader = GL.glCreateShader(gl_constant(f"{stage}_shader"))
                 GL.glShaderSource(shader, text)
                 with suppress(GLError):
                     GL.glCompileShader(shader)

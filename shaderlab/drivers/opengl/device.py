@@ -35,10 +35,10 @@ ERROR_CHECKER = _errors._error_checker
 
 
 @functools.cache
-def named(word: str) -> int:
+def gl_constant(word: str) -> int:
     """The number of a constant by its name as `shaderlab.model` has it: in lower case, bare.
 
-    >>> hex(named("one_minus_src_alpha"))
+    >>> hex(gl_constant("one_minus_src_alpha"))
     '0x303'
     """
     return int(getattr(GL, f"GL_{word.upper()}"))

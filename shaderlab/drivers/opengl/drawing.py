@@ -13,7 +13,7 @@ import moderngl
 import numpy as np
 
 from shaderlab.compiler.diagnostics import parse_driver_log
-from shaderlab.compiler.reflection import Block, Variable
+from shaderlab.compiler.reflection import Variable
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.case import Scene
@@ -31,9 +31,9 @@ from ..programs.stages import NUMBER, VaryingPart
 from ..programs.textures import components_of, numpy_type
 from ..resources import COVERING
 from .bindings import BoundTextures, bound_images, read_images
-from .buffers import UniformBuffers, VertexArray, read_storage, resource_index, vertex_array
-from .device import GL, Device, named, require_inputs
-from .linking import Linker, has_names, output_locations, set_uniforms
+from .buffers import UniformBuffers, VertexArray, bind_storage_buffer, vertex_array
+from .device import GL, Device, gl_constant, require_inputs
+from .linking import Linker, output_locations, set_uniforms
 from .target import RenderTarget, apply_state
 
 
@@ -192,7 +192,7 @@ def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
         (GL.glEnable if "gl_PointSize" in draw.last_text else GL.glDisable)(
             GL.GL_PROGRAM_POINT_SIZE
         )
-    mode = named(description.mesh.primitive if description.mesh else "triangles")
+    mode = gl_constant(description.mesh.primitive if description.mesh else "triangles")
     if description.mesh is not None and mode == GL.GL_PATCHES:
         GL.glPatchParameteri(GL.GL_PATCH_VERTICES, description.mesh.patch_vertices)
     if not description.vertex_array:
@@ -243,8 +243,7 @@ def dispatch(
             buffer = device.context.buffer(data)
             stack.callback(buffer.release)
             buffers.append((buffer, data, members))
-            if _bind(program, block, point):
-                buffer.bind_to_storage_buffer(_point(program, block, point))
+            bind_storage_buffer(program, block, buffer, point)
         textures = bound_images(device, program, bindings.images, stack)
         GL.glUseProgram(program.glo)
         GL.glDispatchCompute(*draw.draw.groups)
@@ -262,31 +261,6 @@ def dispatch(
                 if not slot.member.readonly
             }
         return left
-
-
-def _point(program: Any, block: Block, point: int) -> int:
-    """The binding of a block: a module says its own."""
-    return point if has_names(program) else block.binding or 0
-
-
-def _bind(program: Any, block: Block, point: int) -> bool:
-    """Give a block its binding; False for one without any effect."""
-    if not has_names(program):
-        return True
-    index = resource_index(program, GL.GL_SHADER_STORAGE_BLOCK, block.name)
-    if index is None:
-        return False
-    reading = read_storage(program, block)
-    for name, placed in reading.placed.items():
-        theirs = reading.offsets.get(name, placed)
-        if theirs != placed:
-            raise DriverError(
-                f"storage block {block.name}: glslang puts {name} at byte {placed}, the driver "
-                f"has it at byte {theirs}",
-                remedy="declare the block layout (std430), so that its layout is fixed",
-            )
-    GL.glShaderStorageBlockBinding(program.glo, index, point)
-    return True
 
 
 _CACHED = 4  # grids whose textures are kept; calls come with the same size again and again
@@ -445,7 +419,7 @@ def _groups(parts: Sequence[VaryingPart]) -> list[list[VaryingPart]]:
 def _mode(program: Any, texts: Mapping[str, str]) -> int:
     """The primitives that come out of the last stage; strips as the single ones of them."""
     if "tess_evaluation" in texts:
-        return named(stages.primitive(texts["tess_evaluation"]))
+        return gl_constant(stages.primitive(texts["tess_evaluation"]))
     return int(program.geometry_output or GL.GL_POINTS)
 
 

@@ -1,11 +1,11 @@
-"""Linking programs on the driver, once each; their outputs and uniforms."""
+"""Linking programs on the driver, from text or from SPIR-V modules; their outputs and uniforms."""
 
 from __future__ import annotations
 
 import ctypes
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,7 +26,21 @@ from shaderlab.model.records import Diagnostic, Verdict
 
 from ..programs.textures import components_of
 from ..resources import ProgramCache
-from .device import GL, Device, GLError, gl_spirv, named
+from .device import GL, Device, GLError, gl_constant, gl_spirv
+
+_STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment", "compute")
+# The OpenGL version that has each stage.
+_NEEDS = {"tess_control": 400, "tess_evaluation": 400, "compute": 430}
+# A driver links a program only from a stage that begins one.
+_BEGIN = ("vertex", "compute")
+_NUMPY = {"ui": np.uint32, "i": np.int32, "d": np.float64, "f": np.float32}
+# Execution modes of geometry stages (SPIR-V), and what their strips are made of.
+_OUTPUT_POINTS, _OUTPUT_LINE_STRIP, _OUTPUT_TRIANGLE_STRIP = 27, 28, 29
+_EMITTED = {
+    _OUTPUT_POINTS: "points",
+    _OUTPUT_LINE_STRIP: "lines",
+    _OUTPUT_TRIANGLE_STRIP: "triangles",
+}
 
 
 class Linker(ProgramCache[Any]):
@@ -35,10 +49,10 @@ class Linker(ProgramCache[Any]):
     device: Device
 
     def drop(self, program: Any) -> None:
-        """moderngl releases it when nothing refers to it any more."""
+        """Leave it to moderngl, which releases it when nothing refers to it any more."""
 
     def link(self, stages: Mapping[str, str], *, feedback: Sequence[str] = ()) -> Any:
-        """A `moderngl.Program` of these stages (text by "vertex", "tess_control", …), a
+        """Link a `moderngl.Program` of these stages (text by "vertex", "tess_control", …), a
         `moderngl.ComputeShader` of "compute", or a `SpirvProgram`, which can do what the lab needs
         of them.
 
@@ -48,20 +62,18 @@ class Linker(ProgramCache[Any]):
             ShaderError: the driver refuses the program.
         """
 
-        def linked() -> Any:
+        def link() -> Any:
             try:
                 with phase("link"):
-                    return self._new(stages, feedback)
+                    return self._link(stages, feedback)
             except moderngl.Error as error:
                 message = f"the driver refuses the program: {str(error).strip()}"
                 raise ShaderError(message) from error
 
-        return self.get((tuple(sorted(stages.items())), tuple(feedback)), linked)
+        return self.get((tuple(sorted(stages.items())), tuple(feedback)), link)
 
-    def _new(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
+    def _link(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
         if self.device.takes_spirv:
-            pass
-
             return link_modules(self.device, stages, feedback)
         if "compute" in stages:
             return self.device.context.compute_shader(stages["compute"])
@@ -81,14 +93,14 @@ def has_names(program: Any) -> bool:
 
 
 def uniform_location(program: Any, name: str) -> int:
-    """Where a linked program has a uniform; −1 for none."""
+    """Find where a linked program has a uniform; −1 for none."""
     if not has_names(program):
         return int(program.location(name))
     return int(GL.glGetUniformLocation(program.glo, name.encode()))
 
 
 def output_locations(program: Any, names: Iterable[str]) -> dict[str, int]:
-    """Where the linked program writes each of its fragment outputs; −1 for one it has not."""
+    """Find where the linked program writes each of its fragment outputs; −1 for one it has not."""
     if not has_names(program):
         return {name: program.output(name) for name in names}
     return {name: int(GL.glGetFragDataLocation(program.glo, name.encode())) for name in names}
@@ -118,10 +130,8 @@ def set_uniforms(program: Any, values: Mapping[str, Array]) -> list[str]:
 def _set_nowhere(program: Any, array: Array) -> None:
     """Set a uniform that has no location, by the function for its type."""
     GL.glUseProgram(program.glo)
-    kind, own = {"f": ("f", np.float32), "u": ("ui", np.uint32)}.get(
-        array.dtype.kind, ("i", np.int32)
-    )
-    array = np.ascontiguousarray(array, own)
+    kind = {"f": "f", "u": "ui"}.get(array.dtype.kind, "i")
+    array = np.ascontiguousarray(array, _NUMPY[kind])
     if array.ndim >= 2 and kind == "f":
         rows, columns = array.shape[-2:]
         if 2 <= rows <= 4 and 2 <= columns <= 4:
@@ -132,15 +142,11 @@ def _set_nowhere(program: Any, array: Array) -> None:
     getattr(GL, f"glUniform{components}{kind}v")(-1, array.size // components, array)
 
 
-_STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment", "compute")
-_SPIRV = 0x9551  # GL_SHADER_BINARY_FORMAT_SPIR_V
-_NUMPY = {"ui": np.uint32, "i": np.int32, "d": np.float64, "f": np.float32}
-# Execution modes of geometry stages, and what their strips are made of.
-_EMITTED = {27: "points", 28: "lines", 29: "triangles"}
+# Programs made of shader objects: of modules, and for verdicts.
 
 
 def modules_of(stages: Sequence[Source]) -> tuple[Mapping[str, bytes], Interface]:
-    """A program's modules for OpenGL by stage, and its interface.
+    """Compile a program to modules for OpenGL by stage; returns its interface, too.
 
     Raises:
         UnsupportedError: it can't become SPIR-V; it may still be plain GLSL.
@@ -155,11 +161,84 @@ def modules_of(stages: Sequence[Source]) -> tuple[Mapping[str, bytes], Interface
     return compiled.spirv["opengl"], compiled.interface
 
 
-def specialise(shader: int, module: bytes) -> None:
-    """Give a shader object its module; its status says whether the driver takes it."""
+def _compile_shader(program: int, stage: str, content: str | bytes) -> tuple[bool, str]:
+    """Compile a stage from its text or its module, and attach it to a program, with which it is
+    deleted. Returns whether the driver takes it, and what it says."""
+    shader = GL.glCreateShader(gl_constant(f"{stage}_shader"))
+    with suppress(GLError):  # the status says it
+        if isinstance(content, str):
+            GL.glShaderSource(shader, content)
+            GL.glCompileShader(shader)
+        else:
+            names = np.array([shader], np.uint32)
+            kind = GL.GL_SHADER_BINARY_FORMAT_SPIR_V
+            GL.glShaderBinary(1, names, kind, content, len(content))
+            gl_spirv.glSpecializeShaderARB(shader, b"main", 0, None, None)
+    taken = bool(GL.glGetShaderiv(shader, GL.GL_COMPILE_STATUS))
+    log = _decode_log(GL.glGetShaderInfoLog(shader))
+    GL.glAttachShader(program, shader)
+    GL.glDeleteShader(shader)
+    return taken, log
+
+
+def _link_program(program: int) -> tuple[bool, str]:
+    """Link a program; returns whether the driver takes it, and what it says."""
     with suppress(GLError):
-        GL.glShaderBinary(1, np.array([shader], np.uint32), _SPIRV, module, len(module))
-        gl_spirv.glSpecializeShaderARB(shader, b"main", 0, None, None)
+        GL.glLinkProgram(program)
+    linked = bool(GL.glGetProgramiv(program, GL.GL_LINK_STATUS))
+    return linked, _decode_log(GL.glGetProgramInfoLog(program))
+
+
+def _decode_log(log: bytes | str) -> str:
+    return log.decode("utf-8", "replace") if isinstance(log, bytes) else log
+
+
+@contextmanager
+def _temporary_program() -> Iterator[int]:
+    """A program that leaves neither itself nor errors behind."""
+    program = GL.glCreateProgram()
+    try:
+        yield program
+    finally:
+        GL.glDeleteProgram(program)
+        while GL.glGetError():
+            pass
+
+
+def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
+    """Ask the driver for its verdict on a program, as a target named "driver".
+
+    Each stage is compiled; all are linked where the program has a stage that begins one. Nothing
+    stays behind in the context.
+
+    Args:
+        device: an open device, current in this thread.
+        sources: the stages, each once.
+
+    Raises:
+        UnsupportedError: the driver has no such stage; glslang's verdict is then the only one.
+    """
+    for source in sources:
+        if device.version < _NEEDS.get(source.stage, 0):
+            raise UnsupportedError(f"this driver has no {source.stage} stage", file=source.path)
+    modules: Mapping[str, bytes] = {}
+    if device.takes_spirv:
+        try:
+            modules = modules_of(sources)[0]
+        except UnsupportedError as error:
+            raise DriverError(error.message, file=error.file, line=error.line) from error
+    diagnostics: list[Diagnostic] = []
+    ok = True
+    with _temporary_program() as program:
+        for source in sources:
+            content = modules.get(source.stage, source.text)
+            taken, log = _compile_shader(program, source.stage, content)
+            diagnostics += parse_driver_log(log, source, ok=taken)
+            ok = ok and taken
+        if ok and any(source.stage in _BEGIN for source in sources):
+            ok, log = _link_program(program)
+            diagnostics += parse_driver_log(log, sources[-1], ok=ok)
+    return Verdict(target=DRIVER, ok=ok, diagnostics=tuple(dict.fromkeys(diagnostics)))
 
 
 def link_modules(device: Device, texts: Mapping[str, str], feedback: Sequence[str]) -> SpirvProgram:
@@ -174,45 +253,33 @@ def link_modules(device: Device, texts: Mapping[str, str], feedback: Sequence[st
     modules, interface = modules_of(stages)
     if feedback:
         last = [stage for stage in modules if stage != "fragment"][-1]
-        sizes = {name: _components(interface, name) for name in feedback}
+        sizes = {name: _count_components(interface, name) for name in feedback}
         modules = {**modules, last: with_feedback(modules[last], sizes)}
-    program, said = GL.glCreateProgram(), ""
-    for stage, module in modules.items():
-        shader = GL.glCreateShader(named(f"{stage}_shader"))
-        specialise(shader, module)
-        if not GL.glGetShaderiv(shader, GL.GL_COMPILE_STATUS):
-            said = said or _text(GL.glGetShaderInfoLog(shader))
-        GL.glAttachShader(program, shader)
-        GL.glDeleteShader(shader)  # when the program is
-    if not said:
-        with suppress(GLError):
-            GL.glLinkProgram(program)
-        if not GL.glGetProgramiv(program, GL.GL_LINK_STATUS):
-            said = _text(GL.glGetProgramInfoLog(program))
-    if said:
+    program = GL.glCreateProgram()
+    results = [_compile_shader(program, stage, module) for stage, module in modules.items()]
+    if all(taken for taken, _ in results):
+        results = [_link_program(program)]
+    refusals = [log for taken, log in results if not taken]
+    if refusals:
         GL.glDeleteProgram(program)
         while GL.glGetError():
             pass
-        raise ShaderError(f"the driver refuses the program's SPIR-V: {said}")
+        reason = refusals[0].strip() or "it does not say why"
+        raise ShaderError(f"the driver refuses the program's SPIR-V: {reason}")
     emitted = None
     if "geometry" in modules:
         modes = parse(modules["geometry"]).modes
-        emitted = next(named(word) for mode, word in _EMITTED.items() if mode in modes)
+        emitted = next(gl_constant(word) for mode, word in _EMITTED.items() if mode in modes)
     return SpirvProgram(device, program, interface, emitted)
 
 
-def _text(log: bytes | str) -> str:
-    text = log.decode("utf-8", "replace") if isinstance(log, bytes) else log
-    return text.strip() or "it does not say why"
-
-
-def _components(interface: Interface, name: str) -> int:
-    """How many numbers a captured output has."""
+def _count_components(interface: Interface, name: str) -> int:
+    """Count the numbers of a captured output."""
     if name.startswith("gl_"):
         return {"gl_PointSize": 1}.get(name, 4)
-    found = interface.vertex_outputs.get(name)
-    if found is not None:
-        return found.components * (found.array or 1)
+    variable = interface.vertex_outputs.get(name)
+    if variable is not None:
+        return variable.components * (variable.array or 1)
     whole = interface.vertex_outputs[re.sub(r"\[\d+\]$", "", name)]
     return components_of(whole.type) if whole.type[:3] != "mat" else whole.components
 
@@ -227,39 +294,32 @@ class Attribute:
 
 @dataclass(frozen=True)
 class Uniform:
-    """A uniform of a program; `dimension` and `array_length` as moderngl has them."""
+    """A uniform of a program; `dimension` is how many numbers one element has, as in moderngl."""
 
     program: int
     variable: Variable
 
     @property
-    def location(self) -> int:
-        """Where it is."""
-        return self.variable.location or 0
-
-    @property
     def dimension(self) -> int:
-        """How many numbers one element has."""
         return self.variable.components or 1
 
     @property
     def array_length(self) -> int:
-        """How many elements it has."""
         return self.variable.array or 1
 
     def write(self, data: bytes) -> None:
         """Upload elements, columns first, by the calls that a program from text gets."""
-        kind = self.variable.type
+        kind, location = self.variable.type, self.variable.location or 0
         letter = {"u": "ui", "i": "i", "b": "i", "d": "d"}.get(kind[0], "f")
         values = np.frombuffer(data, _NUMPY[letter])
         count = values.size // self.dimension
         GL.glUseProgram(self.program)
         if "mat" in kind:
             call = getattr(GL, f"glUniformMatrix{kind.partition('mat')[2]}{letter}v")
-            call(self.location, count, False, values)
+            call(location, count, False, values)
         else:
             call = getattr(GL, f"glUniform{self.dimension}{letter}v")
-            call(self.location, count, values)
+            call(location, count, values)
 
 
 class SpirvProgram:
@@ -291,7 +351,7 @@ class SpirvProgram:
         return self.get(name, None) is not None
 
     def get(self, name: str, default: Any) -> Uniform | Attribute | Any:
-        """An active uniform or attribute."""
+        """Return an active uniform or attribute."""
         attribute = self._interface.attributes.get(name)
         if attribute is not None and attribute.location in self._active["program_input"]:
             shape = {"i": "i", "u": "I"}.get(attribute.type[0], "f")
@@ -302,113 +362,47 @@ class SpirvProgram:
         return default
 
     def location(self, name: str) -> int:
-        """An active uniform's location, −1 for none."""
-        found = self._interface.uniforms.get(name)
-        known = found is not None and found.location in self._active["uniform"]
-        return found.location or 0 if found is not None and known else -1
+        """Find an active uniform's location, −1 for none."""
+        uniform = self._interface.uniforms.get(name)
+        if uniform is None or uniform.location not in self._active["uniform"]:
+            return -1
+        return uniform.location or 0
 
     def output(self, name: str) -> int:
-        """A fragment output's location, −1 for none."""
-        found = self._interface.outputs.get(name)
-        return -1 if found is None else found.location or 0
+        """Find a fragment output's location, −1 for none."""
+        output = self._interface.outputs.get(name)
+        return -1 if output is None else output.location or 0
 
     def block(self, name: str) -> int | None:
-        """An active uniform block's index. Its binding is this program's own: another of the same
-        vertex stage may number its blocks otherwise."""
-        own = self._interface.blocks.get(name)
-        return None if own is None else self._blocks.get(own.binding or 0)
+        """Find an active uniform block's index. Its binding is this program's own: another of the
+        same vertex stage may number its blocks otherwise."""
+        block = self._interface.blocks.get(name)
+        return None if block is None else self._blocks.get(block.binding or 0)
+
+    @cached_property
+    def _blocks(self) -> Mapping[int, int]:
+        """The index of each uniform block by the binding that its module gives it, which is read
+        before the lab gives them others."""
+        indices: dict[int, int] = {}
+        binding = np.zeros(1, np.int32)
+        for index in range(int(GL.glGetProgramiv(self.glo, GL.GL_ACTIVE_UNIFORM_BLOCKS))):
+            GL.glGetActiveUniformBlockiv(self.glo, index, GL.GL_UNIFORM_BLOCK_BINDING, binding)
+            indices[int(binding[0])] = index
+        return indices
 
     @cached_property
     def _active(self) -> Mapping[str, frozenset[int]]:
         return {kind: frozenset(self._locations(kind)) for kind in ("uniform", "program_input")}
 
     def _locations(self, kind: str) -> Iterator[int]:
-        interface, found = named(kind), np.zeros(1, np.int32)
-        GL.glGetProgramInterfaceiv(self.glo, interface, GL.GL_ACTIVE_RESOURCES, found)
-        wanted = (ctypes.c_uint * 1)(GL.GL_LOCATION)
-        for index in range(int(found[0])):
-            got = (ctypes.c_int * 1)()
-            GL.glGetProgramResourceiv(self.glo, interface, index, 1, wanted, 1, None, got)
-            yield int(got[0])
-
-    @cached_property
-    def _blocks(self) -> Mapping[int, int]:
-        """The index of each uniform block by the binding that its module gives it."""
-        count = int(GL.glGetProgramiv(self.glo, GL.GL_ACTIVE_UNIFORM_BLOCKS))
-        found: dict[int, int] = {}
-        for index in range(count):
-            binding = np.zeros(1, np.int32)
-            GL.glGetActiveUniformBlockiv(self.glo, index, GL.GL_UNIFORM_BLOCK_BINDING, binding)
-            found[int(binding[0])] = index
-        return found
+        interface, count = gl_constant(kind), np.zeros(1, np.int32)
+        GL.glGetProgramInterfaceiv(self.glo, interface, GL.GL_ACTIVE_RESOURCES, count)
+        for index in range(int(count[0])):
+            yield read_resource(self.glo, interface, index, GL.GL_LOCATION)
 
 
-_NEEDS = {"tess_control": 400, "tess_evaluation": 400, "compute": 430}
-# A driver links a program only from a stage that begins one.
-_BEGIN = ("vertex", "compute")
-
-
-def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
-    """The driver's verdict on a program, as a target of its own named "driver".
-
-    Each stage is compiled; all are linked where the program has a stage that begins one. Nothing
-    stays behind in the context.
-
-    Args:
-        device: an open device, current in this thread.
-        sources: the stages, each once.
-
-    Raises:
-        UnsupportedError: the driver has no such stage; glslang's verdict is then the only one.
-    """
-    _require_stages(device, sources)
-    modules: Mapping[str, bytes] = {}
-    if device.takes_spirv:
-        pass
-
-        try:
-            modules = modules_of(sources)[0]
-        except UnsupportedError as error:
-            raise DriverError(error.message, file=error.file, line=error.line) from error
-    shaders: list[int] = []
-    program = GL.glCreateProgram()
-    try:
-        found: list[Diagnostic] = []
-        ok = True
-        for source in sources:
-            shader = GL.glCreateShader(named(f"{source.stage}_shader"))
-            shaders.append(shader)
-            if source.stage in modules:
-                specialise(shader, modules[source.stage])
-            else:
-                GL.glShaderSource(shader, source.text)
-                with suppress(GLError):  # the status says it
-                    GL.glCompileShader(shader)
-            good = bool(GL.glGetShaderiv(shader, GL.GL_COMPILE_STATUS))
-            found += parse_driver_log(_text_verdict(GL.glGetShaderInfoLog(shader)), source, ok=good)
-            ok = ok and good
-            GL.glAttachShader(program, shader)
-        if ok and any(source.stage in _BEGIN for source in sources):
-            with suppress(GLError):
-                GL.glLinkProgram(program)
-            ok = bool(GL.glGetProgramiv(program, GL.GL_LINK_STATUS))
-            found += parse_driver_log(
-                _text_verdict(GL.glGetProgramInfoLog(program)), sources[-1], ok=ok
-            )
-        return Verdict(target=DRIVER, ok=ok, diagnostics=tuple(dict.fromkeys(found)))
-    finally:
-        GL.glDeleteProgram(program)
-        for shader in shaders:
-            GL.glDeleteShader(shader)
-        while GL.glGetError():
-            pass
-
-
-def _require_stages(device: Device, sources: Sequence[Source]) -> None:
-    for source in sources:
-        if device.version < _NEEDS.get(source.stage, 0):
-            raise UnsupportedError(f"this driver has no {source.stage} stage", file=source.path)
-
-
-def _text_verdict(log: bytes | str) -> str:
-    return log.decode("utf-8", "replace") if isinstance(log, bytes) else log
+def read_resource(program: int, interface: int, index: int, what: int) -> int:
+    """Read one number that a program says of one of its resources."""
+    wanted, got = (ctypes.c_uint * 1)(what), (ctypes.c_int * 1)()
+    GL.glGetProgramResourceiv(program, interface, index, 1, wanted, 1, None, got)
+    return int(got[0])

@@ -16,7 +16,7 @@ from shaderlab.model.state import Blend, Depth, State, Stencil
 
 from ..programs.textures import COLOR, DEPTH
 from ..resources import COVERING, UNREADABLE, Attachments, multisampled_error
-from .device import GL, GL_1_0, Device, named
+from .device import GL, GL_1_0, Device, gl_constant
 from .textures import DeviceTexture, address, depth_storage, tightly_packed
 
 _NO_DEPTH, _NO_STENCIL, _NO_BLEND = Depth(), Stencil(), Blend()
@@ -53,35 +53,35 @@ def apply_state(state: State, size: tuple[int, int], version: int) -> None:
     GL.glViewport(*(cell or state.viewport or whole))
     GL.glScissor(*(scissor or whole))
     depth = state.depth or _NO_DEPTH
-    GL.glDepthFunc(named(depth.func))
+    GL.glDepthFunc(gl_constant(depth.func))
     GL.glDepthMask(depth.write)
     GL.glDepthRange(*state.depth_range)
     GL.glPolygonOffset(*(state.polygon_offset or (0.0, 0.0)))
     _stencil(GL.GL_FRONT, state.stencil or _NO_STENCIL)
     _stencil(GL.GL_BACK, state.stencil_back or state.stencil or _NO_STENCIL)
     _blend(state.blend or _NO_BLEND)
-    GL.glCullFace(named(state.cull or "back"))
-    GL.glFrontFace(named(state.front_face))
+    GL.glCullFace(gl_constant(state.cull or "back"))
+    GL.glFrontFace(gl_constant(state.front_face))
     GL.glColorMask(*state.color_mask)
     GL.glPointSize(state.point_size if isinstance(state.point_size, int | float) else 1.0)
 
 
 def _stencil(face: int, stencil: Stencil) -> None:
-    GL.glStencilFuncSeparate(face, named(stencil.func), stencil.reference, stencil.mask)
+    GL.glStencilFuncSeparate(face, gl_constant(stencil.func), stencil.reference, stencil.mask)
     operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
-    GL.glStencilOpSeparate(face, *(named(word) for word in operations))
+    GL.glStencilOpSeparate(face, *(gl_constant(word) for word in operations))
     GL.glStencilMaskSeparate(face, stencil.write_mask)
 
 
 def _blend(blend: Blend) -> None:
     GL.glBlendFuncSeparate(
-        named(blend.source),
-        named(blend.destination),
-        named(blend.source_alpha or blend.source),
-        named(blend.destination_alpha or blend.destination),
+        gl_constant(blend.source),
+        gl_constant(blend.destination),
+        gl_constant(blend.source_alpha or blend.source),
+        gl_constant(blend.destination_alpha or blend.destination),
     )
     for_color, for_alpha = (
-        named(word if word in ("min", "max") else f"func_{word}")
+        gl_constant(word if word in ("min", "max") else f"func_{word}")
         for word in (blend.equation, blend.equation_alpha or blend.equation)
     )
     GL.glBlendEquationSeparate(for_color, for_alpha)
@@ -216,7 +216,7 @@ class RenderTarget(Attachments):
     def _texture(self, word: str, samples: int = 0) -> Any:
         # moderngl's own word for the type of a component; sRGB is another format of the same.
         dtype = np.dtype(COLOR[word].numpy).str[1:].replace("u1", "f1")
-        internal = {"internal_format": named(word)} if word == "srgb8_alpha8" else {}
+        internal = {"internal_format": gl_constant(word)} if word == "srgb8_alpha8" else {}
         texture = self._device.context.texture(
             self.size, COLOR[word].components, dtype=dtype, samples=samples, **internal
         )

@@ -26,7 +26,7 @@ from ..programs.textures import (
     format_of,
 )
 from .buffers import write_mapped
-from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, named
+from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, gl_constant
 
 # The binding points, as OpenGL has their names, by what GLSL's samplers end in.
 _TARGETS = {
@@ -77,13 +77,13 @@ def transfer(word: str) -> Transfer:
     if word in DEPTH:
         components = "depth_component"
         internal = word if kind.stencil else word.replace("depth", "depth_component")
-    return Transfer(named(internal), named(components), named(_TYPES[kind.numpy]))
+    return Transfer(gl_constant(internal), gl_constant(components), gl_constant(_TYPES[kind.numpy]))
 
 
 def depth_storage(word: str) -> Transfer:
     """How an empty depth texture is made: with its stencil packed beside each depth."""
     if word in _PACKED:
-        return Transfer(named(word), named("depth_stencil"), named(_PACKED[word]))
+        return Transfer(gl_constant(word), gl_constant("depth_stencil"), gl_constant(_PACKED[word]))
     return transfer(word)
 
 
@@ -104,7 +104,7 @@ class DeviceTexture:
     @property
     def target(self) -> int:
         """The binding point."""
-        return named(_TARGETS[self.kind])
+        return gl_constant(_TARGETS[self.kind])
 
     def release(self) -> None:
         """Release its memory."""
