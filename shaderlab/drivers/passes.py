@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Literal, Protocol, TypeVar
 
-from shaderlab.errors import ShaderError, UnsupportedError
+from shaderlab.errors import UnsupportedError
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Bindings, Fragments, Image, PassDraw, Samples, leading
 from shaderlab.model.phases import phase
@@ -18,7 +18,7 @@ from shaderlab.model.scene import Pass, Target
 from shaderlab.model.state import State
 
 from .programs import bind, vertex_capture
-from .programs.fragment_capture import PassCapture, fragment_probe, numbered, refused
+from .programs.fragment_capture import PassCapture, numbered, probe_fragments
 from .programs.prepare import (
     PreparedDraw,
     Programs,
@@ -295,20 +295,21 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         draw = self.programs[key[0]][key[1]]
         if stage == "vertex":
             return [vertex_capture.probe(draw, each, inputs, self.vertex_outputs) for each in runs]
-        probe = fragment_probe(draw, inputs)
-        samples = []
-        # Where no point is discarded, each run writes all that is read.
-        for some in [[run] for run in runs] if probe.discards else [runs]:
-            with self.new_target(probe.target, probe.colors, probe.size) as target:
-                for bindings in some:
-                    try:
-                        self.render(probe.draw, probe.bindings(bindings), target, texts=probe.texts)
-                    except ShaderError as error:
-                        raise refused(probe.subject, error.message) from error
-                    images = {name: target.read(name).values for name in probe.colors}
-                    kept = target.read("stencil").values if probe.discards else None
-                    samples.append(probe.samples(images, kept))
-        return samples
+        return probe_fragments(draw, runs, inputs, self._draw_points)
+
+    def _draw_points(
+        self,
+        points: PreparedDraw,
+        bindings: Bindings,
+        target: Target,
+        colors: Mapping[str, str],
+        size: Size,
+        texts: Mapping[str, str],
+    ) -> Mapping[str, Array]:
+        with self.new_target(target, colors, size) as made:
+            self.render(points, bindings, made, texts=texts)
+            names = (*colors, "stencil") if target.depth else colors
+            return {name: made.read(name).values for name in names}
 
     def _attachment(self, pass_name: str, name: str) -> Image:
         if (pass_name, name) in self.images:

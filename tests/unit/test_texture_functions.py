@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 
-from shaderlab.drivers.programs import textures
 from shaderlab.drivers.programs.textures import contents
 from shaderlab.model.frame import Array
 from shaderlab.model.textures import Texture
@@ -46,12 +44,6 @@ def test_nobody_can_change_what_is_kept() -> None:
     (layer,) = contents(Texture(image=make, format="rgb8"), Path(), {}).layers
     layer[:] = 9  # an upload's own copy
     assert codes(make) == 1
-
-
-def test_what_has_no_room_is_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(textures, "MADE", 500)  # 384 bytes are made
-    make, other = Noise(), Noise()
-    assert [codes(make), codes(other), codes(make)] == [1, 1, 2]
 
 
 def test_an_object_that_has_no_hash_is_called_each_time() -> None:

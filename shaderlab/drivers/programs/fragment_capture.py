@@ -1,5 +1,6 @@
-"""Running a fragment stage on given inputs: each sample is a point of one pixel, so that nothing is
-interpolated. No device: the caller draws."""
+"""Capturing what fragment stages get in a draw, and running them on given inputs. No device: the
+caller draws.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shaderlab.errors import ShaderError, UnsupportedError
-from shaderlab.model.frame import Array, Bindings, Fragments, Samples, differ, leading
+from shaderlab.model.frame import Array, Bindings, Fragments, Samples, leading
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.scene import Target
 from shaderlab.model.state import State, Stencil
@@ -25,53 +26,29 @@ _MAX_ATTRIBUTES = 16
 _REMEDY = "judge it over the frame (formula, or value at a Pixel)"
 
 
-@dataclass(frozen=True, kw_only=True)
-class FragmentProbe:
-    """What is to be drawn.
-
-    Attributes:
-        subject: the draw whose fragment stage is run.
-        draw: the points, with that fragment stage.
-        texts: its stages' texts.
-        target: what it is drawn into, of `size` pixels.
-        size: (width, height).
-        colors: the attachments' formats by output.
-        inputs: what each point gets, (count, components).
-        discards: whether points may be discarded; then the stencil buffer counts those that are
-            kept.
-    """
-
-    subject: PreparedDraw
-    draw: PreparedDraw
-    texts: Mapping[str, str]
-    target: Target
-    size: tuple[int, int]
-    colors: Mapping[str, str]
-    inputs: Mapping[str, Array]
-    discards: bool
-
-    def bindings(self, given: Bindings) -> Bindings:
-        """The uniforms and textures of the subject, and what the points' own stage takes."""
-        own = {stages.PREFIX + "size": np.array(self.size, np.int32)}
-        return replace(given, uniforms={**given.uniforms, **own})
-
-    def samples(self, images: Mapping[str, Array], stencil: Array | None) -> Samples:
-        """What was drawn, by point."""
-        count = max((len(values) for values in self.inputs.values()), default=1)
-        kinds = self.subject.interface.outputs
-        outputs = {
-            name: values.reshape(-1, values.shape[-1])[
-                :count, : textures.components_of(kinds[name].type)
-            ]
-            for name, values in images.items()
-        }
-        discarded = 0 if stencil is None else int((stencil.reshape(-1)[:count] == 0).sum())
-        return Samples(inputs=self.inputs, outputs=outputs, discarded=discarded)
+DrawPoints = Callable[
+    [PreparedDraw, Bindings, Target, Mapping[str, str], tuple[int, int], Mapping[str, str]],
+    Mapping[str, Array],
+]
+"""Draws points with their uniforms and textures into a target, with colours (format by output) and
+a size, the stages having these texts; gives the colours and the stencil, if there is one."""
 
 
-def fragment_probe(draw: PreparedDraw, inputs: Mapping[str, Array]) -> FragmentProbe:
-    """Points that feed a draw's fragment stage these inputs, each an array (count, components);
-    those that are not given take the value a domain has at the centre of the screen.
+def probe_fragments(
+    draw: PreparedDraw,
+    runs: Sequence[Bindings],
+    inputs: Mapping[str, Array],
+    draw_points: DrawPoints,
+) -> list[Samples]:
+    """Run a draw's fragment stage on inputs, each an array (count, components): every row is a
+    point of one pixel, so that nothing is interpolated. Inputs that are not given take the value
+    that a domain has at the centre of the screen.
+
+    Args:
+        draw: the draw.
+        runs: uniforms and textures of each run.
+        inputs: what each point gets.
+        draw_points: draws them.
 
     Raises:
         CaseError: an input has no value, or is none of the shader's.
@@ -80,6 +57,7 @@ def fragment_probe(draw: PreparedDraw, inputs: Mapping[str, Array]) -> FragmentP
     complete = bind.complete_inputs(draw.draw, draw.interface.varyings, inputs)
     count = max((len(values) for values in inputs.values()), default=1)
     width = min(count, WIDTH)
+    size = (width, -(-count // width))
     text = draw.text("fragment") or ""
     vertex, columns = stages.probe_vertex(text, tuple(draw.interface.varyings.values()))
     if len(columns) > _MAX_ATTRIBUTES:
@@ -88,7 +66,7 @@ def fragment_probe(draw: PreparedDraw, inputs: Mapping[str, Array]) -> FragmentP
             f"{_MAX_ATTRIBUTES} can be given",
             remedy=_REMEDY,
         )
-    attributes = {name: bind.select_part(complete, piece) for piece, name in columns.items()}
+    attributes = {name: bind.select_part(complete, part) for part, name in columns.items()}
     attributes = attributes or {stages.PREFIX + "nothing": np.zeros((count, 1), np.float32)}
     # What is kept counts one up in the stencil buffer; a discarded point leaves its clear value.
     discards = stages.may_discard(text)
@@ -97,25 +75,32 @@ def fragment_probe(draw: PreparedDraw, inputs: Mapping[str, Array]) -> FragmentP
         mesh=Mesh(attributes=attributes, primitive="points"),
         state=State(stencil=Stencil(depth_pass="incr")) if discards else State(),
     )  # fmt: skip
-    return FragmentProbe(
-        subject=draw,
-        draw=replace(draw, draw=points),
-        texts={"vertex": vertex, "fragment": text},
-        target=Target(depth="depth24_stencil8") if discards else Target(),
-        size=(width, -(-count // width)),
-        colors={n: textures.for_output(v.type) for n, v in draw.interface.outputs.items()},
-        inputs=complete,
-        discards=discards,
-    )
-
-
-def refused(draw: PreparedDraw, message: str) -> UnsupportedError:
-    """The points' program does not compile."""
-    return UnsupportedError(
-        f"running {draw.draw.fragment} on given inputs: no vertex stage can be written that "
-        f"declares them as it does ({message})",
-        remedy=_REMEDY,
-    )
+    target = Target(depth="depth24_stencil8") if discards else Target()
+    outputs = draw.interface.outputs
+    colors = {name: textures.for_output(output.type) for name, output in outputs.items()}
+    texts = {"vertex": vertex, "fragment": text}
+    samples = []
+    for run in runs:
+        own = {stages.PREFIX + "size": np.array(size, np.int32)}
+        bindings = replace(run, uniforms={**run.uniforms, **own})
+        try:
+            images = draw_points(replace(draw, draw=points), bindings, target, colors, size, texts)
+        except ShaderError as error:
+            raise UnsupportedError(
+                f"running {draw.draw.fragment} on given inputs: no vertex stage can be written "
+                f"that declares them as it does ({error.message})",
+                remedy=_REMEDY,
+            ) from error
+        rows = {
+            name: values.reshape(-1, values.shape[-1])[:count] for name, values in images.items()
+        }
+        written = {
+            name: rows[name][:, : textures.components_of(output.type)]
+            for name, output in outputs.items()
+        }
+        discarded = int((rows["stencil"] == 0).sum()) if discards else 0
+        samples.append(Samples(inputs=complete, outputs=written, discarded=discarded))
+    return samples
 
 
 Redraw = Callable[[Sequence[str], Mapping[str, str]], Mapping[str, Array]]
@@ -155,7 +140,7 @@ class PassCapture:
         if not (stages.may_discard(text) or stages.writes_depth(text)):
             return found
         everything = self._alone(index, keep_all=True).fragments(index)
-        return replace(found, undiscarded=_shared(everything, found))
+        return replace(found, undiscarded=everything)
 
     def written(self, index: int, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
         ending, _ = stages.capture_fragment(text, (), calls=True)
@@ -238,29 +223,13 @@ class _Captured:
         coord, covered = self.coord, self.coord[..., 3] > 0.0
         if self.number is not None:
             covered &= self.number == index + 1
-            others = np.where(coord[..., 3] != 0.0, _SEEN, 0.0)
-            whole = np.ascontiguousarray(coord).view(_SEEN.dtype)[..., 0]
-            coord = np.where(covered, whole, others).view(coord.dtype).reshape(coord.shape)
+            others = np.where(coord[..., 3:] != 0.0, _SEEN, np.float32(0.0))
+            coord = np.where(covered[..., None], coord, others)
         return Fragments(covered=covered, frag_coord=coord, inputs=assembled(self.values))
 
 
-# `gl_FragCoord` where another draw is seen: four floats, which are moved as one number of as many
-# bytes in a quarter of the time.
-_SEEN = np.array([0.0, 0.0, 0.0, -1.0], np.float32).view(np.complex128)[0]
-
-
-def _shared(fragments: Fragments, other: Fragments) -> Fragments:
-    """The fragments in the other's arrays where they are the same, so that both take no more memory
-    than one: few shaders throw anything away."""
-
-    def one(array: Array, same: Array) -> Array:
-        return array if differ(array, same) else same
-
-    return Fragments(
-        covered=one(fragments.covered, other.covered),
-        frag_coord=one(fragments.frag_coord, other.frag_coord),
-        inputs={name: one(array, other.inputs[name]) for name, array in fragments.inputs.items()},
-    )
+# `gl_FragCoord` where another draw is seen.
+_SEEN = np.array([0.0, 0.0, 0.0, -1.0], np.float32)
 
 
 def numbered(text: str, index: int) -> str:

@@ -5,13 +5,13 @@ Source: OpenGL 4.5 core profile specification, tables 8.10 to 8.13 (sized intern
 
 from __future__ import annotations
 
+import functools
 import math
 import struct
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -201,9 +201,6 @@ def blocks_of(source: CompressedTexture, folder: Path) -> Blocks:
     return blocks
 
 
-MADE = 20 << 20
-"""Bytes of what functions made that are kept for the next scenes, the last used of it."""
-_MADE: WeakKeyDictionary[Callable[[], Any], Array] = WeakKeyDictionary()
 Images = Mapping[tuple[str, str], Image]
 """What earlier passes have drawn, by (pass, output)."""
 
@@ -298,7 +295,7 @@ def pixel_values(image: Any, format: str, folder: Path, owner: str) -> Array:
 
         image = load(folder / image)
     elif callable(image):
-        image = _made(image)
+        image = _call(image) if isinstance(image, Hashable) else np.asarray(image())
     if isinstance(image, Image):
         if image.layers:
             raise CaseError(f"{owner}: an image of {image.layers} layers is no layer of another")
@@ -319,27 +316,17 @@ def pixel_values(image: Any, format: str, folder: Path, owner: str) -> Array:
     return np.ascontiguousarray(values.astype(wanted, copy=values.flags.writeable))
 
 
-def _made(function: Callable[[], Any]) -> Array:
-    """What a function makes. It is called once while there is room, though each scene that is
-    drawn asks for it."""
-    try:
-        known = _MADE.get(function)
-    except TypeError:  # an object that can't be a key
-        return np.asarray(function())
-    if known is None:
-        known = np.array(function())
-        known.flags.writeable = False
-        while _MADE and sum(values.nbytes for values in _MADE.values()) + known.nbytes > MADE:
-            del _MADE[next(iter(_MADE))]  # the one whose use is longest ago
-    else:
-        del _MADE[function]
-    _MADE[function] = known
-    return known
+@functools.lru_cache(maxsize=32)
+def _call(function: Callable[[], Any]) -> Array:
+    """Call a function that makes an image, once for the scenes that follow each other."""
+    image = np.array(function())
+    image.flags.writeable = False
+    return image
 
 
 def forget_made() -> None:
     """Free what functions have made; the next scene that asks has them called again."""
-    _MADE.clear()
+    _call.cache_clear()
 
 
 def _check_levels(first: Array, smaller: Sequence[Array]) -> None:
