@@ -67,9 +67,13 @@ class LiveReport:
         self._server.shutdown()
         self._server.server_close()
 
-    def changes(self) -> Iterator[bool]:
-        """True for each change from now on, False now and then; ends when it is closed."""
-        known = self._version
+    @property
+    def version(self) -> int:
+        """The number of changes so far."""
+        return self._version
+
+    def changes(self, known: int) -> Iterator[bool]:
+        """Yield True for each change after version `known`, False now and then, until closed."""
         while not self._closed:
             with self._condition:
                 if self._version == known and not self._closed:
@@ -133,11 +137,12 @@ class _Handler(SimpleHTTPRequestHandler):
         self.wfile.write(data)
 
     def _send_changes(self) -> None:
+        known = self._report.version  # as the browser has loaded it
         self.send_response(HTTPStatus.OK)
         self.send_header("Content-Type", "text/event-stream")
         self.end_headers()
         try:
-            for changed in self._report.changes():
+            for changed in self._report.changes(known):
                 self.wfile.write(b"data: changed\n\n" if changed else b": waiting\n\n")
                 self.wfile.flush()
         except OSError:  # the browser has gone

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -83,6 +84,12 @@ def shaderlab(
         command(*args), cwd=cwd, env=surroundings(**environment), capture_output=True, text=True,
         timeout=seconds,
     )  # fmt: skip
+
+
+def restore_interrupts() -> None:
+    """Let a child be interrupted (`preexec_fn`): under nohup, in CI or behind a shell it would
+    inherit that SIGINT is ignored."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def surroundings(**environment: str) -> dict[str, str]:

@@ -24,12 +24,13 @@ def cases(tmp_path: Path) -> Path:
     """A folder with three good cases, and a draw without end before the last of them."""
     for name in ("a", "b", "d"):
         faulty.write(tmp_path / "cases", name)
-    faulty.write(tmp_path / "cases", "c", body=faulty.ENDLESS)
+    faulty.write(tmp_path / "cases", "c", body=faulty.ENDLESS, before=faulty.in_draw("c", BEGUN))
     return tmp_path
 
 
+BEGUN = "open('begun', 'w').close()"
 # Where it does not matter that a driver is at work.
-SLEEP = "__import__('time').sleep(600)"
+SLEEP = f"{BEGUN}; __import__('time').sleep(600)"
 
 
 def begun(cases: Path, *args: str) -> subprocess.Popen[str]:
@@ -39,11 +40,12 @@ def begun(cases: Path, *args: str) -> subprocess.Popen[str]:
         faulty.command("./cases", "--report", "run", "--size", "16", *args), cwd=cases,
         env=faulty.surroundings(SHADERLAB_TEST=str(cases), LP_NUM_THREADS="1"), text=True,
         start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        preexec_fn=faulty.restore_interrupts,
     )  # fmt: skip
     journal = cases / "run" / "records.jsonl"
     # Whole lines are counted: the last one may be half there while it is written.
     until(lambda: journal.is_file() and journal.read_bytes().count(b"\n") > 2)
-    time.sleep(0.3)
+    until((cases / "begun").exists)
     return child
 
 

@@ -18,6 +18,7 @@ from shaderlab.cli.watching import Session
 from shaderlab.engine.executors import InProcessExecutor
 from shaderlab.engine.jobs import CaseInfo, Job
 from shaderlab.model.options import RunOptions
+from tests.gpu import faulty
 
 SHADER = """\
 #version 330 core
@@ -138,7 +139,12 @@ def test_a_terminal_shows_verdicts_until_ctrl_c(project: Path) -> None:
     command = [sys.executable, "-m", "shaderlab", "watch", "tests/lamp_case.py"]
     law = project / "shaders" / "law.glsl"
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=env
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env=env,
+        preexec_fn=faulty.restore_interrupts,
     ) as watch:
         assert watch.stdout is not None
 
