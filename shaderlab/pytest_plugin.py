@@ -67,12 +67,12 @@ class CaseFile(pytest.File):
     """A case file; collecting it has the worker import it, which touches no device."""
 
     def collect(self) -> Iterator[CaseItem]:
-        from shaderlab.engine.jobs import jobs_of
+        from shaderlab.engine.jobs import make_jobs
 
         (facts,) = get_prefetcher(self.config).executor.load([self.path])
         if facts.error is not None:
             raise facts.error
-        for job in jobs_of(facts):
+        for job in make_jobs(facts):
             item: CaseItem = CaseItem.from_parent(
                 self, name=format_label(job.id, job.variant), job=job
             )

@@ -144,10 +144,10 @@ def main() -> None:
     # Before NumPy is imported: its library would start a thread a core, all of which wait busily,
     # while no command multiplies large matrices.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from shaderlab.cli.outputs import open_streams, settled
+    from shaderlab.cli.outputs import final_status, open_streams
 
     open_streams()
     try:
         cli(prog_name="shaderlab")
     except SystemExit as ended:
-        sys.exit(settled(ended.code))
+        sys.exit(final_status(ended.code))

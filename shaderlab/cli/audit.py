@@ -15,13 +15,19 @@ from shaderlab.cli.options import (
     INCLUDE,
     JSON,
     RANGES,
-    is_of_functions,
+    has_functions_only,
     jobs_option,
     limits_option,
     make_local_executor,
-    shaders_of_paths,
+    resolve_shaders,
 )
-from shaderlab.cli.outputs import finding_options, tell, uses_stdout, write_findings, write_json
+from shaderlab.cli.outputs import (
+    finding_options,
+    report_problems,
+    uses_stdout,
+    write_findings,
+    write_json,
+)
 from shaderlab.compiler.shader_files import EXTENSIONS, STAGES
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
@@ -102,7 +108,7 @@ def command(
     if json_file is not None:
         write_json([audit.data() for audit in audits], json_file)
     findings = [finding for audit in audits for finding in _findings(audit)]
-    unwritten = tell(list(write_findings(findings, "audit", outputs)))
+    unwritten = report_problems(list(write_findings(findings, "audit", outputs)))
     found = {audit.clean for audit in audits}
     if False in found:
         return FAILED
@@ -114,11 +120,11 @@ def _requests(
 ) -> Iterator[Any]:
     """What is asked of workers: one request for each shader file, and for each case."""
     from shaderlab.analysis.requests import AuditCase, AuditFile
-    from shaderlab.cli.selecting import files_of
+    from shaderlab.cli.selecting import find_files
 
     shaders = [Path(t) for t in targets if _is_shader(t)]
-    for shader in shaders_of_paths(shaders, options.include):
-        if is_of_functions(shader, stage):
+    for shader in resolve_shaders(shaders, options.include):
+        if has_functions_only(shader, stage):
             from shaderlab.functions.interpreting import AuditFunctions
 
             yield AuditFunctions(shader, plan)
@@ -127,7 +133,7 @@ def _requests(
     cases = [target for target in targets if not _is_shader(target)]
     if cases and plan.ranges:
         raise UsageError("--range does not go with a case, whose inputs are known")
-    for file in files_of(cases):
+    for file in find_files(cases):
         yield AuditCase(file, plan, options)
 
 
@@ -140,7 +146,7 @@ def _is_shader(target: str) -> bool:
 def _audits(results: Iterable[Any]) -> Iterator[Audit]:
     """The audits of requests; one that was refused where there is no answer."""
     from shaderlab.analysis.audit import Audit
-    from shaderlab.engine.executors import error_text
+    from shaderlab.engine.executors import format_error
 
     for result in results:
         if result.status == "done":
@@ -152,7 +158,7 @@ def _audits(results: Iterable[Any]) -> Iterator[Audit]:
             why = str(result.value)
         else:
             why = f"{result.item.name}: {result.status} while {result.step or 'starting'}: "
-            why += error_text(result)
+            why += format_error(result)
         yield Audit(file=result.item.name, hazards=(), tried=0, refused=why)
 
 

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shaderlab.engine.discovery import data_folder, files_below, tree_of
-from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job, failed_record
+from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job, make_failed_record
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path, replacing
 from shaderlab.model.options import Limits, RunOptions
@@ -39,7 +39,7 @@ CONNECT_SECONDS = 10.0
 _INSTALL = "pip install 'shaderlab[cluster]'"
 
 
-def connected(address: str) -> Client:
+def connect(address: str) -> Client:
     """A client of the scheduler at `address`.
 
     Raises:
@@ -50,7 +50,7 @@ def connected(address: str) -> Client:
     except ImportError as error:
         raise UsageError(f"--scheduler needs Dask ({error})", remedy=_INSTALL) from error
     try:
-        with quiet():
+        with silence_logs():
             return Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
     except (OSError, TimeoutError) as error:
         raise UsageError(
@@ -117,7 +117,7 @@ def other_version(
 
 
 @contextlib.contextmanager
-def quiet() -> Iterator[None]:
+def silence_logs() -> Iterator[None]:
     """Silence Dask's own log: an error says the same in one line."""
     log = logging.getLogger("distributed")
     before = log.level
@@ -157,7 +157,7 @@ class Address:
     path: str
 
 
-def packed_folder(folder: Path) -> Bundle:
+def pack_folder(folder: Path) -> Bundle:
     """Everything below a folder except hidden files, reports and build products.
 
     Raises:
@@ -173,12 +173,12 @@ def packed_folder(folder: Path) -> Bundle:
                 file=folder,
                 remedy="give the case a folder of its own",
             )
-        return packed({name: path.read_bytes() for name, path in files.items()})
+        return pack_files({name: path.read_bytes() for name, path in files.items()})
     except OSError as error:
         raise UsageError(f"can't read: {error.strerror}", file=error.filename) from error
 
 
-def packed(files: Mapping[str, bytes]) -> Bundle:
+def pack_files(files: Mapping[str, bytes]) -> Bundle:
     """These files as a bundle; the same files give the same bundle."""
     digest = hashlib.blake2b(digest_size=12)
     buffer = io.BytesIO()
@@ -210,28 +210,28 @@ def identity() -> dict[str, str]:
     return found
 
 
-def homes() -> dict[str, Path]:
+def lab_folders() -> dict[str, Path]:
     """The folders of this installation that paths in records may be in, by kind."""
     package = Path(__file__).resolve().parent.parent
     return {"package": package, "cases": data_folder("cases"), "shaders": data_folder("shaders")}
 
 
-def renamed(value: Any, names: Iterable[tuple[str, str]]) -> Any:
+def rename_paths(value: Any, names: Iterable[tuple[str, str]]) -> Any:
     """Plain data with the first of each pair replaced by the second in every string."""
     if isinstance(value, str):
         for old, new in names:
             value = value.replace(old, new)
         return value
     if isinstance(value, dict):
-        return {renamed(k, names): renamed(v, names) for k, v in value.items()}
+        return {rename_paths(k, names): rename_paths(v, names) for k, v in value.items()}
     if isinstance(value, list | tuple):
-        return [renamed(item, names) for item in value]
+        return [rename_paths(item, names) for item in value]
     return value
 
 
 def _digest() -> str:
     digest = hashlib.blake2b(digest_size=8)
-    for kind, folder in homes().items():
+    for kind, folder in lab_folders().items():
         for path in _below(folder):
             if kind == "package" and (path.suffix != ".py" or "_data" in path.parts):
                 continue
@@ -285,9 +285,9 @@ class DaskExecutor:
         self._patience = patience
         self._name = f"shaderlab-{uuid.uuid4().hex[:12]}"
         self._sent: dict[str, Any] = {}  # bundles as Dask's tasks, by the bundle's name
-        self._packed = cache(packed_folder)
-        self._homes = {what: _shown(folder) for what, folder in homes().items()}
-        self._client = connected(address)
+        self._packed = cache(pack_folder)
+        self._homes = {what: _shown(folder) for what, folder in lab_folders().items()}
+        self._client = connect(address)
         try:
             check_workers(self._client, address)
             from shaderlab.cli.cluster_worker import DaskPlugin
@@ -342,7 +342,7 @@ class DaskExecutor:
                 send(some)
             for job in jobs:
                 if job.broken:
-                    yield job, failed_record(job, job.broken, job.trouble)
+                    yield job, make_failed_record(job, job.broken, job.trouble)
             while unfinished:
                 key = self._wait_for(lambda seconds: finished.get(timeout=seconds))
                 if key not in unfinished:
@@ -356,7 +356,7 @@ class DaskExecutor:
                             send([job])
                     else:
                         lost = "every Dask worker that ran it was lost"
-                        yield some[0], failed_record(some[0], "crash", lost)
+                        yield some[0], make_failed_record(some[0], "crash", lost)
                 else:
                     yield from self._records(some, options, result)
                 finally:
@@ -364,10 +364,10 @@ class DaskExecutor:
 
     def close(self) -> None:
         """See `Executor`. The cluster keeps running."""
-        with contextlib.suppress(Exception), quiet():
+        with contextlib.suppress(Exception), silence_logs():
             # Jobs that still run are abandoned: their processes end with the plugin.
             self._client.unregister_worker_plugin(self._name)
-        with contextlib.suppress(Exception), quiet():
+        with contextlib.suppress(Exception), silence_logs():
             self._client.close()
 
     def _submit(self, method: str, *arguments: Any, **how: Any) -> Future[Any]:
@@ -425,7 +425,7 @@ class DaskExecutor:
         from distributed.comm.core import CommClosedError
 
         try:
-            with quiet():
+            with silence_logs():
                 yield
         except (CommClosedError, OSError, CancelledError) as error:
             if isinstance(error, OSError) and not isinstance(error, CommClosedError | TimeoutError):
@@ -457,7 +457,7 @@ class DaskExecutor:
 
         files = {file: address(file) for file in dict.fromkeys(job.file for job in jobs)}
         shaders = tuple(
-            (name, bundled(packed({path.name: path.read_bytes()}), path.parent, path.name))
+            (name, bundled(pack_files({path.name: path.read_bytes()}), path.parent, path.name))
             for name, path in options.shaders.items()
         )
         remote = RemoteJobs(

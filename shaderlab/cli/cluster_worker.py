@@ -18,7 +18,7 @@ from typing import Any
 
 from distributed import Worker, WorkerPlugin, get_worker
 
-from shaderlab.cli.cluster import SHIPPED, Address, Bundle, homes, identity, renamed
+from shaderlab.cli.cluster import SHIPPED, Address, Bundle, identity, lab_folders, rename_paths
 from shaderlab.engine.discovery import data_folder
 from shaderlab.engine.executors import ProcessExecutor
 from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job
@@ -134,7 +134,7 @@ class DaskPlugin(WorkerPlugin):
             numbers = {id(job): number for number, job in enumerate(jobs)}
             return RemoteResult(
                 records={
-                    numbers[id(job)]: renamed(store.to_plain(record), names)
+                    numbers[id(job)]: rename_paths(store.to_plain(record), names)
                     for job, record in executor.run(jobs, options)
                 },
                 files=_contents(drawn),
@@ -175,7 +175,7 @@ class DaskPlugin(WorkerPlugin):
         with self._unpacking:
             folders = {bundle.name: bundle.unpack(self._folder) for bundle in bundles}
         names = []
-        for what, folder in {**folders, **homes()}.items():
+        for what, folder in {**folders, **lab_folders()}.items():
             local = remote.local_names.get(what)
             if local is not None:
                 names.append((f"{folder}{os.sep}", local))
@@ -215,8 +215,8 @@ def identify_worker() -> Callable[[], dict[str, str]]:
 def _renamed_error(error: CaseError | None, names: Sequence[tuple[str, str]]) -> CaseError | None:
     if error is None:
         return None
-    file = None if error.file is None else renamed(error.file, names)
-    message = renamed(error.message, names)
+    file = None if error.file is None else rename_paths(error.file, names)
+    message = rename_paths(error.message, names)
     return type(error)(message, file=file, line=error.line, remedy=error.remedy)
 
 

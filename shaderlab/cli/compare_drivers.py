@@ -29,7 +29,7 @@ FRAMES = "drawn"
 """The folder in the run's own that holds what each driver drew, until that is compared."""
 
 
-def on_each(plan: RunPlan, drivers: Sequence[str]) -> RunPlan:
+def plan_for_drivers(plan: RunPlan, drivers: Sequence[str]) -> RunPlan:
     """The plan with a job for each driver; unchanged if none is named."""
     if not drivers:
         return plan
@@ -39,20 +39,20 @@ def on_each(plan: RunPlan, drivers: Sequence[str]) -> RunPlan:
     return replace(plan, jobs=jobs, options=replace(plan.options, frames=frames))
 
 
-def compared_drivers(recorded: RecordedRun, plan: RunPlan) -> RecordedRun:
+def add_comparison(recorded: RecordedRun, plan: RunPlan) -> RecordedRun:
     """The run with its drivers compared; unchanged where it has one, or was interrupted."""
     frames = plan.options.frames
     if frames is None or not recorded.complete:
         return recorded
 
     apart = []
-    for difference in disagreements(recorded.records, frames):
+    for difference in find_disagreements(recorded.records, frames):
         found = difference.found
         if plan.options.pictures and difference.shades is not None:
             found = replace(found, image=write_picture(recorded.folder, found, difference.shades))
         apart.append(found)
     shutil.rmtree(frames, ignore_errors=True)
-    drivers = tuple(results(recorded.records, apart))
+    drivers = tuple(summarise_results(recorded.records, apart))
     return replace(recorded, run=replace(recorded.run, drivers=drivers, disagreements=tuple(apart)))
 
 
@@ -60,7 +60,9 @@ _ORDER: tuple[Agreement, ...] = ("equal", "within", "outside")
 _MOST_REASONS = 3
 
 
-def results(records: Sequence[Record], apart: Sequence[Disagreement]) -> Iterator[DriverResult]:
+def summarise_results(
+    records: Sequence[Record], apart: Sequence[Disagreement]
+) -> Iterator[DriverResult]:
     """What became of each scene on each driver.
 
     Args:
@@ -87,13 +89,13 @@ def results(records: Sequence[Record], apart: Sequence[Disagreement]) -> Iterato
             status=record.status,
             ulp=max((w.ulp for w in worst), default=0.0),
             widths=max((w.widths for w in worst), default=0.0),
-            message=_reason(record),
+            message=_format_reason(record),
             agrees=agreement.get(record.key, ""),
             not_asked=len(record.not_asked),
         )
 
 
-def _reason(record: Record) -> str:
+def _format_reason(record: Record) -> str:
     """Why a record did not pass, in a few lines."""
     if record.status == "pass":
         return ""
@@ -118,7 +120,7 @@ class Difference:
     shades: Array | None = None
 
 
-def disagreements(records: Sequence[Record], frames: Path) -> Iterator[Difference]:
+def find_disagreements(records: Sequence[Record], frames: Path) -> Iterator[Difference]:
     """Each output of each scene, compared between every two drivers.
 
     Arrays are read only where digests differ; without them nothing is said of an output.
@@ -137,10 +139,10 @@ def disagreements(records: Sequence[Record], frames: Path) -> Iterator[Differenc
             for output in first.drawn:
                 other = others.get(output.name)
                 if other is not None and other.size == output.size:
-                    yield from _compared(first, second, output, other, frames, arrays)
+                    yield from _compare_outputs(first, second, output, other, frames, arrays)
 
 
-def _compared(
+def _compare_outputs(
     first: Record,
     second: Record,
     output: DrawnOutput,
@@ -160,7 +162,7 @@ def _compared(
         one, two = values
         if one is None or two is None or one.shape != two.shape:
             return
-        steps = apart(one, two)
+        steps = pixel_distances(one, two)
     differing = 0 if steps is None else int((steps > 0).sum())
     outside = tuple(
         record.driver_name
@@ -182,10 +184,10 @@ def _compared(
         yield Difference(found)
         return
     row, column = np.unravel_index(int(steps.argmax()), steps.shape)
-    yield Difference(replace(found, pixel=(int(column), int(row))), shades(steps))
+    yield Difference(replace(found, pixel=(int(column), int(row))), shade_distances(steps))
 
 
-def apart(a: Array, b: Array) -> Array:
+def pixel_distances(a: Array, b: Array) -> Array:
     """By how much the pixels of two images (height, width, components) differ at most, (height,
     width).
 
@@ -196,7 +198,9 @@ def apart(a: Array, b: Array) -> Array:
         steps = np.abs(a.astype(np.int64) - b.astype(np.int64)).astype(np.float64)
     else:
         kind = {2: np.int16, 4: np.int32, 8: np.int64}[a.dtype.itemsize]
-        steps = np.abs(_ordered(a, kind) - _ordered(b, kind)).astype(np.float64)
+        steps = np.abs(_to_ordered_integers(a, kind) - _to_ordered_integers(b, kind)).astype(
+            np.float64
+        )
         nan_a, nan_b = np.isnan(a), np.isnan(b)
         steps[nan_a & nan_b] = 0.0
         steps[nan_a ^ nan_b] = np.inf
@@ -204,7 +208,7 @@ def apart(a: Array, b: Array) -> Array:
     return found
 
 
-def _ordered(values: Array, kind: type) -> Array:
+def _to_ordered_integers(values: Array, kind: type) -> Array:
     """Floats as integers that count them in order: neighbours are 1 apart, both zeros are 0."""
     bits = np.ascontiguousarray(values).view(kind).astype(np.int64)
     return np.where(bits < 0, np.int64(np.iinfo(kind).min) - bits, bits)
@@ -216,7 +220,7 @@ _BAND = np.array([[255, 255, 255], [198, 219, 239], [107, 174, 214], [33, 113, 1
 _OUTSIDE = np.array([[255, 255, 255], [252, 187, 161], [251, 106, 74], [203, 24, 29], [103, 0, 13]])
 
 
-def shades(apart: Array) -> Array:
+def shade_distances(apart: Array) -> Array:
     """How dark each pixel of a picture is, 0 (equal) to 4, uint8 (height, width).
 
     On a logarithmic scale to 2^24 units in the last place; of a large output each square of pixels
@@ -225,7 +229,7 @@ def shades(apart: Array) -> Array:
     Args:
         apart: by how much each pixel differs, (height, width).
     """
-    apart = _reduced(apart, -(-max(apart.shape) // _SIDE))
+    apart = _shrink(apart, -(-max(apart.shape) // _SIDE))
     share = np.minimum(
         np.log2(1.0 + np.minimum(apart, _LARGEST_STEP)) / np.log2(1.0 + _LARGEST_STEP), 1.0
     )
@@ -252,7 +256,7 @@ def write_picture(folder: Path, found: Disagreement, shades: Array) -> str:
     return relative
 
 
-def _reduced(apart: Array, factor: int) -> Array:
+def _shrink(apart: Array, factor: int) -> Array:
     """The largest value of each square of `factor` × `factor`; those at the ends are smaller."""
     rows, columns = (range(0, length, factor) for length in apart.shape)
     found: Array = np.maximum.reduceat(np.maximum.reduceat(apart, rows, axis=0), columns, axis=1)
@@ -280,7 +284,7 @@ def show_drivers(run: Run, console: Console) -> None:
     total = table.outputs.total()
     for verdict, words in AGREEMENTS.items():
         console.print(f"{table.outputs[verdict]} of {total} outputs: {words}")
-    for result, labels in _alike(run.drivers):
+    for result, labels in _group_alike(run.drivers):
         style = "yellow" if result.status == "unsupported" else "red"
         head = f"{result.status} on {result.driver}: {', '.join(labels)}"
         console.print(
@@ -293,7 +297,7 @@ def show_drivers(run: Run, console: Console) -> None:
         console.print(f"… and {len(outside) - _MOST_LINES} more")
 
 
-def _alike(results: Iterable[DriverResult]) -> Iterator[tuple[DriverResult, list[str]]]:
+def _group_alike(results: Iterable[DriverResult]) -> Iterator[tuple[DriverResult, list[str]]]:
     """What did not pass: one result and the scenes of all that say the same."""
     found: dict[tuple[str, str, str], list[DriverResult]] = {}
     for result in results:

@@ -16,12 +16,18 @@ import click
 
 from shaderlab.cli import FAILED
 from shaderlab.cli.options import INCLUDE, JSON, TARGET, jobs_option, limits_option
-from shaderlab.cli.outputs import finding_options, tell, uses_stdout, write_findings, write_json
+from shaderlab.cli.outputs import (
+    finding_options,
+    report_problems,
+    uses_stdout,
+    write_findings,
+    write_json,
+)
 from shaderlab.compiler.engines import ENGINES, TARGETS
 from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_found, time_limit
 from shaderlab.compiler.shader_files import STAGES, find_shaders
-from shaderlab.engine.executors import cores
-from shaderlab.engine.jobs import checked_driver
+from shaderlab.engine.executors import count_cores
+from shaderlab.engine.jobs import check_driver
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits
 from shaderlab.report.findings import Finding, of_verdicts
@@ -47,7 +53,7 @@ _DIED = ("crash", "timeout")
     "drivers",
     multiple=True,
     metavar="NAME",
-    callback=lambda context, option, names: tuple(map(checked_driver, dict.fromkeys(names))),
+    callback=lambda context, option, names: tuple(map(check_driver, dict.fromkeys(names))),
     help="Ask this driver's own compiler as well, as of `run`; may be repeated.",
 )
 @click.option("--engine", type=click.Choice(ENGINES), help="Libraries, or the system's commands.")
@@ -106,7 +112,7 @@ def command(
         raise UsageError("several drivers do not go with -j 0: a process has one")
     limits = replace(limits, seconds=time_limit(engine, limits.seconds))
     # A worker takes as long to start as two hundred files take to compile.
-    most = min(cores(), _MOST_WORKERS, 1 + len(programs) // _FILES_PER_WORKER)
+    most = min(count_cores(), _MOST_WORKERS, 1 + len(programs) // _FILES_PER_WORKER)
     with contextlib.ExitStack() as stack:
 
         def compiled(how: CompileOptions) -> Iterator[FileResult]:
@@ -125,7 +131,7 @@ def command(
     for name in drivers:
         if name not in tally.targets:
             click.echo(f"{name} gave no verdict: see `shaderlab doctor`", err=True)
-    unwritten = tell(problems)
+    unwritten = report_problems(problems)
     return FAILED if tally.refused else unwritten
 
 

@@ -20,11 +20,11 @@ from shaderlab.cli.options import (
     INCLUDE,
     JSON,
     RANGES,
-    is_of_functions,
+    has_functions_only,
     jobs_option,
     limits_option,
     make_local_executor,
-    shader_of_file,
+    resolve_shader,
 )
 from shaderlab.cli.outputs import write_json
 from shaderlab.compiler.shader_files import STAGES, is_shader
@@ -161,22 +161,22 @@ class _Asking:
         from shaderlab.analysis import requests
 
         if self.case is None:
-            shaders = shader_of_file(old, self.includes, then), shader_of_file(new, self.includes)
-            if all(is_of_functions(shader, self.stage) for shader in shaders):
+            shaders = resolve_shader(old, self.includes, then), resolve_shader(new, self.includes)
+            if all(has_functions_only(shader, self.stage) for shader in shaders):
                 from shaderlab.functions.interpreting import CompareFunctions
 
                 return CompareFunctions(*shaders, self.plan)
             return requests.CompareFiles(*shaders, self.stage, self.plan)
-        from shaderlab.cli.replacing import named
-        from shaderlab.cli.selecting import one
-        from shaderlab.engine.jobs import jobs_of
+        from shaderlab.cli.replacing import resolve_replacements
+        from shaderlab.cli.selecting import select_one
+        from shaderlab.engine.jobs import make_jobs
 
-        facts, _ = one(self.case, executor.load)
+        facts, _ = select_one(self.case, executor.load)
         mine, other = (old, new) if then is None else (new, then(old))
         if not other.is_file():
             raise UsageError("there is no such file", file=other)
         name = _inside(mine, Path(facts.file).parent, self.includes)
-        files = named({name: other}, jobs_of(facts), self.includes)
+        files = resolve_replacements({name: other}, make_jobs(facts), self.includes)
         options = RunOptions(include=self.includes, limits=self.limits)
         return requests.CompareInCase(Path(facts.file), files, then is not None, self.plan, options)
 

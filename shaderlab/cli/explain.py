@@ -18,7 +18,7 @@ from shaderlab.cli.options import (
     jobs_option,
     limits_option,
     make_local_executor,
-    shader_of_file,
+    resolve_shader,
 )
 from shaderlab.cli.outputs import write_json
 from shaderlab.compiler.shader_files import EXTENSIONS
@@ -90,20 +90,20 @@ def command(
     Exit code: 0 shown, 1 the shader can't be interpreted, or the driver leaves what it allows,
     2 wrong usage.
     """
-    from shaderlab.cli.selecting import one
+    from shaderlab.cli.selecting import select_one
 
     with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
         from shaderlab.analysis.answer import format_inputs
         from shaderlab.analysis.requests import ExplainFile, ExplainPixel
-        from shaderlab.engine.executors import error_text
+        from shaderlab.engine.executors import format_error
 
         request: ExplainFile | ExplainPixel
         if Path(target).suffix in EXTENSIONS:
-            request = ExplainFile(shader_of_file(Path(target), includes), ranges)
+            request = ExplainFile(resolve_shader(Path(target), includes), ranges)
         else:
             if ranges:
                 raise UsageError("--range does not go with a case, whose inputs are known")
-            facts, first = one(target, executor.load)
+            facts, first = select_one(target, executor.load)
             if variant is not None and variant not in facts.variants:
                 raise UsageError(
                     f"{facts.id} has no variant {variant!r}",
@@ -117,7 +117,7 @@ def command(
         if result.status == "error" and isinstance(result.value, ShaderlabError):
             raise result.value
         if result.status != "done":
-            raise ShaderlabError(f"{result.status}: {error_text(result)}")
+            raise ShaderlabError(f"{result.status}: {format_error(result)}")
     explained: Explanation
     where, others = None, {}
     if isinstance(request, ExplainFile):

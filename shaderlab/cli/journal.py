@@ -68,7 +68,7 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
         try:
             _lock(self._file, folder)
             if plan is None:
-                self._file.truncate(_end_of_lines(self._path))  # a line that was cut short
+                self._file.truncate(_find_last_line_end(self._path))  # a line that was cut short
             else:
                 self._file.truncate(0)
                 self.add(plan)
@@ -82,7 +82,7 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
     def add(self, value: RunPlan | Record) -> None:
         """Append one line. If the disk is full the run goes on, and `problem` says so."""
         if not self.problem:
-            self.write(as_line(value))
+            self.write(encode_line(value))
 
     def write(self, line: bytes) -> int | None:
         """Append a line that `as_line` made, as `add` does; returns where in the file it begins,
@@ -101,14 +101,14 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
         return start
 
 
-def as_line(data: Any) -> bytes:
+def encode_line(data: Any) -> bytes:
     """Plain data, or a dataclass of such, as a line of a journal."""
     from shaderlab.model import store  # not before workers get ready: it takes its time
 
     return (store.encode(data) + "\n").encode("utf-8", "replace")
 
 
-def read(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
+def read_journal(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
     """What the journal of a run holds: what was asked for, the records that there are, and the
     numbers of lines that are damaged.
 
@@ -122,7 +122,7 @@ def read(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
     records: list[Record] = []
     damaged: list[int] = []
     if plan.grid is None:
-        for number, _, line in lines(folder):
+        for number, _, line in read_lines(folder):
             try:
                 records.append(store.parse(json.loads(line), Record))
             except (ValueError, ShaderlabError):
@@ -158,7 +158,7 @@ def read_plan(folder: Path) -> RunPlan:
     return store.parse(first, RunPlan, path)
 
 
-def lines(folder: Path) -> Iterator[tuple[int, int, bytes]]:
+def read_lines(folder: Path) -> Iterator[tuple[int, int, bytes]]:
     """Whole lines after the first: their numbers, where they begin, their bytes."""
     with open(open_regular(folder / FILE_NAME), "rb") as file:
         start = len(file.readline())
@@ -168,7 +168,7 @@ def lines(folder: Path) -> Iterator[tuple[int, int, bytes]]:
             start += len(line)
 
 
-def _end_of_lines(path: Path) -> int:
+def _find_last_line_end(path: Path) -> int:
     """The length of a file up to the end of its last whole line."""
     with open(open_regular(path), "rb") as file:
         end = file.seek(0, os.SEEK_END)

@@ -66,10 +66,10 @@ def _problems(found: Sequence[CaseInfo]) -> Iterator[str]:
 
 
 def _shipped() -> list[CaseInfo]:
-    from shaderlab.cli.selecting import kept_facts
+    from shaderlab.cli.selecting import load_shipped_cases
     from shaderlab.engine.discovery import data_folder
 
-    return kept_facts(data_folder("cases"), _imported)
+    return load_shipped_cases(data_folder("cases"), _imported)
 
 
 def _imported() -> list[CaseInfo]:
@@ -96,11 +96,11 @@ def _imported() -> list[CaseInfo]:
 
 
 def _loaded(targets: Sequence[str]) -> list[CaseInfo]:
-    from shaderlab.cli.selecting import distinct, files_of
+    from shaderlab.cli.selecting import find_files, make_ids_distinct
     from shaderlab.engine.discovery import sort_key
 
     with contextlib.closing(make_local_executor(None, Limits(), None, early=False)) as executor:
-        found = distinct(executor.load(files_of(targets)))
+        found = make_ids_distinct(executor.load(find_files(targets)))
     return sorted(found, key=lambda case: sort_key(case.section, case.id))
 
 

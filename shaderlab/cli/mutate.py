@@ -20,7 +20,7 @@ from shaderlab.cli.options import (
     make_local_executor,
     report_option,
 )
-from shaderlab.cli.outputs import report_folder, write_json
+from shaderlab.cli.outputs import make_report_folder, write_json
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits
@@ -136,7 +136,7 @@ def command(
         )
     try:
         if folder is not None:
-            _into_report(data, report_folder(Path(folder)))
+            _into_report(data, make_report_folder(Path(folder)))
     finally:  # what took so long to measure is written wherever it can be
         if json_file is not None:
             write_json(data, json_file)
@@ -166,11 +166,11 @@ def _targets(
     targets: Sequence[str], every: bool, plan: MutationPlan, executor: LocalExecutor
 ) -> list[MutationTarget]:
     """The cases that are named, and the files of tests. Raises UsageError, CaseError."""
-    from shaderlab.cli.selecting import test_files, without_test_files
+    from shaderlab.cli.selecting import exclude_test_files, find_test_files
     from shaderlab.mutation import CaseTarget
 
-    files = test_files(targets)
-    rest = without_test_files(targets, files)
+    files = find_test_files(targets)
+    rest = exclude_test_files(targets, files)
     found: list[MutationTarget] = []
     if rest or every or not files:
         cases = _cases(rest, every, plan.variants, executor)
@@ -191,12 +191,12 @@ def _cases(
     targets: Sequence[str], every: bool, variants: tuple[str, ...], executor: LocalExecutor
 ) -> dict[Path, str]:
     """The files of the cases that are named, and their ids. Raises UsageError, CaseError."""
-    from shaderlab.cli.selecting import choose
+    from shaderlab.cli.selecting import select_jobs
 
     for target in targets:
         if target.endswith("]"):
             raise UsageError(f"{target}: name the case, and its variant with --variant")
-    jobs = choose(targets, every, variants, executor.load)
+    jobs = select_jobs(targets, every, variants, executor.load)
     for job in jobs:
         if job.broken:
             raise CaseError(job.trouble, file=job.file)

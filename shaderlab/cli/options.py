@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -12,7 +14,7 @@ import click
 
 from shaderlab.compiler.shader_files import EXTENSIONS
 from shaderlab.engine.executors import WORDS
-from shaderlab.engine.jobs import checked_driver
+from shaderlab.engine.jobs import check_driver
 from shaderlab.errors import UsageError, nearest
 from shaderlab.model.options import Limits
 
@@ -38,7 +40,7 @@ TARGET = click.option(
     "compile_targets",
     multiple=True,
     metavar="T",
-    callback=lambda context, option, names: _checked_targets(names),
+    callback=lambda context, option, names: _check_targets(names),
     help="Compile for this target only; may be repeated: glsl, opengl, vulkan, vulkan-strict.",
 )
 JSON = click.option(
@@ -52,14 +54,14 @@ SCHEDULER = click.option(
 DRIVER = click.option(
     "--driver",
     metavar="NAME",
-    callback=lambda context, option, name: name if name is None else checked_driver(name),
+    callback=lambda context, option, name: name if name is None else check_driver(name),
     help="llvmpipe, softpipe, llvmpipe-spirv (which gets SPIR-V modules), or default for the "
     "machine's own OpenGL; lavapipe, swiftshader, or vulkan for the machine's own Vulkan; "
     "webgl2 for a headless Chromium's.  [default: llvmpipe]",
 )
 
 
-def _checked_targets(names: tuple[str, ...]) -> tuple[str, ...]:
+def _check_targets(names: tuple[str, ...]) -> tuple[str, ...]:
     if names:
         from shaderlab.compiler.engines import ALL_TARGETS
 
@@ -89,6 +91,22 @@ def jobs_option(default: str = WORDS) -> Callable[[Command], Command]:
     )
 
 
+def collect(kind: type[Any], parameter: str) -> Callable[[Command], Command]:
+    """Pass the options that are fields of a dataclass to a command as one value, `parameter`."""
+    names = [field.name for field in dataclasses.fields(kind)]
+
+    def decorate(command: Command) -> Command:
+        @functools.wraps(command)
+        def collected(**values: Any) -> Any:
+            value = kind(**{name: values.pop(name) for name in names})
+            return command(**values, **{parameter: value})
+
+        decorated: Any = collected
+        return decorated  # type: ignore[no-any-return]
+
+    return decorate
+
+
 def limits_option(help: str, seconds: float = Limits.seconds) -> Callable[[Command], Command]:
     """`--timeout S` and `--memory GB`, given as `limits`."""
     timeout = click.option(
@@ -107,35 +125,41 @@ def limits_option(help: str, seconds: float = Limits.seconds) -> Callable[[Comma
         default=Limits.gigabytes,
         show_default=True,
         metavar="GB",
-        help="Memory that one worker may have; 0 for any amount.",
+        help="Limit the memory of each worker; 0 sets no limit.",
     )
+    return lambda command: timeout(memory(collect(Limits, "limits")(command)))
 
-    def decorate(command: Command) -> Command:
-        def with_limits(*, seconds: float, gigabytes: float, **given: Any) -> Any:
-            return command(limits=Limits(seconds=seconds, gigabytes=gigabytes), **given)
 
-        wrapped: Any = functools.wraps(command)(with_limits)
-        decorated: Command = timeout(memory(wrapped))
-        return decorated
+@dataclass(frozen=True, kw_only=True)
+class RunningOptions:
+    """How `run` and `sweep` run jobs, and where their report goes, as `running_options` adds."""
 
-    return decorate
+    includes: tuple[Path, ...]
+    compile_targets: tuple[str, ...]
+    driver: str | None
+    scheduler: str | None
+    workers: int | None
+    limits: Limits
+    folder: str | None
 
 
 def running_options(what: str) -> Callable[[Command], Command]:
-    """What `run` and `sweep` have in common: where the report goes, and how jobs are run.
+    """Add the options that `run` and `sweep` share, given as `running`.
 
-    `what` is what one job is, in words.
+    Args:
+        what: the name of one job, for the help.
     """
 
     def decorate(command: Command) -> Command:
+        command = collect(RunningOptions, "running")(command)
         for option in (
             INCLUDE,
             TARGET,
             DRIVER,
             SCHEDULER,
             jobs_option(),
-            limits_option(f"Give one {what} up after S seconds."),
-            report_option("Write the report into DIR instead of a new folder in reports/."),
+            limits_option(f"Stop a {what} that takes longer than S seconds."),
+            report_option("Write the report to DIR instead of a new folder in reports/."),
         ):
             command = option(command)
         return command
@@ -167,7 +191,7 @@ def make_local_executor(
     return ProcessExecutor(driver, limits, workers, early=early)
 
 
-def _range(word: str) -> tuple[str, str]:
+def _parse_range(word: str) -> tuple[str, str]:
     name, equals, values = word.partition("=")
     if not equals:
         raise UsageError(f"--range {word}", remedy="write --range NAME=A:B or NAME=unit")
@@ -176,12 +200,12 @@ def _range(word: str) -> tuple[str, str]:
 
 RANGES = click.option(
     "--range", "ranges", multiple=True, metavar="NAME=A:B",
-    callback=lambda context, option, words: dict(map(_range, words)),
+    callback=lambda context, option, words: dict(map(_parse_range, words)),
     help="An input lies between A and B; NAME=unit: it has length 1. May be repeated.",
 )  # fmt: skip
 
 
-def shader_of_file(
+def resolve_shader(
     path: Path, includes: Sequence[Path], then: Callable[[Path], Path] | None = None
 ) -> ShaderOfFile:
     """A shader file with the folders that it includes from; `then` says where it and those are.
@@ -191,11 +215,11 @@ def shader_of_file(
     """
     if path.is_dir():
         raise UsageError("this is a folder: name a shader file", file=path)
-    (found,) = shaders_of_paths([path], includes, then)
+    (found,) = resolve_shaders([path], includes, then)
     return found
 
 
-def is_of_functions(shader: ShaderOfFile, stage: str | None) -> bool:
+def has_functions_only(shader: ShaderOfFile, stage: str | None) -> bool:
     """Whether a file has functions for others to include, and neither a stage nor a `main`."""
     path = Path(shader.file.path)
     if stage is not None or path.suffix in EXTENSIONS or not path.is_file():
@@ -204,7 +228,7 @@ def is_of_functions(shader: ShaderOfFile, stage: str | None) -> bool:
     return not re.search(r"#pragma\s+shader_stage|\bvoid\s+main\s*\(", text)
 
 
-def shaders_of_paths(
+def resolve_shaders(
     paths: Sequence[Path], includes: Sequence[Path], then: Callable[[Path], Path] | None = None
 ) -> list[ShaderOfFile]:
     """The shader files at paths, and in folders among them; as `shader_of_file`."""

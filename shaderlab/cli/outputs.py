@@ -39,7 +39,7 @@ SUMMARY_VARIABLE = "GITHUB_STEP_SUMMARY"
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
-def new_run_folder(parent: Path = REPORTS) -> Path:
+def make_run_folder(parent: Path = REPORTS) -> Path:
     """Make a new folder named by the time; runs that start together get different ones.
 
     On a full disk it is not made: what is run needs no file, and each file that can't be written
@@ -56,12 +56,14 @@ def new_run_folder(parent: Path = REPORTS) -> Path:
             continue
         except OSError as error:
             if error.errno not in NO_ROOM:
-                raise _unwritable(parent, error, "name another folder: --report DIR") from error
+                raise _unwritable_error(
+                    parent, error, "name another folder: --report DIR"
+                ) from error
         return folder
     raise AssertionError("unreachable")
 
 
-def report_folder(folder: Path) -> Path:
+def make_report_folder(folder: Path) -> Path:
     """Make the folder of `--report`, which may exist already; not on a full disk.
 
     Raises:
@@ -72,12 +74,12 @@ def report_folder(folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         if error.errno not in NO_ROOM:
-            raise _unwritable(folder, error, "name another folder") from error
+            raise _unwritable_error(folder, error, "name another folder") from error
     mark_named(folder)
     return folder
 
 
-def latest(folder: Path) -> None:
+def point_latest(folder: Path) -> None:
     """Point `latest` beside `folder` to it, where the file system has symbolic links."""
     with contextlib.suppress(OSError), replacing(folder.parent / LATEST) as link:
         link.symlink_to(folder.name, target_is_directory=True)
@@ -144,17 +146,19 @@ def uses_stdout(outputs: Mapping[str, str]) -> bool:
 
 def write_outputs(run: Run, outputs: Mapping[str, str]) -> Iterator[ShaderlabError]:
     """Write each output of a run; yields an error for each that can't be written."""
-    yield from _written(FORMATS, outputs, lambda format: format.render(run))
+    yield from _write_formats(FORMATS, outputs, lambda format: format.render(run))
 
 
 def write_findings(
     findings: Sequence[Finding], command: str, outputs: Mapping[str, str]
 ) -> Iterator[ShaderlabError]:
     """As `write_outputs`, for what a command found."""
-    yield from _written(FINDING_FORMATS, outputs, lambda f: f.render_findings(findings, command))
+    yield from _write_formats(
+        FINDING_FORMATS, outputs, lambda f: f.render_findings(findings, command)
+    )
 
 
-def _written(
+def _write_formats(
     formats: Sequence[Format], outputs: Mapping[str, str], text: Callable[[Format], str]
 ) -> Iterator[ShaderlabError]:
     for format in formats:
@@ -172,7 +176,7 @@ def _is_summary(file: str) -> bool:
     return bool(summary) and os.path.realpath(file) == os.path.realpath(summary)
 
 
-def tell(problems: Sequence[ShaderlabError]) -> int:
+def report_problems(problems: Sequence[ShaderlabError]) -> int:
     """Say what could not be written; returns the exit status that follows from it."""
     for problem in problems:
         click.echo(f"shaderlab: {problem}", err=True)
@@ -197,10 +201,10 @@ def write_output(text: str, file: str, *, append: bool = False) -> None:
     try:
         write_named(file, text.encode("utf-8", errors="replace"), append=append)
     except OSError as error:
-        raise _unwritable(Path(file), error) from error
+        raise _unwritable_error(Path(file), error) from error
 
 
-def _unwritable(path: Path, error: OSError, remedy: str | None = None) -> UsageError:
+def _unwritable_error(path: Path, error: OSError, remedy: str | None = None) -> UsageError:
     return UsageError(f"can't write here: {error.strerror or error}", file=path, remedy=remedy)
 
 
@@ -233,7 +237,7 @@ def require_no_foreign_page(folder: Path) -> None:
         )
 
 
-def remove_old(parent: Path, keep: int) -> int:
+def remove_old_runs(parent: Path, keep: int) -> int:
     """Remove all but the last `keep` of the runs that the lab named by their time; 0 keeps all.
 
     Folders of other names, those that were named on a command line, links, runs that are going on
@@ -245,14 +249,14 @@ def remove_old(parent: Path, keep: int) -> int:
     if not keep:
         return 0
     with contextlib.suppress(OSError):
-        runs = sorted(filter(_may_go, parent.iterdir()), key=lambda run: run.stat().st_mtime)
+        runs = sorted(filter(_is_removable, parent.iterdir()), key=lambda run: run.stat().st_mtime)
         for run in runs[:-keep]:
             shutil.rmtree(run, ignore_errors=True)
         return len(runs[:-keep])
     return 0
 
 
-def _may_go(folder: Path) -> bool:
+def _is_removable(folder: Path) -> bool:
     made = _STAMP.fullmatch(folder.name) and not folder.is_symlink() and folder.is_dir()
     journal = folder / FILE_NAME
     if not made or (folder / NAMED).exists() or not journal.is_file():
@@ -269,14 +273,14 @@ _PLAIN = {"✓": "+", "✗": "x", "–": "-", "→": "->", "…": "...", "·": "
 """What stands for a character in an encoding without it; "?" for all others."""
 
 
-def _plainly(error: UnicodeError) -> tuple[str, int]:
+def _replace_characters(error: UnicodeError) -> tuple[str, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
     lacking = error.object[error.start : error.end]
     return "".join(_PLAIN.get(character, "?") for character in lacking), error.end
 
 
-codecs.register_error("shaderlab.plainly", _plainly)
+codecs.register_error("shaderlab.plainly", _replace_characters)
 
 
 class _Lasting(io.FileIO):
@@ -292,7 +296,7 @@ class _Lasting(io.FileIO):
             return len(data)
 
 
-def lasting(stream: TextIO) -> TextIO:
+def open_lasting(stream: TextIO) -> TextIO:
     """A text stream to the same descriptor to which writing never fails.
 
     Characters that its encoding lacks are written in plain ones: a terminal without ✓ gets a "+".
@@ -306,7 +310,7 @@ def lasting(stream: TextIO) -> TextIO:
     )
 
 
-def problem(stream: TextIO) -> str:
+def find_lost_output(stream: TextIO) -> str:
     """Why something written to a `lasting` stream was lost; "" if nothing was, or if its reader
     has gone and so wants no more."""
     stream.flush()
@@ -321,12 +325,12 @@ def open_streams() -> None:
     hold_standard_descriptors()
     for name in ("stdout", "stderr"):
         with contextlib.suppress(AttributeError, OSError):  # none, or none of the system's
-            setattr(sys, name, lasting(getattr(sys, name)))
+            setattr(sys, name, open_lasting(getattr(sys, name)))
 
 
-def settled(status: str | int | None) -> str | int | None:
+def final_status(status: str | int | None) -> str | int | None:
     """The exit status, which is no success where output was lost; says so on standard error."""
-    lost = problem(sys.stdout) if sys.stdout is not None else ""
+    lost = find_lost_output(sys.stdout) if sys.stdout is not None else ""
     if not lost:
         return status
     print(f"shaderlab: can't write to standard output: {lost}", file=sys.stderr)

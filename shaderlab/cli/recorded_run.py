@@ -13,19 +13,19 @@ from typing import TYPE_CHECKING
 import click
 
 from shaderlab.cli import INTERRUPTED
-from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan, read
+from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan, read_journal
 from shaderlab.cli.outputs import (
     KEEP,
     REPORTS,
-    latest,
+    make_report_folder,
+    make_run_folder,
     mark_named,
-    new_run_folder,
-    remove_old,
-    report_folder,
-    tell,
+    point_latest,
+    remove_old_runs,
+    report_problems,
     write_outputs,
 )
-from shaderlab.cli.replacing import unread
+from shaderlab.cli.replacing import find_unused
 from shaderlab.cli.sweep_table import Grid
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
@@ -59,7 +59,7 @@ class RecordedRun:
 
 def new_plan(jobs: Sequence[Job] | Grid, options: RunOptions, folder: str | None) -> RunPlan:
     """A plan to run these jobs, or points, now, in `folder` or a new one, which is made."""
-    made = new_run_folder() if folder is None else report_folder(Path(folder))
+    made = make_run_folder() if folder is None else make_report_folder(Path(folder))
     now = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
     options = replace(options, folder=made)
     if isinstance(jobs, Grid):
@@ -67,7 +67,7 @@ def new_plan(jobs: Sequence[Job] | Grid, options: RunOptions, folder: str | None
     return RunPlan(started=now, options=options, jobs=tuple(jobs))
 
 
-def resumed_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
+def load_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
     """The plan of an earlier run, to be finished with these limits, and the records there are.
 
     `word` is the run's folder, or "" for the last one that was begun.
@@ -82,21 +82,21 @@ def resumed_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
     folder = Path(word) if word else begun[-1].parent
     if word:
         mark_named(folder)
-    plan, done, damaged = read(folder)
-    tell_damaged(folder, damaged)
+    plan, done, damaged = read_journal(folder)
+    report_damaged_lines(folder, damaged)
     frames = plan.options.frames and folder / plan.options.frames.name
     options = replace(plan.options, folder=folder, limits=limits, frames=frames)
     return replace(plan, options=options), done
 
 
-def tell_damaged(folder: Path, lines: Iterable[int]) -> None:
+def report_damaged_lines(folder: Path, lines: Iterable[int]) -> None:
     """Say of each damaged line of a journal that its record is made again."""
     for line in lines:
         place = display_path(folder / FILE_NAME, line)
         click.echo(f"shaderlab: {place}: this record is damaged; it is made again", err=True)
 
 
-def each_record(
+def run_jobs(
     executor: Executor, jobs: Sequence[Job], options: RunOptions, progress: Reporter
 ) -> Iterator[tuple[Job, Record]]:
     """The jobs with their records as they come, with their progress shown."""
@@ -133,7 +133,7 @@ def run_plan(
         contextlib.suppress(KeyboardInterrupt),
     ):
         clock = time.perf_counter()
-        for job, record in each_record(executor, waiting, plan.options, progress):
+        for job, record in run_jobs(executor, waiting, plan.options, progress):
             records[job.key] = record
             journal.add(record)
     about = executor.about()
@@ -148,16 +148,16 @@ def run_plan(
         replaced={name: display_path(file) for name, file in plan.options.shaders.items()},
         missing=len(plan.jobs) - len(made),
     )
-    ignored = () if run.missing else unread(plan.options.shaders, run.records)
+    ignored = () if run.missing else find_unused(plan.options.shaders, run.records)
     problems = [ShaderlabError(journal.problem)] if journal.problem else []
     return RecordedRun(run, plan.options.folder, not run.missing, (*problems, *ignored), made)
 
 
-def with_coverage(
+def measure_coverage(
     recorded: RecordedRun, executor: Executor, plan: RunPlan, show: Show
 ) -> RecordedRun:
     """The run with the code coverage of its cases that passed, measured now."""
-    from shaderlab.engine.executors import LocalExecutor, error_text
+    from shaderlab.engine.executors import LocalExecutor, format_error
     from shaderlab.mutation.code_coverage import CoverCase
 
     assert isinstance(executor, LocalExecutor)
@@ -175,7 +175,7 @@ def with_coverage(
             if result.status == "done":
                 found[result.number] = replace(result.value, id=ids[result.number])
             else:
-                message = error_text(result) or result.status
+                message = format_error(result) or result.status
                 found[result.number] = CodeCoverage(id=ids[result.number], message=message)
     ordered = tuple(found[number] for number in sorted(found))
     return replace(recorded, run=replace(recorded.run, code_coverage=ordered))
@@ -204,13 +204,13 @@ def finish(
     """
     page, problems = write_report(recorded, outputs or {})
     if is_latest:
-        latest(recorded.folder)
+        point_latest(recorded.folder)
         _remove_old(recorded.folder.parent)
     if page is not None:
-        problems += _index(recorded.folder.parent, new=is_latest)
+        problems += _write_index(recorded.folder.parent, new=is_latest)
     if page is not None:
         show.where(page)
-    unwritten = tell(problems)
+    unwritten = report_problems(problems)
     if not recorded.complete:
         folder = display_path(recorded.folder)
         show.console.print(f"go on with: shaderlab {command} --resume {folder}")
@@ -224,13 +224,13 @@ def finish(
 
 def _remove_old(parent: Path) -> None:
     keep = settings_of(Path()).keep
-    count = remove_old(parent, KEEP if keep is None else keep)
+    count = remove_old_runs(parent, KEEP if keep is None else keep)
     if count:
         what = "an old run" if count == 1 else f"{count} old runs"
         click.echo(f"removed {what} from {parent}/ (keep in [tool.shaderlab])", err=True)
 
 
-def _index(parent: Path, *, new: bool) -> list[ShaderlabError]:
+def _write_index(parent: Path, *, new: bool) -> list[ShaderlabError]:
     """Write the list of all runs there, made where it is `new` only; what was wrong with that."""
     from shaderlab.report import html
 

@@ -7,6 +7,7 @@ import difflib
 import posixpath
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from shaderlab.compiler.compile import compile_program
@@ -15,12 +16,27 @@ from shaderlab.compiler.shader_files import read_shader, without_comments
 from shaderlab.compiler.sources import Shaders
 from shaderlab.engine.jobs import Job
 from shaderlab.errors import ShaderError, UsageError, nearest
+from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 
 Replacements = Mapping[str, Path]
 
 
-def parsed(words: Sequence[str]) -> Replacements:
+def replace_shaders(
+    options: RunOptions, shaders: Sequence[str], renames: Sequence[str], jobs: Iterable[Job]
+) -> RunOptions:
+    """Return the options with the files of `--shader` and the names of `--rename`.
+
+    Raises:
+        UsageError: a word is malformed, no shader has the name, or the file doesn't fit.
+    """
+    files = parse_replacements(shaders)
+    names = parse_renames(renames, list(files.values()))
+    files = resolve_replacements(files, jobs, options.include, names)
+    return replace(options, shaders=files, renames=names)
+
+
+def parse_replacements(words: Sequence[str]) -> Replacements:
     """What stands on both sides of each NAME=FILE.
 
     Raises:
@@ -37,7 +53,7 @@ def parsed(words: Sequence[str]) -> Replacements:
     return found
 
 
-def named(
+def resolve_replacements(
     replacements: Replacements,
     jobs: Iterable[Job],
     include: Sequence[Path] = (),
@@ -58,14 +74,14 @@ def named(
     places = [shaders_of(folder, {}, include) for folder in folders]
     known = sorted({name for shaders in places for name in shaders.names()})
     whole = {
-        name if any(shaders.has(name) for shaders in places) else _whole(name, known): file
+        name if any(shaders.has(name) for shaders in places) else _complete_name(name, known): file
         for name, file in replacements.items()
     }
-    require_same_names(whole, renamed or {}, places)
+    check_interfaces(whole, renamed or {}, places)
     return whole
 
 
-def unread(replacements: Replacements, records: Sequence[Record]) -> list[UsageError]:
+def find_unused(replacements: Replacements, records: Sequence[Record]) -> list[UsageError]:
     """An error for each file that no program was made of, so that nothing was said about it.
 
     Records of cases that did not get as far as their programs might have read it.
@@ -87,7 +103,7 @@ def unread(replacements: Replacements, records: Sequence[Record]) -> list[UsageE
     ]
 
 
-def _whole(name: str, known: Sequence[str]) -> str:
+def _complete_name(name: str, known: Sequence[str]) -> str:
     ends = [one for one in known if one.endswith(f"/{name}")]
     if len(ends) == 1:
         return ends[0]
@@ -108,7 +124,7 @@ _DECLARED = re.compile(
 )
 
 
-def renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]:
+def parse_renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]:
     """What each OLD=NEW says: a name in one of the files, and what the case calls it.
 
     Raises:
@@ -136,7 +152,7 @@ def renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]:
     return found
 
 
-def require_same_names(
+def check_interfaces(
     replacements: Mapping[str, Path], renamed: Mapping[str, str], places: Sequence[Shaders]
 ) -> None:
     """Raise UsageError, once for all cases, where a shader can't stand in for another one: it reads

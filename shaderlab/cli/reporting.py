@@ -11,7 +11,7 @@ from shaderlab.cli.outputs import (
     find_latest,
     mark_named,
     output_options,
-    tell,
+    report_problems,
     uses_stdout,
     write_outputs,
 )
@@ -76,7 +76,7 @@ def command(
     problems += write_outputs(run, outputs)
     if open_report and page is not None:
         click.launch(page.resolve().as_uri())
-    return tell(problems)
+    return report_problems(problems)
 
 
 def _run_folder(folder: Path) -> Path:

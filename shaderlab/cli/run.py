@@ -3,23 +3,79 @@
 from __future__ import annotations
 
 import contextlib
-import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.options import make_executor, running_options
+from shaderlab.cli.options import RunningOptions, collect, make_executor, running_options
 from shaderlab.cli.outputs import output_options, uses_stdout
-from shaderlab.engine.jobs import checked_driver
+from shaderlab.engine.jobs import check_driver
 from shaderlab.errors import UsageError
-from shaderlab.model.options import Limits, RunOptions
+from shaderlab.model.options import RunOptions
 
 if TYPE_CHECKING:
+    from shaderlab.cli.journal import RunPlan
+    from shaderlab.cli.recorded_run import RecordedRun
+    from shaderlab.cli.showing import Show
+    from shaderlab.engine.executors import Executor
     from shaderlab.model.records import Record, Run
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunArguments:
+    """The arguments and options of `shaderlab run`, as its help describes them."""
+
+    targets: tuple[str, ...]
+    every: bool
+    variants: tuple[str, ...]
+    size: int
+    shaders: tuple[str, ...]
+    renamed: tuple[str, ...]
+    outputs: Mapping[str, str]
+    running: RunningOptions
+    drivers: tuple[str, ...]
+    resume: str | None
+    pictures: bool
+    coverage: bool
+    gl_calls: bool
+    modules: bool | None
+    profile: bool
+    open_report: bool
+
+    def check(self) -> None:
+        """Raise UsageError where options exclude each other."""
+        running = self.running
+        if self.drivers and (
+            running.driver is not None or self.resume is not None or running.workers == 0
+        ):
+            raise UsageError(
+                "--drivers goes with neither --driver, --resume nor -j 0",
+                remedy="--resume knows the drivers of its run" if self.resume is not None else None,
+            )
+        if self.coverage and running.scheduler is not None:
+            raise UsageError("--coverage is measured on this machine: leave out --scheduler")
+        if self.resume is not None and (
+            self.targets or self.every or self.variants or running.folder
+        ):
+            raise UsageError("--resume runs what was asked for then: name nothing else")
+
+    @property
+    def run_options(self) -> RunOptions:
+        """How scenes are run, before shaders are replaced."""
+        running = self.running
+        return RunOptions(
+            size=self.size,
+            pictures=self.pictures,
+            include=running.includes,
+            targets=running.compile_targets,
+            gl_calls=self.gl_calls,
+            modules=self.modules,
+            driver=self.drivers[0] if self.drivers else running.driver,
+            limits=running.limits,
+        )
 
 
 @click.command("run")
@@ -53,6 +109,7 @@ if TYPE_CHECKING:
 @click.option(
     "--drivers",
     metavar="A,B,…",
+    callback=lambda context, option, names: _parse_drivers(names),
     help="Run on each of these drivers, and show where they disagree and why.",
 )
 @click.option(
@@ -83,30 +140,8 @@ if TYPE_CHECKING:
 )
 @click.option("--profile", is_flag=True, help="Show where the time went.")
 @click.option("--open", "open_report", is_flag=True, help="Open the report in a browser.")
-def command(
-    targets: tuple[str, ...],
-    every: bool,
-    variants: tuple[str, ...],
-    size: int,
-    shaders: tuple[str, ...],
-    renamed: tuple[str, ...],
-    outputs: Mapping[str, str],
-    folder: str | None,
-    includes: tuple[Path, ...],
-    compile_targets: tuple[str, ...],
-    limits: Limits,
-    workers: int | None,
-    scheduler: str | None,
-    driver: str | None,
-    drivers: str | None,
-    resume: str | None,
-    pictures: bool,
-    coverage: bool,
-    gl_calls: bool,
-    modules: bool | None,
-    profile: bool,
-    open_report: bool,
-) -> int:
+@collect(RunArguments, "arguments")
+def command(arguments: RunArguments) -> int:
     """Run cases: compile, draw, judge every pixel, and write a report.
 
     A case is named by its id, by its id and a variant, or by its file; a folder stands for all
@@ -136,117 +171,89 @@ def command(
     this driver lacks is "unsupported", which is no failure. Checks of OpenGL's own
     calls are not asked where another API draws; how many they are is said.
     """
-    compared = _compared_drivers(drivers)
-    if compared and (driver is not None or resume is not None or workers == 0):
-        raise UsageError(
-            "--drivers goes with neither --driver, --resume nor -j 0",
-            remedy="--resume knows the drivers of its run" if resume is not None else None,
-        )
-    if coverage and scheduler is not None:
-        raise UsageError("--coverage is measured on this machine: leave out --scheduler")
-    if resume is not None and (targets or every or variants or folder):
-        raise UsageError("--resume runs what was asked for then: name nothing else")
-    options = RunOptions(
-        size=size,
-        pictures=pictures,
-        include=includes,
-        targets=compile_targets,
-        gl_calls=gl_calls,
-        modules=modules,
-        driver=compared[0] if compared else driver,
-        limits=limits,
-    )
-    done: list[Record] | None = None
-    if resume is not None:
-        from shaderlab.cli.recorded_run import resumed_plan
-
-        plan, done = resumed_plan(resume, limits)
+    arguments.check()
+    running, plan, done = arguments.running, None, None
+    options = arguments.run_options
+    if arguments.resume is not None:
+        plan, done = _resume(arguments)
         options = plan.options
-        if plan.grid is not None:
-            raise UsageError(
-                "this is a sweep",
-                file=options.folder,
-                remedy=f"use shaderlab sweep --resume {options.folder}",
-            )
-
-    # Workers get ready while what follows is imported.
-    with contextlib.ExitStack() as workers_end:
-        executor = make_executor(options.driver, limits, workers, scheduler)
-        workers_end.callback(executor.close)
-        from shaderlab.cli.compare_drivers import compared_drivers, on_each, show_drivers
-        from shaderlab.cli.recorded_run import finish, new_plan, run_plan, with_coverage
-        from shaderlab.cli.replacing import named, parsed
-        from shaderlab.cli.selecting import choose
+    # The first worker gets ready while what follows is imported.
+    with contextlib.closing(
+        make_executor(options.driver, running.limits, running.workers, running.scheduler)
+    ) as executor:
+        from shaderlab.cli.compare_drivers import add_comparison
+        from shaderlab.cli.recorded_run import measure_coverage, run_plan
         from shaderlab.cli.showing import Show
-        from shaderlab.report.html import load_libraries
 
-        show = Show(to_stderr=uses_stdout(outputs))
-        if resume is None:
-            replacements = parsed(shaders)
-            jobs = choose(targets, every, variants, executor.load)
-            names = _renames(renamed, list(replacements.values()))
-            in_place = named(replacements, jobs, includes, names)
-            plan = new_plan(jobs, replace(options, shaders=in_place, renames=names), folder)
-            plan = on_each(plan, compared)
-        load_libraries()  # before this, workers that get ready keep the cores busy
-        recorded = run_plan(executor, plan, show, done)
-        recorded = compared_drivers(recorded, plan)
-        if coverage and recorded.complete:
-            recorded = with_coverage(recorded, executor, plan, show)
-        with _beside(workers_end.close):
-            show.outcomes(recorded.run)
-            show.gl_calls(recorded.run)
-            show.coverage(recorded.run)
-            show_drivers(recorded.run, show.console)
-            if profile:
-                show.profile(recorded.run)
-            return finish(
-                recorded,
-                show,
-                "run",
-                verdict=_status(recorded.run),
-                is_latest=folder is None and resume is None,
-                outputs=outputs,
-                open_report=open_report,
-            )
+        show = Show(to_stderr=uses_stdout(arguments.outputs))
+        plan = plan or _make_plan(arguments, options, executor)
+        recorded = add_comparison(run_plan(executor, plan, show, done), plan)
+        if arguments.coverage and recorded.complete:
+            recorded = measure_coverage(recorded, executor, plan, show)
+    return _finish(arguments, recorded, show)
 
 
-@contextlib.contextmanager
-def _beside(*tasks: Callable[[], None]) -> Iterator[None]:
-    """Have tasks done, one after the other, beside what goes on: ending processes is waiting."""
+def _resume(arguments: RunArguments) -> tuple[RunPlan, list[Record]]:
+    """Return the plan of the run that is resumed, and the records that it has. Raises
+    UsageError."""
+    from shaderlab.cli.recorded_run import load_plan
 
-    def work() -> None:
-        for task in tasks:
-            task()
-
-    thread = threading.Thread(target=work, daemon=True)
-    thread.start()
-    try:
-        yield
-    finally:
-        thread.join()
+    plan, done = load_plan(arguments.resume or "", arguments.running.limits)
+    if plan.grid is not None:
+        folder = plan.options.folder
+        raise UsageError(
+            "this is a sweep", file=folder, remedy=f"use shaderlab sweep --resume {folder}"
+        )
+    return plan, done
 
 
-def _renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]:
-    if not words:
-        return {}
-    from shaderlab.cli.replacing import renames  # it reads shaders, which few runs need here
+def _make_plan(arguments: RunArguments, options: RunOptions, executor: Executor) -> RunPlan:
+    """Select the jobs and the shaders that are replaced; make the run's folder."""
+    from shaderlab.cli.compare_drivers import plan_for_drivers
+    from shaderlab.cli.recorded_run import new_plan
+    from shaderlab.cli.replacing import replace_shaders
+    from shaderlab.cli.selecting import select_jobs
 
-    return renames(words, files)
+    jobs = select_jobs(arguments.targets, arguments.every, arguments.variants, executor.load)
+    options = replace_shaders(options, arguments.shaders, arguments.renamed, jobs)
+    return plan_for_drivers(new_plan(jobs, options, arguments.running.folder), arguments.drivers)
 
 
-def _status(run: Run) -> int:
+def _finish(arguments: RunArguments, recorded: RecordedRun, show: Show) -> int:
+    """Show the outcomes, write the report and the outputs; return the exit status."""
+    from shaderlab.cli.compare_drivers import show_drivers
+    from shaderlab.cli.recorded_run import finish
+
+    run = recorded.run
+    show.outcomes(run)
+    show.gl_calls(run)
+    show.coverage(run)
+    show_drivers(run, show.console)
+    if arguments.profile:
+        show.profile(run)
+    return finish(
+        recorded,
+        show,
+        "run",
+        verdict=_verdict(run),
+        is_latest=arguments.running.folder is None and arguments.resume is None,
+        outputs=arguments.outputs,
+        open_report=arguments.open_report,
+    )
+
+
+def _verdict(run: Run) -> int:
     from shaderlab.report.text import has_failed
 
     passed = any(record.status == "pass" for record in run.records)
     return FAILED if run.failing_drivers or not passed or any(map(has_failed, run.records)) else OK
 
 
-def _compared_drivers(names: str | None) -> tuple[str, ...]:
-    """The drivers to be compared; none if there is only one. Raises UsageError."""
+def _parse_drivers(names: str | None) -> tuple[str, ...]:
+    """Return the drivers to compare. Raises UsageError."""
     if names is None:
         return ()
-    found = tuple(checked_driver(name.strip()) for name in names.split(","))
+    found = tuple(check_driver(name.strip()) for name in names.split(","))
     if len(set(found)) != len(found) or len(found) < 2:
         raise UsageError(f"--drivers {names}: name two or more, each once")
     return found

@@ -26,7 +26,7 @@ from shaderlab.engine.discovery import (
     shipped_cases,
     sort_key,
 )
-from shaderlab.engine.jobs import CaseInfo, Job, jobs_of
+from shaderlab.engine.jobs import CaseInfo, Job, make_jobs
 from shaderlab.errors import CaseError, UsageError, nearest
 from shaderlab.files import cache_root, read_regular, write_bytes
 
@@ -34,7 +34,9 @@ Load = Callable[[Sequence[Path]], list[CaseInfo]]
 _WITH_VARIANT = re.compile(r"(?P<id>[^\[\]]+)\[(?P<variant>.*)\]")
 
 
-def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: Load) -> list[Job]:
+def select_jobs(
+    targets: Sequence[str], every: bool, variants: Sequence[str], load: Load
+) -> list[Job]:
     """The jobs of all `targets` (ids, ids with a variant, case files, folders), in order.
 
     Args:
@@ -50,17 +52,17 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
     """
     if not targets and not every:
         raise UsageError("nothing to run", remedy="name cases or case files, or say --all")
-    wanted = [(file, variant) for target in targets for file, variant in wanted_files(target)]
+    wanted = [(file, variant) for target in targets for file, variant in resolve_target(target)]
     shipped = list(shipped_cases()) if every else []
     files = list(dict.fromkeys([*shipped, *(file for file, _ in wanted)]))
     if every:
         load = _with_index(load)
-    facts = dict(zip(files, distinct(load(files)), strict=True))
+    facts = dict(zip(files, make_ids_distinct(load(files)), strict=True))
     in_order = sorted((facts[f] for f in shipped), key=lambda case: sort_key(case.section, case.id))
     chosen = [(case, None) for case in in_order] + [(facts[file], v) for file, v in wanted]
     jobs: dict[tuple[str, str, str], Job] = {}
     for case, variant in chosen:
-        jobs |= {job.key: job for job in jobs_in(case, variant) if job.key not in jobs}
+        jobs |= {job.key: job for job in select_variants(case, variant) if job.key not in jobs}
     errors = [case.error for case in facts.values() if case.error is not None]
     if errors and len(jobs) == 1:
         raise errors[0]
@@ -72,7 +74,7 @@ def _with_index(load: Load) -> Load:
 
     def found(files: Sequence[Path]) -> list[CaseInfo]:
         shipped = list(shipped_cases())
-        kept = kept_facts(data_folder("cases"), lambda: load(shipped))
+        kept = load_shipped_cases(data_folder("cases"), lambda: load(shipped))
         known = {Path(facts.file): facts for facts in kept}
         others = [file for file in files if file not in known]
         known |= dict(zip(others, load(others) if others else [], strict=True))
@@ -81,29 +83,29 @@ def _with_index(load: Load) -> Load:
     return found
 
 
-def one(target: str, load: Load) -> tuple[CaseInfo, str]:
+def select_one(target: str, load: Load) -> tuple[CaseInfo, str]:
     """The single case that `target` names, and its variant; the first where none is named.
 
     Raises:
         UsageError: there is no such case or variant, or it stands for several cases.
         CaseError: the case file is wrong.
     """
-    wanted = wanted_files(target)
+    wanted = resolve_target(target)
     if len(wanted) != 1:
         raise UsageError(f"{target}: {len(wanted)} cases; name one of them")
     ((file, variant),) = wanted
     (facts,) = load([file])
     if facts.error is not None:
         raise facts.error
-    return facts, jobs_in(facts, variant)[0].variant
+    return facts, select_variants(facts, variant)[0].variant
 
 
-def files_of(targets: Sequence[str]) -> list[Path]:
+def find_files(targets: Sequence[str]) -> list[Path]:
     """The case files of ids, case files and folders, each once. Raises UsageError."""
-    return list(dict.fromkeys(file for target in targets for file, _ in wanted_files(target)))
+    return list(dict.fromkeys(file for target in targets for file, _ in resolve_target(target)))
 
 
-def test_files(targets: Sequence[str]) -> list[Path]:
+def find_test_files(targets: Sequence[str]) -> list[Path]:
     """The files among these targets, and in the folders, with tests of GLSL functions; absolute."""
     from shaderlab.mutation.function_tests import find_function_tests, is_function_test
 
@@ -117,7 +119,7 @@ def test_files(targets: Sequence[str]) -> list[Path]:
     return list(dict.fromkeys(Path(os.path.abspath(path)) for path in found))
 
 
-def without_test_files(targets: Sequence[str], files: Sequence[Path]) -> list[str]:
+def exclude_test_files(targets: Sequence[str], files: Sequence[Path]) -> list[str]:
     """The targets that stand for cases: not the files of tests, nor folders with such alone."""
 
     def has_cases(target: str) -> bool:
@@ -130,7 +132,7 @@ def without_test_files(targets: Sequence[str], files: Sequence[Path]) -> list[st
     return [target for target in targets if has_cases(target)]
 
 
-def wanted_files(target: str) -> list[tuple[Path, str | None]]:
+def resolve_target(target: str) -> list[tuple[Path, str | None]]:
     """The case files that a word stands for, with the only variant; None for all variants."""
     path = Path(target)
     by_path = path.suffix == ".py" or "/" in target or "\\" in target or target in (".", "..")
@@ -162,19 +164,19 @@ def wanted_files(target: str) -> list[tuple[Path, str | None]]:
     return [(known[case_id], variant)]
 
 
-def jobs_in(case: CaseInfo, variant: str | None) -> list[Job]:
+def select_variants(case: CaseInfo, variant: str | None) -> list[Job]:
     """The jobs of a case, or of one of its variants. Raises UsageError."""
     if case.error is not None:
-        status, trouble = case.status, _said(case.error)
+        status, trouble = case.status, _format_error(case.error)
         return [Job(file=case.file, id=case.id, variant="default", broken=status, trouble=trouble)]
     if variant is not None and variant not in case.variants:
         raise UsageError(
             f"{case.id} has no variant {variant!r}", remedy=nearest(variant, case.variants)
         )
-    return [job for job in jobs_of(case) if variant in (None, job.variant)]
+    return [job for job in make_jobs(case) if variant in (None, job.variant)]
 
 
-def _said(error: CaseError) -> str:
+def _format_error(error: CaseError) -> str:
     place = f"line {error.line}: " if error.line else ""
     return f"{place}{error.message}" + (f"\n→ {error.remedy}" if error.remedy else "")
 
@@ -189,7 +191,7 @@ def _keep_variants(jobs: list[Job], variants: Sequence[str]) -> list[Job]:
     return [job for job in jobs if not variants or job.broken or job.variant in variants]
 
 
-def distinct(cases: Sequence[CaseInfo]) -> list[CaseInfo]:
+def make_ids_distinct(cases: Sequence[CaseInfo]) -> list[CaseInfo]:
     """The cases with ids that differ, since records and pictures are keyed by them: files of one
     name get as many folders before it as tell them apart, as in "lamps/fog".
 
@@ -219,7 +221,7 @@ KEPT = ("id", "section", "title", "variants", "file")
 """What is kept of each case's facts."""
 
 
-def kept_facts(course: Path, load: Callable[[], list[CaseInfo]]) -> list[CaseInfo]:
+def load_shipped_cases(course: Path, load: Callable[[], list[CaseInfo]]) -> list[CaseInfo]:
     """The facts of the course's cases, without those on formulas and parameters.
 
     Args:
@@ -231,7 +233,7 @@ def kept_facts(course: Path, load: Callable[[], list[CaseInfo]]) -> list[CaseInf
     """
     root = cache_root()
     if root is None:
-        return _in_order(load())
+        return _sort_cases(load())
     name = hashlib.blake2b(os.fsencode(course), digest_size=8).hexdigest()
     file, key = root / f"cases-{name}.json", _key(course)
     with suppress(OSError, ValueError, TypeError, KeyError):
@@ -240,7 +242,7 @@ def kept_facts(course: Path, load: Callable[[], list[CaseInfo]]) -> list[CaseInf
             return [
                 CaseInfo(**{**each, "variants": tuple(each["variants"])}) for each in kept["cases"]
             ]
-    found = _in_order(load())
+    found = _sort_cases(load())
     if any(each.error is not None for each in found):
         return found
     cases = [{name: getattr(each, name) for name in KEPT} for each in found]
@@ -250,7 +252,7 @@ def kept_facts(course: Path, load: Callable[[], list[CaseInfo]]) -> list[CaseInf
     return found
 
 
-def _in_order(found: list[CaseInfo]) -> list[CaseInfo]:
+def _sort_cases(found: list[CaseInfo]) -> list[CaseInfo]:
     return sorted(found, key=lambda case: sort_key(case.section, case.id))
 
 

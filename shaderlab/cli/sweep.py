@@ -8,28 +8,28 @@ import json
 import time
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan, as_line, lines
-from shaderlab.cli.options import make_executor, running_options
+from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan, encode_line, read_lines
+from shaderlab.cli.options import RunningOptions, collect, make_executor, running_options
 from shaderlab.cli.recorded_run import (
     RecordedRun,
-    each_record,
     finish,
+    load_plan,
     new_plan,
-    resumed_plan,
-    tell_damaged,
+    report_damaged_lines,
+    run_jobs,
 )
-from shaderlab.cli.sweep_table import SweepTable, grid, parameters, plots
+from shaderlab.cli.sweep_table import Parameter, SweepTable, make_grid, make_plots, parse_parameters
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import open_regular
 from shaderlab.model import store
-from shaderlab.model.options import Limits, RunOptions
+from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record, Run
 
 if TYPE_CHECKING:
@@ -38,6 +38,30 @@ if TYPE_CHECKING:
 
 
 TABLE = "sweep.csv"
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepArguments:
+    """The arguments and options of `shaderlab sweep`, as its help describes them."""
+
+    target: str | None
+    params: tuple[str, ...]
+    table: str | None
+    running: RunningOptions
+    resume: str | None
+    pictures: bool
+
+    @property
+    def run_options(self) -> RunOptions:
+        """How points are run."""
+        running = self.running
+        return RunOptions(
+            pictures=self.pictures,
+            include=running.includes,
+            targets=running.compile_targets,
+            driver=running.driver,
+            limits=running.limits,
+        )
 
 
 @click.command("sweep")
@@ -52,20 +76,8 @@ TABLE = "sweep.csv"
 @running_options("point")
 @click.option("--resume", metavar="FOLDER", help="Resume the unfinished sweep in FOLDER.")
 @click.option("--pictures/--no-pictures", default=False, help="Draw pictures of each point.")
-def command(
-    target: str | None,
-    params: tuple[str, ...],
-    table: str | None,
-    folder: str | None,
-    includes: tuple[Path, ...],
-    compile_targets: tuple[str, ...],
-    limits: Limits,
-    workers: int | None,
-    scheduler: str | None,
-    driver: str | None,
-    resume: str | None,
-    pictures: bool,
-) -> int:
+@collect(SweepArguments, "arguments")
+def command(arguments: SweepArguments) -> int:
     """Run one case at every point of a grid of parameters, and see how close results come to the
     limits of their bands.
 
@@ -93,54 +105,58 @@ def command(
     """
     from shaderlab.report import table as tables
 
-    if table is not None:
-        tables.check(Path(table))
-    options = RunOptions(
-        pictures=pictures,
-        include=includes,
-        targets=compile_targets,
-        driver=driver,
-        limits=limits,
-    )
-    if resume is not None:
-        if target or params:
-            raise UsageError("--resume takes neither a case nor parameters: the sweep has its own")
-        plan, _ = resumed_plan(resume, limits)
-        options = plan.options
-        if plan.grid is None:
-            raise UsageError(
-                "this run is not a sweep", file=resume, remedy="use shaderlab run --resume"
-            )
-    elif target is None:
-        raise UsageError("no case to sweep", remedy="name a case; `shaderlab list` shows all")
-    elif not params:
-        raise UsageError(
-            "no parameter to sweep", remedy="such as --param light.linear=0.01:1:50log"
-        )
-    with contextlib.closing(make_executor(options.driver, limits, workers, scheduler)) as executor:
-        from shaderlab.cli.selecting import one
+    if arguments.table is not None:
+        tables.check(Path(arguments.table))
+    running, resume = arguments.running, arguments.resume is not None
+    plan = _resume(arguments) if resume else None
+    swept = _parse_parameters(arguments)
+    options = arguments.run_options if plan is None else plan.options
+    with contextlib.closing(
+        make_executor(options.driver, running.limits, running.workers, running.scheduler)
+    ) as executor:
+        from shaderlab.cli.selecting import select_one
         from shaderlab.cli.showing import Show
-        from shaderlab.report.html import load_libraries
 
-        swept = parameters(params)
-        load_libraries()
         show = Show()
-        if target is not None:
-            facts, variant = one(target, executor.load)
-            plan = new_plan(grid(facts, variant, swept), options, folder)
-        recorded, points = run_points(executor, plan, show, resume=resume is not None)
+        if plan is None:
+            facts, variant = select_one(arguments.target or "", executor.load)
+            plan = new_plan(make_grid(facts, variant, swept), options, running.folder)
+        recorded, points = run_points(executor, plan, show, resume=resume)
     show.sweep(points, recorded.run)
-    file = recorded.folder / TABLE if table is None else Path(table)
+    file = recorded.folder / TABLE if arguments.table is None else Path(arguments.table)
     try:
         tables.write_table(points.rows, file)
         show.console.print(f"table: {file}")
     except ShaderlabError as error:  # the report is written all the same
         recorded = replace(recorded, problems=(*recorded.problems, error))
         file = recorded.folder / FILE_NAME
-    recorded = with_points(recorded, points, file)
-    is_latest = folder is None and resume is None
+    recorded = summarise_points(recorded, points, file)
+    is_latest = running.folder is None and not resume
     verdict = FAILED if points.failed else OK
     return finish(recorded, show, "sweep", verdict=verdict, is_latest=is_latest)
+
+
+def _resume(arguments: SweepArguments) -> RunPlan:
+    """Return the plan of the sweep that is resumed. Raises UsageError."""
+    if arguments.target or arguments.params:
+        raise UsageError("--resume takes neither a case nor parameters: the sweep has its own")
+    plan, _ = load_plan(arguments.resume or "", arguments.running.limits)
+    if plan.grid is None:
+        raise UsageError(
+            "this run is not a sweep", file=arguments.resume, remedy="use shaderlab run --resume"
+        )
+    return plan
+
+
+def _parse_parameters(arguments: SweepArguments) -> tuple[Parameter, ...]:
+    """Return the parameters; none for a sweep that is resumed. Raises UsageError."""
+    if arguments.resume is None and arguments.target is None:
+        raise UsageError("no case to sweep", remedy="name a case; `shaderlab list` shows all")
+    if arguments.resume is None and not arguments.params:
+        raise UsageError(
+            "no parameter to sweep", remedy="such as --param light.linear=0.01:1:50log"
+        )
+    return parse_parameters(arguments.params)
 
 
 AT_ONCE = 4096
@@ -163,7 +179,7 @@ def run_points(
     with Journal(folder, None if resume else plan) as journal:
         records = PointRecords(folder, journal, len(points))
         if resume:
-            tell_damaged(folder, records.resume(table.add))
+            report_damaged_lines(folder, records.resume(table.add))
         done = sum(table.statuses.values())
         clock = time.perf_counter()
         with (
@@ -173,7 +189,7 @@ def run_points(
             for some in _batches(point for point in range(len(points)) if point not in table):
                 jobs = [points[point] for point in some]
                 point_of = {job.key: point for job, point in zip(jobs, some, strict=True)}
-                for job, record in each_record(executor, jobs, plan.options, progress):
+                for job, record in run_jobs(executor, jobs, plan.options, progress):
                     point = point_of[job.key]
                     table.add(point, records.add(point, record))
         seconds = time.perf_counter() - clock
@@ -185,14 +201,14 @@ def run_points(
         started=plan.started,
         seconds=seconds,
         records=tuple(listed),
-        plots=plots(table),
+        plots=make_plots(table),
         missing=len(points) - sum(table.statuses.values()),
     )
     problems = (ShaderlabError(journal.problem),) if journal.problem else ()
     return RecordedRun(run, folder, not run.missing, problems), table
 
 
-def with_points(recorded: RecordedRun, table: SweepTable, file: Path) -> RecordedRun:
+def summarise_points(recorded: RecordedRun, table: SweepTable, file: Path) -> RecordedRun:
     """The run with what all points were, where it has not the records of all; `file` has them."""
     if len(recorded.run.records) == sum(table.statuses.values()):
         return recorded
@@ -228,7 +244,7 @@ class PointRecords:
     def add(self, point: int, record: Record) -> Plain:
         """Write a point's record; return it as plain data."""
         plain: Plain = store.to_plain(record)
-        start = self._journal.write(as_line([point, plain]))
+        start = self._journal.write(encode_line([point, plain]))
         self._starts[point] = -1 if start is None else start
         return plain
 
@@ -238,7 +254,7 @@ class PointRecords:
         Yields:
             The numbers of lines that are damaged, or for which `use` raises.
         """
-        for number, start, line in lines(self._folder):
+        for number, start, line in read_lines(self._folder):
             try:
                 point, plain = json.loads(line)
                 if type(point) is not int or not 0 <= point < len(self._starts):

@@ -57,12 +57,12 @@ class Parameter:
                 remedy="write START:STOP:COUNT, such as 0:1:11, or 0.01:1:50log (logarithmic)",
             )
         if found is None:
-            numbers = tuple(_number(word, text) for text in values.split(","))
+            numbers = tuple(_parse_number(word, text) for text in values.split(","))
         else:
-            ends = _number(word, found["start"]), _number(word, found["stop"])
-            numbers = _range(word, *ends, int(found["count"]), log=bool(found["log"]))
+            ends = _parse_number(word, found["start"]), _parse_number(word, found["stop"])
+            numbers = _space_values(word, *ends, int(found["count"]), log=bool(found["log"]))
         if name == SIZE:
-            numbers = _sizes(word, numbers)
+            numbers = _check_sizes(word, numbers)
         return cls(name, tuple(dict.fromkeys(numbers)), bool(found and found["log"]))
 
     @cached_property
@@ -73,7 +73,7 @@ class Parameter:
         return [s if alike[s] == 1 else repr(v) for s, v in zip(short, self.values, strict=True)]
 
 
-def parameters(words: Sequence[str]) -> tuple[Parameter, ...]:
+def parse_parameters(words: Sequence[str]) -> tuple[Parameter, ...]:
     """All parameters of a sweep. Raises UsageError, also if one is given twice."""
     found = tuple(Parameter.parse(word) for word in words)
     names = [parameter.name for parameter in found]
@@ -150,7 +150,7 @@ class Grid:
         return found
 
 
-def grid(facts: CaseInfo, variant: str, swept: Sequence[Parameter]) -> Grid:
+def make_grid(facts: CaseInfo, variant: str, swept: Sequence[Parameter]) -> Grid:
     """The grid of a case's parameters.
 
     Args:
@@ -169,7 +169,7 @@ def grid(facts: CaseInfo, variant: str, swept: Sequence[Parameter]) -> Grid:
             remedy="sweep a case with a formula(…) expectation",
         )
     for parameter in swept:
-        _check(facts, parameter)
+        _check_parameter(facts, parameter)
     return Grid(
         file=facts.file,
         id=facts.id,
@@ -180,7 +180,7 @@ def grid(facts: CaseInfo, variant: str, swept: Sequence[Parameter]) -> Grid:
     )
 
 
-def _check(facts: CaseInfo, parameter: Parameter) -> None:
+def _check_parameter(facts: CaseInfo, parameter: Parameter) -> None:
     if parameter.name == SIZE:
         if not facts.sized:
             raise UsageError(f"every pass of {facts.id} has a fixed size", file=facts.file)
@@ -201,7 +201,7 @@ def _check(facts: CaseInfo, parameter: Parameter) -> None:
         )
 
 
-def _number(word: str, text: str) -> float:
+def _parse_number(word: str, text: str) -> float:
     try:
         value = float(text)
     except ValueError:
@@ -211,7 +211,9 @@ def _number(word: str, text: str) -> float:
     return value
 
 
-def _range(word: str, start: float, stop: float, count: int, *, log: bool) -> tuple[float, ...]:
+def _space_values(
+    word: str, start: float, stop: float, count: int, *, log: bool
+) -> tuple[float, ...]:
     if count < 2:
         raise UsageError(f"--param {word}: a range needs 2 values or more", remedy=_RIGHT)
     if count > MOST_POINTS:
@@ -230,7 +232,7 @@ def _range(word: str, start: float, stop: float, count: int, *, log: bool) -> tu
     return tuple(float(f"{value:.12g}") for value in space(start, stop, count))
 
 
-def _sizes(word: str, values: Sequence[float]) -> tuple[float, ...]:
+def _check_sizes(word: str, values: Sequence[float]) -> tuple[float, ...]:
     sizes = [float(round(value)) for value in values]
     if not all(1 <= size <= LARGEST_SIZE for size in sizes):
         raise UsageError(f"--param {word}: sizes are 1…{LARGEST_SIZE} pixels")
@@ -269,8 +271,8 @@ class SweepTable:
         outcomes = record["expectations"]
         worst = [outcome["worst"] for outcome in outcomes if outcome["worst"] is not None]
         found = {
-            "widths": max((_distance(each["widths"]) for each in worst), default=math.nan),
-            "ulp": max((_distance(each["ulp"]) for each in worst), default=math.nan),
+            "widths": max((_parse_distance(each["widths"]) for each in worst), default=math.nan),
+            "ulp": max((_parse_distance(each["ulp"]) for each in worst), default=math.nan),
             "outside": sum(outcome["outside"] for outcome in outcomes),
             "judged": sum(outcome["judged"] for outcome in outcomes),
             "vacuous": max((float(outcome["vacuous"]) for outcome in outcomes), default=math.nan),
@@ -357,7 +359,7 @@ class SweepTable:
         return STATUSES[self._status[point] - 1]
 
 
-def _distance(number: float | str) -> float:
+def _parse_distance(number: float | str) -> float:
     """A NaN counts as infinitely far away."""
     return math.inf if math.isnan(float(number)) else float(number)
 
@@ -375,19 +377,19 @@ _TITLES = {
 }
 
 
-def plots(table: SweepTable) -> tuple[Plot, ...]:
+def make_plots(table: SweepTable) -> tuple[Plot, ...]:
     """The largest distances over the parameter with the most values. Another parameter with few
     values, if there is one, gives the series; the maximum is taken over all others, and over
     neighbouring values where there are very many."""
     swept = table.grid.parameters
-    seen = _seen(table)
+    seen = _list_values(table)
     axes = sorted(range(len(swept)), key=lambda axis: swept[axis].name == SIZE)  # sizes last
     across = max(axes, key=lambda axis: len(seen[axis]))
     if len(seen[across]) < 2:
         return ()
     few = (axis for axis in axes if axis != across and 2 <= len(seen[axis]) <= MOST_SERIES)
     series = next(few, None)
-    parts = _parts(len(seen[across]), 1 if series is None else len(seen[series]))
+    parts = _count_parts(len(seen[across]), 1 if series is None else len(seen[series]))
     over = [
         parameter.name
         for axis, parameter in enumerate(swept)
@@ -396,7 +398,7 @@ def plots(table: SweepTable) -> tuple[Plot, ...]:
     least, most = min(seen[across]), max(seen[across])
     drawn = []
     for column, (title, label, high) in _TITLES.items():
-        points = tuple(_largest(table, across, series, seen[across], parts, column, high))
+        points = tuple(_find_largest(table, across, series, seen[across], parts, column, high))
         heights = [point.y for point in points]
         if not heights:
             continue
@@ -415,7 +417,7 @@ def plots(table: SweepTable) -> tuple[Plot, ...]:
     return tuple(drawn)
 
 
-def _seen(table: SweepTable) -> list[dict[float, int]]:
+def _list_values(table: SweepTable) -> list[dict[float, int]]:
     """For each parameter its values at points that were run, and which of them each is by size."""
     grid = table.grid
     found: list[set[int]] = [set() for _ in grid.parameters]
@@ -429,12 +431,12 @@ def _seen(table: SweepTable) -> list[dict[float, int]]:
     return [{value: n for n, value in enumerate(some)} for some in values]
 
 
-def _parts(values: int, series: int) -> int:
+def _count_parts(values: int, series: int) -> int:
     """Into how many parts so many values are taken."""
     return values if values * series <= MOST_DOTS else min(values, PARTS)
 
 
-def _largest(
+def _find_largest(
     table: SweepTable,
     across: int,
     series: int | None,

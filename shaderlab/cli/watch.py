@@ -23,7 +23,7 @@ from shaderlab.cli.options import (
     limits_option,
     make_local_executor,
 )
-from shaderlab.cli.outputs import new_run_folder
+from shaderlab.cli.outputs import make_run_folder
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits, RunOptions
@@ -123,12 +123,12 @@ class _Wanted:
 
     def files(self) -> tuple[list[Path], list[Path]]:
         """The case files, and those with tests of functions; absolute. Raises UsageError."""
-        from shaderlab.cli.selecting import test_files, wanted_files, without_test_files
+        from shaderlab.cli.selecting import exclude_test_files, find_test_files, resolve_target
 
         self._variants = {}
-        self._tests = test_files(self._targets)
-        for target in without_test_files(self._targets, self._tests):
-            for file, variant in wanted_files(target):
+        self._tests = find_test_files(self._targets)
+        for target in exclude_test_files(self._targets, self._tests):
+            for file, variant in resolve_target(target):
                 self._variants.setdefault(Path(os.path.abspath(file)), set()).add(variant)
         return list(self._variants), self._tests
 
@@ -151,12 +151,12 @@ class _Wanted:
 
     def jobs(self, facts: Sequence[CaseInfo]) -> list[Job]:
         """The jobs of case files, in order."""
-        from shaderlab.cli.selecting import distinct, jobs_in
+        from shaderlab.cli.selecting import make_ids_distinct, select_variants
 
         return [
             job
-            for case in distinct(facts)
-            for job in jobs_in(case, None)
+            for case in make_ids_distinct(facts)
+            for job in select_variants(case, None)
             if job.broken or {None, job.variant} & self._variants.get(Path(case.file), {None})
         ]
 
@@ -282,6 +282,6 @@ def live_page(options: RunOptions) -> Iterator[LivePage]:
     """A page in a new folder of runs, served until the end."""
     from shaderlab.report.live import live_report
 
-    folder = new_run_folder()
+    folder = make_run_folder()
     with live_report(folder) as report:
         yield LivePage(report, folder, options)

@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shaderlab.engine.discovery import imported_files, is_project_file
-from shaderlab.engine.executors import LocalExecutor, error_text
-from shaderlab.engine.jobs import CaseInfo, Job, failed_record
+from shaderlab.engine.executors import LocalExecutor, format_error
+from shaderlab.engine.jobs import CaseInfo, Job, make_failed_record
 from shaderlab.errors import CaseError, ShaderlabError, extra
 from shaderlab.files import read_regular
 from shaderlab.functions.evaluation import use_worker
@@ -399,7 +399,7 @@ class Session:
         jobs.sort(key=self._passed)
         self._unfinished = {watched.file for watched in chosen}
         for job in (job for job in jobs if job.broken):
-            yield self._keep(job, failed_record(job, job.broken, job.trouble), set())
+            yield self._keep(job, make_failed_record(job, job.broken, job.trouble), set())
         requests: list[RunWatched | RunWatchedTests] = [
             *(RunWatched(job, self._options) for job in jobs if not job.broken),
             *(RunWatchedTests(watched.file) for watched in chosen if watched.tests),
@@ -437,7 +437,7 @@ class Session:
                     result.step.rpartition("::")[2] or "all tests",
                     1,
                     status="error" if result.status == "error" else status,
-                    message=error_text(result),
+                    message=format_error(result),
                 )
             ]
         watched.records = {record.variant: record for record in records}

@@ -23,7 +23,7 @@ from shaderlab.engine.jobs import (
     Job,
     LoadCase,
     RunJob,
-    failed_record,
+    make_failed_record,
 )
 from shaderlab.errors import CaseError
 from shaderlab.model.options import Limits, RunOptions
@@ -47,7 +47,7 @@ TURNS = 4
 WORDS = f"one for every {VARIANTS_EACH} variants, as cores allow, at most {MOST}"
 
 
-def cores() -> int:
+def count_cores() -> int:
     """The processors that this process may use."""
     try:
         return len(os.sched_getaffinity(0))
@@ -55,19 +55,19 @@ def cores() -> int:
         return os.cpu_count() or 1
 
 
-def suitable(variants: int) -> int:
+def choose_worker_count(variants: int) -> int:
     """How many workers run so many variants in the least time; one at least.
 
-    >>> suitable(VARIANTS_EACH), suitable(0)
+    >>> choose_worker_count(VARIANTS_EACH), choose_worker_count(0)
     (1, 1)
     """
-    return max(1, min(variants // VARIANTS_EACH, cores(), MOST))
+    return max(1, min(variants // VARIANTS_EACH, count_cores(), MOST))
 
 
-def loads(files: int) -> int:
+def choose_load_batch(files: int) -> int:
     """How many case files a worker is sent at once.
 
-    >>> loads(5), loads(64), loads(1000)
+    >>> choose_load_batch(5), choose_load_batch(64), choose_load_batch(1000)
     (1, 4, 8)
     """
     return max(1, min(files // (MOST * TURNS), LOADS))
@@ -114,14 +114,16 @@ class LocalExecutor(Executor):
         raise NotImplementedError
 
     def load(self, files: Sequence[Path]) -> list[CaseInfo]:
-        results = self.perform([LoadCase(file) for file in files], batch=loads(len(files)))
+        results = self.perform(
+            [LoadCase(file) for file in files], batch=choose_load_batch(len(files))
+        )
         found = {result.number: _facts(files[result.number], result) for result in results}
         return [found[number] for number in range(len(files))]
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
         for job in jobs:
             if job.broken:
-                yield job, failed_record(job, job.broken, job.trouble)
+                yield job, make_failed_record(job, job.broken, job.trouble)
         requests = [RunJob(job, options) for job in jobs if not job.broken]
         # Of several drivers each has processes of its own: a worker stays with one while it can.
         key = (lambda request: request.job.driver) if any(job.driver for job in jobs) else None
@@ -134,10 +136,10 @@ class LocalExecutor(Executor):
         if result.status == "done":
             record: Record = result.value
             return record
-        return failed_record(
+        return make_failed_record(
             result.item.job,
             result.status,
-            error_text(result),
+            format_error(result),
             step=result.step,
             driver=self._driver_of(result.item.job) if result.status != "error" else "",
             seconds=self.limits.seconds if result.status == "timeout" else 0.0,
@@ -197,7 +199,7 @@ class ProcessExecutor(LocalExecutor):
     ) -> Generator[ItemResult]:
         requests = list(requests)
         if self._workers is None:
-            self._pool.widen(suitable(len(requests)))
+            self._pool.widen(choose_worker_count(len(requests)))
         yield from self._pool.run(requests, batch, key)
 
     def close(self) -> None:
@@ -214,7 +216,7 @@ class ProcessExecutor(LocalExecutor):
         if result.status == "done":
             found: DriverInfo = result.value
             return replace(found, versions=versions)
-        said = error_text(result)
+        said = format_error(result)
         return DriverInfo(driver={"renderer": "none", "vendor": "", "version": said, "glsl": ""})
 
 
@@ -258,7 +260,7 @@ class InProcessExecutor(LocalExecutor):
             self._worker.close()
 
 
-def error_text(result: ItemResult) -> str:
+def format_error(result: ItemResult) -> str:
     """How a request failed; while debugging, with the traceback."""
     if result.status != "error":
         return result.message
@@ -271,7 +273,7 @@ def _facts(file: Path, result: ItemResult) -> CaseInfo:
         return found
     error = result.value
     if not isinstance(error, CaseError):
-        error = CaseError(f"importing the case file: {error_text(result)}", file=file)
+        error = CaseError(f"importing the case file: {format_error(result)}", file=file)
     return CaseInfo(
         file=str(file), id=file.stem.replace("_", "-"), error=error, status=result.status
     )

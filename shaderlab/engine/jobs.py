@@ -128,7 +128,7 @@ class RunJob:
         return worker.run(self.job, self.options)
 
 
-def jobs_of(facts: CaseInfo) -> list[Job]:
+def make_jobs(facts: CaseInfo) -> list[Job]:
     """A job for each variant of a case."""
     return [
         Job(file=facts.file, id=facts.id, variant=name, title=facts.title, section=facts.section)
@@ -138,10 +138,10 @@ def jobs_of(facts: CaseInfo) -> list[Job]:
 
 def bare_record(job: Job, status: str) -> Record:
     """A record that says of a job what it was, and nothing else."""
-    return failed_record(job, status, "")
+    return make_failed_record(job, status, "")
 
 
-def failed_record(
+def make_failed_record(
     job: Job, status: str, message: str, *, step: str = "", driver: str = "", seconds: float = 0.0
 ) -> Record:
     """The record of a job whose process did not live to write one.
@@ -178,7 +178,7 @@ def failed_record(
     )
 
 
-def checked_driver(name: str) -> str:
+def check_driver(name: str) -> str:
     """`name`, if it is a driver's. Raises UsageError."""
     from shaderlab.drivers import DRIVERS
 

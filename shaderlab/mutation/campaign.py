@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from shaderlab.engine.executors import LocalExecutor, error_text
+from shaderlab.engine.executors import LocalExecutor, format_error
 from shaderlab.engine.jobs import Request
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.case import Case
@@ -184,7 +184,7 @@ class MutationRun:
                 if isinstance(result.value, ShaderlabError):
                     raise result.value
                 raise ShaderlabError(
-                    f"making the mutants: {error_text(result)}", file=targets[result.number].file
+                    f"making the mutants: {format_error(result)}", file=targets[result.number].file
                 )
             self._runs[result.number].mutants = result.value
         self.total = sum(len(run.mutants) for run in self._runs)
@@ -246,5 +246,5 @@ def _describe_failure(item: ItemResult) -> str:
     if item.status != "error":
         return f"the case itself does not run to its end: {item.message}"
     if isinstance(item.value, ShaderlabError):
-        return error_text(item)
-    return f"unforeseen {type(item.value).__name__}: {error_text(item)}"
+        return format_error(item)
+    return f"unforeseen {type(item.value).__name__}: {format_error(item)}"

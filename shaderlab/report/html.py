@@ -8,10 +8,8 @@ mailing.
 
 from __future__ import annotations
 
-import importlib
 import json
 import os
-import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -30,7 +28,6 @@ from shaderlab.report.comparison import (
     save_summary,
 )
 from shaderlab.report.grouping import STATUSES
-from shaderlab.report.markup import colour_lines
 from shaderlab.report.page import CaseView, Page, build_page, load_mutants
 from shaderlab.report.pictures import Pictures, Repeated
 from shaderlab.report.sources import collect_words
@@ -120,24 +117,6 @@ def write_single(run: Run, folder: str | Path, path: str | Path) -> None:
         past=compare_with_past(run, Path(folder), links),
     )
     write_text(path, pieces)
-
-
-def load_libraries() -> None:
-    """Import the page's libraries and read its templates in a background thread.
-
-    This takes a tenth of a second, during which workers can draw; `write` does it otherwise. A
-    run that is interrupted does not wait for the thread.
-    """
-
-    def load() -> None:
-        for name in rendering.environment().list_templates():
-            rendering.environment().get_template(name)
-        for language in ("glsl", "python"):
-            colour_lines("a\n", language)
-        for name in ("markdown_it", "latex2mathml.converter"):
-            importlib.import_module(name)
-
-    threading.Thread(target=load, daemon=True).start()
 
 
 def _with_neighbours(

@@ -158,7 +158,9 @@ def test_of_a_task_that_lost_its_workers_only_the_job_to_blame_is_a_crash(
         def result(self, timeout: float) -> Any:
             if "4" in self.key:
                 raise KilledWorker(self.key, None, 3)
-            records = {n: jobs.failed_record(job, "pass", "") for n, job in enumerate(self.jobs)}
+            records = {
+                n: jobs.make_failed_record(job, "pass", "") for n, job in enumerate(self.jobs)
+            }
             plain = {number: store.to_plain(record) for number, record in records.items()}
             return cluster_worker.RemoteResult(records=plain, files={}, frames={})
 
@@ -328,7 +330,7 @@ def test_a_bundle_is_made_of_its_content_alone(tmp_path: Path) -> None:
         (tmp_path / name / "case.py").write_text("x = 1")
         (tmp_path / name / ".hidden").write_text(name)
         (tmp_path / name / "reports" / "index.html").write_text(name)
-    first, second = (cluster.packed_folder(tmp_path / name) for name in ("a", "b"))
+    first, second = (cluster.pack_folder(tmp_path / name) for name in ("a", "b"))
     assert first == second
     folder = first.unpack(tmp_path)
     assert [p.name for p in folder.iterdir()] == ["case.py"]
@@ -341,7 +343,7 @@ def test_a_folder_that_is_too_large_is_refused(
     (tmp_path / "large").write_bytes(b"x" * 2000)
     monkeypatch.setattr(cluster, "MOST_BYTES", 1000)
     with pytest.raises(UsageError, match="folder of its own"):
-        cluster.packed_folder(tmp_path)
+        cluster.pack_folder(tmp_path)
 
 
 def test_nothing_is_written_outside_the_run(tmp_path: Path) -> None:

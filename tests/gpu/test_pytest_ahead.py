@@ -18,7 +18,7 @@ from xml.etree import ElementTree
 import pytest
 
 from shaderlab.engine.executors import ProcessExecutor
-from shaderlab.engine.jobs import jobs_of
+from shaderlab.engine.jobs import make_jobs
 from shaderlab.model.options import RunOptions
 from tests.gpu import faulty
 
@@ -290,7 +290,7 @@ def test_runs_of_one_executor_keep_their_notes_apart(cases: Cases) -> None:
     files = [cases.add("a"), cases.add("dies", "os._exit(3)"), cases.add("b")]
     options = RunOptions(pictures=False)
     with contextlib.closing(ProcessExecutor(workers=1)) as executor:
-        jobs = [job for facts in executor.load(files) for job in jobs_of(facts)]
+        jobs = [job for facts in executor.load(files) for job in make_jobs(facts)]
         first = executor.run(jobs, options)
         assert next(first)[1].status == "pass"
         second = executor.run(jobs[:1], options)

@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
-from shaderlab.cli.selecting import jobs_in
+from shaderlab.cli.selecting import select_variants
 from shaderlab.cli.watching import Session
 from shaderlab.engine.executors import InProcessExecutor
 from shaderlab.engine.jobs import CaseInfo, Job
@@ -56,7 +56,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture
 def session(project: Path) -> Iterator[Session]:
     def select(facts: Sequence[CaseInfo]) -> list[Job]:
-        return [job for one in facts for job in jobs_in(one, None)]
+        return [job for one in facts for job in select_variants(one, None)]
 
     session = Session(InProcessExecutor, select, RunOptions(pictures=False))
     new = session.follow(sorted((project / "tests").glob("*_case.py")))

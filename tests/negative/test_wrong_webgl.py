@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from shaderlab.cli.compare_drivers import disagreements
+from shaderlab.cli.compare_drivers import find_disagreements
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DriverError
 from shaderlab.model.options import RunOptions
@@ -54,7 +54,7 @@ def matrix(
         records.append(replace(labs[1].run(made), driver_name=PATHS[1]))
         assert [r.message for r in records] == ["", ""]
     labs[1].backend._linker.release()  # type: ignore[attr-defined]
-    return {d.found.output: d.found for d in disagreements(records, frames.parent)}
+    return {d.found.output: d.found for d in find_disagreements(records, frames.parent)}
 
 
 def function(owner: str, name: str, make: Callable[[Any], Any]) -> Plant:

@@ -7,12 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.cli.outputs import find_latest, latest, new_run_folder, report_folder, write_json
+from shaderlab.cli.outputs import (
+    find_latest,
+    make_report_folder,
+    make_run_folder,
+    point_latest,
+    write_json,
+)
 from shaderlab.errors import UsageError
 
 
 def test_runs_that_start_together_get_folders_of_their_own(tmp_path: Path) -> None:
-    folders = [new_run_folder(tmp_path / "reports") for _ in range(5)]
+    folders = [make_run_folder(tmp_path / "reports") for _ in range(5)]
     assert len(set(folders)) == 5
     assert all(folder.is_dir() for folder in folders)
 
@@ -24,7 +30,7 @@ def test_latest_follows_the_last_run(tmp_path: Path) -> None:
         folder = tmp_path / name
         folder.mkdir()
         (folder / "run.json").write_text("{}")
-        latest(folder)
+        point_latest(folder)
         assert find_latest(tmp_path) == folder
     assert sorted(path.name for path in tmp_path.iterdir()) == ["1", "2", "latest"]
     (tmp_path / "latest").unlink()
@@ -35,7 +41,7 @@ def test_latest_leaves_a_real_folder_alone(tmp_path: Path) -> None:
     (tmp_path / "latest").mkdir()
     (tmp_path / "latest" / "kept").write_text("")
     (tmp_path / "1").mkdir()
-    latest(tmp_path / "1")
+    point_latest(tmp_path / "1")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["1", "latest"]
     assert (tmp_path / "latest" / "kept").exists()
 
@@ -43,8 +49,8 @@ def test_latest_leaves_a_real_folder_alone(tmp_path: Path) -> None:
 def test_what_cannot_be_written_is_wrong_usage(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for attempt in (
-        lambda: new_run_folder(tmp_path / "file"),
-        lambda: report_folder(tmp_path / "file"),
+        lambda: make_run_folder(tmp_path / "file"),
+        lambda: make_report_folder(tmp_path / "file"),
         lambda: write_json([], str(tmp_path / "file" / "out.json")),
         lambda: write_json([], str(tmp_path)),
     ):

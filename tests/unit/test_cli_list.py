@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import COMMANDS, cli, list_cases
-from shaderlab.cli.selecting import choose, kept_facts
+from shaderlab.cli.selecting import load_shipped_cases, select_jobs
 from shaderlab.engine import catalogue
 from shaderlab.engine.jobs import CaseInfo
 from shaderlab.errors import CaseError, UsageError
@@ -110,19 +110,19 @@ def test_facts_are_kept_for_these_very_files(
         loaded.append(lamp.read_text())
         return [CaseInfo(file=str(lamp), id="lamp", title="Ein Licht ☼", variants=("a", "b"))]
 
-    first = kept_facts(course, load)
-    assert kept_facts(course, load) == first == load()
+    first = load_shipped_cases(course, load)
+    assert load_shipped_cases(course, load) == first == load()
     assert len(loaded) == 2  # the second one is the line above
     lamp.write_text("case = 2\n")
-    kept_facts(course, load)
+    load_shipped_cases(course, load)
     assert loaded[2:] == ["case = 2\n"]
     (kept,) = (tmp_path / "cache").glob("cases-*.json")
     for damaged in (b"", b"[]", b'{"key": 1}', kept.read_bytes().replace(b'"id"', b'"di"')):
         kept.write_bytes(damaged)
-        assert kept_facts(course, load) == first
+        assert load_shipped_cases(course, load) == first
     assert len(loaded) == 7
     monkeypatch.setenv("SHADERLAB_CACHE_DIR", "")
-    assert kept_facts(course, load) == first and len(loaded) == 8
+    assert load_shipped_cases(course, load) == first and len(loaded) == 8
 
 
 def test_all_shipped_cases_are_loaded_once_for_several_commands(
@@ -137,10 +137,13 @@ def test_all_shipped_cases_are_loaded_once_for_several_commands(
         asked.append(len(files))
         return [CaseInfo(file=str(f), id=f.stem, section="2.1", variants=("a",)) for f in files]
 
-    first = choose([], True, (), load)
-    assert choose([], True, (), load) == first and len(first) == len(shipped())
-    assert [job.id for job in choose([str(own)], True, (), load)] == [*(j.id for j in first), "own"]
-    assert choose([first[0].file], False, (), load) == first[:1]
+    first = select_jobs([], True, (), load)
+    assert select_jobs([], True, (), load) == first and len(first) == len(shipped())
+    assert [job.id for job in select_jobs([str(own)], True, (), load)] == [
+        *(j.id for j in first),
+        "own",
+    ]
+    assert select_jobs([first[0].file], False, (), load) == first[:1]
     assert asked == [len(shipped()), 1, 1]
 
 
@@ -152,7 +155,7 @@ def test_what_a_case_raises_is_not_kept(tmp_path: Path, monkeypatch: pytest.Monk
 
     for _ in range(2):
         with pytest.raises(CaseError, match="so it is"):
-            kept_facts(tmp_path, fails)
+            load_shipped_cases(tmp_path, fails)
 
 
 def test_what_could_not_be_loaded_is_not_kept(
@@ -160,8 +163,8 @@ def test_what_could_not_be_loaded_is_not_kept(
 ) -> None:
     monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path / "cache"))
     broken = CaseInfo(file="a.py", id="a", error=CaseError("so it is"))
-    assert kept_facts(tmp_path, lambda: [broken]) == [broken]
-    assert kept_facts(tmp_path, list) == []
+    assert load_shipped_cases(tmp_path, lambda: [broken]) == [broken]
+    assert load_shipped_cases(tmp_path, list) == []
 
 
 def test_of_several_wrong_files_each_is_a_job_and_one_alone_an_error(tmp_path: Path) -> None:
@@ -171,9 +174,9 @@ def test_of_several_wrong_files_each_is_a_job_and_one_alone_an_error(tmp_path: P
     for name in ("one.py", "two.py"):
         (tmp_path / name).touch()
     names = [str(tmp_path / "one.py"), str(tmp_path / "two.py")]
-    assert [job.trouble for job in choose(names, False, (), load)] == ["one", "two"]
+    assert [job.trouble for job in select_jobs(names, False, (), load)] == ["one", "two"]
     with pytest.raises(CaseError, match="one"):
-        choose(names[:1], False, (), load)
+        select_jobs(names[:1], False, (), load)
 
 
 @pytest.mark.usefixtures("loaded")

@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
-from shaderlab.cli.journal import read
+from shaderlab.cli.journal import read_journal
 from shaderlab.model.records import Record
 
 Install = Callable[[Mapping[str, Record]], list[Any]]
@@ -34,7 +34,7 @@ def test_without_pictures_the_lab_gets_no_folder(
     assert call(case_folder, "--report", "b", "--no-pictures").exit_code == 0
     folders = [entry.picture_folder for entry in log if dataclasses.is_dataclass(entry)]
     assert folders == [Path("a"), None]
-    assert Path("b/index.html").is_file() and len(read(Path("b"))[1]) == 2
+    assert Path("b/index.html").is_file() and len(read_journal(Path("b"))[1]) == 2
 
 
 def test_the_profile_adds_up_phases_of_all_records(
@@ -58,7 +58,7 @@ def test_a_broken_case_among_others_costs_only_itself(
     result = call(case_folder, "--report", "out")
     assert result.exit_code == 1
     assert "2 passed, 1 in error" in result.output and "sektion" in result.output
-    assert [record.status for record in read(Path("out"))[1]] == ["error", "pass", "pass"]
+    assert [record.status for record in read_journal(Path("out"))[1]] == ["error", "pass", "pass"]
 
 
 def test_a_damaged_record_is_told_and_made_again(
@@ -98,7 +98,7 @@ def test_what_an_interrupt_left_out_is_run_later(
     log.clear()
     assert call("--resume", "out").exit_code == 1  # what had failed has failed
     assert [entry for entry in log if isinstance(entry, str)] == ["lamp[far]", "closed"]
-    assert [record.variant for record in read(Path("out"))[1]] == ["near", "far"]
+    assert [record.variant for record in read_journal(Path("out"))[1]] == ["near", "far"]
     assert call("--resume", "out", "gamma").exit_code == 2
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab import cli
-from shaderlab.cli.outputs import lasting, problem, settled
+from shaderlab.cli.outputs import final_status, find_lost_output, open_lasting
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="devices of Linux")
@@ -26,18 +26,18 @@ def test_a_command_goes_on_when_its_output_finds_no_room(
         assert ended.value.code == cli.FAILED
         said = sys.stderr.getvalue()
         assert said == "shaderlab: can't write to standard output: No space left on device\n"
-        assert [settled(status) for status in (0, None, 1, 2)] == [1, 1, 1, 2]
+        assert [final_status(status) for status in (0, None, 1, 2)] == [1, 1, 1, 2]
 
 
 def test_what_can_be_written_is_and_a_reader_may_go(tmp_path: Path) -> None:
     with open(tmp_path / "a", "w", encoding="ascii") as file:
-        stream = lasting(file)
+        stream = open_lasting(file)
         print("✓ all → ✗ ☼", file=stream)
-        assert problem(stream) == ""
+        assert find_lost_output(stream) == ""
     assert (tmp_path / "a").read_text() == "+ all -> x ?\n"
     ours, theirs = os.pipe()
     os.close(ours)
     with open(theirs, "w") as pipe:
-        stream = lasting(pipe)
+        stream = open_lasting(pipe)
         stream.write("x" * 99_999)
-        assert problem(stream) == ""
+        assert find_lost_output(stream) == ""

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab.cli.compare_drivers import apart
-from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan, read
+from shaderlab.cli.compare_drivers import pixel_distances
+from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan, read_journal
 from shaderlab.engine.executors import ProcessExecutor
-from shaderlab.engine.jobs import Job, failed_record
+from shaderlab.engine.jobs import Job, make_failed_record
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.phases import PhaseTimer, phase
@@ -30,10 +30,10 @@ PLAN = RunPlan(
 def test_a_journal_gives_back_what_was_added(tmp_path: Path, failing: Record) -> None:
     with Journal(tmp_path, PLAN) as journal:
         journal.add(failing)
-        assert read(tmp_path) == (PLAN, [failing], [])  # while it is still open
+        assert read_journal(tmp_path) == (PLAN, [failing], [])  # while it is still open
     with Journal(tmp_path, None) as journal:
-        journal.add(failed_record(JOB, "crash", "gone"))
-    plan, records, _ = read(tmp_path)
+        journal.add(make_failed_record(JOB, "crash", "gone"))
+    plan, records, _ = read_journal(tmp_path)
     assert plan == PLAN
     assert [record.status for record in records] == ["fail", "crash"]
 
@@ -43,10 +43,10 @@ def test_a_line_that_was_cut_short_is_dropped(tmp_path: Path, passing: Record) -
         journal.add(passing)
     with open(tmp_path / FILE_NAME, "ab") as file:
         file.write(b'{"id":"la')
-    assert read(tmp_path)[1] == [passing]
+    assert read_journal(tmp_path)[1] == [passing]
     with Journal(tmp_path, None) as journal:
         journal.add(passing)
-    assert read(tmp_path)[1] == [passing, passing]
+    assert read_journal(tmp_path)[1] == [passing, passing]
 
 
 def test_a_damaged_line_costs_its_own_record(tmp_path: Path, passing: Record) -> None:
@@ -56,15 +56,15 @@ def test_a_damaged_line_costs_its_own_record(tmp_path: Path, passing: Record) ->
         file.write(b'{"id": "cut\n[]\n\xff\n')
     with Journal(tmp_path, None) as journal:
         journal.add(passing)
-    assert read(tmp_path) == (PLAN, [passing, passing], [3, 4, 5])
+    assert read_journal(tmp_path) == (PLAN, [passing, passing], [3, 4, 5])
     (tmp_path / FILE_NAME).write_text("{" + (tmp_path / FILE_NAME).read_text("latin-1"))
     with pytest.raises(UsageError, match=r"records.jsonl:1: the first line is damaged"):
-        read(tmp_path)
+        read_journal(tmp_path)
 
 
 def test_a_journal_is_a_regular_file(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / FILE_NAME)
-    for attempt in (lambda: Journal(tmp_path, PLAN), lambda: read(tmp_path)):
+    for attempt in (lambda: Journal(tmp_path, PLAN), lambda: read_journal(tmp_path)):
         with pytest.raises(UsageError, match="this is no regular file"):
             attempt()
 
@@ -74,23 +74,23 @@ def test_only_one_run_writes_to_a_journal(tmp_path: Path) -> None:
     with Journal(tmp_path, PLAN):
         with pytest.raises(UsageError, match="another run"):
             Journal(tmp_path, PLAN)
-        assert read(tmp_path)[0] == PLAN
+        assert read_journal(tmp_path)[0] == PLAN
     Journal(tmp_path, PLAN).__exit__(None, None, None)
 
 
 def test_what_is_no_journal_is_said_so(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="no run to go on with"):
-        read(tmp_path)
+        read_journal(tmp_path)
     (tmp_path / FILE_NAME).write_text('{"started"')
     with pytest.raises(UsageError, match="did not get to begin"):
-        read(tmp_path)
+        read_journal(tmp_path)
     (tmp_path / FILE_NAME).write_text(json.dumps({"other": 1}) + "\n")
     with pytest.raises(ShaderlabError, match="no run of this version"):
-        read(tmp_path)
+        read_journal(tmp_path)
 
 
 def test_a_failed_job_says_how_far_it_came() -> None:
-    record = failed_record(JOB, "timeout", "took too long", step="draw 0", driver="softpipe")
+    record = make_failed_record(JOB, "timeout", "took too long", step="draw 0", driver="softpipe")
     assert (record.id, record.variant, record.status) == ("lamp", "near", "timeout")
     assert record.message == "took too long\nlast step: draw 0\ndriver: softpipe"
 
@@ -131,7 +131,7 @@ TINY = float(np.finfo(np.float32).smallest_subnormal)
     ],
 )
 def test_distance_of_two_drivers(a: np.ndarray, b: np.ndarray, expected: tuple[int, float]) -> None:
-    steps = apart(a, b)
+    steps = pixel_distances(a, b)
     assert (int((steps > 0).sum()), float(steps.max())) == expected
 
 

@@ -28,18 +28,18 @@ from shaderlab.workers.pool import ItemResult
 def test_a_worker_for_every_few_variants(
     variants: int, cores: int, workers: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(executors, "cores", lambda: cores)
-    assert executors.suitable(variants) == workers
+    monkeypatch.setattr(executors, "count_cores", lambda: cores)
+    assert executors.choose_worker_count(variants) == workers
 
 
 def test_cores_are_those_that_this_process_may_use(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "cpu_count", lambda: 64)
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3, 5}, raising=False)
-    assert executors.cores() == 2
+    assert executors.count_cores() == 2
     monkeypatch.delattr(os, "sched_getaffinity")
-    assert executors.cores() == 64
+    assert executors.count_cores() == 64
     monkeypatch.setattr(os, "cpu_count", lambda: None)
-    assert executors.cores() == 1
+    assert executors.count_cores() == 1
 
 
 class Pool:
@@ -79,7 +79,7 @@ POOLS: list[Pool] = []
 @pytest.fixture
 def pools(monkeypatch: pytest.MonkeyPatch) -> list[Pool]:
     monkeypatch.setattr(executors, "WorkerPool", Pool)
-    monkeypatch.setattr(executors, "cores", lambda: 8)
+    monkeypatch.setattr(executors, "count_cores", lambda: 8)
     POOLS.clear()
     return POOLS
 

@@ -21,7 +21,7 @@ from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan
 from shaderlab.cli.sweep import PointRecords, run_points
 from shaderlab.cli.sweep_table import Grid, Parameter, SweepTable
 from shaderlab.engine import worker
-from shaderlab.engine.jobs import DriverInfo, Job, failed_record
+from shaderlab.engine.jobs import DriverInfo, Job, make_failed_record
 from shaderlab.model import store
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
@@ -92,11 +92,11 @@ def test_records_come_back_from_the_journal(tmp_path: Path, passing: Record) -> 
     """Whatever they are, and in whatever order they came; a damaged line costs its own point."""
     grid = points(8)
     made = {
-        3: failed_record(grid[3], "crash", "gone"),  # nothing in common with the others
+        3: make_failed_record(grid[3], "crash", "gone"),  # nothing in common with the others
         0: measured(passing, "reach=0", 0.5, 0.0),
         1: dataclasses.replace(measured(passing, "reach=1", 0.5, -0.0), seconds=-0.0),
         7: measured(passing, "reach=7", 9.0, 1e9),
-        2: failed_record(grid[2], "timeout", "late"),
+        2: make_failed_record(grid[2], "timeout", "late"),
         4: measured(passing, "reach=4", math.nan, math.inf),
     }
     with Journal(tmp_path, RunPlan(started="", options=RunOptions(), grid=grid)) as journal:

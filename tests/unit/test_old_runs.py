@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
-from shaderlab.cli.outputs import mark_named, remove_old, report_folder
+from shaderlab.cli.outputs import make_report_folder, mark_named, remove_old_runs
 from shaderlab.errors import UsageError
 from shaderlab.report import html
 
@@ -30,16 +30,16 @@ def test_the_last_runs_stay(tmp_path: Path) -> None:
     names = [f"20260101-00000{n}" for n in range(6)] + ["20260101-000005-2"]
     for age, name in enumerate(reversed(names)):
         run(tmp_path, name, age)
-    assert remove_old(tmp_path, 0) == 0 and len(list(tmp_path.iterdir())) == 7
-    assert remove_old(tmp_path, 3) == 4 and remove_old(tmp_path, 3) == 0
+    assert remove_old_runs(tmp_path, 0) == 0 and len(list(tmp_path.iterdir())) == 7
+    assert remove_old_runs(tmp_path, 3) == 4 and remove_old_runs(tmp_path, 3) == 0
     assert sorted(p.name for p in tmp_path.iterdir()) == names[-3:]
-    assert remove_old(tmp_path / "gone", 3) == 0
+    assert remove_old_runs(tmp_path / "gone", 3) == 0
 
 
 def test_what_was_named_or_is_not_a_run_of_the_labs_is_never_removed(tmp_path: Path) -> None:
     old = [run(tmp_path, f"2025010{n}-000000", 100 + n) for n in range(1, 6)]
     mark_named(old[0])
-    report_folder(old[1])
+    make_report_folder(old[1])
     (old[2] / "records.jsonl").unlink()
     run(tmp_path, "before-the-change", 200)
     (tmp_path / "20250109-000000").symlink_to(old[3], target_is_directory=True)
@@ -48,24 +48,24 @@ def test_what_was_named_or_is_not_a_run_of_the_labs_is_never_removed(tmp_path: P
         fcntl.flock(going_on, fcntl.LOCK_EX)
         for n in range(3):
             run(tmp_path, f"20260101-00000{n}", 9 - n)
-        assert remove_old(tmp_path, 1) == 3  # old[4] and two new ones
+        assert remove_old_runs(tmp_path, 1) == 3  # old[4] and two new ones
         assert all(folder.is_dir() for folder in old[:4]) and not old[4].exists()
     assert (tmp_path / "before-the-change").is_dir() and (tmp_path / "notes").exists()
-    assert remove_old(tmp_path, 1) == 1 and not old[3].exists()
+    assert remove_old_runs(tmp_path, 1) == 1 and not old[3].exists()
 
 
 def test_a_page_of_anothers_is_not_replaced(tmp_path: Path) -> None:
     (tmp_path / "index.html").write_text("mine")
     with pytest.raises(UsageError, match="no report of shaderlab") as caught:
-        report_folder(tmp_path)
+        make_report_folder(tmp_path)
     assert caught.value.file == str(tmp_path / "index.html")
     (tmp_path / "run.json").write_text("{}")
-    assert report_folder(tmp_path) == tmp_path
+    assert make_report_folder(tmp_path) == tmp_path
 
 
 def test_the_list_of_runs_may_be_replaced(tmp_path: Path) -> None:
     html.write_run_list(tmp_path)
-    assert report_folder(tmp_path) == tmp_path
+    assert make_report_folder(tmp_path) == tmp_path
 
 
 def test_a_run_removes_what_the_project_does_not_keep(

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.engine.executors import NEAR, Prefetcher
-from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job, failed_record
+from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job, make_failed_record
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
@@ -45,7 +45,7 @@ class Executor:
                 if job.variant == self.refuses:
                     raise ShaderlabError("no worker can be started")
                 times = self.begun.count(job.variant)
-                yield job, failed_record(job, "error", f"time {times}")
+                yield job, make_failed_record(job, "error", f"time {times}")
         finally:
             self.ended += 1
 

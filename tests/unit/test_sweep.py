@@ -15,7 +15,14 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
-from shaderlab.cli.sweep_table import Grid, Parameter, SweepTable, grid, parameters, plots
+from shaderlab.cli.sweep_table import (
+    Grid,
+    Parameter,
+    SweepTable,
+    make_grid,
+    make_plots,
+    parse_parameters,
+)
 from shaderlab.engine.jobs import CaseInfo
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.model import store
@@ -78,7 +85,7 @@ def test_what_is_wrong_with_a_range_is_said(word: str, says: str, remedy: str) -
 
 
 def test_a_grid_is_the_product_of_its_parameters() -> None:
-    jobs = grid(FACTS, "near", parameters(["reach=1,2", "size=8,16"]))
+    jobs = make_grid(FACTS, "near", parse_parameters(["reach=1,2", "size=8,16"]))
     assert [job.variant for job in jobs] == [
         "reach=1, size=8", "reach=1, size=16", "reach=2, size=8", "reach=2, size=16",
     ]  # fmt: skip
@@ -89,7 +96,7 @@ def test_a_grid_is_the_product_of_its_parameters() -> None:
 
 
 def test_names_tell_close_values_apart() -> None:
-    jobs = grid(FACTS, "near", parameters(["reach=1,1.0000001,2"]))
+    jobs = make_grid(FACTS, "near", parse_parameters(["reach=1,1.0000001,2"]))
     assert [job.variant for job in jobs] == ["reach=1.0", "reach=1.0000001", "reach=2"]
 
 
@@ -100,19 +107,19 @@ def test_what_a_case_does_not_have_is_named() -> None:
         (["position=1,2"], "3 components", "reach"),
     ]:
         with pytest.raises(UsageError, match=says) as raised:
-            grid(FACTS, "near", parameters(words))
+            make_grid(FACTS, "near", parse_parameters(words))
         assert remedy in (raised.value.remedy or "")
     with pytest.raises(UsageError, match="given twice"):
-        parameters(["x=1", "x=2"])
+        parse_parameters(["x=1", "x=2"])
     with pytest.raises(
         UsageError, match=r"1,000,000 points \(1,000 × 1,000\), the limit is 100,000"
     ):
-        parameters(["x=0:1:1000", "y=0:1:1000"])
+        parse_parameters(["x=0:1:1000", "y=0:1:1000"])
     with pytest.raises(UsageError, match="has no formula"):
-        grid(FACTS, "far", parameters(["reach=1,2"]))
+        make_grid(FACTS, "far", parse_parameters(["reach=1,2"]))
     fixed = dataclasses.replace(FACTS, sized=False)
     with pytest.raises(UsageError, match="fixed size"):
-        grid(fixed, "near", parameters(["size=1,2"]))
+        make_grid(fixed, "near", parse_parameters(["size=1,2"]))
 
 
 def worst(widths: float, ulp: float) -> Worst:
@@ -141,7 +148,7 @@ def filled(jobs: Grid, records: Mapping[int, Record]) -> SweepTable:
 
 
 def test_a_row_has_the_worst_of_all_formulas(passing: Record) -> None:
-    jobs = grid(FACTS, "near", parameters(["reach=1,2", "size=8"]))
+    jobs = make_grid(FACTS, "near", parse_parameters(["reach=1,2", "size=8"]))
     lost = dataclasses.replace(passing, variant="reach=2, size=8", status="crash", message="gone",
                                expectations=())  # fmt: skip
     table = list(filled(jobs, {1: lost, 0: measured(passing, "", math.nan, 3.0)}).rows())
@@ -154,21 +161,23 @@ def test_a_row_has_the_worst_of_all_formulas(passing: Record) -> None:
 
 
 def test_plots_are_over_the_longest_parameter_with_few_series(passing: Record) -> None:
-    jobs = grid(FACTS, "near", parameters(["size=8,16", "reach=1,10,100", "light.linear=1,2"]))
+    jobs = make_grid(
+        FACTS, "near", parse_parameters(["size=8,16", "reach=1,10,100", "light.linear=1,2"])
+    )
     records = {
         n: measured(passing, "", 0.001 * jobs.coordinates(n)["reach"] * (1 + n % 2), 4.0)
         for n in range(len(jobs))
     }
-    widths, ulp = plots(filled(jobs, records))
+    widths, ulp = make_plots(filled(jobs, records))
     assert (widths.x_label, widths.log_x, widths.y_label) == ("reach", True, "half band widths")
     assert widths.title.endswith("largest over size")
     assert {point.series for point in widths.points} == {"light.linear 1", "light.linear 2"}
     assert [point.y for point in widths.points[:3]] == pytest.approx([0.001, 0.01, 0.1])
     assert all(point.high == 1.0 for point in widths.points)
     assert all(point.high == math.inf for point in ulp.points)
-    bad = plots(filled(jobs, {**records, 0: measured(passing, "", 2.0, 4.0)}))
+    bad = make_plots(filled(jobs, {**records, 0: measured(passing, "", 2.0, 4.0)}))
     assert [point.ok for point in bad[0].points].count(False) == 1
-    assert plots(filled(jobs, {0: records[0]})) == ()
+    assert make_plots(filled(jobs, {0: records[0]})) == ()
 
 
 def test_a_plot_of_many_points_has_the_worst_of_each_part(
@@ -176,10 +185,10 @@ def test_a_plot_of_many_points_has_the_worst_of_each_part(
 ) -> None:
     monkeypatch.setattr("shaderlab.cli.sweep_table.MOST_DOTS", 5)
     monkeypatch.setattr("shaderlab.cli.sweep_table.PARTS", 3)
-    jobs = grid(FACTS, "near", parameters(["reach=1:6:6"]))
+    jobs = make_grid(FACTS, "near", parse_parameters(["reach=1:6:6"]))
     far = {4: 1.5}
     made = {n: measured(passing, "", far.get(n, 0.1 + 0.01 * n), 1.0) for n in range(6)}
-    widths, _ = plots(filled(jobs, made))
+    widths, _ = make_plots(filled(jobs, made))
     assert widths.title.endswith("middle, largest in each of 3 parts")
     assert [(p.x, p.y, p.ok) for p in widths.points] == [
         (2.0, pytest.approx(0.11), True), (4.0, pytest.approx(0.13), True), (5.0, 1.5, False),
