@@ -19,9 +19,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.analysis.audit import Audit, audit_program
-from shaderlab.analysis.case_stages import stages
 from shaderlab.analysis.interpreter import load
-from shaderlab.analysis.invocations import program_of
+from shaderlab.analysis.invocations import case_stages, program_of
 from shaderlab.compiler import Shaders
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import data_folder, shipped_cases
@@ -184,7 +183,7 @@ def _catalogue(made_up: bool) -> None:
     with SceneRunner(RunOptions()) as lab:
         for case in load_cases(shipped_cases()).values():
             try:
-                for source, given in stages(lab, case):
+                for source, given in case_stages(lab, case):
                     if not given:
                         continue  # a stage whose inputs can't be captured
                     started = time.process_time()

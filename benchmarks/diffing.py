@@ -18,9 +18,8 @@ import numpy as np
 
 from benchmarks.rewrites import Rewrite, rewrites
 from shaderlab.analysis.answer import Answer
-from shaderlab.analysis.case_stages import rewritten
 from shaderlab.analysis.comparison import Plan, compare_programs
-from shaderlab.analysis.invocations import program_of
+from shaderlab.analysis.invocations import changed_stages, program_of
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.run import SceneRunner
@@ -35,7 +34,7 @@ def compared(
     """The answers on each stage that a rewrite changes, and the seconds that they took; no answer
     where one can't be had."""
     changes = [{rewrite.file: rewrite.text()} for rewrite in listed]
-    for rewrite, pairs in zip(listed, rewritten(lab, case, changes), strict=True):
+    for rewrite, pairs in zip(listed, changed_stages(lab, case, changes), strict=True):
         answers = []
         spent = 0.0
         try:

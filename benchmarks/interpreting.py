@@ -29,7 +29,7 @@ import numpy as np
 from benchmarks.adversary_device import Device
 from benchmarks.erring_arithmetic import Erring, outside
 from shaderlab.analysis.interpreter import FLOAT32, FLOAT64, Bands, Interpreted, interpret
-from shaderlab.analysis.invocations import Invocations, fragments, vertices
+from shaderlab.analysis.invocations import Invocations, sample_fragments, sample_vertices
 from shaderlab.analysis.self_check import shows_what_is_written
 from shaderlab.bands import Band, Integer, Rules
 from shaderlab.engine.catalogue import load_cases
@@ -113,7 +113,7 @@ def of_scene(
     scene = evaluation.scene
     for key in evaluation.drawn.bindings:
         draw = evaluation.programs[key[0]][key[1]]
-        for stage, gather in (("fragment", fragments), ("vertex", vertices)):
+        for stage, gather in (("fragment", sample_fragments), ("vertex", sample_vertices)):
             source = next((s for s in draw.authored if s.stage == stage), None)
             if source is None or (stage == "vertex" and draw.draw.geometry is not None):
                 continue

@@ -30,8 +30,8 @@ from .driver_values import driver_values
 from .inputs import declared_ranges, domains_of, inputs_of, sample_inputs, unknown_names
 from .interpreter import FLOAT32, FLOAT64, Arithmetic, Bands, Program, Stored, interpret
 from .interpreter.running import is_vector, precision_loss, row_of, width
-from .invocations import Invocations, fragments
-from .self_check import outside, shows_what_is_written
+from .invocations import Invocations, sample_fragments
+from .self_check import find_outside, shows_what_is_written
 
 _MOST_BLOCKS = 10_000  # a few seconds, for so few invocations
 _Key = tuple[int, tuple[int, ...], str, int]
@@ -92,7 +92,7 @@ def explain(
         NotInterpretedError: the shader can't be interpreted.
         DriverError, CaseError: its inputs can't be captured.
     """
-    given = fragments(evaluation, key, among=np.array([pixel]))
+    given = sample_fragments(evaluation, key, among=np.array([pixel]))
     assert given.pixels is not None
     here = np.flatnonzero((given.pixels == pixel).all(axis=-1))
     if not here.size:
@@ -119,7 +119,7 @@ def _leaves(
     hold something else than what was written."""
     if not shows_what_is_written(evaluation, key):
         return False
-    found = (outside(given, name, band) for name, band in bands.outputs.items())
+    found = (find_outside(given, name, band) for name, band in bands.outputs.items())
     return any(flags is not None and flags[row] for flags in found)
 
 
@@ -186,7 +186,7 @@ def widest_pixel(evaluation: Evaluation, key: PassDraw, most: int = 1024) -> tup
         UsageError: the draw is not seen.
         NotInterpretedError, DriverError, CaseError: as `explain`.
     """
-    given = fragments(evaluation, key, most)
+    given = sample_fragments(evaluation, key, most)
     assert given.pixels is not None
     if not given.count:
         raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at any pixel")

@@ -1,22 +1,39 @@
-"""A scene's draw as something to interpret: its stage's program, and what that stage got."""
+"""What draws give their shaders: a stage's program, and what its invocations got.
+
+`sample_fragments` and `sample_vertices` take one draw of a scene; `case_stages` and
+`changed_stages` go through all draws of a case.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import lru_cache
-from weakref import WeakKeyDictionary
+from pathlib import Path
 
 import numpy as np
 
 from shaderlab.compiler.sources import Source
+from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
-from shaderlab.errors import NotInterpretedError
+from shaderlab.engine.run import SceneRunner
+from shaderlab.errors import CaseError, NotInterpretedError
+from shaderlab.model.case import Case
 from shaderlab.model.frame import Array, Bindings, Fragments, PassDraw
 
-from .batches import asks_for_neighbours, scatter, whole_quads
+from .batches import (
+    InputBatch,
+    asks_for_neighbours,
+    fragment_batch,
+    scatter,
+    vertex_batch,
+    whole_quads,
+)
 from .interpreter import Program, load
+
+_MOST_INPUTS = 2048
+"""Invocations of a draw that `case_stages` and `changed_stages` take."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,7 +69,7 @@ def program_of(source: Source) -> Program:
     return load(source)
 
 
-def fragments(
+def sample_fragments(
     evaluation: Evaluation,
     key: PassDraw,
     most: int | None = None,
@@ -74,52 +91,27 @@ def fragments(
     program = program or program_of(stage_of(evaluation, key, "fragment"))
     captured = evaluation.answer(CapturedFragments(key))
     bindings = evaluation.drawn.bindings[key]
-    if most is not None and among is None:
-        known = _SAMPLES.setdefault(captured, {})
-        how = most, asks_for_neighbours(program, bindings)
-        seen = known[how] = known.get(how) or _Seen.of(captured, _sample(captured, *how))
-    else:
-        seen = _Seen.of(captured, None if among is None else _in_quads(captured, among))
-    x, y = seen.pixels.T
+    places = np.flatnonzero(captured.covered)
+    if among is not None:
+        places = places[_in_quads(captured, among)]
+    elif most is not None and len(places) > most:
+        places = places[_sample(captured, most, asks_for_neighbours(program, bindings))]
+    y, x = np.divmod(places, captured.covered.shape[1])
+    inputs = {**captured.inputs, "gl_FragCoord": captured.frag_coord}
     images = {n: i for (name, n), i in evaluation.drawn.images.items() if name == key[0]}
     return Invocations(
         program=program,
-        each=seen.each,
+        each={name: values[y, x] for name, values in inputs.items()},
         bindings=bindings,
         measured={name: image.values[y, x] for name, image in images.items()},
         formats={name: image.format for name, image in images.items()},
-        pixels=seen.pixels,
+        pixels=np.stack([x, y], axis=-1),
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Seen:
-    """Pixels (count, 2), and what the fragment shader got there."""
-
-    pixels: Array
-    each: Mapping[str, Array]
-
-    @classmethod
-    def of(cls, captured: Fragments, rows: Array | None) -> _Seen:
-        """Those of the covered pixels with these numbers, all by default; to be read only."""
-        places = np.flatnonzero(captured.covered)
-        at = y, x = np.divmod(places if rows is None else places[rows], captured.covered.shape[1])
-        inputs = {**captured.inputs, "gl_FragCoord": captured.frag_coord}
-        found = cls(np.stack([x, y], axis=-1), {name: v[at] for name, v in inputs.items()})
-        for array in (found.pixels, *found.each.values()):
-            array.flags.writeable = False
-        return found
-
-
-# Draws that must get the same share what was captured, and what is taken of it.
-_SAMPLES: WeakKeyDictionary[Fragments, dict[tuple[int, bool], _Seen]] = WeakKeyDictionary()
-
-
-def _sample(captured: Fragments, most: int, whole: bool) -> Array | None:
-    """About `most` of the covered pixels, by their numbers; `whole` quads; None for all."""
+def _sample(captured: Fragments, most: int, whole: bool) -> Array:
+    """About `most` of the covered pixels, by their numbers; `whole` quads."""
     places = np.flatnonzero(captured.covered)
-    if len(places) <= most:
-        return None
     ends = _extremes([_at(places, values) for values in captured.inputs.values()])
     if whole:
         y, x = np.nonzero(captured.covered)
@@ -137,7 +129,7 @@ def _in_quads(captured: Fragments, among: Array) -> Array:
     return np.flatnonzero(np.isin(cells, quads[:, 1] * side + quads[:, 0]))
 
 
-def vertices(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> Invocations:
+def sample_vertices(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> Invocations:
     """The vertices of a draw without a geometry stage, the first `most` of them.
 
     Raises:
@@ -181,3 +173,97 @@ def stage_of(evaluation: Evaluation, key: PassDraw, stage: str) -> Source:
     if sources[0].stage == "compute":
         raise NotInterpretedError("not interpreted: compute stage")
     return next(source for source in sources if source.stage == stage)
+
+
+@dataclass(frozen=True, eq=False)
+class ChangedStage:
+    """A stage that other texts make another one, and the inputs that a case's draws give it."""
+
+    old: Source
+    new: Source
+    given: list[InputBatch] = field(default_factory=list)
+
+
+def case_stages(lab: SceneRunner, case: Case) -> list[tuple[Source, list[InputBatch]]]:
+    """Each stage of a case's draws, once, and the inputs that those give it: those of fragment and
+    vertex stages that ran; nothing for other stages, whose inputs can't be captured.
+
+    Raises:
+        ShaderlabError: the case can't be drawn, or what a draw gives can't be captured.
+    """
+    found: dict[str, tuple[Source, list[InputBatch]]] = {}
+    for scene in case.scenes():
+        programs = lab.prepare_for_opengl(scene)
+        with lab.evaluation(scene, programs) as evaluation:
+            for name, draws in programs.items():
+                for i, draw in enumerate(draws):
+                    for source in draw.sources:
+                        if not _is_written_by_lab(source, draw):
+                            one = found.setdefault(source.text, (source, []))
+                            given = _captured_batch(evaluation, (name, i), source.stage)
+                            one[1].extend(g for g in given if g.count)
+    return [
+        (source, given)
+        for source, given in found.values()
+        if given or source.stage not in ("vertex", "fragment")
+    ]
+
+
+def changed_stages(
+    lab: SceneRunner, case: Case, changes: Sequence[Mapping[str, str | Path]]
+) -> list[list[ChangedStage]]:
+    """For each change, the stages of the case's draws that it makes other ones, each once.
+
+    Args:
+        lab: draws the case, once for all changes.
+        case: whose draws give the inputs.
+        changes: other texts or files for some shaders, by their names.
+
+    Raises:
+        ShaderError: a shader does not compile, as it is or changed.
+        CaseError: no draw of the case uses any of a change's shaders.
+    """
+    found: list[dict[tuple[str, str], ChangedStage]] = [{} for _ in changes]
+    for scene in case.scenes():
+        programs = lab.prepare_for_opengl(scene)
+        with lab.evaluation(scene, programs) as evaluation:
+            for change, known in zip(changes, found, strict=True):
+                for key, old, new in _differing_sources(
+                    programs, lab.prepare_for_opengl(scene, change)
+                ):
+                    one = known.setdefault((old.text, new.text), ChangedStage(old, new))
+                    one.given.extend(
+                        g for g in _captured_batch(evaluation, key, old.stage) if g.count
+                    )
+    for change, known in zip(changes, found, strict=True):
+        if not known:
+            raise CaseError(f"no draw uses {', '.join(change)}", file=case.file)
+    return [list(known.values()) for known in found]
+
+
+def _differing_sources(
+    programs: Programs, others: Programs
+) -> Iterator[tuple[PassDraw, Source, Source]]:
+    for name, draws in programs.items():
+        for i, draw in enumerate(draws):
+            for old, new in zip(draw.sources, others[name][i].sources, strict=True):
+                if old.text != new.text and not _is_written_by_lab(old, draw):
+                    yield (name, i), old, new
+
+
+def _is_written_by_lab(source: Source, draw: PreparedDraw) -> bool:
+    """Whether a stage is of no interest: the lab has written it."""
+    return source.stage == "vertex" and draw.draw.mesh is None
+
+
+def _captured_batch(evaluation: Evaluation, key: PassDraw, stage: str) -> Iterator[InputBatch]:
+    """What a draw gives a stage, if that can be captured."""
+    bindings = evaluation.drawn.bindings[key]
+    if stage == "vertex":
+        vertices = CapturedVertices(key)
+        yield vertex_batch(evaluation.answer(vertices), bindings, _MOST_INPUTS)
+        del evaluation.answers[vertices]  # of many draws, all are more than fits into memory
+    elif stage == "fragment":
+        fragments = CapturedFragments(key)
+        yield fragment_batch(evaluation.answer(fragments), bindings, _MOST_INPUTS)
+        del evaluation.answers[fragments]

@@ -72,11 +72,11 @@ class CompareInCase:
     options: RunOptions
 
     def perform(self, worker: Worker) -> list[Answer]:
-        from shaderlab.analysis.case_stages import rewritten
+        from shaderlab.analysis.invocations import changed_stages
 
         worker.note("drawing the case")
         lab, case = worker.lab(self.options), worker.case(str(self.case))
-        (found,) = rewritten(lab, case, [self.files])
+        (found,) = changed_stages(lab, case, [self.files])
         answers = []
         for one in found:
             worker.note("interpreting")
@@ -120,7 +120,7 @@ class AuditFile:
 class AuditCase:
     """Asks for an `Audit` of each stage of a case's draws, on what those give it.
 
-    Raises as `shaderlab.analysis.case_stages.stages` and `shaderlab.analysis.interpreter.load`.
+    Raises as `case_stages` of `invocations` and `load` of the interpreter.
     """
 
     case: Path
@@ -133,12 +133,12 @@ class AuditCase:
         return str(self.case)
 
     def perform(self, worker: Worker) -> list[Audit]:
-        from shaderlab.analysis.case_stages import stages
+        from shaderlab.analysis.invocations import case_stages
 
         worker.note("drawing the case")
         lab, case = worker.lab(self.options), worker.case(str(self.case))
         audits = []
-        for source, given in stages(lab, case):
+        for source, given in case_stages(lab, case):
             worker.note("interpreting")
             try:
                 if not given:

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterable, Iterator, Sequence, Set
+from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -30,7 +30,7 @@ from shaderlab.model.frame import PassDraw
 from shaderlab.model.phases import phase
 from shaderlab.model.records import ModulesRecord, Outcome, Row
 
-from .invocations import Invocations, fragments, program_of, stage_of
+from .invocations import Invocations, program_of, sample_fragments, stage_of
 
 PIXELS = 1024
 """Of each draw in a sample."""
@@ -39,116 +39,123 @@ _NAME = "each draw is what its shader says"
 
 
 @dataclass
-class _Found:
+class _DrawCheck:
+    """What checking one draw found.
+
+    Attributes:
+        rows: an output a row, or why the draw was left out.
+        left_out: the reason in words, or "".
+        outputs: the outputs that were judged; `outside` those that left their bands.
+        judged: how many pixels were, over all outputs.
+        message: the first pixel that is outside.
+    """
+
     rows: list[Row] = field(default_factory=list)
-    left_out: dict[str, None] = field(default_factory=dict)
-    outputs: dict[str, None] = field(default_factory=dict)
-    outside: set[str] = field(default_factory=set)
+    left_out: str = ""
+    outputs: list[str] = field(default_factory=list)
+    outside: list[str] = field(default_factory=list)
     judged: int = 0
     message: str = ""
 
 
 class SelfCheck:
-    """The draws of a scene, held against their own shaders; asked while it is on the device.
+    """The draws of a scene, held against their own shaders while it is on the device.
 
     Args:
         evaluation: the scene.
         every: look at all pixels of all draws. Otherwise at some of each program's first draw,
             and of those whose inputs expectations capture, of one in each pass.
+
+    Attributes:
+        outside: the outputs, (pass, output), that left their bands.
     """
 
     def __init__(self, evaluation: Evaluation, every: bool = False) -> None:
         self.outside: set[tuple[str, str]] = set()
         self._evaluation = evaluation
         self._every = every
-        self._found: dict[PassDraw, _Found] = {}
-        self._captured: set[Need] = set()
-        self._all_needs = evaluation.all_needs()
+        self._checks: dict[PassDraw, _DrawCheck] = {}
+        needs = evaluation.all_needs()
+        self._passes = _passes_captured(needs)
+        self._keys = list(_choose_draws(evaluation, needs, every=every))
 
     def judge_captured(self, needed: Set[Need]) -> None:
         """Judge the draws whose captured inputs are not `needed` any more, and all others of a pass
         of which nothing is: they are captured with those."""
         answers = self._evaluation.answers
-        self._captured |= answers.keys()
-        later = _passes_captured(needed)
-        ended = _passes_captured(self._all_needs) - later
-        for key in self._planned:
+        ended = self._passes - _passes_captured(needed)
+        for key in self._keys:
             need = CapturedFragments(key)
             if key[0] in ended or (need in answers and need not in needed):
-                self._judge(key)
+                self._check(key)
 
     def judgement(self) -> tuple[ModulesRecord, Judgement]:
-        """Whether the driver drew what each draw's fragment shader allows."""
-        whole = _Found()
-        self._captured |= self._evaluation.answers.keys()
-        for key in _keys(self._evaluation, self._captured, every=self._every):
-            found = self._judge(key)
-            whole.rows += found.rows
-            self.outside |= {(key[0], name) for name in found.outside}
-            whole.left_out |= found.left_out
-            whole.outputs |= found.outputs
-            whole.judged += found.judged
-            whole.message = whole.message or found.message
+        """Judge the other draws; whether the driver drew what each fragment shader allows."""
+        checks = {key: self._check(key) for key in self._keys}
+        self.outside = {(key[0], name) for key, check in checks.items() for name in check.outside}
+        judged = sum(check.judged for check in checks.values())
+        outputs = (f"{key[0]}.{name}" for key, check in checks.items() for name in check.outputs)
+        left_out = (check.left_out for check in checks.values() if check.left_out)
         record = ModulesRecord(
-            judged=whole.judged, outputs=tuple(whole.outputs), left_out=tuple(whole.left_out)
+            judged=judged,
+            outputs=tuple(dict.fromkeys(outputs)),
+            left_out=tuple(dict.fromkeys(left_out)),
         )
-        outcome = Outcome.of_rows(_NAME, "module", whole.rows, whole.message, whole.judged)
+        rows = [row for check in checks.values() for row in check.rows]
+        message = next((check.message for check in checks.values() if check.message), "")
+        outcome = Outcome.of_rows(_NAME, "module", rows, message, judged)
         return record, Judgement(outcome=outcome)
 
-    @cached_property
-    def _planned(self) -> Sequence[PassDraw]:
-        return list(_keys(self._evaluation, self._all_needs, every=self._every))
-
-    def _judge(self, key: PassDraw) -> _Found:
-        """What was found of a draw, which is judged once."""
-        if key in self._found:
-            return self._found[key]
-        evaluation, found = self._evaluation, self._found.setdefault(key, _Found())
-        need = CapturedFragments(key)
-        known = need in evaluation.answers
+    def _check(self, key: PassDraw) -> _DrawCheck:
+        """Check a draw, once."""
+        if key in self._checks:
+            return self._checks[key]
+        check = self._checks[key] = _DrawCheck()
+        answers, need = self._evaluation.answers, CapturedFragments(key)
+        known = need in answers
         try:
             with phase("judge", "judging each draw by its shader"):
-                _judge(evaluation, key, found, every=self._every)
-        except DeviceLostError:
+                _check_outputs(self._evaluation, key, check, every=self._every)
+        except (DeviceLostError, MemoryError):
             raise
         except ShaderlabError as error:
-            _leave_out(found, key, error.message.partition("\n")[0])
-        except MemoryError:
-            raise
+            _leave_out(check, key, error.message.partition("\n")[0])
         except Exception as error:  # a defect of the interpreter changes no verdict
             if os.environ.get("SHADERLAB_DEBUG"):
                 raise
-            _leave_out(found, key, f"not interpreted: unforeseen {error!r}")
+            _leave_out(check, key, f"not interpreted: unforeseen {error!r}")
         finally:
             if not known:  # of many draws, all are more than fits into memory
-                evaluation.answers.pop(need, None)
-        return found
+                answers.pop(need, None)
+        return check
 
 
-def _judge(evaluation: Evaluation, key: PassDraw, found: _Found, *, every: bool) -> None:
-    given, result = _interpreted(evaluation, key, every=every)
+def _check_outputs(
+    evaluation: Evaluation, key: PassDraw, check: _DrawCheck, *, every: bool
+) -> None:
+    given, result = _interpret_draw(evaluation, key, every=every)
     if result is None:
         return
     if not shows_what_is_written(evaluation, key):
-        given = _with_written(evaluation, key, given)
-    gone = result.discarded.all_true.reshape(-1)
+        given = _redraw_unblended(evaluation, key, given)
+    discarded = result.discarded.all_true.reshape(-1)
     for name, band in result.outputs.items():
-        flags = outside(given, name, band)
-        if flags is None:
+        outside = find_outside(given, name, band)
+        if outside is None:
             continue
-        flags |= gone
-        found.judged += given.count
-        found.outputs[f"{key[0]}.{name}"] = None
-        measured = f"{flags.sum()} of {given.count} pixels outside"
-        found.rows.append(_row(key, name, measured, ok=not flags.any()))
-        if flags.any():
-            found.outside.add(name)
-        if flags.any() and not found.message:
-            row = int(flags.argmax())
-            found.message = _message(given, key, name, row, band, gone=bool(gone[row]))
+        outside |= discarded
+        check.judged += given.count
+        check.outputs.append(name)
+        measured = f"{outside.sum()} of {given.count} pixels outside"
+        check.rows.append(_row(key, name, measured, ok=not outside.any()))
+        if outside.any():
+            check.outside.append(name)
+        if outside.any() and not check.message:
+            row = int(outside.argmax())
+            check.message = _message(given, key, name, row, band, discarded=bool(discarded[row]))
 
 
-def _interpreted(
+def _interpret_draw(
     evaluation: Evaluation, key: PassDraw, *, every: bool
 ) -> tuple[Invocations, Interpreted | None]:
     """A draw's invocations and their bands; None where none is seen."""
@@ -158,15 +165,15 @@ def _interpreted(
     try:
         # The module that is there already has no lines, which only messages need.
         program = program_of(source) if module is None else _read(module, source)
-        return _run(evaluation, key, program, blocks, every=every)
+        return _interpret_sample(evaluation, key, program, blocks, every=every)
     except NotInterpretedError:
-        return _run(evaluation, key, program_of(source), blocks, every=every)
+        return _interpret_sample(evaluation, key, program_of(source), blocks, every=every)
 
 
-def _run(
+def _interpret_sample(
     evaluation: Evaluation, key: PassDraw, program: Program, blocks: int, *, every: bool
 ) -> tuple[Invocations, Interpreted | None]:
-    given = fragments(evaluation, key, None if every else PIXELS, program=program)
+    given = sample_fragments(evaluation, key, None if every else PIXELS, program=program)
     if not given.count:
         return given, None
     with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -188,7 +195,7 @@ def shows_what_is_written(evaluation: Evaluation, key: PassDraw) -> bool:
     return not (state.blend or state.srgb or target.samples) and all(state.color_mask)
 
 
-def _with_written(evaluation: Evaluation, key: PassDraw, given: Invocations) -> Invocations:
+def _redraw_unblended(evaluation: Evaluation, key: PassDraw, given: Invocations) -> Invocations:
     """Invocations with what they write where the draw is made once more, into floats and without
     blending, masks and samples."""
     assert given.pixels is not None
@@ -199,7 +206,7 @@ def _with_written(evaluation: Evaluation, key: PassDraw, given: Invocations) -> 
     return replace(given, measured={n: v[at] for n, v in images.items()}, formats=formats)
 
 
-def outside(given: Invocations, name: str, band: Any) -> Flags | None:
+def find_outside(given: Invocations, name: str, band: Any) -> Flags | None:
     """Where an output that was read back lies outside of its band; None where it can't be told."""
     if name not in given.measured or not isinstance(band, Band) or band.ndim != 2:
         return None
@@ -210,8 +217,8 @@ def outside(given: Invocations, name: str, band: Any) -> Flags | None:
     return found
 
 
-def _keys(evaluation: Evaluation, known: Set[Need], *, every: bool) -> Iterator[PassDraw]:
-    """The draws that are judged, where these needs are answered anyway."""
+def _choose_draws(evaluation: Evaluation, known: Set[Need], *, every: bool) -> Iterator[PassDraw]:
+    """The draws to check, where these needs are answered anyway."""
     groups: dict[tuple[Source, ...], dict[str, list[PassDraw]]] = {}
     for name, draws in evaluation.programs.items():
         for i, draw in enumerate(draws):
@@ -230,9 +237,9 @@ def _keys(evaluation: Evaluation, known: Set[Need], *, every: bool) -> Iterator[
         yield from (key for key in first[1:] if cost(key) == (False, False))
 
 
-def _leave_out(found: _Found, key: PassDraw, why: str) -> None:
-    found.left_out[f"draw {key[1]} of pass {key[0]!r}: {why}"] = None
-    found.rows.append(_row(key, "", why, ok=True))
+def _leave_out(check: _DrawCheck, key: PassDraw, why: str) -> None:
+    check.left_out = f"draw {key[1]} of pass {key[0]!r}: {why}"
+    check.rows.append(_row(key, "", why, ok=True))
 
 
 def _row(key: PassDraw, name: str, measured: str, *, ok: bool) -> Row:
@@ -241,7 +248,7 @@ def _row(key: PassDraw, name: str, measured: str, *, ok: bool) -> Row:
 
 
 def _message(
-    given: Invocations, key: PassDraw, name: str, row: int, band: Band, *, gone: bool
+    given: Invocations, key: PassDraw, name: str, row: int, band: Band, *, discarded: bool
 ) -> str:
     assert given.pixels is not None
     x, y = (int(v) for v in given.pixels[row])
@@ -250,8 +257,8 @@ def _message(
         f"{low:.9g} … {high:.9g}" for low, high in zip(band.lo[row], band.hi[row], strict=True)
     )
     return (
-        f"draw {key[1]} of pass {key[0]!r} leaves what its shader allows: {name} is {values} at "
-        f"pixel ({x}, {y}), " + ("which the shader discards" if gone else f"allowed {allowed}")
+        f"draw {key[1]} of pass {key[0]!r} is outside its shader's band: {name} is {values} at "
+        f"pixel ({x}, {y}), " + ("which the shader discards" if discarded else f"allowed {allowed}")
     )
 
 

@@ -9,8 +9,8 @@ from dataclasses import replace
 from shaderlab.analysis.driver_values import driver_values
 from shaderlab.analysis.explain import Trace, traced
 from shaderlab.analysis.interpreter import Bands, Stored
-from shaderlab.analysis.invocations import Invocations, fragments
-from shaderlab.analysis.self_check import outside
+from shaderlab.analysis.invocations import Invocations, sample_fragments
+from shaderlab.analysis.self_check import find_outside
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path
@@ -28,7 +28,7 @@ def trace_draws(right: Evaluation) -> Traces:
 
 def _trace_of(evaluation: Evaluation, key: PassDraw) -> tuple[Invocations, Trace] | None:
     try:
-        given = fragments(evaluation, key, _MOST_PIXELS)
+        given = sample_fragments(evaluation, key, _MOST_PIXELS)
         return (given, traced(given, Bands())) if given.count else None
     except ShaderlabError:
         return None
@@ -74,7 +74,7 @@ def _leaves(wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace) 
     at = given.pixels[:, 1], given.pixels[:, 0]
     images = {n: i for (name, n), i in wrong.drawn.images.items() if name == key[0]}
     drawn = replace(given, measured={name: image.values[at] for name, image in images.items()})
-    flags = (outside(drawn, name, band) for name, band in trace.outputs.items())
+    flags = (find_outside(drawn, name, band) for name, band in trace.outputs.items())
     return any(found is not None and bool(found.any()) for found in flags)
 
 

@@ -25,7 +25,7 @@ from shaderlab import (
     measure,
     value,
 )
-from shaderlab.analysis.invocations import fragments
+from shaderlab.analysis.invocations import sample_fragments
 from shaderlab.analysis.self_check import SelfCheck
 from shaderlab.drivers import Backend
 from shaderlab.drivers.opengl import drawing as dispatch
@@ -360,7 +360,7 @@ def test_kinds_that_need_a_fragment_stage_say_so(lab: SceneRunner, tmp_path: Pat
     scene = case.scene("default")
     with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
         with pytest.raises(NotInterpretedError, match="not interpreted: compute stage"):
-            fragments(evaluation, ("main", 0))
+            sample_fragments(evaluation, ("main", 0))
         with pytest.raises(UnsupportedError, match="it is a dispatch"):
             evaluation.session.query("time", "main", 1)
         (row,) = SelfCheck(evaluation, every=True).judgement()[1].outcome.rows

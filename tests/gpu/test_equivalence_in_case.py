@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab import Case
-from shaderlab.analysis.case_stages import rewritten
+from shaderlab.analysis.invocations import changed_stages
 from shaderlab.cli.diff import command
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError, UsageError
@@ -127,16 +127,16 @@ def test_a_library_file_is_compared_in_all_programs_that_include_it(
     lab: SceneRunner, folder: Path
 ) -> None:
     case = case_in(folder)
-    ((one,),) = rewritten(lab, case, [{"law.glsl": LAW.replace("1.0 + d", "2.0 + d")}])
+    ((one,),) = changed_stages(lab, case, [{"law.glsl": LAW.replace("1.0 + d", "2.0 + d")}])
     assert one.old.stage == "fragment" and sum(given.count for given in one.given) == 256
     assert "2.0 + d" in one.new.text and "1.0 + d" in one.old.text
     with pytest.raises(CaseError, match="no draw uses approved"):
-        rewritten(lab, case, [{"approved.frag": SHADER + "\n"}])
+        changed_stages(lab, case, [{"approved.frag": SHADER + "\n"}])
 
 
 def test_a_vertex_stage_that_the_lab_writes_is_not_compared(lab: SceneRunner, folder: Path) -> None:
     text = SHADER.replace("in vec3 normal;", "noperspective in vec3 normal;")
-    ((one,),) = rewritten(lab, case_in(folder), [{"lit.frag": text}])
+    ((one,),) = changed_stages(lab, case_in(folder), [{"lit.frag": text}])
     assert one.old.stage == "fragment"
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from shaderlab import Case, Ramp, Texture, formula, fullscreen
 from shaderlab.analysis.interpreter import FLOAT32, Bands, Interpreted, interpret, load
-from shaderlab.analysis.invocations import Invocations, fragments
+from shaderlab.analysis.invocations import Invocations, sample_fragments
 from shaderlab.compiler import Shaders
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
@@ -83,7 +83,7 @@ def drawn(lab: SceneRunner, folder: Path, body: str) -> Invocations:
                 expect=[formula("color", lambda at: at)])  # fmt: skip
     scene = case.scene("default")
     with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
-        return fragments(evaluation, ("main", 0))
+        return sample_fragments(evaluation, ("main", 0))
 
 
 def run(given: Invocations, arithmetic: Any, text: str = "") -> Interpreted:

@@ -86,7 +86,7 @@ def test_a_miscompiled_output_that_no_formula_looks_at_turns_the_run_red(
     assert (right.status, [one.kind for one in right.expectations]) == ("pass", ["coverage"])
     outcome = wrong.expectations[-1]
     assert (wrong.status, outcome.kind, outcome.status) == ("fail", "module", "fail")
-    assert "leaves what its shader allows: second is" in outcome.message
+    assert "is outside its shader's band: second is" in outcome.message
 
 
 def miscompiled(texts: Mapping[str, str]) -> dict[str, str]:

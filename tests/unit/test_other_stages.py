@@ -146,7 +146,9 @@ def test_what_is_not_interpreted_is_named() -> None:
 
 def test_a_case_s_stage_that_gives_nothing_is_not_audited(monkeypatch: pytest.MonkeyPatch) -> None:
     source = program(STRIP, "geometry").source
-    monkeypatch.setattr("shaderlab.analysis.case_stages.stages", lambda lab, case: [(source, [])])
+    monkeypatch.setattr(
+        "shaderlab.analysis.invocations.case_stages", lambda lab, case: [(source, [])]
+    )
 
     class Worker:
         note = lab = case = staticmethod(lambda *given: None)
