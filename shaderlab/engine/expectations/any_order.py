@@ -24,7 +24,7 @@ import numpy as np
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import checked_arguments
 from shaderlab.model.expectation import Judgement, Need, Programs
-from shaderlab.model.frame import Array, Frame, every_component
+from shaderlab.model.frame import Array, Frame, TypedNeed, every_component
 from shaderlab.model.phases import phase
 from shaderlab.model.scene import Draw, Pass
 from shaderlab.model.state import Depth
@@ -58,7 +58,7 @@ def both_ways(description: Pass) -> tuple[Pass, Pass]:
 
 
 @dataclass(frozen=True)
-class Backwards(Need):
+class Backwards(TypedNeed[Array]):
     """What an output shows that is drawn backwards; its own values where all are the same, and at
     pixels that differ along lines and have one depth both ways."""
 
@@ -100,7 +100,7 @@ class AnyOrder(Exact):
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         found = super().judge(scene, frame)
         for front, needs in self._drawn_anew(scene).items():
-            own, strict, loose = (frame.answers[need] for need in needs)
+            own, strict, loose = (frame.answer(need) for need in needs)
             told = _same(strict, loose)
             apart = told & ~_same(own, strict)
             if front == EITHER_SIDE:
@@ -117,13 +117,13 @@ class AnyOrder(Exact):
         return found
 
     def expected(self, values: Array, scene: Scene, frame: Frame) -> Array:
-        found: Array = frame.answers[self._backwards(scene)]
+        found = frame.answer(self._backwards(scene))
         return found
 
     def _backwards(self, scene: Scene) -> Backwards:
         return Backwards(self.key(scene)[0], self.own_name(scene))
 
-    def _drawn_anew(self, scene: Scene) -> Mapping[str, tuple[Need, ...]]:
+    def _drawn_anew(self, scene: Scene) -> Mapping[str, tuple[DrawnAnew, ...]]:
         """For what is to be in front the pass by its own tests, and by tests for that, which let
         the first of equally far surfaces through, or the last; none where its own are one of the
         two, and without a depth buffer of the pass's own."""
@@ -151,7 +151,7 @@ class AnyOrder(Exact):
 
 
 @dataclass(frozen=True)
-class DrawnAnew(Need):
+class DrawnAnew(TypedNeed[Array]):
     """An output of a pass that is drawn once more: from the other end of the depth buffer if
     `turned`, and with depth test `test` in each draw, or else its own; nothing is culled unless
     `culled`."""

@@ -14,7 +14,7 @@ from shaderlab.drivers.programs.prepare import Preparer, step
 from shaderlab.drivers.programs.vertex_capture import vertex_outputs
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.case import Scene
-from shaderlab.model.expectation import Expectation, Need, Programs, Read
+from shaderlab.model.expectation import Expectation, Programs, Read, TypedNeed
 from shaderlab.model.frame import Bindings, PassDraw
 from shaderlab.model.records import Verdict
 from shaderlab.model.scene import Pass, Pixel
@@ -56,7 +56,7 @@ class Context:
 
 
 @dataclass(frozen=True)
-class SessionQuery(Need):
+class SessionQuery(TypedNeed[Any]):
     """What the session answers to a question: one of `shaderlab.drivers.protocol.QUERIES`,
     and its arguments."""
 

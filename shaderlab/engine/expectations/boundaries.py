@@ -11,7 +11,7 @@ import numpy as np
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs
-from shaderlab.model.frame import Array, Frame, Samples
+from shaderlab.model.frame import Array, Frame, Samples, TypedNeed
 from shaderlab.model.phases import phase
 
 from ..judging.banded import judge_band
@@ -68,7 +68,7 @@ class Boundaries(ReferenceExpectation):
         yield BesideBoundaries(self)
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        key, samples = self.key(scene), frame.answers[BesideBoundaries(self)]
+        key, samples = self.key(scene), frame.answer(BesideBoundaries(self))
         each = {**samples.inputs, **self.places(2)}
         inputs = inputs_of(frame, key, each=each, given=self.given)
         measured = samples.outputs[self.own_name(scene)]
@@ -83,7 +83,7 @@ class Boundaries(ReferenceExpectation):
         return {PLACE: np.stack([x, y, np.full_like(x, 0.5), np.ones_like(x)], -1).reshape(-1, 4)}
 
 
-class BesideBoundaries(Need):
+class BesideBoundaries(TypedNeed[Samples]):
     """A draw's program run beside the places where an expectation's reference changes most."""
 
     def __init__(self, expectation: Boundaries) -> None:

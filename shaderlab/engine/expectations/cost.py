@@ -86,7 +86,7 @@ class Cost(Expectation):
             for label, row in self.series.items():
                 if number in row:
                     taken = [
-                        frame.answers[SessionQuery("time", (name, self.repeats))]
+                        frame.answer(SessionQuery("time", (name, self.repeats)))
                         for name in row[number]
                     ]
                     best[label, number] = sum(min(t.seconds) for t in taken)

@@ -131,7 +131,7 @@ def _faults(
     key: PassDraw, frame: Frame, by_depth: bool, rule: OutputExpectation | None
 ) -> tuple[Array, Array]:
     """Where fragments are missing, and where some are seen that should be discarded."""
-    found: Fragments = frame.answers[CapturedFragments(key)]
+    found = frame.answer(CapturedFragments(key))
     everything = found.undiscarded
     missing, surplus = (np.zeros_like(found.covered) for _ in range(2))
     if everything is not None and by_depth:

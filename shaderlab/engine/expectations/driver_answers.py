@@ -3,25 +3,51 @@ many pixels show it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from abc import abstractmethod
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
-from shaderlab.engine.expectations.base import DrawExpectation, SessionQuery
-from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.calls import COUNTERS, GL_ERRORS, error_name
 from shaderlab.model.case import Scene
-from shaderlab.model.checked import checked_arguments
 from shaderlab.model.expectation import Judgement, Need, Programs, Read
-from shaderlab.model.frame import BlockReading, Frame, PassDraw
+from shaderlab.model.frame import AttributeReading, BlockReading, Frame, PassDraw
 from shaderlab.model.records import Row
 from shaderlab.model.state import one_of
 
+from .base import DrawExpectation, SessionQuery
+from .needs import CapturedFragments
+
+
+@dataclass(frozen=True, kw_only=True)
+class DriverAnswer(DrawExpectation):
+    """An expectation of what the session answers to one query about a draw."""
+
+    query_name: ClassVar[str]
+    query_arguments: ClassVar[tuple[str, ...]] = ()
+
+    def query(self, scene: Scene) -> SessionQuery:
+        """The query: its name, the draw, and further arguments, which are fields."""
+        arguments: list[Hashable] = [getattr(self, name) for name in self.query_arguments]
+        return SessionQuery(self.query_name, (self.key(scene), *arguments))
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        yield self.query(scene)
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        rows, message = self.compare(frame.answers[self.query(scene)])
+        return self.judge_rows(rows, message, judged=len(rows))
+
+    @abstractmethod
+    def compare(self, answer: Any) -> tuple[list[Row], str]:
+        """Compare the answer with what is expected; return a table, and what is wrong or ""."""
+
 
 @dataclass(frozen=True)
-class AttributeLayout(DrawExpectation):
+class AttributeLayout(DriverAnswer):
     """OpenGL reads each attribute at (offset, stride) or (offset, stride, divisor), in bytes.
 
     It is asked for GL_VERTEX_ATTRIB_ARRAY_POINTER, _STRIDE and _DIVISOR; a matrix is read where
@@ -32,6 +58,7 @@ class AttributeLayout(DrawExpectation):
     """
 
     kind = "memory"
+    query_name = "attributes"
 
     attributes: Mapping[str, Sequence[int]]
 
@@ -47,44 +74,26 @@ class AttributeLayout(DrawExpectation):
                     f"(offset, stride, divisor), not {entry!r}"
                 )
 
-    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield SessionQuery("attributes", (self.key(scene),))
-
-    def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        readings = frame.answers[SessionQuery("attributes", (self.key(scene),))]
+    def compare(self, answer: Mapping[str, AttributeReading]) -> tuple[list[Row], str]:
         rows = []
         for name, entry in self.attributes.items():
             place = (*entry, 0)[:3]
-            found = readings.get(name)
+            found = answer.get(name)
             got = None if found is None else (found.offset, found.stride, found.divisor)
             rows.append(
                 Row(
                     label=name,
-                    expected=_spelt(*place),
-                    measured="not read" if got is None else _spelt(*got),
+                    expected=_format_layout(*place),
+                    measured="not read" if got is None else _format_layout(*got),
                     ok=got == place,
                     note="" if found is None else f"buffer {found.buffer}",
                 )
             )
-        return self.judge_rows(rows, _find_misplaced(rows), judged=len(rows))
-
-
-def _find_misplaced(rows: Sequence[Row]) -> str:
-    """Say what lies elsewhere than expected; "" if nothing does."""
-    wrong = [row.label for row in rows if not row.ok]
-    return f"elsewhere than expected: {', '.join(wrong)}" if wrong else ""
-
-
-def _spelt(offset: int, stride: int, divisor: int) -> str:
-    each = f", a value every {divisor} instances" if divisor > 1 else ", one an instance"
-    return f"offset {offset}, stride {stride}{each if divisor else ''}"
-
-
-attribute_layout = AttributeLayout
+        return rows, _list_wrong("elsewhere than expected", rows)
 
 
 @dataclass(frozen=True)
-class BlockLayout(DrawExpectation):
+class BlockLayout(DriverAnswer):
     """The members of a uniform block lie at these offsets, and it takes `size` bytes.
 
     Members are named as in `UniformBuffer`. Both the lab's layout and the driver's are judged;
@@ -92,6 +101,7 @@ class BlockLayout(DrawExpectation):
     """
 
     kind = "memory"
+    query_name = "blocks"
 
     block: str
     offsets: Mapping[str, int]
@@ -102,16 +112,12 @@ class BlockLayout(DrawExpectation):
     def default_name(self) -> str:
         return f"layout of {self.block}"
 
-    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield SessionQuery("blocks", (self.key(scene),))
-
-    def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        readings = frame.answers[SessionQuery("blocks", (self.key(scene),))]
-        if self.block not in readings:
+    def compare(self, answer: Mapping[str, BlockReading]) -> tuple[list[Row], str]:
+        if self.block not in answer:
             raise CaseError(
-                f"there is no uniform block {self.block!r}", remedy=nearest(self.block, readings)
+                f"there is no uniform block {self.block!r}", remedy=nearest(self.block, answer)
             )
-        reading: BlockReading = readings[self.block]
+        reading = answer[self.block]
         rows = []
         for member, offset in self.offsets.items():
             if member not in reading.placed:
@@ -137,14 +143,11 @@ class BlockLayout(DrawExpectation):
                     ok=self.size == reading.placed_size <= reading.size,
                 )
             )
-        return self.judge_rows(rows, _find_misplaced(rows), judged=len(rows))
-
-
-block_layout = BlockLayout
+        return rows, _list_wrong("elsewhere than expected", rows)
 
 
 @dataclass(frozen=True)
-class Query(DrawExpectation):
+class Query(DriverAnswer):
     """A draw makes the driver count exactly this much, or at least or at most so much.
 
     The pass is drawn once more with a query around the draw, earlier draws having filled the
@@ -158,6 +161,8 @@ class Query(DrawExpectation):
     """
 
     kind = "query"
+    query_name = "count"
+    query_arguments = ("counter",)
 
     counter: str
     _: KW_ONLY
@@ -165,91 +170,73 @@ class Query(DrawExpectation):
     at_least: int | None = None
     at_most: int | None = None
 
-    @property
-    def default_name(self) -> str:
-        return self.counter.replace("_", " ")
-
     def __post_init__(self) -> None:
         one_of("query", "counter", self.counter, COUNTERS)
         if (self.equals is None) == (self.at_least is None and self.at_most is None):
             raise CaseError(f"query {self.counter!r}: give equals=, or at_least= and at_most=")
 
-    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield SessionQuery("count", (self.key(scene), self.counter))
+    @property
+    def default_name(self) -> str:
+        return self.counter.replace("_", " ")
 
-    def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        count = frame.answers[SessionQuery("count", (self.key(scene), self.counter))]
+    def compare(self, answer: int) -> tuple[list[Row], str]:
         low, high = self.at_least or 0, self.at_most
         if self.equals is not None:
             low = high = int(self.equals)
-        ok = low <= count and (high is None or count <= high)
         if low == high:
             expected = str(low)
         elif high is None:
             expected = f"at least {low}"
         else:
             expected = f"at most {high}" if low == 0 else f"{low} to {high}"
+        ok = low <= answer and (high is None or answer <= high)
         words = self.counter.replace("_", " ")
-        row = Row(label=words, expected=expected, measured=str(count), ok=ok)
-        message = "" if ok else f"{count} {words}, not {expected}"
-        return self.judge_rows([row], message, judged=1)
-
-
-query = Query
+        row = Row(label=words, expected=expected, measured=str(answer), ok=ok)
+        return [row], "" if ok else f"{answer} {words}, not {expected}"
 
 
 @dataclass(frozen=True)
-class GlError(DrawExpectation):
+class GlError(DriverAnswer):
     """The draw raises this error ("invalid_operation", …); any other error fails the case."""
 
     kind = "GL error"
+    query_name = "gl_errors"
 
     error: str
+
+    def __post_init__(self) -> None:
+        one_of("gl_error", "error", self.error, tuple(GL_ERRORS))
 
     @property
     def default_name(self) -> str:
         return f"GL {self.error}"
 
-    def __post_init__(self) -> None:
-        one_of("gl_error", "error", self.error, tuple(GL_ERRORS))
-
     def raises_gl_errors(self, scene: Scene) -> frozenset[PassDraw]:
         return frozenset({self.key(scene)})
 
-    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield SessionQuery("gl_errors", (self.key(scene),))
-
-    def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        errors: Sequence[int] = frame.answers[SessionQuery("gl_errors", (self.key(scene),))]
+    def compare(self, answer: Sequence[int]) -> tuple[list[Row], str]:
         want = GL_ERRORS[self.error]
-        ok = list(errors) == ([want] if want else [])
-        measured = ", ".join(error_name(e) for e in errors) or error_name(0)
+        ok = list(answer) == ([want] if want else [])
+        measured = ", ".join(error_name(e) for e in answer) or error_name(0)
         row = Row(label="glGetError", expected=error_name(want), measured=measured, ok=ok)
-        message = "" if ok else f"the draw raises {measured}"
-        return self.judge_rows([row], message, judged=1)
-
-
-gl_error = GlError
+        return [row], "" if ok else f"the draw raises {measured}"
 
 
 @dataclass(frozen=True, kw_only=True)
-class InactiveUniforms(DrawExpectation):
+class InactiveUniforms(DriverAnswer):
     """Of all uniforms that a draw's program declares, exactly these have location −1."""
 
     kind = "inactive uniforms"
+    query_name = "locations"
 
     uniforms: tuple[str, ...]
 
-    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield SessionQuery("locations", (self.key(scene),))
-
-    def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        locations: Mapping[str, int] = frame.answers[SessionQuery("locations", (self.key(scene),))]
+    def compare(self, answer: Mapping[str, int]) -> tuple[list[Row], str]:
         for name in self.uniforms:
-            if name not in locations:
+            if name not in answer:
                 raise CaseError(
                     f"inactive_uniforms: the program declares no {name!r}",
-                    remedy=nearest(name, locations),
+                    remedy=nearest(name, answer),
                 )
         rows = [
             Row(
@@ -258,22 +245,19 @@ class InactiveUniforms(DrawExpectation):
                 measured=str(location).replace("-", "−"),
                 ok=(location == -1) is (name in self.uniforms),
             )
-            for name, location in locations.items()
+            for name, location in answer.items()
         ]
-        wrong = [row.label for row in rows if not row.ok]
-        message = f"not as expected: {', '.join(wrong)}" if wrong else ""
-        return self.judge_rows(rows, message, judged=len(rows) or 1)
+        if not rows:
+            rows.append(Row(label="uniforms", expected="none", measured="none", ok=True))
+        return rows, _list_wrong("not as expected", rows)
 
 
-@checked_arguments
 def inactive_uniforms(
     *uniforms: str, pass_name: str | None = None, draw: int = -1, name: str = ""
 ) -> InactiveUniforms:
     """Exactly these of the uniforms that a draw's program declares are inactive: no output depends
     on them, and the driver gives them the location −1. All others have a location."""
-    return InactiveUniforms(
-        uniforms=uniforms, pass_name=pass_name, draw=draw, name=name or "inactive uniforms"
-    )
+    return InactiveUniforms(uniforms=uniforms, pass_name=pass_name, draw=draw, name=name)
 
 
 @dataclass(frozen=True)
@@ -284,7 +268,6 @@ class Coverage(DrawExpectation):
     kind = "coverage"
 
     pixels: int
-    _: KW_ONLY
 
     def reads(self, scene: Scene) -> Iterable[Read]:
         yield Read(self.key(scene)[0], "coverage")
@@ -293,7 +276,7 @@ class Coverage(DrawExpectation):
         yield CapturedFragments(self.key(scene))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        covered = frame.answers[CapturedFragments(self.key(scene))].covered
+        covered = frame.answer(CapturedFragments(self.key(scene))).covered
         count = int(np.count_nonzero(covered))
         ok = count == self.pixels
         row = Row(label="pixels", expected=str(self.pixels), measured=str(count), ok=ok)
@@ -301,4 +284,19 @@ class Coverage(DrawExpectation):
         return self.judge_rows([row], message, judged=covered.size)
 
 
+def _list_wrong(what: str, rows: Sequence[Row]) -> str:
+    """List the rows that are wrong; "" if none is."""
+    wrong = [row.label for row in rows if not row.ok]
+    return f"{what}: {', '.join(wrong)}" if wrong else ""
+
+
+def _format_layout(offset: int, stride: int, divisor: int) -> str:
+    each = f", a value every {divisor} instances" if divisor > 1 else ", one an instance"
+    return f"offset {offset}, stride {stride}{each if divisor else ''}"
+
+
+attribute_layout = AttributeLayout
+block_layout = BlockLayout
+query = Query
+gl_error = GlError
 coverage = Coverage

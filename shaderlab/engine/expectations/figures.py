@@ -69,21 +69,22 @@ class Value(ReferenceExpectation):
         yield CapturedFragments(self.key(scene))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        reference = self._reference(scene)
-        if reference is None:
-            return self._judge_alone(scene, frame)
-        key, format, decimal = self.key(scene), "rgba32f", None
+        key, format = self.key(scene), "rgba32f"
+        decimal: Mapping[str, Array]
         if isinstance(self.at, Pixel):
             image = find_image(self.output, scene, frame)
             x, y = self.at.x, self.at.y
             measured, format = _at_pixel(image, self.at)[None], image.format
             each = {n: v[y, x][None] for n, v in pixel_inputs(frame, key, image).items()}
-            row = y * image.values.shape[1] + x
-            decimal = {n: v[row][None] for n, v in decimal_inputs(frame, key, each).items()}
+            number = y * image.values.shape[1] + x
+            decimal = {n: v[number][None] for n, v in decimal_inputs(frame, key, each).items()}
         else:
-            samples = frame.answers[Probe(self)]
+            samples = frame.answer(Probe(self))
             measured = samples.outputs[self.own_name(scene)]
             each, decimal = dict(samples.inputs), samples.decimal
+        reference = self._reference(scene)
+        if reference is None:
+            return self._judge_alone(measured[0])
         inputs = inputs_of(frame, key, each=each, given=self.given, decimal=decimal)
         banded = judge_band(measured, reference, inputs, rules=self.rules, format=format)
         computed = evaluate(reference, inputs, rules=None, decimal=True)
@@ -96,12 +97,8 @@ class Value(ReferenceExpectation):
         row = self._row(computed, banded.measured[0], status == "pass")
         return self.judgement(scene, banded, (status, message), [row], rows_show_worst=True)
 
-    def _judge_alone(self, scene: Scene, frame: Frame) -> Judgement:
+    def _judge_alone(self, measured: Array) -> Judgement:
         """Without a reference, the measured value itself must round to the figure."""
-        if isinstance(self.at, Pixel):
-            measured = _at_pixel(find_image(self.output, scene, frame), self.at)
-        else:
-            measured = frame.answers[Probe(self)].outputs[self.own_name(scene)][0]
         ok = rounds_to(measured, self.equals, self.digits)
         message = "" if ok else f"measured {format_value(measured)}"
         row = self._row(measured, measured, ok)

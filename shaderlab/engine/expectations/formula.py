@@ -235,7 +235,7 @@ class Sweep(ReferenceExpectation):
         yield Probe(self, [{**self.at, self.over: value} for value in self.values])
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        key, samples = self.key(scene), frame.answers[Probe(self)]
+        key, samples = self.key(scene), frame.answer(Probe(self))
         inputs = inputs_of(
             frame, key, each=dict(samples.inputs), given=self.given, decimal=samples.decimal
         )

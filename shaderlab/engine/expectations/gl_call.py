@@ -25,7 +25,7 @@ from shaderlab.model.calls import (
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import checked_arguments
 from shaderlab.model.expectation import Expectation, Judgement, Need, Programs
-from shaderlab.model.frame import Frame, Reply, TracedCall
+from shaderlab.model.frame import Frame, Reply, TracedCall, TypedNeed
 from shaderlab.model.phases import phase
 from shaderlab.model.records import Row
 from shaderlab.model.state import one_of
@@ -34,7 +34,7 @@ __all__ = ["GlCall", "Location", "Object", "Program", "call", "gl_call"]
 
 
 @dataclass(frozen=True)
-class Answered(Need):
+class Answered(TypedNeed[Reply]):
     """The API's answer to calls made one after the other in a context of their own."""
 
     calls: tuple[Call, ...]
@@ -70,7 +70,7 @@ class GlCall(Expectation):
         return Answered((*self.before, self.call), self.returns or ())
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        reply: Reply = frame.answers[self._need]
+        reply = frame.answer(self._need)
         want = GL_ERRORS[self.raises]
         errors = ", ".join(error_name(code) for code in reply.errors) or error_name(0)
         first = reply.at == str(self.call)
@@ -158,7 +158,7 @@ _SHOWN = 12
 
 
 @dataclass(frozen=True)
-class Traced(Need):
+class Traced(TypedNeed[Sequence[TracedCall]]):
     """The calls that drawing the scene takes."""
 
     def answer(self, context: Context) -> Sequence[TracedCall]:
@@ -188,7 +188,7 @@ class GlCalls(Expectation):
         yield Traced()
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        trace: Sequence[TracedCall] = frame.answers[Traced()]
+        trace = frame.answer(Traced())
         calls = [c for c in trace if self.pass_name in (None, c.pass_name)]
         same = [c for c in calls if c.function == self.function]
         if same:

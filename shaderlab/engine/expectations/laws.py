@@ -53,7 +53,7 @@ class OutputLaw(OutputExpectation):
         yield Probe(self, [{**self.at, **step} for step in self.steps])
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        samples: Samples = frame.answers[Probe(self)]
+        samples = frame.answer(Probe(self))
         measured = samples.outputs[self.own_name(scene)].astype(np.float64)
         finite = np.isfinite(measured)
         if finite.all():

@@ -17,8 +17,17 @@ from shaderlab.engine.expectations.base import Context, OutputExpectation
 from shaderlab.engine.judging.references import Inputs
 from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.model.case import Scene
-from shaderlab.model.expectation import Need, Programs
-from shaderlab.model.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Samples
+from shaderlab.model.expectation import Programs
+from shaderlab.model.frame import (
+    Array,
+    Bindings,
+    Fragments,
+    Frame,
+    Image,
+    PassDraw,
+    Samples,
+    TypedNeed,
+)
 from shaderlab.model.phases import phase
 from shaderlab.model.scene import UniformValue
 
@@ -26,7 +35,7 @@ BEFORE_RASTERISATION = ("vertex", "tess_control", "tess_evaluation", "geometry")
 
 
 @dataclass(frozen=True)
-class CapturedFragments(Need):
+class CapturedFragments(TypedNeed[Fragments]):
     """What the fragment shader of a draw got, at each pixel; of a dispatch, what its invocations
     got."""
 
@@ -58,7 +67,7 @@ class CapturedFragments(Need):
 
 
 @dataclass(frozen=True)
-class CapturedVertices(Need):
+class CapturedVertices(TypedNeed[Samples]):
     """What the last stage before rasterisation got and gave, at each vertex of a draw."""
 
     key: PassDraw
@@ -72,7 +81,7 @@ class CapturedVertices(Need):
         return _same_stages(programs[name][index], others[name][index])
 
 
-class Probe(Need):
+class Probe(TypedNeed[Samples]):
     """A draw's program run on inputs that an expectation gives.
 
     Inputs of the stage are gathered into one draw; a uniform takes one draw for each value.
@@ -219,7 +228,7 @@ def subject_of(
         inputs = inputs_of(frame, key, each=dict(samples.inputs), given=given)
         return Subject(measured=samples.outputs[name], inputs=inputs)
     image = find_image(expectation.output, scene, frame)
-    covered = frame.answers[CapturedFragments(key)].covered
+    covered = frame.answer(CapturedFragments(key)).covered
     if frame.bindings[key].computes:  # every element and texel, whatever invocations there are
         covered = np.ones(image.values.shape[:2], bool)
     whole = bool(covered.all())
@@ -286,7 +295,7 @@ def inputs_of(
 def pixel_inputs(frame: Frame, key: PassDraw, image: Image) -> dict[str, Array]:
     """Captured inputs of every pixel of a draw's output, `frag_coord` among them; of a dispatch
     what there is one of for each element or texel of that output, and where each `texel` is."""
-    fragments = frame.answers[CapturedFragments(key)]
+    fragments = frame.answer(CapturedFragments(key))
     bindings = frame.bindings[key]
     if bindings.computes:
         found = storage.lay_out(fragments.inputs, image)

@@ -12,7 +12,7 @@ from shaderlab.errors import CaseError, DriverError, ShaderlabError
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import checked_arguments
 from shaderlab.model.expectation import Expectation, Judgement, Need, Programs
-from shaderlab.model.frame import Frame
+from shaderlab.model.frame import Frame, TypedNeed
 from shaderlab.model.phases import phase
 from shaderlab.model.records import Row, Verdict
 
@@ -37,7 +37,7 @@ class Verdicts:
 
 
 @dataclass(frozen=True)
-class CompilerVerdicts(Need):
+class CompilerVerdicts(TypedNeed[Verdicts]):
     """What the compilers say of some files as one program."""
 
     shaders: tuple[str, ...]
@@ -86,7 +86,7 @@ class CompileFails(Expectation):
         yield CompilerVerdicts(self.shaders)
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        verdicts: Verdicts = frame.answers[CompilerVerdicts(self.shaders)]
+        verdicts = frame.answer(CompilerVerdicts(self.shaders))
         rows = []
         for index in range(max(len(verdicts.errors), len(self.messages))):
             want = self.messages[index] if index < len(self.messages) else None
@@ -173,7 +173,7 @@ def _spot(place: Place) -> str:
 
 
 @dataclass(frozen=True)
-class RaisedError(Need):
+class RaisedError(TypedNeed[ShaderlabError | None]):
     """The error that the lab raises over a shader's name or in a function, or None; folders are
     left out of its paths."""
 
@@ -232,7 +232,7 @@ class Refused(Expectation):
         yield RaisedError(self.what)
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        error: ShaderlabError | None = frame.answers[RaisedError(self.what)]
+        error = frame.answer(RaisedError(self.what))
         want = _parts(self.message, self.file, self.line, self.remedy)
         got = _parts("nothing", None, None, None)
         if error is not None:
