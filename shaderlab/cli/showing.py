@@ -141,7 +141,7 @@ def _cells(name: str, group: Sequence[Record], variants: str, tells: bool) -> Se
     widths = [o.worst.widths for o in outcomes if o.worst is not None]
     status = group[0].status
     left = sum(len(record.not_asked) for record in group)
-    checks = f"{good}/{len(outcomes)}" + (f", {left} not asked" if left else "")
+    checks = f"{good}/{len(outcomes)}" + (f", {left} skipped" if left else "")
     plain = (
         name,
         group[0].section,

@@ -453,5 +453,5 @@ def compare_drivers(run: Run, links: Mapping[tuple[str, str], str]) -> DriverTab
 def _cell(result: DriverResult | None) -> str:
     if result is None:
         return "not run"
-    without = f", {result.not_asked} not asked" if result.not_asked else ""
+    without = f", {result.not_asked} skipped" if result.not_asked else ""
     return f"{MARKS[result.status]} {result.agrees or result.status}{without}"

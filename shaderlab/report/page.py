@@ -355,7 +355,7 @@ def build_page(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | No
 
 
 def _driver_differences(run: Run, case_id: str, pictures: Pictures) -> tuple[DriverDifference, ...]:
-    """Where drivers differ, what leaves a band first."""
+    """The outputs on which drivers differ, what leaves a band first."""
     own = [d for d in run.disagreements if d.id == case_id and d.verdict != "equal"]
     return tuple(
         DriverDifference(found, pictures.find(found.image) if found.image else None)

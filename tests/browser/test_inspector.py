@@ -148,5 +148,5 @@ def test_the_histogram_counts_what_is_outside(page: Any, lamp: Sample) -> None:
     label = page.locator(f"{CHECK} [data-part=histogram]").get_attribute("aria-label")
     outside = int(lamp.arrays["outside"].sum())
     inside = int(lamp.arrays["covered"].sum()) * 4 - outside
-    assert label == f"{inside} values by their place in the band, {outside} outside it"
+    assert label == f"{inside} values by position in the band, {outside} outside it"
     assert page.locator(f"{CHECK} .bar.is-outside").count() >= 1

@@ -141,7 +141,7 @@ def test_what_softpipe_can_not_do_is_found_out(tmp_path: Path) -> None:
     assert (point["verdict"], point["outside"]) == ("within", []), done.stdout
     assert point["differing"] > 0 and point["ulp"] > 1.0
     assert (tmp_path / "run" / point["image"]).is_file()
-    assert "Where drivers differ" in (tmp_path / "run" / "cases" / "points.html").read_text()
+    assert "Differences between drivers" in (tmp_path / "run" / "cases" / "points.html").read_text()
 
 
 def test_an_interrupted_run_goes_on_with_all_its_drivers(

@@ -119,4 +119,4 @@ def test_run_lists_them(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None
     assert "pass 'main', draw 0:" in done.output
     assert "  glDrawArraysInstanced(GL_TRIANGLES, 0, 3, 1)" in done.output
     page = Path("out/cases/orange-triangle.html").read_text(encoding="utf-8")
-    assert "OpenGL's calls" in page and "glDrawArraysInstanced(GL_TRIANGLES, 0, 3, 1)" in page
+    assert "OpenGL calls: pass" in page and "glDrawArraysInstanced(GL_TRIANGLES, 0, 3, 1)" in page

@@ -298,7 +298,7 @@ def test_plots_are_drawn_with_series_bounds_and_a_table(tmp_path: Path) -> None:
     page = Page(write(run(record(plots=(plot(),))), tmp_path))
     words = page.words()
     assert "Wrongly dark" in words and "2 out of bounds" in words and "NaN" in words
-    assert "1 figure beyond this drawing" in words and "≤ 0.01" in words
+    assert "1 figure outside this chart" in words and "≤ 0.01" in words
     lines = [str(a["d"]) for t, a in page.tags if t == "path" and a.get("class") == "line"]
     assert len(lines) == 2 and lines[0].count("L") == 1 and lines[1] == ""
 

@@ -28,7 +28,7 @@ def test_curves_are_drawn_with_a_table(tmp_path: Path) -> None:
     page = Page(write(run(record(curves=(curve(),))), tmp_path))
     words = page.words()
     assert "2 outside" in words  # 0.9 is not in [0.2, 0.3]; NaN lies in no band
-    assert "1 point beyond this drawing" in words
+    assert "1 point outside this chart" in words
     assert "NaN" in words and "−∞" in words
     dots = [a["d"] for t, a in page.tags if t == "path" and a.get("class") == "dots is-outside"]
     assert str(dots[0]).count("h0") == 1
@@ -40,7 +40,7 @@ def test_one_wild_value_does_not_flatten_the_curve(tmp_path: Path) -> None:
     line = next(str(a["d"]) for t, a in page.tags if t == "path" and a.get("class") == "reference")
     heights = [float(y) for y in re.findall(r"[ML][\d.]+ ([\d.]+)", line)]
     assert max(heights) - min(heights) > 100
-    assert "1 outside" in page.words() and "1 point beyond this drawing" in page.words()
+    assert "1 outside" in page.words() and "1 point outside this chart" in page.words()
 
 
 @pytest.mark.parametrize(

@@ -100,12 +100,12 @@ def test_the_pages_show_it_and_only_a_few_runs(tmp_path: Path) -> None:
     front = html.write(at(25, judged("a", 0.125)), tmp_path / "run-25")
     page = Page(front)
     words = page.words()
-    assert "1 of 1 variant that ran before has another verdict or distance" in words
+    assert "1 of 1 variant from earlier runs has a different verdict or distance" in words
     assert "0.5 0.125" in words and f"{LONGEST_HISTORY - 1} earlier runs" in words
     assert words.count("headroom 88 %") == 1
     assert "headroom 88 %" in Page(front.parent / "cases" / "a.html").words()
     again = Page(html.write(at(26, judged("a", 0.125)), tmp_path / "run-26"))
-    assert "every verdict and distance is what it was" in again.words()
+    assert "no verdict or distance has changed" in again.words()
     assert "Since the last run" not in Page(html.write(run(judged("b")), tmp_path / "x")).words()
 
 

@@ -56,7 +56,7 @@ def test_the_front_counts_cases_by_their_worst_variant(tmp_path: Path) -> None:
         ((record(expectations=()),), "Nothing was checked"),
         ((record("a"), record("b")), "All 2 cases passed"),
         ((record("a"), record("b", status="unsupported")), "1 of 2 cases passed, the others"),
-        ((record("a", status="unsupported"),), "unsupported here"),
+        ((record("a", status="unsupported"),), "unsupported on this driver"),
         ((record("a", status="timeout"),), "The case did not pass"),
     ],
 )
@@ -80,7 +80,7 @@ def test_an_interrupted_run_says_so_in_its_title_and_heading(tmp_path: Path) -> 
 def test_what_no_check_reads_and_what_was_replaced_is_on_the_page(tmp_path: Path) -> None:
     changed = run(record(unread=("main.x",)), replaced={"a.frag": "mine.frag"})
     words = Page(write(changed, tmp_path)).words()
-    assert "No check reads main.x : whatever is drawn there, the case passes." in words
+    assert "No check reads main.x , so the case passes whatever is drawn there." in words
     front = words.index("Find a title") if "Find a title" in words else len(words)
     assert words.index("mine.frag was judged in place of a.frag") < front
 

@@ -34,7 +34,7 @@ def test_a_run_without_results_has_none(tmp_path: Path) -> None:
     assert load_mutants(tmp_path) == {}
     assert combine_mutants([]) is None
     page = write(run(record("lamp", "default")), tmp_path).read_text(encoding="utf-8")
-    assert "Mistakes noticed" not in page
+    assert "Mutants killed" not in page
 
 
 def test_results_are_counted_together_and_survivors_shown_at_their_lines(tmp_path: Path) -> None:
@@ -44,8 +44,8 @@ def test_results_are_counted_together_and_survivors_shown_at_their_lines(tmp_pat
     put(tmp_path, case("lamp", 45, SURVIVOR), case("gone", 7), case("blend", 4))
     both = run(record("lamp", "default", programs=(program,)), record("blend", "default"))
     page = write(both, tmp_path).read_text(encoding="utf-8")
-    assert "of 50 made on purpose in 2 cases" in page and "98 %" in page.replace("\u202f", " ")
-    assert "<b>45</b> of 46 mistakes" in page and "1 mistake that no check notices" in page
+    assert "of 50 planted mistakes in 2 cases" in page and "98 %" in page.replace("\u202f", " ")
+    assert "<b>45</b> of 46 mistakes" in page and "1 mistake that no check detects" in page
     assert "&lt;b&gt;1.01" in page and "<b>1.01" not in page
     row = page[page.index("lamp.frag:3") - 200 :][:260]
     assert 'href="#' in row and "-L3" in row and "<td>post.vert + lamp.frag</td>" in row

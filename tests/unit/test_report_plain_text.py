@@ -93,18 +93,24 @@ def test_every_report_counts_what_was_not_asked(tmp_path: Path) -> None:
     console = Console(width=120, record=True, file=StringIO())
     console.print(case_table(made.records, 120))
     rows = console.export_text().splitlines()
-    assert "2 not asked" in rows[2] and "not asked" not in rows[1]
+    assert "2 skipped" in rows[2] and "skipped" not in rows[1]
     words = Page(write(made, tmp_path)).words()
-    assert "2 about OpenGL’s own calls not asked here, in 1 case that passed without them" in words
-    assert "they are about its calls: two calls, no error." in words
-    assert "2 checks of OpenGL's own calls not asked here; 1 case passed" in markdown.render(made)
+    assert (
+        "2 about OpenGL’s own calls skipped on this driver, in 1 case that passed without them"
+        in words
+    )
+    assert "this driver uses another API: two calls, no error." in words
+    assert (
+        "2 checks of OpenGL's own calls skipped on this driver; 1 case passed"
+        in markdown.render(made)
+    )
     assert junit.render(made).count("<skipped") == 2
     results = [
         DriverResult(driver=d, renderer=d, id="b", variant="default", status="pass", not_asked=n)
         for d, n in (("llvmpipe", 0), ("lavapipe", 2))
     ]
     sides = markdown.render(replace(made, drivers=tuple(results)))
-    assert "| ✓ pass | ✓ pass, 2 not asked |" in sides
+    assert "| ✓ pass | ✓ pass, 2 skipped |" in sides
 
 
 def test_what_failed_at_another_size_is_told_to_be_so() -> None:

@@ -52,8 +52,8 @@ def test_the_page_and_the_terminal_say_where_it_goes_wrong(failing: Record, tmp_
     whole = run(record)
     html = write(whole, tmp_path).read_text()
     assert html.count(FOUND.verdict) == 1
-    assert "What each line computes at pixel (3, 17)" in html
-    rows = html.partition("What each line computes")[2].partition("</table>")[0]
+    assert "Line by line at pixel (3, 17)" in html
+    rows = html.partition("Line by line")[2].partition("</table>")[0]
     assert rows.count("<tr") == 3 and rows.count('class="is-meant"') == 1
     assert rows.count("outside") == 1 and "lamp.frag:7" in rows
     save(whole, tmp_path)

@@ -194,7 +194,7 @@ def test_rows_that_no_variant_changes_are_not_labelled_by_it(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("widths", "ulp", "reference", "says"),
     [
-        (1.0, 0.0, 1.0, "exact where it comes nearest to the edge"),  # of a clamp's band
+        (1.0, 0.0, 1.0, "exact closest to the edge"),  # of a clamp's band
         (0.0, 0.0, 1.0, "exact"),  # of a band of one value
         (1.0, 1.0, 1.0, "at most 100 % of the way to the edge, 1 ULP"),
         (0.0, 0.0, 9.0, "at most 0 % of the way to the edge, 0 ULP"),  # a law, no reference
@@ -217,7 +217,7 @@ def test_a_worst_value_that_rows_show_is_not_shown_again(tmp_path: Path) -> None
     for shown in (True, False):
         found = outcome(worst=worst(), rows_show_worst=shown)
         words = Page(write(run(record("a", expectations=(found,))), tmp_path)).words()
-        assert ("Nearest to the edge" in words) is not shown
+        assert ("Closest to the edge" in words) is not shown
 
 
 def test_report_writes_whatever_can_be_written(tmp_path: Path) -> None:

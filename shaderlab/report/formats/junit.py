@@ -64,7 +64,7 @@ def _add_record(suite: ET.Element, record: Record) -> None:
         message = outcome.message or outcome.status
         _verdict(test, _TAGS[outcome.status], message, "\n".join(format_outcome(outcome)))
     for name in record.not_asked:
-        message = "not asked: it is about OpenGL's own calls, and another API draws here"
+        message = "skipped: it checks OpenGL's own calls, and this driver uses another API"
         _verdict(_test(suite, record, name, 0.0), "skipped", message, message)
 
 

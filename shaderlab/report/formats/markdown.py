@@ -30,7 +30,7 @@ from shaderlab.report.text import (
 )
 
 _SIGNS = {"pass": "✅", "unsupported": "➖"}
-# GitHub cuts summaries off at 1 MiB; nobody reads further than this anyway.
+# GitHub cuts summaries off at 1 MiB, and few people read this far.
 _MOST_FAILURES = 50
 
 
@@ -65,14 +65,14 @@ def render(run: Run) -> str:
     )
     if totals.not_asked:
         lines.append(
-            f"  \n{plural(totals.not_asked, 'check')} of OpenGL's own calls not asked here; "
-            f"{plural(totals.partly, 'case')} passed without them"
+            f"  \n{plural(totals.not_asked, 'check')} of OpenGL's own calls skipped on this "
+            f"driver; {plural(totals.partly, 'case')} passed without them"
         )
     if cases:
         lines += ["", *_chapters(cases)]
     failed = [r for case in cases for r in case.records if r.status not in PASSABLE]
     if failed:
-        lines += ["", "### What did not pass", ""]
+        lines += ["", "### Failures", ""]
         for record in failed[:_MOST_FAILURES]:
             lines += _failure(record)
         more = (run.points.failed if run.points else len(failed)) - len(failed[:_MOST_FAILURES])
@@ -81,7 +81,7 @@ def render(run: Run) -> str:
     lines += _drivers(run)
     unjudged = list(format_unread(run.records))
     if unjudged:
-        lines += ["", "### What no check reads", ""]
+        lines += ["", "### Outputs that no check reads", ""]
         lines += [f"- {escape(line)}" for line in unjudged[:_MOST_FAILURES]]
         if len(unjudged) > _MOST_FAILURES:
             lines.append(f"- and {plural(len(unjudged) - _MOST_FAILURES, 'more case')}")

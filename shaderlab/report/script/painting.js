@@ -1,4 +1,4 @@
-// Colours of a check's pictures: direct or false colour for values, the place in the band.
+// Colours of a check's pictures: direct or false colour for values, the position in the band.
 const colours = JSON.parse(document.getElementById("colours").content.textContent);
 const ramp = colours.palette.match(/.{6}/g)
   .map((hex) => [0, 2, 4].map((start) => parseInt(hex.substr(start, 2), 16)));
@@ -239,7 +239,7 @@ function drawHistogram(svg, values, channel) {
   const outside = counts[0] + counts[BINS + 1];
   const all = counts.reduce((a, b) => a + b, 0);
   svg.setAttribute("aria-label",
-    `${all - outside} values by their place in the band, ${outside} outside it`);
+    `${all - outside} values by position in the band, ${outside} outside it`);
 }
 // The table under the pictures: one pixel's numbers, channel by channel.
 
