@@ -24,7 +24,7 @@ from shaderlab.cli.outputs import (
     write_json,
 )
 from shaderlab.compiler.engines import ENGINES, TARGETS
-from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_found, time_limit
+from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_files, time_limit
 from shaderlab.compiler.shader_files import STAGES, find_shaders
 from shaderlab.engine.executors import count_cores
 from shaderlab.engine.jobs import check_driver
@@ -119,7 +119,7 @@ def command(
             pool = None
             if workers != 0:
                 pool = stack.enter_context(WorkerPool(WORK, limits=limits, jobs=workers or most))
-            return compile_found(programs, how, pool)
+            return compile_files(programs, how, pool)
 
         asked = [replace(options, driver=_DRIVER, driver_name=name) for name in drivers]
         first, *others = asked or [options]

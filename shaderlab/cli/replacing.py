@@ -12,7 +12,7 @@ from pathlib import Path
 
 from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.reflection import Interface
-from shaderlab.compiler.shader_files import read_shader, without_comments
+from shaderlab.compiler.shader_files import read_shader, strip_comments
 from shaderlab.compiler.sources import Shaders
 from shaderlab.engine.jobs import Job
 from shaderlab.errors import ShaderError, UsageError, nearest
@@ -131,7 +131,7 @@ def parse_renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]
         UsageError: it is not of that form, no file has the old name, or one has the new one too.
     """
     found: dict[str, str] = {}
-    codes = {file: without_comments(read_shader(file)) for file in files if words}
+    codes = {file: strip_comments(read_shader(file)) for file in files if words}
     for word in words:
         old, _, new = word.partition("=")
         if not re.fullmatch(r"[A-Za-z_]\w*", old) or not re.fullmatch(r"[A-Za-z_]\w*", new):

@@ -1,8 +1,7 @@
 """The engine that runs commands: glslangValidator and spirv-val, of a wheel, a system or an SDK.
 
-It is slower than the libraries by the start of a process for each program and target. One command
-checks many files as plain GLSL, but makes SPIR-V for one program only, since it links all the files
-that it gets.
+It is slower than the libraries by the start of a process for each stage's check, and for each
+program and target.
 """
 
 from __future__ import annotations
@@ -91,22 +90,11 @@ class Commands:
     def __init__(self, executables: Executables, seconds: float | None = None) -> None:
         self.executables = executables
         self._seconds = seconds
-        self._checked: dict[tuple[str, str], Checked] = {}
-
-    def prepare(self, sources: Sequence[Source]) -> None:
-        """Checks all of them with one command and keeps the results until the next call."""
-        try:
-            checks = self._check(sources)
-        except CompilerDiedError:
-            checks = []  # one of them crashed it, so `check` runs a command for each
-        self._checked = {
-            (source.stage, source.text): checked
-            for source, checked in zip(sources, checks, strict=False)
-        }
 
     def check(self, source: Source) -> Checked:
-        known = self._checked.get((source.stage, source.text))
-        return known if known is not None else self._check([source])[0]
+        _, output, _ = self._glslang(["-d"], [source])
+        (log,) = _sections(output, _names([source]))
+        return Checked(not re.search(r"^(INTERNAL )?ERROR: ", log, re.M), log)
 
     def preprocess(self, source: Source) -> str | None:
         code, output, _ = self._glslang(["-d", "-E"], [source])
@@ -141,13 +129,6 @@ class Commands:
             "SPIRV-Tools": tools.removeprefix("SPIRV-Tools "),
             "SPIRV-Tools command": str(self.executables.validator),
         }
-
-    def _check(self, sources: Sequence[Source]) -> list[Checked]:
-        _, output, _ = self._glslang(["-d"], sources)
-        return [
-            Checked(not re.search(r"^(INTERNAL )?ERROR: ", log, re.M), log)
-            for log in _sections(output, _names(sources))
-        ]
 
     def _glslang(
         self, flags: Sequence[str], sources: Sequence[Source]

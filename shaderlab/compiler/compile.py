@@ -13,10 +13,10 @@ from shaderlab.errors import ShaderError, nearest
 from shaderlab.model.records import Diagnostic, Verdict
 
 from .crash_guard import check_version, find_crash
-from .diagnostics import has_errors, of_link, of_stage, of_validator
-from .dialects import by_own_rules, lift_samplers, with_interface
+from .diagnostics import describe_invalid, has_errors, parse_link_log, parse_stage_log
+from .dialects import apply_own_rules, lift_samplers, raise_version
 from .engines import ALL_TARGETS, SETTINGS, TARGETS, Engine, Linked, choose
-from .module_edits import match_locations, unwritten_inputs
+from .module_edits import find_unwritten_inputs, match_locations
 from .reflection import Interface, reflect
 from .shader_files import STAGES
 from .sources import Source
@@ -106,7 +106,7 @@ def compile_program(
         ShaderError: no stages, two of one stage, stages that can't be linked, or an unknown
             target. What is wrong with the text never raises; it is in the verdicts.
     """
-    ordered = in_order(stages, targets)
+    ordered = order_stages(stages, targets)
     engine = engine or choose()
     checked = check_stages(ordered, engine)
     plain = link_stages(checked, ordered, engine) if checked.ok else checked
@@ -117,20 +117,20 @@ def compile_program(
         if not checked.ok:
             results[target] = _compile_refused(ordered, target, plain, engine)
         else:
-            results[target] = to_spirv(ordered, target, engine) if plain.ok else plain
+            results[target] = compile_spirv(ordered, target, engine) if plain.ok else plain
 
     def interface() -> Interface | None:
         modules = results["opengl"].modules if "opengl" in results else None
         if modules:
             return reflect(modules)
-        newer = tuple(map(with_interface, ordered))
+        newer = tuple(map(raise_version, ordered))
         if "opengl" in results and newer == tuple(ordered):
             return None
         return compile_program(newer, ("glsl", "opengl"), engine=engine).interface
 
     return Compiled(
         verdicts=tuple(
-            with_include_notes(results[target].verdict(target), ordered) for target in targets
+            add_include_notes(results[target].verdict(target), ordered) for target in targets
         ),
         spirv={t: results[t].modules for t in targets if results[t].modules},
         logs={target: results[target].log for target in targets},
@@ -154,10 +154,12 @@ def _compile_refused(
         return plain
     if target == "vulkan":
         # Relaxed rules crash on some mistakes that Vulkan's own rules report.
-        own = to_spirv([by_own_rules(source) for source in sources], "vulkan-strict", engine)
-        own = to_spirv(sources, target, engine) if own.ok else own
+        own = compile_spirv(
+            [apply_own_rules(source) for source in sources], "vulkan-strict", engine
+        )
+        own = compile_spirv(sources, target, engine) if own.ok else own
     else:
-        own = to_spirv(sources, target, engine)
+        own = compile_spirv(sources, target, engine)
     return plain if _lines(own) == _lines(plain) else own
 
 
@@ -166,7 +168,7 @@ def _lines(result: Result) -> set[tuple[str | None, int | None]]:
     return {(d.file, d.line) for d in errors}
 
 
-def in_order(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:
+def order_stages(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:
     """The sources in pipeline order. Raises ShaderError as `compile_program` does."""
     for target in targets:
         if target not in ALL_TARGETS:
@@ -194,7 +196,7 @@ _MISSING = ("undeclared identifier", "no matching overloaded function found")
 _INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*[\"<]([^\">]+)[\">]", re.MULTILINE)
 
 
-def with_include_notes(verdict: Verdict, sources: Sequence[Source]) -> Verdict:
+def add_include_notes(verdict: Verdict, sources: Sequence[Source]) -> Verdict:
     """The verdict with a note for each name that an included file lacks, at the `#include` that the
     declaration has to precede."""
     notes: dict[Diagnostic, None] = {}
@@ -265,19 +267,19 @@ def check_stages(sources: Sequence[Source], engine: Engine) -> Result:
     for source in sources:
         checked = engine.check(source)
         log += checked.log
-        found = of_stage(checked.log, source) if checked.log else ()
-        diagnostics += _consistent(found, checked.ok, source)
+        found = parse_stage_log(checked.log, source) if checked.log else ()
+        diagnostics += _require_error(found, checked.ok, source)
     return Result(tuple(diagnostics), log)
 
 
 def link_stages(plain: Result, sources: Sequence[Source], engine: Engine) -> Result:
     """Links stages that `check_stages` accepted, as plain GLSL."""
     linked = engine.link(sources, "glsl")
-    new = [d for d in _of_linked(linked, sources) if d not in plain.diagnostics]
+    new = [d for d in _parse_logs(linked, sources) if d not in plain.diagnostics]
     return Result((*plain.diagnostics, *new), plain.log + linked.log)
 
 
-def to_spirv(sources: Sequence[Source], target: str, engine: Engine) -> Result:
+def compile_spirv(sources: Sequence[Source], target: str, engine: Engine) -> Result:
     """Links the stages, makes SPIR-V for a target and validates it."""
     old = tuple(d for d in (check_version(source, target) for source in sources) if d)
     if old:
@@ -287,18 +289,18 @@ def to_spirv(sources: Sequence[Source], target: str, engine: Engine) -> Result:
         sources, notes = lift_samplers(sources, engine)
     linked = engine.link(sources, target)
     log = "".join(linked.stage_logs.values()) + linked.log
-    diagnostics = (*notes, *_of_linked(linked, sources)) if log or not linked.ok else notes
+    diagnostics = (*notes, *_parse_logs(linked, sources)) if log or not linked.ok else notes
     if has_errors(diagnostics):
         return Result(diagnostics, log)
     # Validated before they are read, since glslang can make modules that can't be parsed.
-    problems = _invalid(linked.modules, sources, target, engine)
+    problems = _validate(linked.modules, sources, target, engine)
     valid, modules = not problems, linked.modules
     if valid and len(sources) > 1:
         modules = match_locations(linked.modules, sources)
         changed = {s: m for s, m in modules.items() if m != linked.modules[s]}
         problems = [
-            *unwritten_inputs(sources, modules),
-            *_invalid(changed, sources, target, engine),
+            *find_unwritten_inputs(sources, modules),
+            *_validate(changed, sources, target, engine),
         ]
     log += "".join(f"{d.message}\n" for d in problems)
     return Result(
@@ -309,7 +311,7 @@ def to_spirv(sources: Sequence[Source], target: str, engine: Engine) -> Result:
     )
 
 
-def _invalid(
+def _validate(
     modules: Mapping[str, bytes], sources: Sequence[Source], target: str, engine: Engine
 ) -> list[Diagnostic]:
     """SPIRV-Tools' errors."""
@@ -317,19 +319,21 @@ def _invalid(
     made = [source for source in sources if source.stage in modules]
     messages = [engine.validate(modules[source.stage], environment) for source in made]
     return [
-        of_validator(m, source) for m, source in zip(messages, made, strict=True) if m is not None
+        describe_invalid(m, source)
+        for m, source in zip(messages, made, strict=True)
+        if m is not None
     ]
 
 
-def _of_linked(linked: Linked, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
+def _parse_logs(linked: Linked, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
     found: dict[Diagnostic, None] = {}
     for source in sources:
-        found |= dict.fromkeys(of_stage(linked.stage_logs[source.stage], source))
-    found |= dict.fromkeys(of_link(linked.log, sources))
-    return _consistent(tuple(found), linked.ok, sources[-1])
+        found |= dict.fromkeys(parse_stage_log(linked.stage_logs[source.stage], source))
+    found |= dict.fromkeys(parse_link_log(linked.log, sources))
+    return _require_error(tuple(found), linked.ok, sources[-1])
 
 
-def _consistent(
+def _require_error(
     diagnostics: tuple[Diagnostic, ...], ok: bool, source: Source
 ) -> tuple[Diagnostic, ...]:
     """The diagnostics, with an error added if the compiler failed without reporting one."""

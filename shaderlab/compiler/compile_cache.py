@@ -28,7 +28,7 @@ from shaderlab.errors import ShaderError
 from shaderlab.files import cache_root, open_regular, write_bytes
 from shaderlab.model.records import Diagnostic, Verdict
 
-from .compile import Compile, Compiled, compile_program, in_order
+from .compile import Compile, Compiled, compile_program, order_stages
 from .engines import COMMAND_VARIABLE, choose
 from .library import files
 from .reflection import Block, Interface, Member, SpecConstant, Variable
@@ -211,7 +211,7 @@ class CompileCache:
         compilers = None if os.environ.get(COMMAND_VARIABLE) else self._compilers()
         if compilers is None:
             return compile_program(stages, targets)
-        ordered = tuple(in_order(stages, targets))
+        ordered = tuple(order_stages(stages, targets))
         key = program_key(ordered, targets, compilers)
         return self._load(key, ordered, targets) or self._compile(key, ordered, targets)
 
@@ -322,7 +322,7 @@ class Entry:
 
 def encode(entry: Entry) -> bytes:
     """The entry as deflated JSON: each value of `_KINDS` with its kind's name."""
-    return zlib.compress(json.dumps(entry, default=_plain).encode("ascii"), 1)
+    return zlib.compress(json.dumps(entry, default=_to_plain).encode("ascii"), 1)
 
 
 def decode(data: bytes) -> Entry:
@@ -333,7 +333,7 @@ def decode(data: bytes) -> Entry:
     """
     try:
         text = zlib.decompressobj().decompress(data, _LARGEST)
-        entry = json.loads(text, object_hook=_made)
+        entry = json.loads(text, object_hook=_from_plain)
     except (zlib.error, ArithmeticError, LookupError, RecursionError, TypeError) as error:
         raise ValueError(f"not a compile cache entry: {error}") from error
     if not isinstance(entry, Entry):
@@ -348,12 +348,12 @@ _KINDS: Mapping[str, Callable[..., Any]] = {
 _KIND = "%"  # no field's name
 
 
-def _plain(value: Any) -> dict[str, Any]:
+def _to_plain(value: Any) -> dict[str, Any]:
     fields = {"hex": value.hex()} if isinstance(value, bytes) else vars(value)
     return {_KIND: type(value).__name__, **fields}
 
 
-def _made(fields: dict[str, Any]) -> Any:
+def _from_plain(fields: dict[str, Any]) -> Any:
     kind = fields.pop(_KIND, None)
     if kind is None:
         return fields

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from shaderlab.model.records import Diagnostic
 
-from .diagnostics import VERSION, line_of
+from .diagnostics import VERSION, find_line
 from .engines import SETTINGS, Engine
 from .sources import Source
 
@@ -32,7 +32,7 @@ def find_crash(source: Source, engine: Engine) -> Diagnostic | None:
     code = source.code
     if "define" in code and not all(map(_HARMLESS.match, _DEFINE.findall(code))):
         code = engine.preprocess(source) or code  # a few macros can expand to many operators
-    found = _crashing_block(code) or (None if _is_small(code) else _too_deep(code))
+    found = _find_crashing_block(code) or (None if _is_small(code) else _find_deep_nesting(code))
     if found is None:
         return None
     token, message, line = found
@@ -49,12 +49,12 @@ def check_version(source: Source, target: str) -> Diagnostic | None:
     version, profile = source.version
     if version >= minimum or profile == "es" or version == 100:
         return None
-    at = line_of(VERSION, source) or 1
+    at = find_line(VERSION, source) or 1
     message = f"Desktop shaders for {name} SPIR-V require version {minimum} or higher"
     return source.diagnostic(message, at)
 
 
-def _crashing_block(code: str) -> tuple[str, str, int] | None:
+def _find_crashing_block(code: str) -> tuple[str, str, int] | None:
     """A block that crashes glslang 13: its name is reused for an array with an initialiser, or a
     member has a built-in's name. The token, the message and the line."""
     for name, start in _blocks(code):
@@ -83,7 +83,7 @@ def _blocks(code: str) -> Iterator[tuple[str, int]]:
         brace = code.find("{", brace + 1)
 
 
-def _too_deep(code: str) -> tuple[str, str, int] | None:
+def _find_deep_nesting(code: str) -> tuple[str, str, int] | None:
     for line, nesting, operators in _depths(code):
         what = ""
         if nesting > MAX_NESTING:

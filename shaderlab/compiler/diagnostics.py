@@ -23,7 +23,7 @@ VERSION = r"^[ \t]*#[ \t]*version\b"
 _LAYOUT = re.compile(r"\blayout\s*\([^)]*\)")
 
 
-def of_stage(log: str, source: Source) -> tuple[Diagnostic, ...]:
+def parse_stage_log(log: str, source: Source) -> tuple[Diagnostic, ...]:
     """The diagnostics in one stage's log, without duplicates, in the log's order."""
     found: dict[Diagnostic, None] = {}
     for severity, rest in _entries(log):
@@ -32,7 +32,7 @@ def of_stage(log: str, source: Source) -> tuple[Diagnostic, ...]:
             continue
         if placed is None:
             # One about the version is about the line of `#version`.
-            at = line_of(VERSION, source) if "version" in rest else None
+            at = find_line(VERSION, source) if "version" in rest else None
             message = rest.strip().removeprefix("#version: ")
             found[source.diagnostic(message, at, severity=severity)] = None
         elif (message := placed["message"].strip()) != _TERMINATED:
@@ -43,7 +43,7 @@ def of_stage(log: str, source: Source) -> tuple[Diagnostic, ...]:
     return tuple(found)
 
 
-def of_link(log: str, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
+def parse_link_log(log: str, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
     """The diagnostics in a link's log.
 
     The log has no lines. A message that quotes a declaration, such as `" vec3 normal"`, gets the
@@ -54,19 +54,19 @@ def of_link(log: str, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
         linking = _LINKING.match(rest)
         stages = linking["stages"].replace("tessellation ", "tess_") if linking else ""
         involved = [s for s in sources if s.stage in stages] or list(sources)
-        source, at, token = _declared_in(rest, involved)
+        source, at, token = _find_declaration(rest, involved)
         found[source.diagnostic(rest.strip(), at, severity=severity, token=token)] = None
     return tuple(found)
 
 
-def of_validator(message: str, source: Source) -> Diagnostic:
+def describe_invalid(message: str, source: Source) -> Diagnostic:
     """SPIRV-Tools' message as an error, at the declaration it is about if that is known."""
     text = " ".join(message.split())
     at, token = None, ""
     named = re.search(r"%(\w+) = OpTypeStruct", text)
     if "must not contain an opaque type" in text and named:
         token = named.group(1)
-        at = line_of(rf"\bstruct\s+{re.escape(token)}\b", source)
+        at = find_line(rf"\bstruct\s+{re.escape(token)}\b", source)
         text = (
             f"'{token}' : Vulkan has no samplers inside structs; declare the sampler as a uniform "
             f"of its own [{text}]"
@@ -74,7 +74,7 @@ def of_validator(message: str, source: Source) -> Diagnostic:
     return source.diagnostic(f"invalid SPIR-V: {text}", at, token=token)
 
 
-def declaration(source: Source, name: str, kind: str = "") -> tuple[int, str] | None:
+def find_declaration(source: Source, name: str, kind: str = "") -> tuple[int, str] | None:
     """A global name's declaration: its line in `source.text`, counted from 1, and its text.
 
     Args:
@@ -114,19 +114,19 @@ def _entries(log: str) -> Iterator[tuple[Severity, str]]:
         rows = [start["rest"]]
 
 
-def line_of(pattern: str, source: Source) -> int | None:
+def find_line(pattern: str, source: Source) -> int | None:
     """The line, counted from 1, where the source's code first has the pattern."""
     match = re.search(pattern, source.code, re.MULTILINE)
     return None if match is None else source.code.count("\n", 0, match.start()) + 1
 
 
-def _declared_in(message: str, sources: Sequence[Source]) -> tuple[Source, int | None, str]:
+def _find_declaration(message: str, sources: Sequence[Source]) -> tuple[Source, int | None, str]:
     """The declaration that a link message is about: its source, line and name."""
     shown = re.findall(r'"[^"]*?(\w+)(?:\[[^"]*)?"', message)
     listed = re.findall(r"^\s+(\w+)[(:]", message, re.MULTILINE)
     for name in [*reversed(shown), *listed]:
         for source in reversed(sources):
-            found = declaration(source, name)
+            found = find_declaration(source, name)
             if found:
                 return source, found[0], name
     return sources[-1], None, ""

@@ -82,7 +82,7 @@ _DECLARED = re.compile(r"\b(?:mediump|lowp)\b")
 _SAMPLER = re.compile(r"\buniform\s+(sampler2D|samplerCube)\s+(\w+)")
 
 
-def below_highp(source: Source) -> str:
+def find_below_highp(source: Source) -> str:
     """The first thing that a driver may read or compute at 16 bits or fewer, as a sentence that
     begins with its place; "" if there is none, as in all of desktop GLSL.
 
@@ -116,7 +116,7 @@ _OPAQUE_TYPE = re.compile(r"[iu]?(?:sampler|image|texture|subpassInput)|atomic_u
 _IDS = {"gl_VertexID": "gl_VertexIndex", "gl_InstanceID": "gl_InstanceIndex"}
 
 
-def by_own_rules(source: Source) -> Source:
+def apply_own_rules(source: Source) -> Source:
     """The stage without what only relaxed rules allow: plain globals for uniforms outside blocks,
     Vulkan's names of the indices. No line moves."""
 
@@ -131,7 +131,7 @@ def by_own_rules(source: Source) -> Source:
     return source if code == source.code else replace(source, text=code, stripped=code)
 
 
-def with_interface(source: Source) -> Source:
+def raise_version(source: Source) -> Source:
     """The stage in the oldest version that has all its words and can become SPIR-V for OpenGL, from
     which its interface is read: GLSL 3.30 for 1.40 and 1.50, ES 3.10 for ES 3.00."""
     version, profile = source.version

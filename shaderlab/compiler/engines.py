@@ -114,28 +114,25 @@ class Engine(Protocol):
     def name(self) -> str:
         """One of ENGINES."""
 
-    def prepare(self, sources: Sequence[Source]) -> None:
-        """Announces sources that will be checked; an engine may check them all at once."""
-
     def check(self, source: Source) -> Checked:
-        """Checks one stage under plain GLSL rules, as `glslangValidator -d` does."""
+        """Check one stage under plain GLSL rules, as `glslangValidator -d` does."""
 
     def preprocess(self, source: Source) -> str | None:
-        """The text after the preprocessor, line for line, or None if that fails."""
+        """Return the text after the preprocessor, line for line, or None if that fails."""
 
     def link(self, sources: Sequence[Source], target: str, *, lines: bool = False) -> Linked:
-        """Parses and links all stages for a target, and makes SPIR-V if the target has it; with
+        """Parse and link all stages for a target, and make SPIR-V if the target has it; with
         `lines` the modules say which line of the text each instruction comes from."""
 
     def validate(self, module: bytes, environment: str) -> str | None:
-        """SPIRV-Tools' message about an invalid module, or None if it is valid."""
+        """Return SPIRV-Tools' message about an invalid module, or None if it is valid."""
 
     def versions(self) -> Mapping[str, str]:
-        """Versions by "glslang" and "SPIRV-Tools", and the path of each file in use."""
+        """Return versions by "glslang" and "SPIRV-Tools", and the path of each file in use."""
 
 
 def choose(name: str | None = None, seconds: float | None = None) -> Engine:
-    """The engine to use.
+    """Choose the engine to use.
 
     Args:
         name: one of ENGINES. By default the command that SHADERLAB_GLSLANG names, else the
@@ -145,11 +142,11 @@ def choose(name: str | None = None, seconds: float | None = None) -> Engine:
     Raises:
         ShaderError: no such engine, or it is not installed; the remedy says what to install.
     """
-    return _chosen(name, os.environ.get(COMMAND_VARIABLE) or None, seconds)
+    return _choose(name, os.environ.get(COMMAND_VARIABLE) or None, seconds)
 
 
 @functools.cache
-def _chosen(name: str | None, command: str | None, seconds: float | None) -> Engine:
+def _choose(name: str | None, command: str | None, seconds: float | None) -> Engine:
     # Imported late: commands need subprocess and tempfile, which the library does without.
     from .commands import Commands, locate
     from .library import Library

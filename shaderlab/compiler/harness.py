@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import itertools
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -32,7 +31,6 @@ from .sources import Shaders, Source
 WORK = "shaderlab.compiler.harness:work"
 """What a pool of processes runs, by name: takes `CompileJob`s, yields `FileResult`s."""
 
-_BATCH = 128
 # One check, then for each of three SPIR-V targets the compiler and the validator; rounded up.
 _COMMANDS_PER_FILE = 8
 
@@ -146,10 +144,10 @@ def compile_glsl(
     """
     how = CompileOptions(**options)
     shaders = find_shaders(paths, [Path(folder) for folder in how.include], stage=how.stage)
-    return compile_found([shaders] if link else [[one] for one in shaders], how, workers)
+    return compile_files([shaders] if link else [[one] for one in shaders], how, workers)
 
 
-def compile_found(
+def compile_files(
     programs: Iterable[Sequence[ShaderFile]],
     options: CompileOptions,
     workers: Workers | None = None,
@@ -157,44 +155,43 @@ def compile_found(
     """As `compile_glsl`, for files that `find_shaders` found; each sequence is one program."""
     jobs = (CompileJob(files, options) for files in programs)
     if workers is None:
-        while batch := list(itertools.islice(jobs, _BATCH)):
-            yield from work(batch)
+        yield from work(jobs)
         return
     waiting: dict[int, Any] = {}
     following = 0
     for result in workers.run(jobs):
         waiting[result.number] = result
         while following in waiting:  # yielded in their jobs' order
-            yield _value(waiting.pop(following))
+            yield _result_of(waiting.pop(following))
             following += 1
 
 
-def _value(result: Any) -> FileResult:
+def _result_of(result: Any) -> FileResult:
     if result.status == "error":
         raise result.value
     if result.status == "done":
         value: FileResult = result.value
         return value
-    return _died(result.item, result.status, result.message)
+    return _report_death(result.item, result.status, result.message)
 
 
-def work(jobs: Sequence[CompileJob]) -> Iterator[FileResult]:
-    """Compiles jobs of one set of options, in order. What is wrong with a file is in its result."""
-    options = jobs[0].options if jobs else CompileOptions()
-    engine = choose(options.engine, options.seconds)
-    shaders: dict[str, Shaders] = {}
-    loaded = [_load(job, shaders) for job in jobs]
-    engine.prepare([source for stages in loaded if isinstance(stages, list) for source in stages])
-    for job, stages in zip(jobs, loaded, strict=True):
+def work(jobs: Iterable[CompileJob]) -> Iterator[FileResult]:
+    """Compile jobs in order. What is wrong with a file is in its result."""
+    shaders: dict[str, Shaders] = {}  # what loads files, by their root
+    for job in jobs:
+        options = job.options
+        engine = choose(options.engine, options.seconds)
         try:
-            if isinstance(stages, ShaderError):
-                raise stages
+            for root in {file.root for file in job.files} - shaders.keys():
+                folders = dict.fromkeys([root, *map(str, options.include)])
+                shaders[root] = Shaders(list(map(Path, folders)), defines=options.defines)
+            stages = [shaders[file.root].load(file.name, options.stage) for file in job.files]
             yield _compile(job, stages, engine)
         except CompilerDiedError as error:
-            yield _died(job, error.status, error.message)
+            yield _report_death(job, error.status, error.message)
         except ShaderError as error:
             message = error.message + (f" ({error.remedy})" if error.remedy else "")
-            yield _failed(job, message, error.file, error.line)
+            yield _report_failure(job, message, error.file, error.line)
 
 
 def time_limit(engine: str | None, seconds: float) -> float:
@@ -208,14 +205,14 @@ def time_limit(engine: str | None, seconds: float) -> float:
     return seconds * _COMMANDS_PER_FILE if commands else seconds
 
 
-def _died(job: CompileJob, status: str, message: str) -> FileResult:
+def _report_death(job: CompileJob, status: str, message: str) -> FileResult:
     """The result of a job whose compiler crashed or timed out."""
     if status == "crash":
-        return _failed(job, f"crash: took the compiler down: {message}", status="crash")
-    return _failed(job, f"{status}: took the compiler too long: {message}", status="timeout")
+        return _report_failure(job, f"crash: the compiler crashed: {message}", status="crash")
+    return _report_failure(job, f"timeout: the compiler took too long: {message}", status="timeout")
 
 
-def _failed(
+def _report_failure(
     job: CompileJob,
     message: str,
     file: str | None = None,
@@ -233,18 +230,6 @@ def _failed(
         for target in job.options.targets
     )
     return FileResult(path=job.path, stage=stage, verdicts=tuple(verdicts))
-
-
-def _load(job: CompileJob, shaders: dict[str, Shaders]) -> list[Source] | ShaderError:
-    """The job's sources; `shaders` holds what loads them, by root, for all jobs."""
-    options = job.options
-    try:
-        for root in {file.root for file in job.files} - shaders.keys():
-            folders = dict.fromkeys([root, *map(str, options.include)])
-            shaders[root] = Shaders(list(map(Path, folders)), defines=options.defines)
-        return [shaders[file.root].load(file.name, options.stage) for file in job.files]
-    except ShaderError as error:
-        return error
 
 
 def _compile(job: CompileJob, stages: Sequence[Source], engine: Engine) -> FileResult:

@@ -150,36 +150,24 @@ class Glslang:
 
 
 def find(wheel: str, name: str, folder: str = "lib") -> Path:
-    """The path of an installed wheel's file, in the folder "lib" or "bin" of its prefix.
+    """Find an installed wheel's file, in the folder "lib" or "bin" of its prefix.
 
     Raises:
         ShaderError: the wheel is not installed or holds no such file.
     """
-    for entry in sys.path:  # faster than the package's own list of files
-        likely = Path(entry) / _PREFIX / folder / name
-        if likely.is_file():
-            return likely
-    from importlib import metadata  # late: costs 20 ms
-
-    try:
-        files = metadata.files(wheel) or []
-    except metadata.PackageNotFoundError:
-        raise ShaderError(
-            f"the GLSL compiler's package {wheel} is not installed",
-            remedy=INSTALL,
-        ) from None
-    for file in files:
-        if file.name == name and file.parent.name == folder and _PREFIX in file.parts:
-            return Path(str(file.locate()))
+    for entry in sys.path:
+        path = Path(entry) / _PREFIX / folder / name
+        if path.is_file():
+            return path
     raise ShaderError(
-        f"package {wheel} holds no {name}",
-        remedy=f"reinstall it: pip install --force-reinstall {wheel}",
+        f"the GLSL compiler's package {wheel} is not installed, or holds no {name}",
+        remedy=INSTALL,
     )
 
 
 @functools.cache
 def glslang() -> Glslang:
-    """The compiler, loaded and initialised once a process.
+    """Load and initialise the compiler, once a process.
 
     Raises:
         ShaderError: the wheel is not installed or does not hold the libraries.
@@ -197,7 +185,7 @@ def glslang() -> Glslang:
 
 @functools.cache
 def spirv_tools() -> c.CDLL:
-    """SPIRV-Tools' library: validator and disassembler.
+    """Load SPIRV-Tools' library: validator and disassembler.
 
     Raises:
         ShaderError: the wheel is not installed or does not hold the library.
@@ -206,7 +194,7 @@ def spirv_tools() -> c.CDLL:
 
 
 def files() -> tuple[Path, ...]:
-    """The libraries' files, without loading them.
+    """Find the libraries' files, without loading them.
 
     Raises:
         ShaderError: a wheel is missing; the remedy names it.
@@ -249,7 +237,7 @@ _NO_HEADER, _INDENT, _FRIENDLY_NAMES = 1 << 5, 1 << 3, 1 << 6
 
 
 def validate(module: bytes, env: str) -> str | None:
-    """SPIRV-Tools' message about an invalid module, or None if it is valid.
+    """Return SPIRV-Tools' message about an invalid module, or None if it is valid.
 
     Args:
         module: SPIR-V as bytes, four a word.
@@ -275,7 +263,7 @@ def validate(module: bytes, env: str) -> str | None:
 
 
 def disassemble(module: bytes) -> str:
-    """The module as SPIR-V assembly with readable names.
+    """Return the module as SPIR-V assembly with readable names.
 
     Raises:
         ShaderError: the bytes are not a SPIR-V module, or the library is missing.
@@ -298,7 +286,7 @@ def disassemble(module: bytes) -> str:
 
 
 def disassemble_stages(modules: Mapping[str, bytes]) -> str:
-    """A program's modules, by stage, as one text; see `disassemble`."""
+    """Return a program's modules, by stage, as one text; see `disassemble`."""
     return "\n".join(f"; {stage}\n{disassemble(data)}" for stage, data in modules.items())
 
 
@@ -317,7 +305,6 @@ _MAGIC = (0x07230203).to_bytes(4, sys.byteorder)
 _STAGE = {stage: number for number, stage in enumerate(STAGES)}
 _STRING = re.compile(r'"((?:\\.|[^"\\\n])*)"')
 _ESCAPED = str.maketrans({"\\": "\\\\", '"': '\\"'})
-_CACHED = 8  # a program's stages are checked, and its modules validated, several times in a row
 
 
 class Library:
@@ -332,11 +319,6 @@ class Library:
     def __init__(self) -> None:
         self._glslang = glslang()
         spirv_tools()
-        self.check = functools.lru_cache(_CACHED)(self._check)
-        self.validate = functools.lru_cache(_CACHED)(validate)
-
-    def prepare(self, sources: Sequence[Source]) -> None:
-        """Nothing: one by one costs no more."""
 
     def preprocess(self, source: Source) -> str | None:
         front = self._glslang.front
@@ -365,13 +347,16 @@ class Library:
             program = front.glslang_program_create()
             for handle in handles:
                 front.glslang_program_add_shader(program, handle)
-            return _linked(self._glslang, program, settings, logs, lines)
+            return _link(self._glslang, program, settings, logs, lines)
         finally:
             # Deleted before its shaders: it may hold what it merged from them.
             if program is not None:
                 front.glslang_program_delete(program)
             for handle in handles:
                 front.glslang_shader_delete(handle)
+
+    def validate(self, module: bytes, environment: str) -> str | None:
+        return validate(module, environment)
 
     def versions(self) -> Mapping[str, str]:
         from importlib.metadata import version  # costs 20 ms, and only `doctor` needs it
@@ -385,7 +370,7 @@ class Library:
             "SPIRV-Tools library": str(back),
         }
 
-    def _check(self, source: Source) -> Checked:
+    def check(self, source: Source) -> Checked:
         front = self._glslang.front
         text = source.text.encode()
         compiler = front.ShConstructCompiler(_STAGE[source.stage], 0)
@@ -400,9 +385,9 @@ class Library:
             front.ShDestruct(compiler)
 
     def _parse(self, source: Source, settings: TargetSettings) -> tuple[int, bool, str]:
-        """A shader with what the text has become, whether it is free of errors, and the log."""
+        """Return a parsed shader, whether it is free of errors, and the log."""
         front = self._glslang.front
-        handle, input_ = self._create(source, settings, _twice_escaped(source.text))
+        handle, input_ = self._create(source, settings, _escape_strings(source.text))
         ok = front.glslang_shader_preprocess(handle, c.byref(input_))
         ok = ok and front.glslang_shader_parse(handle, c.byref(input_))
         return handle, bool(ok), _text(front.glslang_shader_get_info_log(handle))
@@ -427,15 +412,15 @@ class Library:
         return handle, input_
 
 
-def _twice_escaped(text: str) -> str:
-    """The text with what stands in strings escaped once more: the C interface parses what it has
-    preprocessed, in which strings stand without their escapes."""
+def _escape_strings(text: str) -> str:
+    """Escape what stands in strings once more: the C interface parses what it has preprocessed, in
+    which strings stand without their escapes."""
     if '"' not in text or "\\" not in text:
         return text
     return _STRING.sub(lambda m: f'"{m[1].translate(_ESCAPED)}"', text)
 
 
-def _linked(
+def _link(
     lib: Glslang, program: int, settings: TargetSettings, logs: Mapping[str, str], lines: bool
 ) -> Linked:
     makes_spirv = bool(settings.environment)

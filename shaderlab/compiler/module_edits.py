@@ -10,7 +10,7 @@ from itertools import pairwise
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.records import Diagnostic
 
-from .diagnostics import declaration
+from .diagnostics import find_declaration
 from .reflection import leaves, own_variables, stage_variables
 from .shader_files import STAGES
 from .sources import Source
@@ -73,7 +73,7 @@ def match_locations(modules: Mapping[str, bytes], sources: Sequence[Source]) -> 
     }
 
 
-def unwritten_inputs(
+def find_unwritten_inputs(
     sources: Sequence[Source], modules: Mapping[str, bytes]
 ) -> tuple[Diagnostic, ...]:
     """An error for each input that a stage uses and the previous stage does not declare, or
@@ -82,14 +82,14 @@ def unwritten_inputs(
     by_stage = {source.stage: source for source in sources}
     for writer, reader in pairwise(stage for stage in STAGES if stage in modules):
         outputs = list(stage_variables(parse(modules[writer]), StorageClass.Output))
-        written = {_without_indices(v.name) for v in outputs}
+        written = {_strip_indices(v.name) for v in outputs}
         at = {v.location: v for v in outputs if v.location is not None}
         source = by_stage[reader]
         inputs = stage_variables(parse(modules[reader]), StorageClass.Input)
-        for name, variable in {_without_indices(v.name): v for v in inputs if v.used}.items():
+        for name, variable in {_strip_indices(v.name): v for v in inputs if v.used}.items():
             if name in written:
                 continue
-            declared = declaration(source, name.rpartition(".")[2], "in")
+            declared = find_declaration(source, name.rpartition(".")[2], "in")
             message = f"'{name}' : input of the {reader} stage that the {writer} stage never writes"
             if declared is not None and "location" in declared[1]:
                 other = None if variable.location is None else at.get(variable.location)
@@ -104,12 +104,12 @@ def unwritten_inputs(
     return tuple(found)
 
 
-def _without_indices(name: str) -> str:
+def _strip_indices(name: str) -> str:
     """A name without array indices, which geometry and tessellation stages add by vertex."""
     return "".join(part.partition("]")[2] if i else part for i, part in enumerate(name.split("[")))
 
 
-def _located(module: Module, storage: int) -> dict[str, tuple[int, int]]:
+def _find_locations(module: Module, storage: int) -> dict[str, tuple[int, int]]:
     """A storage class's variables that have a location, by interface name: the index of the
     location's word, and how many locations the variable takes."""
     return {
@@ -126,7 +126,10 @@ def _move_inputs(
     writer: Module, reader: Module, writer_words: Sequence[int], reader_words: list[int]
 ) -> None:
     """Moves the reader's inputs to the locations of their outputs, and others out of their way."""
-    outputs, inputs = _located(writer, StorageClass.Output), _located(reader, StorageClass.Input)
+    outputs, inputs = (
+        _find_locations(writer, StorageClass.Output),
+        _find_locations(reader, StorageClass.Input),
+    )
     occupied: set[int] = set()
     for name, (at, _) in inputs.items():
         if name in outputs:
@@ -184,7 +187,7 @@ def _renumber(
     """Renumbers the names of a range if two stages disagree about them."""
     if _agree(uses_by_name, words):
         return
-    fixed = {name for name, uses in uses_by_name.items() if _by_author(name, uses, sources)}
+    fixed = {name for name, uses in uses_by_name.items() if _is_authors(name, uses, sources)}
     taken = {n for name in fixed for use in uses_by_name[name] for n in use.numbers(words)}
     for name, uses in uses_by_name.items():
         if name in fixed:
@@ -208,11 +211,13 @@ def _agree(uses_by_name: Mapping[str, Sequence[_Use]], words: _Words) -> bool:
     )
 
 
-def _by_author(name: str, uses: Sequence[_Use], sources: Sequence[Source]) -> bool:
+def _is_authors(name: str, uses: Sequence[_Use], sources: Sequence[Source]) -> bool:
     """Whether the author wrote the name's number in one of the stages that use it."""
     stages, qualifier = {use.stage for use in uses}, uses[0].qualifier
     may = [s for s in sources if s.stage in stages and name and qualifier in s.code]
-    return any(found and qualifier in found[1] for found in (declaration(s, name) for s in may))
+    return any(
+        found and qualifier in found[1] for found in (find_declaration(s, name) for s in may)
+    )
 
 
 # BuiltIn numbers of what `gl_PerVertex` has.
@@ -222,7 +227,7 @@ Target = tuple[int, int | None]
 """A variable's id, or a struct's with one of its members."""
 
 
-def with_feedback(data: bytes, sizes: Mapping[str, int]) -> bytes:
+def add_feedback(data: bytes, sizes: Mapping[str, int]) -> bytes:
     """A module of the last stage before rasterisation, decorated so that it captures.
 
     Args:
@@ -256,9 +261,9 @@ def with_feedback(data: bytes, sizes: Mapping[str, int]) -> bytes:
             (Decoration.XfbStride, at),
             (Decoration.Offset, offset),
         )
-        for word in _decorated(target, kind, value)
+        for word in _decorate(target, kind, value)
     ]
-    return _inserted(module, added)
+    return _insert(module, added)
 
 
 def _outputs(module: Module) -> Iterator[tuple[Target, tuple[str, ...]]]:
@@ -284,14 +289,14 @@ def _outputs(module: Module) -> Iterator[tuple[Target, tuple[str, ...]]]:
             yield (element, index), tuple(names)
 
 
-def _decorated(target: Target, kind: int, value: int) -> Sequence[int]:
+def _decorate(target: Target, kind: int, value: int) -> Sequence[int]:
     id_, member = target
     if member is None:
         return (4 << 16 | Op.Decorate, id_, kind, value)
     return (5 << 16 | Op.MemberDecorate, id_, member, kind, value)
 
 
-def _inserted(module: Module, decorations: Sequence[int]) -> bytes:
+def _insert(module: Module, decorations: Sequence[int]) -> bytes:
     """The module with a capability, an execution mode and decorations, each in its section."""
     words = list(module.words)
     mode_at = decorate_at = 0

@@ -10,7 +10,7 @@ import os
 import posixpath
 import re
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -113,7 +113,7 @@ def normalise(text: str, path: str | Path) -> str:
     return text
 
 
-def without_comments(text: str) -> str:
+def strip_comments(text: str) -> str:
     """The text with its comments blanked out; all other characters stay in place."""
     if "//" not in text and "/*" not in text:
         return text
@@ -146,7 +146,7 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
         suffix = posixpath.splitext(stem)[1]
     if suffix in EXTENSIONS:
         return EXTENSIONS[suffix]
-    pragma = _PRAGMA.search(without_comments(text))
+    pragma = _PRAGMA.search(strip_comments(text))
     if pragma is None:
         raise ShaderError(
             "can't tell the shader's stage from its name",
@@ -168,8 +168,8 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
 
 _SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)")
 _NO_SHADERS = frozenset({"__pycache__", "node_modules", "site-packages"})
-_LOOKED_AT = 20_000
-"""Files below a shader folder that are looked at for names like a misspelt one: 0.1 s."""
+_MOST_FILES = 20_000
+"""How many files below a shader folder are searched for names like a misspelt one."""
 _LEADS_OUT = "leads out of the shader folders"
 OUTSIDE_REMEDY = "name a file inside a shader folder, or add its folder: --include DIR"
 
@@ -205,13 +205,13 @@ class Roots:
         self._overrides = dict(overrides)
 
     def shader(self, name: str) -> File:
-        """The named shader.
+        """Read the named shader.
 
         Raises:
             ShaderError: it is in no root, leads out of them, or can't be read.
         """
         try:
-            file = self.find(inside(name))
+            file = self.find(normalise_name(name))
         except OutsideError as error:
             raise ShaderError(f"shader {name!r}: {error}", remedy=OUTSIDE_REMEDY) from None
         if file is None:
@@ -224,12 +224,12 @@ class Roots:
     def has(self, name: str) -> bool:
         """Whether there is a shader of that name, and it can be read."""
         try:
-            return self.find(inside(name)) is not None
+            return self.find(normalise_name(name)) is not None
         except (OutsideError, ShaderError):
             return False
 
     def find(self, name: str) -> File | None:
-        """The file of a normalised name, or None if it is in no root.
+        """Find the file of a normalised name; None if it is in no root.
 
         A name that climbs, such as "../shaders/a.glsl", is looked for beside each root, and found
         where that is in a root again; the file then has its name inside that one.
@@ -239,25 +239,23 @@ class Roots:
             ShaderError: the file can't be read.
         """
         if name in self._overrides:
-            return self._overridden(name, name)
-        climbs = name.startswith("../")
-        for path in self._climbed(name) if climbs else self._joined(name):
+            return self._read_override(name, name)
+        for path, known in self._places(name):
             if os.path.lexists(path):
-                real = os.path.realpath(path) if os.path.islink(path) else self._real(path)
+                real = os.path.realpath(path)
                 if not real.startswith(self._real_folders):
                     raise OutsideError(
                         f"a symbolic link leads out of the shader folders, to {real}"
                     )
-                known = self._name_inside(path) if climbs else name
                 if self._overrides and real in self._overridden_files:
-                    return self._overridden(self._overridden_files[real], known)
+                    return self._read_override(self._overridden_files[real], known)
                 return File(known, path, read_shader(path))
         return None
 
     def nearest(self, name: str) -> str:
         """A remedy for a misspelt name: like ones of shaders that are not too deep in the roots, of
         which one may be somebody's home folder."""
-        return nearest(name, self.names(_LOOKED_AT))
+        return nearest(name, self.names(_MOST_FILES))
 
     def names(self, most: int | None = None) -> tuple[str, ...]:
         """All overridden names and all shader files below the roots, each by its shortest name, as
@@ -269,14 +267,14 @@ class Roots:
         found: dict[str, str] = {}
         for folder in self.folders:
             for name in _below(folder, most):
-                path = self._real(os.path.join(folder, name))
+                path = _resolve_folder(os.path.join(folder, name))
                 found[path] = min(found.get(path, name), name, key=len)
         return tuple(dict.fromkeys([*self._overrides, *found.values()]))
 
-    def _overridden(self, key: str, name: str) -> File:
+    def _read_override(self, key: str, name: str) -> File:
         new = self._overrides[key]
         if isinstance(new, Path):
-            return File(name, str(new), renamed(read_shader(new), self._renames))
+            return File(name, str(new), rename_words(read_shader(new), self._renames))
         return File(name, name, normalise(new, name))
 
     @functools.cached_property
@@ -285,40 +283,25 @@ class Roots:
         one root is inside another."""
         found: dict[str, str] = {}
         for key in self._overrides:
-            paths = self._climbed(key) if key.startswith("../") else self._joined(key)
-            for path in paths:
-                if os.path.lexists(path):
-                    found.setdefault(os.path.realpath(path), key)
-                    break
+            path = next((path for path, _ in self._places(key) if os.path.lexists(path)), None)
+            if path is not None:
+                found.setdefault(os.path.realpath(path), key)
         return found
 
-    def _joined(self, name: str) -> Iterator[str]:
-        return (os.path.join(folder, name) for folder in self._named_folders)
-
-    def _climbed(self, name: str) -> Sequence[str]:
-        paths = [os.path.normpath(path) for path in self._joined(name)]
-        inside = [path for path in paths if self._roots_above(path)]
-        if not inside:
+    def _places(self, name: str) -> list[tuple[str, str]]:
+        """Where a normalised name may be, in search order: paths, and their names inside roots."""
+        if not name.startswith("../"):
+            return [(str(folder / name), name) for folder in self.folders]
+        roots = [os.path.join(os.path.abspath(folder), "") for folder in self.folders]
+        places = []
+        for folder in self.folders:
+            path = os.path.normpath(folder / name)
+            root = next((root for root in roots if os.path.abspath(path).startswith(root)), None)
+            if root is not None:
+                places.append((path, _slashes(os.path.abspath(path)[len(root) :])))
+        if not places:
             raise OutsideError(_LEADS_OUT)
-        return inside
-
-    def _roots_above(self, path: str) -> list[str]:
-        """The roots that a path lies in, in search order."""
-        whole = os.path.abspath(path)
-        roots = (os.path.join(os.path.abspath(folder), "") for folder in self.folders)
-        return [root for root in roots if whole.startswith(root)]
-
-    def _name_inside(self, path: str) -> str:
-        return _slashes(os.path.abspath(path)[len(self._roots_above(path)[0]) :])
-
-    @functools.cached_property
-    def _real(self) -> Callable[[str], str]:
-        return _resolver()
-
-    @functools.cached_property
-    def _named_folders(self) -> tuple[str, ...]:
-        """The folders as strings, which join several times as fast as paths."""
-        return tuple("" if folder == Path() else str(folder) for folder in self.folders)
+        return places
 
     @functools.cached_property
     def _real_folders(self) -> tuple[str, ...]:
@@ -326,22 +309,16 @@ class Roots:
         return tuple(os.path.join(os.path.realpath(folder), "") for folder in self.folders)
 
 
-def _resolver() -> Callable[[str], str]:
-    """A function of a file's path without symbolic links in its folder; resolves each folder
-    once."""
-    realpath = functools.cache(os.path.realpath)
-
-    def real(path: str) -> str:
-        parent, name = os.path.split(path)
-        return os.path.join(realpath(parent), name)
-
-    return real
+def _resolve_folder(path: str) -> str:
+    """A file's path without symbolic links in its folder."""
+    parent, name = os.path.split(path)
+    return os.path.join(os.path.realpath(parent), name)
 
 
-def renamed(text: str, renames: Mapping[str, str]) -> str:
-    """A shader's text with some of its names changed.
+def rename_words(text: str, renames: Mapping[str, str]) -> str:
+    """Change some of the names in a shader's text.
 
-    >>> renamed("in vec3 vNormal; // vNormals", {"vNormal": "Normal"})
+    >>> rename_words("in vec3 vNormal; // vNormals", {"vNormal": "Normal"})
     'in vec3 Normal; // vNormals'
     """
     if not renames:
@@ -350,7 +327,7 @@ def renamed(text: str, renames: Mapping[str, str]) -> str:
     return re.sub(rf"\b(?:{words})\b", lambda match: renames[match.group()], text)
 
 
-def inside(name: str, folder: str = "") -> str:
+def normalise_name(name: str, folder: str = "") -> str:
     """`name`, seen from `folder` (itself a name inside the roots), normalised.
 
     Raises:
@@ -389,7 +366,7 @@ class ShaderFile:
 def find_shaders(
     paths: Sequence[str | Path], roots: Sequence[Path] = (), *, stage: str | None = None
 ) -> list[ShaderFile]:
-    """The shaders at the paths, each once, sorted by path.
+    """Find the shaders at the paths, each once, sorted by path.
 
     Args:
         paths: files, and folders to search for files whose extension or `#pragma shader_stage`
@@ -402,7 +379,6 @@ def find_shaders(
         UsageError: a path does not exist, or a folder holds no shader.
     """
     real_roots = [(os.path.join(os.path.realpath(root), ""), str(root)) for root in roots]
-    real = _resolver()
     found: dict[str, ShaderFile] = {}
     for path in map(Path, paths):
         if not path.exists():
@@ -411,7 +387,7 @@ def find_shaders(
             files, folder = [str(path)], str(path.parent)
         else:
             folder = str(path)
-            files = [file for file in _walk(folder) if stage or _tells_stage(file)]
+            files = [file for file in _walk(folder) if stage or _names_stage(file)]
             if not files:
                 raise UsageError(
                     "there is no shader in this folder",
@@ -420,16 +396,15 @@ def find_shaders(
                 )
         for file in files:
             key = os.path.abspath(file) if len(paths) > 1 else file
-            found.setdefault(key, _placed(file, folder, real_roots, real))
+            found.setdefault(key, _locate(file, folder, real_roots))
     return sorted(found.values(), key=lambda shader: shader.path)
 
 
-def _placed(
-    file: str, folder: str, roots: Sequence[tuple[str, str]], real: Callable[[str], str]
-) -> ShaderFile:
+def _locate(file: str, folder: str, roots: Sequence[tuple[str, str]]) -> ShaderFile:
+    real = _resolve_folder(file)
     for real_root, root in roots:
-        if real(file).startswith(real_root):
-            return ShaderFile(file, root, _slashes(real(file)[len(real_root) :]))
+        if real.startswith(real_root):
+            return ShaderFile(file, root, _slashes(real[len(real_root) :]))
     start = os.path.join(folder, "")
     name = file[len(start) :] if file.startswith(start) else os.path.relpath(file, folder)
     return ShaderFile(file, folder, _slashes(name))
@@ -449,7 +424,7 @@ def _walk(folder: str) -> Iterator[str]:
                 waiting.append(inner)
 
 
-def _tells_stage(file: str) -> bool:
+def _names_stage(file: str) -> bool:
     stem, extension = os.path.splitext(file)
     if extension in EXTENSIONS:
         return True

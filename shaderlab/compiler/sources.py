@@ -23,11 +23,11 @@ from .shader_files import (
     File,
     OutsideError,
     Roots,
-    inside,
     normalise,
+    normalise_name,
     stage_of,
+    strip_comments,
     version_of,
-    without_comments,
 )
 
 MAX_DEPTH = 64
@@ -93,7 +93,7 @@ def expand(file: File, roots: Roots, defines: Mapping[str, str]) -> Expansion:
         ShaderError: an include is malformed, missing, circular, outside the roots, too deep,
             or can't be read; the message has the chain of includes that led there.
     """
-    code = without_comments(file.text)
+    code = strip_comments(file.text)
     version = version_of(code)
     expansion = Expansion(roots, defines, version[0] if version else 110)
     expansion.append(file, code, ())
@@ -119,7 +119,7 @@ class Expansion:
         rows, codes = file.text.split("\n"), code.split("\n")
         if trail and rows[-1] == "":
             rows.pop()  # the file's last line end does not start another line
-        guard = _guard(file, code) if trail else None
+        guard = _once_macro(file, code) if trail else None
         if guard:
             self._add((file.path, 1), f"#ifndef {guard}", f"#define {guard}")
         if _ANY_DIRECTIVE.search(code) or (self._defines and "version" in code):
@@ -146,8 +146,8 @@ class Expansion:
             kind, rest = directive.groups() if directive else ("", "")
             line = _LINE.fullmatch(rest.strip()) if kind == "line" else None
             if kind == "include":
-                inner = self._included(rest.strip(), (*trail, (file, number)))
-                self.append(inner, without_comments(inner.text), (*trail, (file, number)))
+                inner = self._find_included(rest.strip(), (*trail, (file, number)))
+                self.append(inner, strip_comments(inner.text), (*trail, (file, number)))
             elif kind == "extension" and rest.split(":")[0].strip() in _INCLUDE_EXTENSIONS:
                 self._add(place, "")  # drivers without the extension would refuse it
             elif line:
@@ -169,7 +169,7 @@ class Expansion:
         self.codes += rows
         self.spans += [(*place, 1)] * len(rows)
 
-    def _included(self, rest: str, trail: _Trail) -> File:
+    def _find_included(self, rest: str, trail: _Trail) -> File:
         """The file that the text after `#include` names."""
         self._includes += 1
         if self._includes > MAX_INCLUDES:
@@ -184,7 +184,7 @@ class Expansion:
         outside = None
         for start in dict.fromkeys([folder, ""]):
             try:
-                name = inside(path, start)
+                name = normalise_name(path, start)
                 file = self._roots.find(name)
             except OutsideError as error:
                 outside = outside or error
@@ -196,7 +196,7 @@ class Expansion:
                 ) from None
             found = name if file is None else file.name
             open_files = [one for one, _ in trail if one.name == found]
-            if open_files and not _ONCE.search(without_comments(open_files[0].text)):
+            if open_files and not _ONCE.search(strip_comments(open_files[0].text)):
                 raise _error(f"{path!r} includes itself", trail, "break the cycle of includes")
             if file is not None and len(trail) > MAX_DEPTH:
                 raise _error(f"includes nest deeper than {MAX_DEPTH}", trail, "include less deeply")
@@ -207,7 +207,7 @@ class Expansion:
         raise _error(f"no file to #include: {path!r}", trail, self._roots.nearest(path))
 
 
-def _guard(file: File, code: str) -> str | None:
+def _once_macro(file: File, code: str) -> str | None:
     """A macro's name for a file with `#pragma once`; two underscores in a row are reserved."""
     if not _ONCE.search(code):
         return None
@@ -251,7 +251,7 @@ class Source:
     @functools.cached_property
     def code(self) -> str:
         """The text with its comments blanked out; all other characters stay in place."""
-        return without_comments(self.text) if self.stripped is None else self.stripped
+        return strip_comments(self.text) if self.stripped is None else self.stripped
 
     @functools.cached_property
     def version(self) -> tuple[int, str]:

@@ -14,7 +14,7 @@ from typing import Self
 
 from shaderlab.compiler.compile import Compiled
 from shaderlab.compiler.compile_cache import cached_compiler
-from shaderlab.compiler.dialects import below_highp
+from shaderlab.compiler.dialects import find_below_highp
 from shaderlab.compiler.engines import TARGETS
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Backend, open_backend
@@ -274,7 +274,7 @@ class SceneRunner:
             message = error.message if isinstance(error, ShaderlabError) else repr(error)
             explanation = Explanation(pixel=pixel, steps=(), refused=message)
         pass_name, draw = formula.key(scene)
-        lower = list(filter(None, map(below_highp, programs[pass_name][draw].authored)))
+        lower = list(filter(None, map(find_below_highp, programs[pass_name][draw].authored)))
         if explanation is None or not lower:
             return explanation
         verdict = "; ".join(filter(None, (explanation.verdict, lower[0])))

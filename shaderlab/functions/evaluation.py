@@ -23,7 +23,7 @@ import numpy as np
 
 from shaderlab.compiler.compile_cache import cached_compiler
 from shaderlab.compiler.engines import choose
-from shaderlab.compiler.shader_files import version_of, without_comments
+from shaderlab.compiler.shader_files import strip_comments, version_of
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.drivers import Evaluation
 from shaderlab.engine.executors import InProcessExecutor, LocalExecutor, ProcessExecutor
@@ -368,7 +368,7 @@ def glsl_versions(source: Source) -> tuple[int, ...]:
     number, profile = source.version
     if profile == "es":
         return (_NEWEST,)
-    says = any(version_of(without_comments(text)) for _, text in source.parts)
+    says = any(version_of(strip_comments(text)) for _, text in source.parts)
     return (max(number, _OLDEST),) if says else (_NEWEST, _OLDEST)
 
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from shaderlab.compiler.compile import compile_program
-from shaderlab.compiler.dialects import with_interface
+from shaderlab.compiler.dialects import raise_version
 from shaderlab.compiler.library import SPIRV_TOOLS_WHEEL, find
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
@@ -327,7 +327,7 @@ def is_same_program(mutant: Sequence[Source], original: Sequence[Source]) -> boo
 
 def _compile_modules(stages: Sequence[Source]) -> Mapping[str, bytes]:
     """Each stage's SPIR-V for OpenGL."""
-    newer = [with_interface(stage) for stage in stages]
+    newer = [raise_version(stage) for stage in stages]
     return compile_program(newer, ("glsl", "opengl")).spirv["opengl"]
 
 

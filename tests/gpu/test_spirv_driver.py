@@ -8,7 +8,7 @@ import pytest
 
 from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.library import validate
-from shaderlab.compiler.module_edits import with_feedback
+from shaderlab.compiler.module_edits import add_feedback
 from shaderlab.compiler.sources import Shaders
 from shaderlab.drivers.opengl import device
 from shaderlab.drivers.opengl.linking import SpirvProgram
@@ -66,9 +66,9 @@ def test_a_captured_module_is_valid_and_whole_variables_are_captured() -> None:
     source = Shaders([]).from_text(VERTEX, "vertex", "v.vert")
     module = compile_program([source], ("glsl", "opengl")).spirv["opengl"]["vertex"]
     sizes = {"gl_Position": 4, "VS_OUT.uv": 2, "VS_OUT.shade": 2, "turn": 4}
-    assert validate(with_feedback(module, sizes), "opengl4.5") is None
+    assert validate(add_feedback(module, sizes), "opengl4.5") is None
     with pytest.raises(UnsupportedError, match="no such output"):
-        with_feedback(module, {"VS_OUT.normal": 3})
+        add_feedback(module, {"VS_OUT.normal": 3})
 
 
 def test_a_driver_without_spirv_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -215,11 +215,11 @@ def test_states_that_webgl2_lacks_are_named(state: State, says: str) -> None:
 
 
 def test_depths_are_the_codes_that_were_handed_over() -> None:
-    from shaderlab.drivers.webgl.textures import stored_depths, uploaded
+    from shaderlab.drivers.webgl.textures import encode_texels, round_depths
 
     given = np.array([[[0.0], [0.3], [1.0], [1.7]]], np.float32)
     for word, most in (("depth16", 0xFFFF), ("depth24", 0xFFFFFF)):
         codes = np.rint(np.minimum(given, 1.0).astype(np.float64) * most)
-        assert np.array_equal(stored_depths(word, given), (codes / most).astype(np.float32))
-    assert uploaded("depth24", given).ravel().tolist()[2:] == [0xFFFFFFFF] * 2
-    assert np.array_equal(stored_depths("depth32f", given), given)
+        assert np.array_equal(round_depths(word, given), (codes / most).astype(np.float32))
+    assert encode_texels("depth24", given).ravel().tolist()[2:] == [0xFFFFFFFF] * 2
+    assert np.array_equal(round_depths("depth32f", given), given)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.compiler import Shaders
-from shaderlab.compiler.dialects import below_highp
+from shaderlab.compiler.dialects import find_below_highp
 
 HIGH = "precision highp float;\nuniform sampler2D scene;\n"
 
@@ -27,5 +27,5 @@ HIGH = "precision highp float;\nuniform sampler2D scene;\n"
 )
 def test_what_is_below_highp(tmp_path: Path, text: str, said: str) -> None:
     (tmp_path / "a.frag").write_text(text + "void main() {}\n")
-    found = below_highp(Shaders([tmp_path]).load("a.frag"))
+    found = find_below_highp(Shaders([tmp_path]).load("a.frag"))
     assert said in found and bool(said) == bool(found)

@@ -151,7 +151,6 @@ def test_a_command_that_crashes_or_hangs_costs_only_its_file(
     names = {"a": GOOD, "b": GOOD + "// crash\n", "c": GOOD + "// hang\n", "d": GOOD + "//\n"}
     sources = {n: shaders.from_text(text, "fragment", n) for n, text in names.items()}
     patient, hasty = Commands(scripted, seconds=120.0), Commands(scripted, seconds=2.0)
-    patient.prepare(list(sources.values()))  # all at once: it dies, so each is asked by itself
     assert patient.check(sources["a"]).ok and patient.check(sources["d"]).ok
     for engine, name, status in ((patient, "b", "crash"), (hasty, "c", "timeout")):
         with pytest.raises(CompilerDiedError) as raised:

@@ -15,7 +15,7 @@ import numpy as np
 
 from shaderlab.compiler.compile_cache import cached_compiler
 from shaderlab.compiler.diagnostics import DRIVER, parse_driver_log
-from shaderlab.compiler.module_edits import with_feedback
+from shaderlab.compiler.module_edits import add_feedback
 from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.spirv import parse
@@ -254,7 +254,7 @@ def link_modules(device: Device, texts: Mapping[str, str], feedback: Sequence[st
     if feedback:
         last = [stage for stage in modules if stage != "fragment"][-1]
         sizes = {name: _count_components(interface, name) for name in feedback}
-        modules = {**modules, last: with_feedback(modules[last], sizes)}
+        modules = {**modules, last: add_feedback(modules[last], sizes)}
     program = GL.glCreateProgram()
     results = [_compile_shader(program, stage, module) for stage, module in modules.items()]
     if all(taken for taken, _ in results):

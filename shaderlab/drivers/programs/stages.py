@@ -17,7 +17,7 @@ import numpy as np
 from tree_sitter import Node
 
 from shaderlab.compiler.reflection import Interface, Variable
-from shaderlab.compiler.shader_files import without_comments
+from shaderlab.compiler.shader_files import strip_comments
 from shaderlab.compiler.syntax import Syntax, name_of
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array
@@ -64,7 +64,7 @@ class GlslDeclarations:
         self.blocks: dict[str, InterfaceBlock] = {}
         self.structs: list[str] = []
         self._plain: dict[str, tuple[str, str, str]] = {}  # qualifiers, type and array by name
-        file = Syntax(without_comments(text))
+        file = Syntax(strip_comments(text))
         for node in _top_level(file.root):
             if node.type == "struct_specifier":
                 self.structs.append(f"{file.of(node)};")
@@ -543,7 +543,7 @@ def primitive(text: str) -> str:
     >>> primitive("layout (quads, equal_spacing) in;")
     'triangles'
     """
-    inputs = " ".join(re.findall(r"\blayout\s*\(([^)]*)\)\s*in\s*;", without_comments(text)))
+    inputs = " ".join(re.findall(r"\blayout\s*\(([^)]*)\)\s*in\s*;", strip_comments(text)))
     if re.search(r"\bpoint_mode\b", inputs):
         return "points"
     return "lines" if re.search(r"\bisolines\b", inputs) else "triangles"

@@ -51,13 +51,13 @@ from .device import (
 from .images import (
     DeviceImage,
     RenderTarget,
+    choose_format,
     copy_level,
     fill,
     generate_levels,
     new_image,
     new_view,
     read,
-    stored_as,
     write,
 )
 from .program import (
@@ -87,7 +87,7 @@ def layout_of(mesh: Mesh | None, declared: Mapping[str, Variable]) -> VertexLayo
     attributes: list[tuple[int, int, int, int]] = []
     # Vulkan's first number for a topology is that of points, and so on in the order of PRIMITIVES.
     topology = PRIMITIVES.index(mesh.primitive)
-    arrays = _converted(mesh, declared).inputs
+    arrays = _convert_integers(mesh, declared).inputs
     for name, place in mesh.placements().items():
         variable = declared.get(name)
         if variable is None or variable.location is None:
@@ -134,7 +134,7 @@ def upload(
     """The buffers of a mesh, or three vertices without attributes."""
     if mesh is None:
         return VertexBuffers((), None, 3)
-    parts = _converted(mesh, declared).parts()
+    parts = _convert_integers(mesh, declared).parts()
     buffers = tuple(
         resources.buffer("vertex_buffer", b"".join(piece for _, piece in own)) for own in parts
     )
@@ -144,7 +144,9 @@ def upload(
     return VertexBuffers(buffers, indices, len(mesh.indices))
 
 
-def readings(layout: VertexLayout, declared: Mapping[str, Variable]) -> dict[str, AttributeReading]:
+def read_layout(
+    layout: VertexLayout, declared: Mapping[str, Variable]
+) -> dict[str, AttributeReading]:
     """Where a pipeline of this layout reads each attribute."""
     streams = {location: layout.streams[number] for location, number, _, _ in layout.attributes}
     found = {}
@@ -157,16 +159,16 @@ def readings(layout: VertexLayout, declared: Mapping[str, Variable]) -> dict[str
     return found
 
 
-def _converted(mesh: Mesh, declared: Mapping[str, Variable]) -> Mesh:
+def _convert_integers(mesh: Mesh, declared: Mapping[str, Variable]) -> Mesh:
     """The mesh with integers made floats where the shader reads floats, as OpenGL converts them."""
 
     def fitting(given: Mapping[str, Array]) -> dict[str, Array]:
         return {
-            name: array.astype(np.float32) if _converts(array, declared.get(name)) else array
+            name: array.astype(np.float32) if _needs_floats(array, declared.get(name)) else array
             for name, array in given.items()
         }
 
-    kinds = {name: _converts(array, declared.get(name)) for name, array in mesh.inputs.items()}
+    kinds = {name: _needs_floats(array, declared.get(name)) for name, array in mesh.inputs.items()}
     if not any(kinds.values()):
         return mesh
     return replace(
@@ -176,7 +178,7 @@ def _converted(mesh: Mesh, declared: Mapping[str, Variable]) -> Mesh:
     )
 
 
-def _converts(array: Array, variable: Variable | None) -> bool:
+def _needs_floats(array: Array, variable: Variable | None) -> bool:
     return (
         variable is not None
         and array.dtype.kind in "iu"
@@ -265,12 +267,12 @@ def block_buffers(
             found[name] = stored[name].handle
         elif binding.kind == UNIFORM:
             assert binding.block is not None
-            data = _packed(binding.block, values)
+            data = _pack_block(binding.block, values)
             found[name] = own.buffer("uniform_buffer", data).handle
     return found
 
 
-def _packed(block: Block, values: Mapping[str, Array]) -> bytes:
+def _pack_block(block: Block, values: Mapping[str, Array]) -> bytes:
     """A block's bytes; what a struct got for the samplers that were lifted out of it is 0."""
     given = dict(values)
     for member in block.members.values():
@@ -338,11 +340,11 @@ class BoundTextures(SceneTextures[RenderTarget]):
     def _device(self) -> Device:
         return self._resources.device
 
-    def bound(self, variable: Variable, source: TextureSource) -> BoundImage:
+    def bind(self, variable: Variable, source: TextureSource) -> BoundImage:
         """The view and the sampler of a texture that `texels` has looked at."""
         found = self.find(source, self.kind(source, variable))
         if any(word != "nearest" for word in source.filter):
-            stored_as(self._device, found.format, "sampled_image_filter_linear")
+            choose_format(self._device, found.format, "sampled_image_filter_linear")
         seamless = getattr(source, "seamless", True)
         key = (source.filter, source.wrap, source.border, source.compare, source.lod, seamless)
         if key not in self._samplers:
@@ -359,7 +361,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         image = find_image(source, self.images)
         target = self.targets[source.pass_name]
         if kind == "2DMS":
-            return self._multisampled(source, image, target)
+            return self._fetch_samples(source, image, target)
         if source.name not in target.colors and target.samples > 1:
             raise UnsupportedError(
                 f"sampling the {source.name} of this target",
@@ -378,11 +380,11 @@ class BoundTextures(SceneTextures[RenderTarget]):
         view = new_view(self._resources, drawn, sampled=True)
         return DeviceTexels(source, view, image.format, image.values, levels)
 
-    def _multisampled(self, source: Output, image: Image, target: RenderTarget) -> DeviceTexels:
+    def _fetch_samples(self, source: Output, image: Image, target: RenderTarget) -> DeviceTexels:
         drawn = target.drawn_image(source.name)
         view = new_view(self._resources, drawn, sampled=True)
         each = [
-            fetched(self._linker, view, "2DMS", number, target.size, "rgba32f")
+            fetch_texels(self._linker, view, "2DMS", number, target.size, "rgba32f")
             for number in range(target.samples)
         ]
         channels = format_of(image.format).components
@@ -391,11 +393,11 @@ class BoundTextures(SceneTextures[RenderTarget]):
     def upload(self, source: TextureSource) -> DeviceTexels:
         assert not isinstance(source, Output)
         if isinstance(source, CompressedTexture):
-            return self._compressed(source)
+            return self._upload_compressed(source)
         kind = kind_of(source, "", 0)
         images = contents(source, self.folder, self.images)
         height, width = images.layers[0].shape[:2]
-        format = stored_as(self._device, source.format, "sampled_image")
+        format = choose_format(self._device, source.format, "sampled_image")
         given = [np.stack(images.layers), *(level[None] for level in images.smaller)]
         made = self._image(
             format, (width, height), kind=kind, layers=len(images.layers),
@@ -412,9 +414,9 @@ class BoundTextures(SceneTextures[RenderTarget]):
             smaller = self._smaller(made)
         return DeviceTexels(source, self._view(made), format, values, smaller)
 
-    def _compressed(self, source: CompressedTexture) -> DeviceTexels:
+    def _upload_compressed(self, source: CompressedTexture) -> DeviceTexels:
         blocks = blocks_of(source, self.folder)
-        stored_as(self._device, blocks.format, "sampled_image")
+        choose_format(self._device, blocks.format, "sampled_image")
         sizes = level_sizes(*blocks.size)[: len(blocks.levels)]
         made = new_image(
             self._resources, blocks.format, blocks.size, "sampled", "transfer_dst",
@@ -423,7 +425,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         write(self._device, made, blocks.levels)
         view = self._view(made)
         first, *smaller = (
-            fetched(self._linker, view, "2D", level, size, "rgba8")
+            fetch_texels(self._linker, view, "2D", level, size, "rgba8")
             for level, size in enumerate(sizes)
         )
         return DeviceTexels(source, view, "rgba8", first, tuple(smaller))
@@ -440,7 +442,9 @@ class BoundTextures(SceneTextures[RenderTarget]):
     ) -> DeviceImage:
         count = len(level_sizes(*size)) if mipmaps else levels
         if mipmaps:
-            stored_as(self._device, format, "blit_src", "blit_dst", "sampled_image_filter_linear")
+            choose_format(
+                self._device, format, "blit_src", "blit_dst", "sampled_image_filter_linear"
+            )
         return new_image(
             self._resources, format, size, *_USES, kind=kind, layers=layers, levels=count
         )
@@ -515,7 +519,7 @@ void main() {{ color = texelFetch(texels, ivec2(gl_FragCoord.xy), number); }}
 """
 
 
-def fetched(
+def fetch_texels(
     linker: Linker, view: Any, kind: str, number: int, size: tuple[int, int], word: str
 ) -> Array:
     """One sample ("2DMS"), or one level ("2D"), of a float or normalised texture.

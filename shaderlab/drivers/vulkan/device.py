@@ -171,7 +171,7 @@ class Device:
 
     def create(self, kind: str, info: Any) -> Any:
         """A new object of a kind such as "Buffer", from its Vk…CreateInfo."""
-        return _created(f"vkCreate{kind}", f"Vk{kind}", self.handle, info)
+        return _create_object(f"vkCreate{kind}", f"Vk{kind}", self.handle, info)
 
     def destroy(self, kind: str, handle: Any) -> None:
         """Destroy an object that `create` made."""
@@ -198,7 +198,7 @@ def open_device(driver: str) -> Device:
     with environment(driver):
         instance = _instance(structs)
     try:
-        return _opened(driver, instance, structs)
+        return _make_device(driver, instance, structs)
     except BaseException:
         lib.vkDestroyInstance(instance, NULL)
         raise
@@ -208,44 +208,44 @@ def _instance(structs: Structs) -> Any:
     version = REQUIRED_VERSION[0] << 22 | REQUIRED_VERSION[1] << 12
     about = structs("ApplicationInfo", pApplicationName="shaderlab", apiVersion=version)
     info = structs("InstanceCreateInfo", pApplicationInfo=about)
-    return _created("vkCreateInstance", "VkInstance", None, info)
+    return _create_object("vkCreateInstance", "VkInstance", None, info)
 
 
-def _opened(driver: str, instance: Any, structs: Structs) -> Device:
-    physical = _chosen(driver, instance)
-    properties, about = _properties(physical, structs)
+def _make_device(driver: str, instance: Any, structs: Structs) -> Device:
+    physical = _choose_physical(driver, instance)
+    properties, about = _read_properties(physical, structs)
     name = ffi.string(properties.deviceName).decode()
     version = (properties.apiVersion >> 22 & 127, properties.apiVersion >> 12 & 1023)
     if version < REQUIRED_VERSION:
         raise DriverError(f"{name} has Vulkan {version[0]}.{version[1]}; the lab needs 1.3")
-    extensions = _extensions(physical)
+    extensions = _list_extensions(physical)
     for wanted in _NEEDED:
         if wanted not in extensions:
             raise DriverError(f"{name} lacks {wanted}, by which Vulkan draws as OpenGL does")
     used = [wanted for wanted in (*_NEEDED, *_USED) if wanted in extensions]
-    chain, chained = _chain(used, structs)
+    chain, chained = _chain_features(used, structs)
     core = structs("PhysicalDeviceFeatures2", pNext=chain)
     lib.vkGetPhysicalDeviceFeatures2(physical, core)
     for unwanted in _UNWANTED:
         setattr(core.features, unwanted, 0)
     groups = [core.features, *(one[0] for one in chained)]
-    features = frozenset(word for group in groups for word in _switched_on(group))
+    features = frozenset(word for group in groups for word in _list_enabled(group))
     for group in (*(words for _, words in _NEEDED.values()), *_CORE.values()):
         for word in group:
             if word not in features:
                 raise DriverError(f"{name} lacks the feature {word}")
-    family = _graphics_family(physical, name)
+    family = _find_graphics_family(physical, name)
     queue_info = structs(
         "DeviceQueueCreateInfo", queueFamilyIndex=family, queueCount=1, pQueuePriorities=[1.0]
     )
-    device = _created("vkCreateDevice", "VkDevice", physical, structs(
+    device = _create_object("vkCreateDevice", "VkDevice", physical, structs(
         "DeviceCreateInfo", pNext=core, queueCreateInfoCount=1, pQueueCreateInfos=[queue_info],
         enabledExtensionCount=len(used), ppEnabledExtensionNames=used,
     ))  # fmt: skip
     queue = ffi.new("VkQueue *")
     lib.vkGetDeviceQueue(device, family, 0, queue)
     pool_info = structs("CommandPoolCreateInfo", queueFamilyIndex=family)
-    pool = _created("vkCreateCommandPool", "VkCommandPool", device, pool_info)
+    pool = _create_object("vkCreateCommandPool", "VkCommandPool", device, pool_info)
     memory = ffi.new("VkPhysicalDeviceMemoryProperties *")
     lib.vkGetPhysicalDeviceMemoryProperties(physical, memory)
     kinds = [memory.memoryTypes[k].propertyFlags for k in range(memory.memoryTypeCount)]
@@ -257,7 +257,7 @@ def _opened(driver: str, instance: Any, structs: Structs) -> Device:
         "version": f"Vulkan {spelt}" + (f", {said}" if said else ""),
         "glsl": "4.60",
         "max_texture_size": str(properties.limits.maxImageDimension2D),
-        "max_samples": str(max(samples_offered(properties.limits))),
+        "max_samples": str(max(list_sample_counts(properties.limits))),
     }
     return Device(
         driver, info, features, properties.limits, tuple(kinds),
@@ -265,13 +265,13 @@ def _opened(driver: str, instance: Any, structs: Structs) -> Device:
     )  # fmt: skip
 
 
-def samples_offered(limits: Any) -> list[int]:
+def list_sample_counts(limits: Any) -> list[int]:
     """How many samples a pixel may have, in colours and depth alike."""
     both = limits.framebufferColorSampleCounts & limits.framebufferDepthSampleCounts
     return [count for count in (1, 2, 4, 8, 16, 32, 64) if both & count]
 
 
-def _chosen(driver: str, instance: Any) -> Any:
+def _choose_physical(driver: str, instance: Any) -> Any:
     count = ffi.new("uint32_t *")
     check(lib.vkEnumeratePhysicalDevices(instance, count, NULL), "listing devices")
     found = ffi.new("VkPhysicalDevice[]", count[0])
@@ -287,7 +287,7 @@ def _chosen(driver: str, instance: Any) -> Any:
     return min(list(found)[: count[0]], key=order)
 
 
-def _properties(physical: Any, structs: Structs) -> tuple[Any, Any]:
+def _read_properties(physical: Any, structs: Structs) -> tuple[Any, Any]:
     """The device's properties and its driver's."""
     about = structs("PhysicalDeviceDriverProperties")
     found = structs("PhysicalDeviceProperties2", pNext=about)
@@ -295,7 +295,7 @@ def _properties(physical: Any, structs: Structs) -> tuple[Any, Any]:
     return found.properties, about
 
 
-def _extensions(physical: Any) -> set[str]:
+def _list_extensions(physical: Any) -> set[str]:
     count = ffi.new("uint32_t *")
     lib.vkEnumerateDeviceExtensionProperties(physical, NULL, count, NULL)
     found = ffi.new("VkExtensionProperties[]", count[0])
@@ -303,7 +303,7 @@ def _extensions(physical: Any) -> set[str]:
     return {ffi.string(one.extensionName).decode() for one in found}
 
 
-def _chain(used: list[str], structs: Structs) -> tuple[Any, list[Any]]:
+def _chain_features(used: list[str], structs: Structs) -> tuple[Any, list[Any]]:
     """The structures of features beside the core's, linked: the first one, and all of them."""
     last, made = NULL, []
     names = [({**_NEEDED, **_USED}[name][0]) for name in used]
@@ -313,13 +313,13 @@ def _chain(used: list[str], structs: Structs) -> tuple[Any, list[Any]]:
     return last, made
 
 
-def _switched_on(group: Any) -> list[str]:
+def _list_enabled(group: Any) -> list[str]:
     """The features of a structure that are there."""
     known = [word for word, kind in ffi.typeof(group).fields if kind.type.cname == "uint32_t"]
     return [word for word in known if getattr(group, word)]
 
 
-def _graphics_family(physical: Any, name: str) -> int:
+def _find_graphics_family(physical: Any, name: str) -> int:
     count = ffi.new("uint32_t *")
     lib.vkGetPhysicalDeviceQueueFamilyProperties(physical, count, NULL)
     families = ffi.new("VkQueueFamilyProperties[]", count[0])
@@ -330,7 +330,7 @@ def _graphics_family(physical: Any, name: str) -> int:
     raise DriverError(f"{name} does not draw: it has no queue for graphics")
 
 
-def _created(function: str, kind: str, owner: Any, info: Any) -> Any:
+def _create_object(function: str, kind: str, owner: Any, info: Any) -> Any:
     made = ffi.new(f"{kind} *")
     before = () if owner is None else (owner,)
     check(getattr(lib, function)(*before, info, NULL, made), function)

@@ -26,8 +26,8 @@ from .device import (
     constant,
     ffi,
     lib,
+    list_sample_counts,
     recording,
-    samples_offered,
 )
 
 _CUBE = constant("IMAGE_CREATE_CUBE_COMPATIBLE_BIT")
@@ -119,7 +119,7 @@ def new_view(
 
 def fill(device: Device, image: DeviceImage, levels: Sequence[Array]) -> None:
     """Write the first levels of an image, each (layers, height, width, channels)."""
-    write(device, image, [packed(image.word, values) for values in levels])
+    write(device, image, [pack_texels(image.word, values) for values in levels])
 
 
 def write(device: Device, image: DeviceImage, levels: Sequence[Array | bytes]) -> None:
@@ -150,7 +150,7 @@ def read(device: Device, image: DeviceImage, level: int = 0, *, stencil: bool = 
             )
             commands.barrier()
         data = buffer.bytes[:size].copy()
-    return data.reshape(*shape, 1) if stencil else unpacked(image.word, data, shape)
+    return data.reshape(*shape, 1) if stencil else unpack_texels(image.word, data, shape)
 
 
 def generate_levels(device: Device, image: DeviceImage) -> None:
@@ -226,7 +226,7 @@ def vulkan_format(word: str) -> int:
     return constant(f"FORMAT_{_SPELT[word]}")
 
 
-def stored_as(device: Device, word: str, *uses: str) -> str:
+def choose_format(device: Device, word: str, *uses: str) -> str:
     """The format that a device keeps an image of a format in: the same, or, for 24 bits of depth
     where it has none, 32.
 
@@ -239,13 +239,13 @@ def stored_as(device: Device, word: str, *uses: str) -> str:
         UnsupportedError: the device has no such image.
     """
     for candidate in (word, _FINER.get(word, word)):
-        if not lacking(device, candidate, *uses):
+        if not find_missing_uses(device, candidate, *uses):
             return candidate
-    what = ", ".join(use.replace("_", " ") for use in lacking(device, word, *uses))
+    what = ", ".join(use.replace("_", " ") for use in find_missing_uses(device, word, *uses))
     raise UnsupportedError(f"{word}: this device has no VK_FORMAT_{_SPELT[word]} as {what}")
 
 
-def lacking(device: Device, word: str, *uses: str) -> list[str]:
+def find_missing_uses(device: Device, word: str, *uses: str) -> list[str]:
     """Those of the uses that a device does not offer for a format, in optimal tiling."""
     found = ffi.new("VkFormatProperties *")
     lib.vkGetPhysicalDeviceFormatProperties(device.physical, vulkan_format(word), found)
@@ -265,10 +265,10 @@ def _one(kind: type) -> int:
     return 255 if kind is np.uint8 else 1
 
 
-def packed(word: str, values: Array) -> Array:
+def pack_texels(word: str, values: Array) -> Array:
     """Texels as a buffer holds them: depths as codes, three channels with a fourth, which is 1."""
     if word in DEPTH:
-        return _codes(word, values)
+        return _encode_depths(word, values)
     kind = format_of(word)
     if kind.components != 3:
         return np.ascontiguousarray(values)
@@ -277,10 +277,10 @@ def packed(word: str, values: Array) -> Array:
     return padded
 
 
-def unpacked(word: str, data: Array, shape: tuple[int, ...]) -> Array:
+def unpack_texels(word: str, data: Array, shape: tuple[int, ...]) -> Array:
     """The texels that the bytes of a buffer are, (*shape, channels); the inverse of `packed`."""
     if word in DEPTH:
-        return _depths(word, data).reshape(*shape, 1)
+        return _decode_depths(word, data).reshape(*shape, 1)
     kind = format_of(word)
     stored = 4 if kind.components == 3 else kind.components
     values = data.view(kind.numpy).reshape(*shape, stored)
@@ -296,7 +296,7 @@ def texel_bytes(word: str) -> int:
     return count * int(np.dtype(kind.numpy).itemsize)
 
 
-def _codes(word: str, values: Array) -> Array:
+def _encode_depths(word: str, values: Array) -> Array:
     if word.startswith("depth32f"):
         return np.ascontiguousarray(values, np.float32)
     most = 0xFFFF if word == "depth16" else 0xFFFFFF
@@ -304,7 +304,7 @@ def _codes(word: str, values: Array) -> Array:
     return np.ascontiguousarray(codes, np.uint16 if word == "depth16" else np.uint32)
 
 
-def _depths(word: str, data: Array) -> Array:
+def _decode_depths(word: str, data: Array) -> Array:
     if word.startswith("depth32f"):
         return data.view(np.float32).copy()
     if word == "depth16":
@@ -342,7 +342,7 @@ class RenderTarget(Attachments):
     def _make(self) -> None:
         device, uses = self._device, ("color_attachment", *_USES)
         for word in self.colors.values():
-            stored_as(device, word, "color_attachment")
+            choose_format(device, word, "color_attachment")
         own = self._resources
         self.images = {n: new_image(own, w, self.size, *uses) for n, w in self.colors.items()}
         self._drawn = self.images
@@ -359,7 +359,7 @@ class RenderTarget(Attachments):
         }  # fmt: skip
         self.depth_image: DeviceImage | None = None
         if self._target.depth is not None:
-            self.depth = stored_as(device, self._target.depth, "depth_stencil_attachment")
+            self.depth = choose_format(device, self._target.depth, "depth_stencil_attachment")
             self.depth_image = new_image(
                 own, self.depth, self.size, "depth_stencil_attachment", *_USES,
                 kind="2DMS" if self.samples > 1 else "2D", samples=self.samples,
@@ -464,7 +464,7 @@ class RenderTarget(Attachments):
 def _samples(device: Device, asked: int) -> int:
     """How many samples a pixel gets: as many as are asked for, or as OpenGL has it, the next number
     above that the device offers."""
-    offered = samples_offered(device.limits)
+    offered = list_sample_counts(device.limits)
     found = [count for count in offered if count >= asked]
     if not found:
         raise UnsupportedError(f"{asked} samples: this device offers {max(offered)}")

@@ -76,13 +76,13 @@ _CAPABILITIES: dict[int, str] = {
 _POINT = re.compile(r"\bgl_PointCoord\b")
 
 
-def for_vulkan(text: str) -> str:
+def adapt_fragment(text: str) -> str:
     """A fragment shader's text as Vulkan is to get it; it may have a uniform HEIGHT more."""
     text = _POINT.sub("vec2(gl_PointCoord.x, 1.0 - gl_PointCoord.y)", text)
     return numbered(counted_as_declared(text))
 
 
-def modules_of(sources: Sequence[Source]) -> Mapping[str, bytes]:
+def compile_modules(sources: Sequence[Source]) -> Mapping[str, bytes]:
     """A program's modules by stage.
 
     Raises:
@@ -127,7 +127,7 @@ class Binding:
     block: Block | None = None
 
 
-def bindings_of(modules: Mapping[str, bytes]) -> dict[str, Binding]:
+def find_bindings(modules: Mapping[str, bytes]) -> dict[str, Binding]:
     """All bindings of a program by the names of blocks and of samplers.
 
     Raises:
@@ -137,7 +137,7 @@ def bindings_of(modules: Mapping[str, bytes]) -> dict[str, Binding]:
     found: dict[str, Binding] = {}
     for data in modules.values():
         module = parse(data)
-        for name, id_, storage in _bound(module):
+        for name, id_, storage in _bound_variables(module):
             if module.number(id_, Decoration.DescriptorSet):
                 raise UnsupportedError(f"{name}: descriptor sets but the first")
             lengths, _ = unwrap(module, module.variables[id_][0])
@@ -150,7 +150,7 @@ def bindings_of(modules: Mapping[str, bytes]) -> dict[str, Binding]:
     return found
 
 
-def _bound(module: Module) -> Iterator[tuple[str, int, int]]:
+def _bound_variables(module: Module) -> Iterator[tuple[str, int, int]]:
     for storage in (StorageClass.UniformConstant, StorageClass.Uniform, StorageClass.StorageBuffer):
         for id_ in own_variables(module, storage):
             yield interface_name(module, id_), id_, storage
@@ -248,7 +248,7 @@ class Program:
         check_capabilities(device, modules)
         self._device = device
         self._resources = Resources(device)
-        self.bindings = bindings_of(modules)
+        self.bindings = find_bindings(modules)
         self.attributes = _variables(modules["vertex"], StorageClass.Input)
         self.outputs = (
             _variables(modules["fragment"], StorageClass.Output) if "fragment" in modules else {}
@@ -309,10 +309,10 @@ class Program:
             pViewportState=structs(
                 "PipelineViewportStateCreateInfo", pNext=clip, viewportCount=1, scissorCount=1
             ),
-            pRasterizationState=rasterisation(structs, device, layout.state),
-            pMultisampleState=multisampling(structs, device, layout.state, layout.samples),
-            pDepthStencilState=depth_and_stencil(structs, layout.state),
-            pColorBlendState=blending(structs, layout.state, colors, count),
+            pRasterizationState=rasterisation_state(structs, device, layout.state),
+            pMultisampleState=multisample_state(structs, device, layout.state, layout.samples),
+            pDepthStencilState=depth_stencil_state(structs, layout.state),
+            pColorBlendState=blend_state(structs, layout.state, colors, count),
             pDynamicState=structs(
                 "PipelineDynamicStateCreateInfo", dynamicStateCount=len(_DYNAMIC),
                 pDynamicStates=_DYNAMIC,
@@ -349,7 +349,7 @@ class Linker(ProgramCache[Program]):
 
         def linked() -> Program:
             with phase("compile"):
-                modules = modules_of(sources_of(texts, known))
+                modules = compile_modules(sources_of(texts, known))
             with phase("link"):
                 return Program(self.device, modules)
 
@@ -366,7 +366,7 @@ _LAST_VERTEX = constant("PROVOKING_VERTEX_MODE_LAST_VERTEX_EXT")
 _BRESENHAM = constant("LINE_RASTERIZATION_MODE_BRESENHAM_EXT")
 
 
-def in_pipeline(state: State) -> State:
+def pipeline_state(state: State) -> State:
     """What of a state a pipeline is made with; the rest is set when it draws."""
     return replace(
         state, cell=None, viewport=None, scissor=None, depth_range=(0.0, 1.0), point_size=None
@@ -377,17 +377,17 @@ def viewport(state: State, size: tuple[int, int]) -> tuple[Rectangle, Rectangle]
     """A draw's viewport and scissor in pixels of a target of `size`."""
     whole = (0, 0, *size)
     cell = None if state.cell is None else state.cell.rectangle(size)
-    return cell or state.viewport or whole, _inside(cell or state.scissor or whole, size)
+    return cell or state.viewport or whole, _clip(cell or state.scissor or whole, size)
 
 
-def _inside(box: Rectangle, size: tuple[int, int]) -> Rectangle:
+def _clip(box: Rectangle, size: tuple[int, int]) -> Rectangle:
     """The part of a rectangle that lies on the target: Vulkan takes no negative corners."""
     left, low = max(box[0], 0), max(box[1], 0)
     right, top = min(box[0] + box[2], size[0]), min(box[1] + box[3], size[1])
     return left, low, max(right - left, 0), max(top - low, 0)
 
 
-def rasterisation(structs: Structs, device: Device, state: State) -> Any:
+def rasterisation_state(structs: Structs, device: Device, state: State) -> Any:
     """Which faces are drawn, which vertex flat values come from, and how lines are drawn."""
     chain = structs(
         "PipelineRasterizationProvokingVertexStateCreateInfoEXT", provokingVertexMode=_LAST_VERTEX
@@ -406,7 +406,7 @@ def rasterisation(structs: Structs, device: Device, state: State) -> Any:
     )  # fmt: skip
 
 
-def multisampling(structs: Structs, device: Device, state: State, samples: int) -> Any:
+def multisample_state(structs: Structs, device: Device, state: State, samples: int) -> Any:
     """How samples are covered and shaded. Raises UnsupportedError."""
     if samples > 1 and not state.multisample:
         raise UnsupportedError("multisample=False: Vulkan covers the samples of a target always")
@@ -420,7 +420,7 @@ def multisampling(structs: Structs, device: Device, state: State, samples: int) 
     )  # fmt: skip
 
 
-def depth_and_stencil(structs: Structs, state: State) -> Any:
+def depth_stencil_state(structs: Structs, state: State) -> Any:
     """The tests of depth and stencil."""
     depth = state.depth or Depth()
     front = state.stencil or Stencil()
@@ -442,7 +442,7 @@ def _stencil(structs: Structs, stencil: Stencil) -> Any:
     )  # fmt: skip
 
 
-def blending(structs: Structs, state: State, formats: Mapping[int, str], count: int) -> Any:
+def blend_state(structs: Structs, state: State, formats: Mapping[int, str], count: int) -> Any:
     """How colours are mixed into attachments, whose formats are by the locations of outputs."""
     blend = state.blend or Blend()
     mask = sum(1 << channel for channel, on in enumerate(state.color_mask) if on)

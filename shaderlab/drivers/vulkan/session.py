@@ -46,7 +46,7 @@ from .bindings import (
     draw_covering,
     layout_of,
     new_set,
-    readings,
+    read_layout,
     upload,
 )
 from .device import (
@@ -65,10 +65,10 @@ from .program import (
     Layout,
     Linker,
     Program,
+    adapt_fragment,
     check_capabilities,
-    for_vulkan,
-    in_pipeline,
-    modules_of,
+    compile_modules,
+    pipeline_state,
     sampler_place,
 )
 
@@ -152,7 +152,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         layout = Layout(
             layout_of(description.mesh, program.attributes),
             tuple(target.formats(locations, srgb=state.srgb).items()),
-            target.depth, target.samples, in_pipeline(state),
+            target.depth, target.samples, pipeline_state(state),
         )  # fmt: skip
         values = {**bindings.uniforms, HEIGHT: np.array([target.size[1]], np.float32)}
         return Ready(
@@ -165,7 +165,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         """The program of a draw, its stages having these texts."""
         own = dict(texts)
         if "fragment" in own:
-            own["fragment"] = for_vulkan(own["fragment"])
+            own["fragment"] = adapt_fragment(own["fragment"])
         own = as_drawn(draw.draw, own)
         return self.linker.link(own, draw.sources)
 
@@ -186,7 +186,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
             if sampler_place(name, program.bindings) is None:
                 self._inactive.add(name)
                 continue
-            images[name] = self._textures.bound(draw.interface.uniforms[name], source)
+            images[name] = self._textures.bind(draw.interface.uniforms[name], source)
         return new_set(own, program.set_layout, program.bindings, buffers, images)
 
     def vertex_outputs(
@@ -208,7 +208,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         assert mesh is not None
         most, each = 1, mesh.vertices
         if "geometry" in texts:
-            module = parse(modules_of(sources_of(draw.texts, draw.sources))["geometry"])
+            module = parse(compile_modules(sources_of(draw.texts, draw.sources))["geometry"])
             most = module.modes[ExecutionMode.OutputVertices][0]
             each = most * len(corners(mesh))
         program = stages.storing(texts, parts, most)
@@ -287,7 +287,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         if draw.draw.mesh is None:
             return {}
         declared = self.program(draw, draw.texts).attributes
-        return readings(layout_of(draw.draw.mesh, declared), declared)
+        return read_layout(layout_of(draw.draw.mesh, declared), declared)
 
     def _read_blocks(self, key: PassDraw) -> Mapping[str, BlockReading]:
         """Return where the draw's modules have the members of each uniform block, which is where a
@@ -329,7 +329,7 @@ class VulkanBackend(DeviceBackend):
         """Check that the device has each capability of the program's modules: it has no compiler
         for GLSL that could refuse it."""
         try:
-            modules = modules_of(sources)
+            modules = compile_modules(sources)
         except ShaderError as error:
             raise DriverError(
                 "a Vulkan driver takes no GLSL, and this program has no SPIR-V modules",
@@ -352,7 +352,7 @@ class VulkanBackend(DeviceBackend):
         self, evaluation: Evaluation, source: Source, images: dict[str, BoundImage]
     ) -> Array:
         """Draw one pass: (words, height, width, lanes)."""
-        texts = {"vertex": COVERING, "fragment": for_vulkan(source.text)}
+        texts = {"vertex": COVERING, "fragment": adapt_fragment(source.text)}
         program = self._linker.link(texts, [source])
         colors = dict.fromkeys(program.outputs, _format(evaluation))
         with (
@@ -376,7 +376,7 @@ class VulkanBackend(DeviceBackend):
         for name, (kind, source) in evaluation.textures.items():
             variable = Variable(name=name, type=kind)
             textures.texels("the function", variable, source)  # raises where they don't fit
-            found[name] = textures.bound(variable, source)
+            found[name] = textures.bind(variable, source)
         return found
 
     def close(self) -> None:

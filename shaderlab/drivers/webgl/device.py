@@ -128,7 +128,7 @@ class Calls:
 def _ignore(_: object) -> None: ...
 
 
-def decoded(data: str, kind: Any) -> Array:
+def decode(data: str, kind: Any) -> Array:
     """The numbers of a type that a method of the player returned."""
     return np.frombuffer(base64.b64decode(data), kind).copy()
 
@@ -189,13 +189,13 @@ class Browser:
     """
 
     def __init__(self) -> None:
-        self._path = _chromium()
+        self._path = _find_chromium()
         # In a thread of its own: the caller may run an event loop itself, as a notebook does.
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
         try:
-            with _memory_unlimited():
+            with _lift_memory_limit():
                 self._wait(self._start())
         except BaseException:
             self.close()
@@ -237,7 +237,7 @@ class Browser:
         )
         session = await self._browser.new_browser_cdp_session()
         running = (await session.send("SystemInfo.getProcessInfo"))["processInfo"]
-        self._guard = _guard(next(one["id"] for one in running if one["type"] == "browser"))
+        self._guard = _start_guard(next(one["id"] for one in running if one["type"] == "browser"))
         self._page = await self._browser.new_page()
         player = files(__package__).joinpath("player.js").read_text(encoding="utf-8")
         await self._page.evaluate(player)
@@ -269,14 +269,14 @@ class Browser:
             raise DeviceLostError("the browser is gone") from error
 
 
-def _guard(browser: int) -> subprocess.Popen[bytes]:
+def _start_guard(browser: int) -> subprocess.Popen[bytes]:
     """A process that kills a browser and its processes, which are a group of their own, when this
     one lets go of it or is gone. A shader that does not end would outlive both."""
     command = ("sh", "-c", 'read -r _; kill -9 "-$0" 2>/dev/null', str(browser))
     return subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
 
 
-def _chromium() -> str:
+def _find_chromium() -> str:
     """The browser's command. Raises DriverError if there is none."""
     found = os.environ.get("SHADERLAB_CHROMIUM") or next(
         filter(None, map(shutil.which, _NAMES)), None
@@ -287,7 +287,7 @@ def _chromium() -> str:
 
 
 @contextmanager
-def _memory_unlimited() -> Iterator[None]:
+def _lift_memory_limit() -> Iterator[None]:
     """Processes that are started meanwhile may reserve what they like, which is more than all
     memory; a worker's own limit is a soft one."""
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)

@@ -36,7 +36,7 @@ class Translated:
     interface: Interface
 
 
-def translated(
+def translate(
     texts: Mapping[str, str], known: Sequence[Source] = (), *, keep_names: bool = False
 ) -> Translated:
     """A program in ESSL.
@@ -99,7 +99,7 @@ class Program:
         self.gl = device.gl
         self.interface = source.interface
         self.handle = self._objects.new("Program")
-        refused = refusal(self.gl, self.handle, source.texts, feedback)
+        refused = find_refusal(self.gl, self.handle, source.texts, feedback)
         if refused:
             self.release()
             raise UnsupportedError(refused)
@@ -170,7 +170,7 @@ class Linker(ProgramCache[Program]):
         """
 
         def linked() -> Program:
-            source = translated(texts, known, keep_names=bool(feedback))
+            source = translate(texts, known, keep_names=bool(feedback))
             with phase("link"):
                 return Program(self.device, source, feedback)
 
@@ -200,7 +200,7 @@ def set_uniform(gl: Calls, location: Object, variable: Variable, values: Array) 
     getattr(gl, f"uniform{count}{letter}v")(location, np.ascontiguousarray(values, wanted))
 
 
-def refusal(
+def find_refusal(
     gl: Calls, program: Object, texts: Mapping[str, str], feedback: Sequence[str] = ()
 ) -> str:
     """Link a program of these stages in ESSL, or compile one alone: why it can't be done, or ""."""
@@ -269,15 +269,15 @@ def apply_state(gl: Calls, state: State, size: tuple[int, int]) -> None:
     gl.viewport(*(cell or state.viewport or whole))
     gl.scissor(*(scissor or whole))
     depth = state.depth or _NO_DEPTH
-    gl.depthFunc(_named(gl, depth.func))
+    gl.depthFunc(_constant(gl, depth.func))
     gl.depthMask(depth.write)
     gl.depthRange(*state.depth_range)
     gl.polygonOffset(*(state.polygon_offset or (0.0, 0.0)))
     _stencil(gl, gl.FRONT, state.stencil or _NO_STENCIL)
     _stencil(gl, gl.BACK, state.stencil_back or state.stencil or _NO_STENCIL)
     _blend(gl, state.blend or _NO_BLEND)
-    gl.cullFace(_named(gl, state.cull or "back"))
-    gl.frontFace(_named(gl, state.front_face))
+    gl.cullFace(_constant(gl, state.cull or "back"))
+    gl.frontFace(_constant(gl, state.front_face))
     gl.colorMask(*state.color_mask)
 
 
@@ -288,25 +288,25 @@ def _mixes_constants(blend: Blend | None) -> bool:
 
 
 def _stencil(gl: Calls, face: int, stencil: Stencil) -> None:
-    gl.stencilFuncSeparate(face, _named(gl, stencil.func), stencil.reference, stencil.mask)
+    gl.stencilFuncSeparate(face, _constant(gl, stencil.func), stencil.reference, stencil.mask)
     operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
-    gl.stencilOpSeparate(face, *(_named(gl, word) for word in operations))
+    gl.stencilOpSeparate(face, *(_constant(gl, word) for word in operations))
     gl.stencilMaskSeparate(face, stencil.write_mask)
 
 
 def _blend(gl: Calls, blend: Blend) -> None:
     gl.blendFuncSeparate(
-        _named(gl, blend.source),
-        _named(gl, blend.destination),
-        _named(gl, blend.source_alpha or blend.source),
-        _named(gl, blend.destination_alpha or blend.destination),
+        _constant(gl, blend.source),
+        _constant(gl, blend.destination),
+        _constant(gl, blend.source_alpha or blend.source),
+        _constant(gl, blend.destination_alpha or blend.destination),
     )
     gl.blendEquationSeparate(*(
-        _named(gl, word if word in ("min", "max") else f"func_{word}")
+        _constant(gl, word if word in ("min", "max") else f"func_{word}")
         for word in (blend.equation, blend.equation_alpha or blend.equation)
     ))  # fmt: skip
     gl.blendColor(*blend.constant)
 
 
-def _named(gl: Calls, word: str) -> int:
+def _constant(gl: Calls, word: str) -> int:
     return int(getattr(gl, word.upper()))

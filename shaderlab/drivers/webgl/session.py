@@ -35,8 +35,8 @@ from ..programs.prepare import PreparedDraw, Programs
 from ..programs.stages import VaryingPart
 from ..programs.textures import components_of, numpy_type
 from ..protocol import Answers, Size
-from .device import Calls, Device, Object, Objects, decoded
-from .program import Linker, Program, apply_state, check_state, refusal, translated
+from .device import Calls, Device, Object, Objects, decode
+from .program import Linker, Program, apply_state, check_state, find_refusal, translate
 from .target import RenderTarget
 from .textures import BoundTextures
 
@@ -295,7 +295,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
             gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, None)
         if errors:
             raise DriverError(f"capturing vertices: WebGL2 raised {', '.join(map(hex, errors))}")
-        return decoded(data, np.float32)
+        return decode(data, np.float32)
 
     def _read_attributes(self, key: PassDraw) -> Mapping[str, AttributeReading]:
         """Return what WebGL2 says of each attribute's place."""
@@ -399,7 +399,7 @@ class WebGLBackend(DeviceBackend):
         """Of the ESSL that SPIRV-Cross makes of a program. A stage alone is only compiled."""
         texts = {source.stage: source.text for source in sources}
         try:
-            made = translated(texts, sources)
+            made = translate(texts, sources)
         except UnsupportedError:
             raise
         except ShaderError as error:
@@ -408,7 +408,7 @@ class WebGLBackend(DeviceBackend):
                 file=error.file, line=error.line,
             ) from error  # fmt: skip
         with Objects(self.device.gl) as own:
-            refused = refusal(self.device.gl, own.new("Program"), made.texts)
+            refused = find_refusal(self.device.gl, own.new("Program"), made.texts)
         said = (sources[0].diagnostic(refused),) if refused else ()
         return Verdict(target=DRIVER, ok=not refused, diagnostics=said)
 

@@ -13,7 +13,15 @@ from shaderlab.model.scene import Target
 from ..programs.textures import COLOR, DEPTH
 from ..resources import Attachments, multisampled_error
 from .device import Device, Object, Objects
-from .textures import attached, draw_to_floats, fetched, program_of, read_pixels, stencil, stored
+from .textures import (
+    draw_to_floats,
+    fetch_texels,
+    read_attached,
+    read_pixels,
+    read_stencil,
+    texture_format,
+    use_own_program,
+)
 
 
 class RenderTarget(Attachments):
@@ -35,7 +43,7 @@ class RenderTarget(Attachments):
         self.depth_texture: Object | None = None
         if self.depth and self.samples == 1:
             self.depth_texture = self._texture(self.depth)
-        self._drawn, self._depth_buffer = self._multisampled()
+        self._drawn, self._depth_buffer = self._make_buffers()
         self._frame = self._objects.new("Framebuffer")
         self._attached: dict[int, str] | None = None
 
@@ -116,18 +124,18 @@ class RenderTarget(Attachments):
                 gl.blitFramebuffer(*box, *box, gl.COLOR_BUFFER_BIT, gl.NEAREST)
 
     def sample_positions(self) -> Array:
-        return sample_positions(self._device, self.samples)
+        return measure_sample_positions(self._device, self.samples)
 
     def read(self, name: str) -> Image:
         if name in self.colors:
             word = self.colors[name]
-            return Image(attached(self._device, self.textures[name], word, self.size), word)
+            return Image(read_attached(self._device, self.textures[name], word, self.size), word)
         if self.depth_texture is None:
             raise multisampled_error(name)
         if name == "stencil":
             own = {self._depth_point: self.depth_texture}
-            return Image(stencil(self._device, own, self.size), "stencil8")
-        values = fetched(self._device, self.depth_texture, self.size)
+            return Image(read_stencil(self._device, own, self.size), "stencil8")
+        values = fetch_texels(self._device, self.depth_texture, self.size)
         return Image(np.ascontiguousarray(values[..., :1]), self.depth)
 
     @property
@@ -139,10 +147,10 @@ class RenderTarget(Attachments):
         gl, made = self._device.gl, self._objects.new("Texture")
         gl.activeTexture(gl.TEXTURE0)
         gl.bindTexture(gl.TEXTURE_2D, made)
-        gl.texStorage2D(gl.TEXTURE_2D, 1, getattr(gl, stored(word).internal), *self.size)
+        gl.texStorage2D(gl.TEXTURE_2D, 1, getattr(gl, texture_format(word).internal), *self.size)
         return made
 
-    def _multisampled(self) -> tuple[dict[str, Object], Object | None]:
+    def _make_buffers(self) -> tuple[dict[str, Object], Object | None]:
         """Buffers of several samples a pixel: the colours' and the depth's."""
         gl = self._device.gl
         if self.samples == 1:
@@ -151,9 +159,8 @@ class RenderTarget(Attachments):
         def buffer(word: str) -> Object:
             made = self._objects.new("Renderbuffer")
             gl.bindRenderbuffer(gl.RENDERBUFFER, made)
-            gl.renderbufferStorageMultisample(
-                gl.RENDERBUFFER, self.samples, getattr(gl, stored(word).internal), *self.size
-            )
+            internal = getattr(gl, texture_format(word).internal)
+            gl.renderbufferStorageMultisample(gl.RENDERBUFFER, self.samples, internal, *self.size)
             return made
 
         colors = {name: buffer(word) for name, word in self.colors.items()}
@@ -177,7 +184,7 @@ class RenderTarget(Attachments):
         words = [*self.colors.values(), *([self.depth] if self.depth else [])]
         offered = {1, 2, 4, 8, 16}
         for word in words:
-            own = self._device.samples_offered(getattr(gl, stored(word).internal))
+            own = self._device.samples_offered(getattr(gl, texture_format(word).internal))
             offered &= {1, *own}
         found = sorted(count for count in offered if count >= asked)
         if not found:
@@ -202,7 +209,7 @@ void main() {
 """
 
 
-def sample_positions(device: Device, samples: int) -> Array:
+def measure_sample_positions(device: Device, samples: int) -> Array:
     """The places of a pixel's samples, (samples, 2), from its lower left corner, by a shader that
     says it of one sample after the other. Source: Khronos, OES_sample_variables.
 
@@ -212,7 +219,7 @@ def sample_positions(device: Device, samples: int) -> Array:
     device.require(_EXTENSION, "sample positions")
     gl, found = device.gl, []
     with Objects(gl) as own:
-        program = program_of(device, _TELLING)
+        program = use_own_program(device, _TELLING)
         # What is read is the average of all samples, of which one is not zero.
         frame = draw_to_floats(device, own, (1, 1))
         several, buffer = own.new("Framebuffer"), own.new("Renderbuffer")

@@ -20,7 +20,7 @@ from shaderlab.model.textures import CompressedTexture, Output, Sampling, Textur
 from ..programs.textures import DEPTH, blocks_of, contents, find_image, format_of, kind_of
 from ..protocol import Size
 from ..resources import COVERING, UNREADABLE, DeviceTexels, SceneTextures
-from .device import Device, Object, Objects, decoded
+from .device import Device, Object, Objects, decode
 
 _CHANNELS = {1: "RED", 2: "RG", 3: "RGB", 4: "RGBA"}
 _TYPES = {
@@ -53,7 +53,7 @@ class Stored:
     type: str
 
 
-def stored(word: str) -> Stored:
+def texture_format(word: str) -> Stored:
     """The constants of a colour or depth format."""
     if word in _DEPTHS:
         internal, kind = _DEPTHS[word]
@@ -63,7 +63,7 @@ def stored(word: str) -> Stored:
     return Stored(word.upper(), channels, _TYPES[found.numpy])
 
 
-def uploaded(word: str, values: Array) -> Array:
+def encode_texels(word: str, values: Array) -> Array:
     """Texels as they are handed over: depths as codes, those of 24 bits as the nearest of 32."""
     if word not in DEPTH or word == "depth32f":
         return np.ascontiguousarray(values)
@@ -72,15 +72,15 @@ def uploaded(word: str, values: Array) -> Array:
     return codes.astype(np.uint16) if word == "depth16" else codes << 8 | codes >> 16
 
 
-def stored_depths(word: str, values: Array) -> Array:
+def round_depths(word: str, values: Array) -> Array:
     """Texels as shaders get them after `uploaded`: depths are those that their codes stand for."""
     if word not in DEPTH or word == "depth32f":
         return values
-    codes = uploaded(word, values)
+    codes = encode_texels(word, values)
     return (codes / float(np.iinfo(codes.dtype).max)).astype(np.float32)
 
 
-def read_as(word: str) -> tuple[str, str, str]:
+def reading_format(word: str) -> tuple[str, str, str]:
     """The format and the type in which texels of an attachment are read, and the array they go
     into: in fours, floats whatever their size."""
     found = format_of(word)
@@ -127,7 +127,7 @@ void main() { color = vec4(bit); }
 _STENCIL_BITS = 8
 
 
-def attached(
+def read_attached(
     device: Device, texture: Object, word: str, size: Size, *, level: int = 0, face: str = "2D"
 ) -> Array:
     """A level of a texture that can be drawn to: (height, width, channels).
@@ -156,20 +156,20 @@ def read_pixels(device: Device, word: str, size: Size) -> Array:
         DriverError: it can't be read.
     """
     gl, found = device.gl, format_of(word)
-    format, kind, array = read_as(word)
+    format, kind, array = reading_format(word)
     how = (getattr(gl, format), getattr(gl, kind), array, found.components)
     data, errors = gl.ask_all([("texels", *size, *how), ("errors",)])
     if errors:
         raise DriverError(f"reading {word}: WebGL2 raised {', '.join(map(hex, errors))}")
-    values = decoded(data, READ_TYPES[array])
+    values = decode(data, READ_TYPES[array])
     return values.reshape(size[1], size[0], found.components).astype(found.numpy, copy=False)
 
 
-def fetched(device: Device, texture: Object, size: Size, level: int = 0) -> Array:
+def fetch_texels(device: Device, texture: Object, size: Size, level: int = 0) -> Array:
     """A level of a texture of floats or depths, as shaders get it: (height, width, 4) floats."""
     gl = device.gl
     with Objects(gl) as own:
-        program = program_of(device, _FETCH)
+        program = use_own_program(device, _FETCH)
         draw_to_floats(device, own, size)
         gl.activeTexture(gl.TEXTURE0)
         gl.bindTexture(gl.TEXTURE_2D, texture)
@@ -186,7 +186,7 @@ def fetched(device: Device, texture: Object, size: Size, level: int = 0) -> Arra
         return read_pixels(device, "rgba32f", size)
 
 
-def stencil(device: Device, attachment: Mapping[str, Object], size: Size) -> Array:
+def read_stencil(device: Device, attachment: Mapping[str, Object], size: Size) -> Array:
     """What a stencil buffer holds, (height, width, 1) bytes.
 
     Args:
@@ -196,7 +196,7 @@ def stencil(device: Device, attachment: Mapping[str, Object], size: Size) -> Arr
     """
     gl = device.gl
     with Objects(gl) as own:
-        program = program_of(device, _BIT)
+        program = use_own_program(device, _BIT)
         draw_to_floats(device, own, size)
         for point, texture in attachment.items():
             gl.framebufferTexture2D(gl.FRAMEBUFFER, getattr(gl, point), gl.TEXTURE_2D, texture, 0)
@@ -216,7 +216,7 @@ def stencil(device: Device, attachment: Mapping[str, Object], size: Size) -> Arr
         return read_pixels(device, "rgba32f", size)[..., :1].astype(np.uint8)
 
 
-def program_of(device: Device, fragment: str) -> Object:
+def use_own_program(device: Device, fragment: str) -> Object:
     """A program of the lab's, in use, that draws one triangle over the target; made once."""
     gl = device.gl
     if fragment not in device.own_programs:
@@ -326,7 +326,7 @@ class BoundTextures(SceneTextures[Any]):
     def upload(self, source: TextureSource) -> DeviceTexels:
         assert not isinstance(source, Output)
         if isinstance(source, CompressedTexture):
-            return self._compressed(source)
+            return self._upload_compressed(source)
         kind, word = kind_of(source, "", 0), source.format
         if kind == "3D":
             raise UnsupportedError("sampler3D on this backend", remedy="--driver opengl draws it")
@@ -338,15 +338,15 @@ class BoundTextures(SceneTextures[Any]):
         texture = self._new(kind, word, (width, height), count, len(images.layers))
         for level, layers in enumerate(given):
             for layer, values in enumerate(layers):
-                self._write(texture, level, layer, uploaded(word, values))
+                self._write(texture, level, layer, encode_texels(word, values))
         values, smaller = images.layers[0], tuple(images.smaller)
         if kind != "2D":
-            values = np.stack([stored_depths(word, each) for each in images.layers])
+            values = np.stack([round_depths(word, each) for each in images.layers])
         elif word in DEPTH:  # a depth is rounded to its format's codes on the way
-            values = fetched(self._device, texture.handle, texture.size)[..., :1]
+            values = fetch_texels(self._device, texture.handle, texture.size)[..., :1]
             sizes = level_sizes(width, height)[1:count]
             smaller = tuple(
-                fetched(self._device, texture.handle, size, level)[..., :1]
+                fetch_texels(self._device, texture.handle, size, level)[..., :1]
                 for level, size in enumerate(sizes, start=1)
             )
         if whole:
@@ -354,7 +354,7 @@ class BoundTextures(SceneTextures[Any]):
             smaller = self._smaller(texture)
         return DeviceTexels(source, texture, word, values, smaller)
 
-    def _compressed(self, source: CompressedTexture) -> DeviceTexels:
+    def _upload_compressed(self, source: CompressedTexture) -> DeviceTexels:
         gl, blocks = self._device.gl, blocks_of(source, self.folder)
         name, extension = COMPRESSED[blocks.format]
         self._device.require(extension, blocks.format)
@@ -367,7 +367,9 @@ class BoundTextures(SceneTextures[Any]):
         for level, (size, data) in enumerate(zip(sizes, blocks.levels, strict=True)):
             gl.compressedTexSubImage2D(gl.TEXTURE_2D, level, 0, 0, *size, constant, data)
         first, *smaller = (
-            np.rint(fetched(self._device, texture.handle, size, level) * 255.0).astype(np.uint8)
+            np.rint(fetch_texels(self._device, texture.handle, size, level) * 255.0).astype(
+                np.uint8
+            )
             for level, size in enumerate(sizes)
         )
         return DeviceTexels(source, texture, "rgba8", first, tuple(smaller))
@@ -380,7 +382,7 @@ class BoundTextures(SceneTextures[Any]):
         gl.activeTexture(gl.TEXTURE0)
         target = getattr(gl, texture.target)
         gl.bindTexture(target, texture.handle)
-        internal = getattr(gl, stored(word).internal)
+        internal = getattr(gl, texture_format(word).internal)
         if kind == "2DArray":
             gl.texStorage3D(target, levels, internal, *size, layers)
         else:
@@ -389,7 +391,7 @@ class BoundTextures(SceneTextures[Any]):
 
     def _write(self, texture: DeviceTexture, level: int, layer: int, values: Array) -> None:
         """Write a level of one layer or face of the texture that is bound."""
-        gl, word = self._device.gl, stored(texture.word)
+        gl, word = self._device.gl, texture_format(texture.word)
         height, width = values.shape[:2]
         how = (getattr(gl, word.format), getattr(gl, word.type), values)
         if texture.kind == "2DArray":
@@ -427,7 +429,9 @@ class BoundTextures(SceneTextures[Any]):
         found = []
         for level, size in enumerate(sizes[1:], start=1):
             each = [
-                attached(self._device, texture.handle, texture.word, size, level=level, face=face)
+                read_attached(
+                    self._device, texture.handle, texture.word, size, level=level, face=face
+                )
                 for face in faces
             ]
             found.append(each[0] if texture.kind == "2D" else np.stack(each))
