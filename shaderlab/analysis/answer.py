@@ -80,9 +80,9 @@ class OutputAnswer:
 
     def __str__(self) -> str:
         if self.why == "missing":
-            return f"{self.name}: only one of the two writes it"
+            return f"{self.name}: only one of the two shaders writes it"
         if self.same is None:
-            return f"{self.name}: nothing to compare: it is undefined, or noise, on all inputs"
+            return f"{self.name}: nothing to compare: it is undefined or mere noise for all inputs"
         if self.same:
             numerics = self.numerics if self.numerics is not None and self.numerics.differ else None
             text = (
@@ -123,7 +123,7 @@ class Answer:
 
     @property
     def same(self) -> bool | None:
-        """Whether all outputs are the same mathematics; None where that can't be said of one."""
+        """Whether all outputs are the same mathematics; None where one is undetermined."""
         found = [output.same for output in self.outputs]
         if False in found:
             return False

@@ -253,7 +253,7 @@ def _not_above_0(function: str) -> Check:
 
 def _beyond(function: str) -> Check:
     return Check(
-        f"{function} beyond 1",
+        f"{function} outside -1..1",
         lambda x: 1.0 - np.abs(x),
         lambda x: f"{function}({x:.9g}), which is defined for -1..1",
     )
@@ -270,7 +270,7 @@ def _conversion(to: str, low: float, high: float) -> Check:
 
 def _wide_angle(function: str) -> Check:
     return Check(
-        f"{function} beyond half a turn",
+        f"{function} beyond ±π",
         lambda x: np.float32(np.pi) - np.abs(x),
         lambda x: f"{function}({x:.6g})",
         possible="the precision rules bound nothing beyond -π..π",
@@ -305,19 +305,19 @@ _POW_0 = Check(
     _is_0,
 )  # fmt: skip
 _ATAN = Check(
-    "atan of nothing", lambda y, x: np.maximum(np.abs(y), np.abs(x)), _of_two("atan"), _is_0
+    "atan of (0, 0)", lambda y, x: np.maximum(np.abs(y), np.abs(x)), _of_two("atan"), _is_0
 )
 _CLAMP = Check(
-    "clamp between crossed bounds", lambda x, low, high: high - low + 0.0 * x,
-    lambda x, low, high: f"clamp to {low:.6g}..{high:.6g}, whose bounds are crossed",
+    "clamp with reversed bounds", lambda x, low, high: high - low + 0.0 * x,
+    lambda x, low, high: f"clamp to {low:.6g}..{high:.6g}, whose bounds are reversed",
 )  # fmt: skip
 _SMOOTHSTEP = Check(
-    "smoothstep between crossed edges", lambda low, high, x: high - low + 0.0 * x,
+    "smoothstep with reversed edges", lambda low, high, x: high - low + 0.0 * x,
     lambda low, high, x: f"smoothstep from {low:.6g} to {high:.6g}, which is not above it",
     _at_most_0,
 )  # fmt: skip
 _NORMALIZE = Check(
-    "normalize of nothing", lambda v: np.sqrt((v * v).sum(axis=-1, keepdims=True)),
+    "normalize of a zero vector", lambda v: np.sqrt((v * v).sum(axis=-1, keepdims=True)),
     lambda v: "normalize of a vector of length 0", _is_0,
 )  # fmt: skip
 _INTEGER_DIVISION = Check(
@@ -366,7 +366,12 @@ CHECKS: Mapping[tuple[int, int], tuple[Check, ...]] = {
         Check("acosh below 1", lambda x: x - 1.0, lambda x: f"acosh({x:.9g})"),
     ),
     (Op.ExtInst, Glsl450.Atanh): (
-        Check("atanh beyond 1", lambda x: 1.0 - np.abs(x), lambda x: f"atanh({x:.9g})", _at_most_0),
+        Check(
+            "atanh outside -1..1",
+            lambda x: 1.0 - np.abs(x),
+            lambda x: f"atanh({x:.9g})",
+            _at_most_0,
+        ),
     ),
     (Op.ExtInst, Glsl450.Atan2): (_ATAN,),
     (Op.ExtInst, Glsl450.Pow): (_POW, _POW_0),

@@ -260,7 +260,7 @@ def locate_failure(
     explained = explain(evaluation, key, outcome.worst.pixel, if_outside=True)
     for step in explained.steps:
         if step.by_driver and not step.inside:
-            return _blaming(explained, step, "the driver leaves what the shader allows", "allowed")
+            return _blaming(explained, step, "the driver is outside the shader's band", "allowed")
     numbers, result = _reference_at(evaluation, formula, outcome.worst.pixel)
     own = compared(formula.own_name(evaluation.scene))
     numbers.setdefault(own, []).append(result)

@@ -89,7 +89,7 @@ class Audit:
 
     @property
     def clean(self) -> bool | None:
-        """Whether there is no evident hazard; None where that can't be said."""
+        """Whether there is no evident hazard; None if undetermined."""
         if self.refused:
             return None
         return not any(hazard.evident for hazard in self.hazards)
@@ -97,7 +97,7 @@ class Audit:
     def lines(self, possible: bool = True) -> Iterator[str]:
         """The audit in words, with possible hazards or with their number alone."""
         if self.refused:
-            yield f"can't say: {self.refused}"
+            yield f"undetermined: {self.refused}"
             return
         yield from map(str, self.spreads)
         evident = [hazard for hazard in self.hazards if hazard.evident]

@@ -75,18 +75,19 @@ class Spread:
 
     def __str__(self) -> str:
         if self.precision == "mediump":
-            text = f"{self.output} at mediump: devices of 16 bits "
-            text += "give no number" if np.isinf(self.codes) else f"are {self.codes:.3g} codes off"
+            text = f"{self.output} at mediump: 16-bit devices "
+            none = np.isinf(self.codes)
+            text += "return no number" if none else f"are off by {self.codes:.3g} 8-bit codes"
         else:
             text = f"{self.output}: conforming devices may differ by {self.ulp:.3g} ULP"
-            text += f", {self.codes:.2g} codes of 8 bits" if self.codes else ""
+            text += f", {self.codes:.2g} 8-bit codes" if self.codes else ""
         few = {name: values for name, values in self.near.items() if len(values) <= _MOST_NUMBERS}
         if few:
             text += f", near {format_inputs(few, 2)}"
         if self.line:
-            text += f"; most is lost at {display_path(self.file, self.line)}"
+            text += f"; most precision is lost at {display_path(self.file, self.line)}"
         if self.unbounded:
-            text += f"; not bounded at {100.0 * self.unbounded:.0f} % of inputs"
+            text += f"; unbounded for {100.0 * self.unbounded:.0f} % of inputs"
         return text
 
     def data(self) -> dict[str, Any]:
@@ -405,14 +406,14 @@ class Portable(OutputExpectation):
         name = self.own_name(scene)
         if name not in known:
             raise CaseError(
-                f"portable: nothing can be said of {name!r}", remedy=nearest(name, known)
+                f"portable: there is no figure for output {name!r}", remedy=nearest(name, known)
             )
         one = known[name]
         message = ""
         if one.codes > self.codes:
             message = str(one)
         elif one.unbounded:
-            message = f"the rules bound nothing at {100.0 * one.unbounded:.3g} % of pixels"
+            message = f"the precision rules set no bound at {100.0 * one.unbounded:.3g} % of pixels"
         row = Row(
             label=name,
             expected=f"at most {self.codes:g} codes apart",

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 NO_ANSWER = USAGE
-"""The exit status where it can't be said, for whatever reason."""
+"""The exit status where the answer is undetermined."""
 
 
 @click.command("diff")
@@ -80,7 +80,7 @@ def command(
     is declared, `uniform float distance; // range: 0..50` (or `// range: unit`). Of files
     without `main` each function is compared.
 
-    Exit code: 0 the same mathematics, 1 different, 2 it can't be said, or wrong usage.
+    Exit code: 0 the same mathematics, 1 different, 2 undetermined, or wrong usage.
 
     \b
     Examples:
@@ -106,7 +106,7 @@ def command(
     except UsageError:
         raise
     except ShaderlabError as error:
-        click.echo(f"can't say: {error}", err=True)
+        click.echo(f"undetermined: {error}", err=True)
         return NO_ANSWER
     to_stderr = json_file == "-"
     for answer in answers:

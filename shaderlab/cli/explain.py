@@ -87,7 +87,7 @@ def command(
       shaderlab explain my_case.py --variant "at noon" --pass shadow
       shaderlab explain lamp.frag --range distance=0.1:50
 
-    Exit code: 0 shown, 1 the shader can't be interpreted, or the driver leaves what it allows,
+    Exit code: 0 shown, 1 the shader can't be interpreted, or the driver is outside its band,
     2 wrong usage.
     """
     from shaderlab.cli.selecting import select_one
@@ -176,7 +176,7 @@ def where_precision_goes(steps: Sequence[Step]) -> list[str]:
 
     wrong = [step for step in steps if step.by_driver and not step.inside]
     lines = [
-        f"the driver leaves what the shader allows at {display_path(s.file, s.line)}: {s.name}"
+        f"the driver is outside the shader's band at {display_path(s.file, s.line)}: {s.name}"
         for s in wrong[:1]
     ]
     losing = sorted((s for s in steps if s.lost > 1.0), key=lambda s: -s.lost)[:_MOST]

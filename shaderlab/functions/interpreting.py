@@ -220,7 +220,7 @@ class CompareFunctions:
                 raise
             except ShaderlabError as error:
                 outputs.append(OutputAnswer(name=name))
-                notes.append(f"can't say of {name}: {error}")
+                notes.append(f"undetermined for {name}: {error}")
                 continue
             alone = len(answer.outputs) == 1
             outputs += [

@@ -185,7 +185,7 @@ class Search:
         arguments = self._arguments(values)
         single = {name: element(value, 0) for name, value in arguments.items()}
         place = display_path(*self._function.place)
-        note = f"{self._function.__name__} of {place}, at its simplest counterexample:\n"
+        note = f"smallest counterexample for {self._function.__name__} of {place}:\n"
         note += f"@glsl.example({', '.join(format_arguments(values))})"
         results = {n: v for n, v in arguments.items() if n in self._result_names}
         note += "".join(f"\n{line}" for line in format_arguments(results)).replace("=", " = ")

@@ -141,7 +141,7 @@ def test_a_driver_s_mistake_is_found_by_the_shader_s_own_band(
     monkeypatch.setattr(invocations, "program_of", lambda source: meant)
     explained = outcome_of(lab, case_of(tmp_path, SHADER.replace(words, wrong))).explanation
     assert explained is not None and explained.line == line
-    assert explained.verdict.startswith("the driver leaves what the shader allows; first at ")
+    assert explained.verdict.startswith("the driver is outside the shader's band; first at ")
     assert f":{line}: {said}" in explained.verdict
 
 

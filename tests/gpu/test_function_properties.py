@@ -76,7 +76,7 @@ def test_each_way_to_write_a_property(shader: glsl.Library, test: Callable[..., 
     glsl.given(shader.right, c=UNIT)(test)()
     glsl.given(shader.wrong, c=glsl.one_of(0.0, 1.0))(test)()
     said = failure(glsl.given(shader.wrong, c=UNIT)(test))
-    assert "wrong of text:4, at its simplest counterexample:\n@glsl.example(c=0.35" in said
+    assert "smallest counterexample for wrong of text:4:\n@glsl.example(c=0.35" in said
     assert "\ny = 1.5" in said
 
 

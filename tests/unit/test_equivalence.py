@@ -389,7 +389,7 @@ def test_the_command_answers_by_its_status(tmp_path: Path) -> None:
     assert diff("lossy")[0] == 0 and diff("lossy", "--strict")[0] == 1
     assert diff("same", "--strict")[0] == 0
     status, text = diff("broken")
-    assert status == 2 and text.startswith("can't say: ") and "undeclared" in text
+    assert status == 2 and text.startswith("undetermined: ") and "undeclared" in text
     for words in (["--range", "x"], ["--range", "x=5..1"], ["--range", "y=0:1"]):
         assert isinstance(diff("same", *words)[0], UsageError)
     assert isinstance(diff("nowhere")[0], ShaderlabError)

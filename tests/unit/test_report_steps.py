@@ -30,7 +30,7 @@ RIGHT = dataclasses.replace(
 FOUND = Explanation(
     pixel=(3, 17),
     steps=(RIGHT, STEP),
-    verdict="the driver leaves what the shader allows; first at shaders/lamp.frag:7",
+    verdict="the driver is outside the shader's band; first at shaders/lamp.frag:7",
     file="shaders/lamp.frag",
     line=7,
 )
@@ -51,7 +51,7 @@ def test_the_page_and_the_terminal_say_where_it_goes_wrong(failing: Record, tmp_
     assert sum(FOUND.verdict in line for line in format_failure(record)) == 1
     whole = run(record)
     html = write(whole, tmp_path).read_text()
-    assert html.count(FOUND.verdict) == 1
+    assert html.replace("&#39;", "'").count(FOUND.verdict) == 1
     assert "Line by line at pixel (3, 17)" in html
     rows = html.partition("Line by line")[2].partition("</table>")[0]
     assert rows.count("<tr") == 3 and rows.count('class="is-meant"') == 1
