@@ -62,7 +62,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         self.bindings: dict[PassDraw, Bindings] = {}
         self.images: dict[tuple[str, str], Image] = {}
         self.targets: dict[str, TargetKind] = {}
-        self._named = scene.outputs_named()
+        self._named = scene.named_outputs()
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
         self._sample_positions: dict[str, Array] = {}

@@ -41,7 +41,7 @@ from .catalogue import shaders_of
 from .evaluation import FEATURES, Evaluation, SceneCheck
 from .expectations.base import unread_outputs
 from .expectations.formula import Formula
-from .expectations.gl_call import Traced
+from .expectations.gl_call import CallTrace
 from .pictures import PictureFiles, PictureWriter, enlarge, save_frames
 from .record import RecordBuilder, format_error
 
@@ -157,7 +157,7 @@ class SceneRunner:
         record.add_inactive_uniforms(drawn.inactive)
         evaluation.require_no_other_errors()
         if options.gl_calls:
-            record.set_gl_calls(evaluation.answer(Traced()))
+            record.set_gl_calls(evaluation.answer(CallTrace()))
         if options.modules is False or FEATURES.self_check is None:
             return None
         return FEATURES.self_check(evaluation, bool(options.modules))

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from shaderlab.errors import CaseError
 
 from .checked import Checked
-from .state import one_of
+from .state import check_choice
 
 OBJECTS = (
     "buffer", "framebuffer", "program_pipeline", "query", "renderbuffer", "sampler", "texture",
@@ -55,7 +55,7 @@ class Object(Checked):
     label: str = ""
 
     def __post_init__(self) -> None:
-        one_of("Object", "kind", self.kind, OBJECTS)
+        check_choice("Object", "kind", self.kind, OBJECTS)
 
     def __str__(self) -> str:
         return f"{self.kind} {self.label}".rstrip()
@@ -106,14 +106,14 @@ class Call(Checked):
     def __post_init__(self) -> None:
         if not self.function.startswith("gl"):
             raise CaseError(
-                f"call: {self.function!r} is no function of OpenGL",
+                f"call: {self.function!r} is not a function of OpenGL",
                 remedy="the C name, as glTexParameteri",
             )
         arguments = (tuple(a) if isinstance(a, list) else a for a in self.arguments)
         object.__setattr__(self, "arguments", tuple(arguments))
 
     def __str__(self) -> str:
-        return f"{self.function}({', '.join(_spelt(a) for a in self.arguments)})"
+        return f"{self.function}({', '.join(_format_argument(a) for a in self.arguments)})"
 
 
 def call(function: str, *arguments: Argument) -> Call:
@@ -128,7 +128,7 @@ def programs_of(calls: Sequence[Call]) -> list[Program]:
     return list(dict.fromkeys(a for a in named if isinstance(a, Program)))
 
 
-def _spelt(argument: Argument) -> str:
+def _format_argument(argument: Argument) -> str:
     if argument is None:
         return "NULL"
     if isinstance(argument, str):

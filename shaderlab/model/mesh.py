@@ -14,7 +14,7 @@ import numpy as np
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.checked import Checked
-from shaderlab.model.state import one_of
+from shaderlab.model.state import check_choice
 
 from .frame import Array
 
@@ -74,13 +74,13 @@ class Mesh(Checked):
     upload: str = "data"
 
     def __post_init__(self) -> None:
-        one_of("Mesh", "primitive", self.primitive, PRIMITIVES)
-        one_of("Mesh", "layout", self.layout, LAYOUTS)
+        check_choice("Mesh", "primitive", self.primitive, PRIMITIVES)
+        check_choice("Mesh", "layout", self.layout, LAYOUTS)
         if not 1 <= self.patch_vertices <= 32:
             raise CaseError(f"Mesh: a patch has 1…32 vertices, not {self.patch_vertices}")
-        one_of("Mesh", "usage", self.usage, USAGES)
-        one_of("Mesh", "upload", self.upload, UPLOADS)
-        vertices = _checked("attributes", "vertices", self.attributes)
+        check_choice("Mesh", "usage", self.usage, USAGES)
+        check_choice("Mesh", "upload", self.upload, UPLOADS)
+        vertices = _check_arrays("attributes", "vertices", self.attributes)
         object.__setattr__(self, "attributes", vertices)
         if not vertices:
             raise CaseError("Mesh: attributes need one common number of vertices, there are none")
@@ -88,7 +88,7 @@ class Mesh(Checked):
             raise CaseError(
                 "Mesh: there are no vertices", remedy="give each attribute a row a vertex"
             )
-        instances = _checked("instance_attributes", "instances", self.instance_attributes)
+        instances = _check_arrays("instance_attributes", "instances", self.instance_attributes)
         object.__setattr__(self, "instance_attributes", instances)
         for name in instances:
             if name in vertices:
@@ -155,7 +155,7 @@ class Mesh(Checked):
         found: dict[str, Placement] = {}
         for divisor, group in enumerate((self.attributes, self.instance_attributes)):
             first = max((p.buffer for p in found.values()), default=-1) + 1
-            found.update(_placed(group, self.layout, first, divisor))
+            found.update(_place(group, self.layout, first, divisor))
         return found
 
     def parts(self) -> list[list[tuple[int, bytes]]]:
@@ -169,7 +169,7 @@ class Mesh(Checked):
                 each = [np.ascontiguousarray(a).view(np.uint8) for a in rows.values()]
                 made.append([(0, np.concatenate(each, axis=1).tobytes())])
             elif self.layout == "batched":
-                places = _placed(group, self.layout, 0, 0)
+                places = _place(group, self.layout, 0, 0)
                 made.append([(places[n].offset, a.tobytes()) for n, a in rows.items()])
             else:
                 made += [[(0, a.tobytes())] for a in rows.values()]
@@ -207,7 +207,7 @@ class _Later(Mesh):
 _FIELDS = frozenset(each.name for each in fields(Mesh))
 
 
-def _placed(
+def _place(
     group: Mapping[str, Array], layout: str, first: int, divisor: int
 ) -> dict[str, Placement]:
     """The attributes of one group, in buffers that count from `first`."""
@@ -230,15 +230,15 @@ def _by_columns(array: Array) -> Array:
     return np.ascontiguousarray(turned).reshape(len(array), -1)
 
 
-def _checked(owner: str, what: str, given: Mapping[str, Array]) -> dict[str, Array]:
-    arrays = {name: _rows(name, value, what) for name, value in given.items()}
+def _check_arrays(owner: str, what: str, given: Mapping[str, Array]) -> dict[str, Array]:
+    arrays = {name: _to_rows(name, value, what) for name, value in given.items()}
     counts = {name: len(a) for name, a in arrays.items()}
     if len(set(counts.values())) > 1:
         raise CaseError(f"Mesh: {owner} need one common number of {what}, not {counts}")
     return arrays
 
 
-def _rows(name: str, value: Array, what: str) -> Array:
+def _to_rows(name: str, value: Array, what: str) -> Array:
     array = np.asarray(value)
     if array.dtype.kind == "f":
         array = array.astype(np.float32)

@@ -12,7 +12,7 @@ from shaderlab.errors import CaseError
 from shaderlab.model.checked import Checked
 from shaderlab.model.frame import Array
 from shaderlab.model.mesh import Mesh
-from shaderlab.model.state import State, one_of
+from shaderlab.model.state import State, check_choice
 from shaderlab.model.textures import (
     COLOR_FORMATS,
     DEPTH_FORMATS,
@@ -84,7 +84,7 @@ class UniformBuffer(Checked):
     values: Mapping[str, Uniform]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "values", by_member(self.values))
+        object.__setattr__(self, "values", flatten_structures(self.values))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,7 +120,7 @@ class Draw(Checked):
     images: Mapping[str, ImageValue] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "uniforms", by_member(self.uniforms))
+        object.__setattr__(self, "uniforms", flatten_structures(self.uniforms))
         if self.compute:
             self._check_dispatch()
             return
@@ -202,10 +202,10 @@ class Target(Checked):
 
     def __post_init__(self) -> None:
         for name, word in (self.colors or {}).items():
-            one_of(f"Target: color {name!r}", "format", word, COLOR_FORMATS)
+            check_choice(f"Target: color {name!r}", "format", word, COLOR_FORMATS)
         if self.depth is not None:
-            one_of("Target", "depth", self.depth, DEPTH_FORMATS)
-        one_of("Target", "depth_storage", self.depth_storage, ("texture", "renderbuffer"))
+            check_choice("Target", "depth", self.depth, DEPTH_FORMATS)
+        check_choice("Target", "depth_storage", self.depth_storage, ("texture", "renderbuffer"))
         if self.size is not None and not all(0 < n <= 16384 for n in self.size):
             raise CaseError(f"Target: size must lie in 1…16384, not {self.size}")
 
@@ -254,11 +254,11 @@ class Pass(Checked):
         return bool(self.draws[0].compute)
 
 
-def by_member(values: Mapping[str, Any]) -> Mapping[str, Any]:
+def flatten_structures(values: Mapping[str, Any]) -> Mapping[str, Any]:
     """Each value under the name that GLSL has for it; the very same mapping if no value is of a
     structure.
 
-    >>> by_member({"light": {"linear": 0.09}, "lamps": [{"on": True}, {"on": False}]})
+    >>> flatten_structures({"light": {"linear": 0.09}, "lamps": [{"on": True}, {"on": False}]})
     {'light.linear': 0.09, 'lamps[0].on': True, 'lamps[1].on': False}
     """
     if any(_structured(value) for value in values.values()):

@@ -57,7 +57,7 @@ WINDINGS = ("ccw", "cw")
 Rectangle = tuple[int, int, int, int]
 
 
-def one_of(owner: str, field: str, word: str, choices: tuple[str, ...]) -> None:
+def check_choice(owner: str, field: str, word: str, choices: tuple[str, ...]) -> None:
     """Raise CaseError unless `word` is one of `choices`."""
     if word not in choices:
         raise CaseError(
@@ -74,7 +74,7 @@ class Depth(Checked):
     write: bool = True
 
     def __post_init__(self) -> None:
-        one_of("Depth", "func", self.func, COMPARISONS)
+        check_choice("Depth", "func", self.func, COMPARISONS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,9 +94,9 @@ class Stencil(Checked):
     write_mask: int = 0xFF
 
     def __post_init__(self) -> None:
-        one_of("Stencil", "func", self.func, COMPARISONS)
+        check_choice("Stencil", "func", self.func, COMPARISONS)
         for field in ("fail", "depth_fail", "depth_pass"):
-            one_of("Stencil", field, getattr(self, field), STENCIL_OPERATIONS)
+            check_choice("Stencil", field, getattr(self, field), STENCIL_OPERATIONS)
         for field in ("reference", "mask", "write_mask"):
             if not 0 <= getattr(self, field) <= 0xFF:
                 raise CaseError(f"Stencil: {field} must lie in 0…255, not {getattr(self, field)}")
@@ -118,10 +118,10 @@ class Blend(Checked):
         for field in ("source", "destination", "source_alpha", "destination_alpha"):
             word = getattr(self, field)
             if word is not None or not field.endswith("_alpha"):
-                one_of("Blend", field, word, BLEND_FACTORS)
-        one_of("Blend", "equation", self.equation, BLEND_EQUATIONS)
+                check_choice("Blend", field, word, BLEND_FACTORS)
+        check_choice("Blend", "equation", self.equation, BLEND_EQUATIONS)
         if self.equation_alpha is not None:
-            one_of("Blend", "equation_alpha", self.equation_alpha, BLEND_EQUATIONS)
+            check_choice("Blend", "equation_alpha", self.equation_alpha, BLEND_EQUATIONS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,9 +197,9 @@ class State(Checked):
     alpha_to_coverage: bool = False
 
     def __post_init__(self) -> None:
-        one_of("State", "front_face", self.front_face, WINDINGS)
+        check_choice("State", "front_face", self.front_face, WINDINGS)
         if self.cull is not None:
-            one_of("State", "cull", self.cull, FACES)
+            check_choice("State", "cull", self.cull, FACES)
         if self.stencil_back is not None and self.stencil is None:
             raise CaseError(
                 "State: stencil_back without stencil",
@@ -212,7 +212,7 @@ class State(Checked):
             if box is not None and self.cell is not None:
                 raise CaseError(f"State: {field} and cell both confine the draw; give one of them")
         if isinstance(self.point_size, str):
-            one_of("State", "point_size", self.point_size, ("program",))
+            check_choice("State", "point_size", self.point_size, ("program",))
         elif self.point_size is not None and not 0.0 < self.point_size < math.inf:
             raise CaseError(f"State: point_size must be above 0, not {self.point_size}")
         _check_shares("depth_range", self.depth_range)

@@ -11,7 +11,7 @@ import numpy as np
 
 from shaderlab.errors import CaseError
 from shaderlab.model.checked import Checked
-from shaderlab.model.state import COMPARISONS, one_of
+from shaderlab.model.state import COMPARISONS, check_choice
 
 from .frame import Array
 
@@ -60,20 +60,20 @@ class Sampling(Checked):
 
     def __post_init__(self) -> None:
         owner = type(self).__name__
-        one_of(owner, "filter[0] (minifying)", self.filter[0], FILTERS)
-        one_of(owner, "filter[1] (magnifying)", self.filter[1], FILTERS[:2])
+        check_choice(owner, "filter[0] (minifying)", self.filter[0], FILTERS)
+        check_choice(owner, "filter[1] (magnifying)", self.filter[1], FILTERS[:2])
         if len(self.wrap) != len(self._AXES):
             raise CaseError(f"{owner}: wrap has {len(self.wrap)} words, not {len(self._AXES)}")
         for axis, word in zip(self._AXES, self.wrap, strict=True):
-            one_of(owner, f"wrap along {axis}", word, WRAPS)
+            check_choice(owner, f"wrap along {axis}", word, WRAPS)
         if self.compare is not None:
-            one_of(owner, "compare", self.compare, COMPARISONS)
+            check_choice(owner, "compare", self.compare, COMPARISONS)
         if self.lod[0] > self.lod[1]:
             raise CaseError(f"{owner}: lod runs from {self.lod[0]} down to {self.lod[1]}")
 
     def _check_format(self, format: str) -> None:
         owner = type(self).__name__
-        one_of(owner, "format", format, TEXTURE_FORMATS)
+        check_choice(owner, "format", format, TEXTURE_FORMATS)
         if format.endswith("i") and any(word != "nearest" for word in self.filter):
             raise CaseError(
                 f"{owner}: OpenGL filters no integers; a {format} texture is incomplete",
@@ -113,7 +113,7 @@ class Texture(Sampling):
     upload: str = "data"
 
     def __post_init__(self) -> None:
-        one_of("Texture", "upload", self.upload, TEXTURE_UPLOADS)
+        check_choice("Texture", "upload", self.upload, TEXTURE_UPLOADS)
         self._check_format(self.format)
         self._check_levels(self.mipmaps)
 
@@ -243,7 +243,7 @@ class CompressedTexture(Sampling):
         if self.compare is not None:
             raise CaseError("CompressedTexture: there are no compressed depths to compare")
         if self.file is None:
-            one_of("CompressedTexture", "format", self.format, tuple(BLOCK_BYTES))
+            check_choice("CompressedTexture", "format", self.format, tuple(BLOCK_BYTES))
             if min(self.size) < 1:
                 raise CaseError(f"CompressedTexture: size must be positive, not {self.size}")
 

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from shaderlab.engine.expectations.gl_call import GlCalls, Traced
+from shaderlab.engine.expectations.gl_call import CallTrace, GlCalls
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
 from shaderlab.model.case import Case, Scene
@@ -153,7 +153,7 @@ def mutate_calls(
     for scene in select_scenes(case, variants):
         programs = lab.prepare_for_opengl(scene)
         with lab.edited_evaluation(scene, programs, None) as evaluation:
-            trace: Sequence[TracedCall] = evaluation.answer(Traced())
+            trace: Sequence[TracedCall] = evaluation.answer(CallTrace())
         for call, kind, after, edit in _edits(trace):
             place = call.pass_name if call.draw is None else f"{call.pass_name}[{call.draw}]"
             mutant = CallMutant(

@@ -18,7 +18,7 @@ from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.base import Named, judged_outputs
-from shaderlab.engine.expectations.gl_call import Traced
+from shaderlab.engine.expectations.gl_call import CallTrace
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.engine.judging.bands import BandCache
 from shaderlab.engine.run import SceneRunner
@@ -131,7 +131,7 @@ class Judge:
             result = self._find_killer(mutant, original) or self._find_change(mutant, original)
             if result is not None:
                 return result
-            trace = mutant.answer(Traced())
+            trace = mutant.answer(CallTrace())
         return judge_unseen_call(trial.scene, trace, self._trace_calls(trial.scene))
 
     def _trace_calls(self, scene: Scene) -> Sequence[TracedCall]:
@@ -139,7 +139,7 @@ class Judge:
         if scene.variant not in self._call_traces:
             programs = self._originals[scene.variant].programs
             with self._lab.edited_evaluation(scene, programs, None) as evaluation:
-                self._call_traces[scene.variant] = evaluation.answer(Traced())
+                self._call_traces[scene.variant] = evaluation.answer(CallTrace())
         return self._call_traces[scene.variant]
 
     def _judge_trials(self, trials: list[Trial]) -> MutantResult:

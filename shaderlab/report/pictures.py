@@ -63,7 +63,7 @@ class Picture:
     @property
     def small_uri(self) -> Markup:
         """As `uri`, of the small copy where there is one, in few bytes."""
-        return self._data(self.side or SMALL, pictures.repacked)
+        return self._data(self.side or SMALL, pictures.repack)
 
     def _below(self, path: Path) -> str:
         return quote(str(path).removeprefix(self.folder))
@@ -85,7 +85,7 @@ def read_numbers(path: Path, small: bool = False) -> Markup:
         data = read_regular(path)
     except OSError:
         return Markup()
-    return in_base64(pictures.repacked(data) if small else data)
+    return in_base64(pictures.repack(data) if small else data)
 
 
 def in_base64(data: bytes) -> Markup:

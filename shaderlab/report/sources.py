@@ -176,7 +176,7 @@ def _unless_all(variants: Sequence[str], group: CaseGroup) -> tuple[str, ...]:
 @dataclass(frozen=True)
 class Assembly:
     """One program's modules: the files it is made of, what was compiled for each target, and where
-    the text of all is. `packed` is that text, deflated and in base64, "" where the file has gone;
+    the text of all is. `packed` is that text, compressed and in base64, "" where the file has gone;
     `repeated` says that an earlier case has it, under the same anchor."""
 
     files: tuple[str, ...]

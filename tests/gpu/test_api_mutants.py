@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, Pass, State, Target, assets, exact, gl_calls
 from shaderlab.cli import cli
-from shaderlab.engine.expectations.gl_call import Traced
+from shaderlab.engine.expectations.gl_call import CallTrace
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
@@ -131,9 +131,9 @@ def test_the_trace_has_the_edit_and_the_next_drawing_has_not(lab: SceneRunner, c
     programs = lab.prepare_for_opengl(scene)
     edit = Changed(function="glViewport", number=2, parameter="x", value=3)
     with lab.edited_evaluation(scene, programs, edit) as edited:
-        changed = Counter(map(str, edited.answer(Traced())))
+        changed = Counter(map(str, edited.answer(CallTrace())))
     with lab.edited_evaluation(scene, programs, None) as plain:
-        as_it_is = Counter(map(str, plain.answer(Traced())))
+        as_it_is = Counter(map(str, plain.answer(CallTrace())))
     assert len(changed - as_it_is) == len(as_it_is - changed) == 1
     assert next(iter(changed - as_it_is)).startswith("glViewport(3,")
     with lab.evaluation(scene, programs) as untouched:

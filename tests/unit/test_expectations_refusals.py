@@ -56,7 +56,7 @@ def test_another_answer_of_the_compiler_fails(said: Verdicts) -> None:
     right = outcome(check, answer(("a.frag", 3, UNDECLARED), driver=DRIVER))
     assert right.status == "pass"
     assert right.rows[0].label == "fragment a.frag:3"
-    assert right.rows[1].expected == "refused, in its own words"
+    assert right.rows[1].expected == "rejected, in its own words"
     assert outcome(check, said).status == "fail"
 
 
@@ -85,7 +85,7 @@ def test_every_part_of_the_lab_s_own_error_counts(change: dict[str, Any]) -> Non
     assert outcome(refused("a.frag", **whole), ERROR).status == "pass"
     assert outcome(refused("a.frag", **(whole | change)), ERROR).status == "fail"
     taken = outcome(refused("a.frag", **whole), None)
-    assert (taken.status, taken.message) == ("fail", "the lab takes it, but must refuse it")
+    assert (taken.status, taken.message) == ("fail", "the lab accepts it, but should reject it")
 
 
 def test_only_a_name_or_a_function_can_be_refused() -> None:
@@ -109,7 +109,7 @@ def test_folders_are_left_out_of_paths() -> None:
     preparer: Any = SimpleNamespace(folders=(Path("/lab/shaders"),))
     context = Context(session, {}, preparer, lambda sources: DRIVER)
     said = "/lab/shaders/a.frag:3 includes /lab/b.glsl, not in /lab/shaders"
-    assert context.shortened(said) == "a.frag:3 includes b.glsl, not in shaders"
+    assert context.shorten_paths(said) == "a.frag:3 includes b.glsl, not in shaders"
 
 
 @pytest.mark.parametrize(
@@ -126,8 +126,8 @@ def test_the_place_that_the_driver_names(places: tuple[Place, ...], status: str)
     said = answer(("a.frag", 3, UNDECLARED), driver=DRIVER, driver_errors=places)
     found = outcome(check, said)
     assert found.status == status
-    assert found.rows[1].expected == "refused at a.frag:3"
-    assert status == "pass" or "another place" in found.message
+    assert found.rows[1].expected == "rejected at a.frag:3"
+    assert status == "pass" or "another line" in found.message
 
 
 @pytest.mark.parametrize("file", ["cases/a.py", "{here}/cases/a.py"])
@@ -140,7 +140,9 @@ def test_a_case_s_folder_is_left_out_however_the_case_was_named(
     session: Any = SimpleNamespace(scene=SimpleNamespace(case=case))
     preparer: Any = SimpleNamespace(folders=(here / "shaders",))
     context = Context(session, {}, preparer, Mock())
-    assert context.shortened(f"{here}/cases/b.obj:8, {here}/shaders/c.glsl") == "b.obj:8, c.glsl"
+    assert (
+        context.shorten_paths(f"{here}/cases/b.obj:8, {here}/shaders/c.glsl") == "b.obj:8, c.glsl"
+    )
 
 
 def test_the_working_directory_as_a_folder_takes_no_dots(
@@ -150,4 +152,4 @@ def test_the_working_directory_as_a_folder_takes_no_dots(
     session: Any = SimpleNamespace(scene=SimpleNamespace(case=SimpleNamespace(file="a.py")))
     preparer: Any = SimpleNamespace(folders=())
     context = Context(session, {}, preparer, Mock())
-    assert context.shortened(f"{tmp_path.resolve()}/b.obj: 1.5") == "b.obj: 1.5"
+    assert context.shorten_paths(f"{tmp_path.resolve()}/b.obj: 1.5") == "b.obj: 1.5"

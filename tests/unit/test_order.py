@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from shaderlab.engine.expectations.any_order import Backwards, DrawnAnew, any_order, both_ways
+from shaderlab.engine.expectations.any_order import Backwards, Redraw, any_order, both_ways
 from shaderlab.engine.expectations.base import Context
 from shaderlab.engine.expectations.exact import Exact
 from shaderlab.model.case import Case
@@ -65,7 +65,7 @@ def test_a_pass_is_drawn_anew_unless_its_own_depth_tests_show_the_nearest_surfac
             expect=[any_order("scene.color")],
         )
         needs = case.scene("default").expect[0].needs(case.scene("default"), {})
-        return len({need for need in needs if isinstance(need, DrawnAnew)})
+        return len({need for need in needs if isinstance(need, Redraw)})
 
     assert drawn("less", "less") == drawn("lequal", "lequal") == 0
     assert drawn("less", "less", cull="back") == 3

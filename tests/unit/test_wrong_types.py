@@ -65,7 +65,7 @@ from shaderlab import (
 )
 from shaderlab.engine.catalogue import load_case
 from shaderlab.errors import CaseError, ShaderlabError
-from shaderlab.model.scene import by_member
+from shaderlab.model.scene import flatten_structures
 
 
 def law(x: Any) -> Any:
@@ -216,7 +216,7 @@ def test_structures_are_mappings_of_their_members() -> None:
     (one,) = fullscreen("a.frag", uniforms=values)
     assert one.draws[0].uniforms == spelt
     assert UniformBuffer(values=values).values == spelt
-    assert by_member(spelt) is spelt
+    assert flatten_structures(spelt) is spelt
 
 
 def test_a_forgotten_argument_is_named(tmp_path: Path) -> None:

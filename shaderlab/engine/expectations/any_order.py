@@ -1,17 +1,17 @@
-"""any_order: a depth test makes the order of drawing irrelevant, and so it can be checked.
+"""any_order: a depth test makes the order of drawing irrelevant, which can be checked.
 
 A scene is drawn twice, the second time in reverse: its last draw first or, with a single draw, its
 last triangle first. Unless depth alone decides which surface a pixel shows, the images differ. A
-mistake in both of them may not: so the pass is drawn small once more, by its own depth tests and by
-those that show the nearest surface; and, as nearest surfaces need no test to be seen, with the
-farthest in front. Where its own tests are such tests, all of one kind, there is nothing to compare.
-Where draws cull, the nearest surfaces of either side are drawn, too: what is
-culled of closed solids lies behind what is not.
+mistake in both images may go unnoticed. So the pass is drawn once more, small, with its own depth
+tests and with tests that show the nearest surface; and, since the nearest surface can be seen
+without any test, with the farthest in front. If its own tests are such tests, all of one kind,
+there is nothing to compare. If draws cull, the nearest surfaces of either side are drawn as well:
+the culled faces of a closed solid lie behind the others.
 
-Two faces that meet in an edge have one depth there. Where both lie on the same side of it, as at an
-outline, and a pixel's centre is on the edge itself, the one that is drawn first stays: both are
-right. Such pixels are one beside the other along an edge. Where surfaces lie in each other, they
-fill areas.
+Two faces that meet in an edge have the same depth there. If both lie on the same side of it, as at
+an outline, and a pixel's centre is on the edge itself, the one that is drawn first stays: both
+answers are right. Such pixels lie in a line along the edge; where surfaces intersect, they fill
+areas.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from shaderlab.model.state import Depth
 from shaderlab.model.textures import Output
 
 from .base import Context
-from .exact import Exact, bits_of
+from .exact import Exact, view_bits
 
-_SUFFIX = "-backwards"
+SUFFIX = "-backwards"
 EITHER_SIDE = "nearest surface of either side"
-_LARGEST = 256
+LARGEST_SIDE = 256
 """Pixels along the longer side of what is drawn once more."""
-_OPPOSITE = {"less": "greater", "lequal": "gequal", "greater": "less", "gequal": "lequal"}
+OPPOSITE_TESTS = {"less": "greater", "lequal": "gequal", "greater": "less", "gequal": "lequal"}
 
 
 @checked_arguments
@@ -54,7 +54,7 @@ def both_ways(description: Pass) -> tuple[Pass, Pass]:
     draws = tuple(reversed(description.draws))
     if len(draws) == 1:
         draws = (_backwards(draws[0]),)
-    return replace(description, name=description.name + _SUFFIX, draws=draws), description
+    return replace(description, name=description.name + SUFFIX, draws=draws), description
 
 
 @dataclass(frozen=True)
@@ -66,20 +66,20 @@ class Backwards(TypedNeed[Array]):
     output: str
 
     def answer(self, context: Context) -> Array:
-        session, names = context.session, (self.pass_name, self.pass_name + _SUFFIX)
+        session, names = context.session, (self.pass_name, self.pass_name + SUFFIX)
 
         def read(attachment: str) -> list[Array]:
             return [session.query("attachment", name, attachment).values for name in names]
 
         values, others = read(self.output)
-        apart = ~every_component(bits_of(values) == bits_of(others))
+        apart = ~every_component(view_bits(values) == view_bits(others))
         if not apart.any():
             return values
         target = session.scene.find_pass(self.pass_name).target
         if self.output == "depth" or target.depth is None or target.samples:
             return others
         depth, backwards = (each[..., 0] for each in read("depth"))
-        met = apart & (depth == backwards) & ~_areas(apart)
+        met = apart & (depth == backwards) & ~_find_areas(apart)
         return np.where(met[..., None], values, others)
 
 
@@ -94,23 +94,23 @@ class AnyOrder(Exact):
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield from super().needs(scene, programs)
         yield self._backwards(scene)
-        for needs in self._drawn_anew(scene).values():
+        for needs in self._redraws(scene).values():
             yield from needs
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         found = super().judge(scene, frame)
-        for front, needs in self._drawn_anew(scene).items():
+        for front, needs in self._redraws(scene).items():
             own, strict, loose = (frame.answer(need) for need in needs)
-            told = _same(strict, loose)
-            apart = told & ~_same(own, strict)
+            decided = _find_same(strict, loose)
+            apart = decided & ~_find_same(own, strict)
             if front == EITHER_SIDE:
-                apart &= _areas(apart)  # along an outline both sides may be as near
+                apart &= _find_areas(apart)  # along an outline both sides may be as near
             wrong = int(apart.sum())
-            outcome = replace(found.outcome, judged=found.outcome.judged + int(told.sum()))
+            outcome = replace(found.outcome, judged=found.outcome.judged + int(decided.sum()))
             if wrong and outcome.status == "pass":
                 message = (
-                    f"{wrong} of {told.size} pixels do not show the {front}: the depth test of a "
-                    "draw is off, another one, or does not write, or what is nearest is culled"
+                    f"{wrong} of {decided.size} pixels do not show the {front}: a depth test is "
+                    "off, is another one or does not write, or the nearest surface is culled"
                 )
                 outcome = replace(outcome, status="fail", message=message, outside=wrong)
             found = replace(found, outcome=outcome)
@@ -123,7 +123,7 @@ class AnyOrder(Exact):
     def _backwards(self, scene: Scene) -> Backwards:
         return Backwards(self.key(scene)[0], self.own_name(scene))
 
-    def _drawn_anew(self, scene: Scene) -> Mapping[str, tuple[DrawnAnew, ...]]:
+    def _redraws(self, scene: Scene) -> Mapping[str, tuple[Redraw, ...]]:
         """For what is to be in front the pass by its own tests, and by tests for that, which let
         the first of equally far surfaces through, or the last; none where its own are one of the
         two, and without a depth buffer of the pass's own."""
@@ -134,24 +134,24 @@ class AnyOrder(Exact):
         near, far = ("less", "lequal"), ("greater", "gequal")
         if description.target.clear_depth < 0.5:
             near, far = far, near
-        own, found = _one_test(description, near), {}
+        own, found = _common_test(description, near), {}
         if not own:
             fronts = {
                 "nearest surface": (near, False),
                 "farthest surface, tests turned round": (far, True),
             }
             found = {
-                front: tuple(DrawnAnew(name, output, turned, test) for test in ("", *tests))
+                front: tuple(Redraw(name, output, turned, test) for test in ("", *tests))
                 for front, (tests, turned) in fronts.items()
             }
         if any(draw.state.cull for draw in description.draws):
-            either = (DrawnAnew(name, output, False, test, culled=False) for test in near)
-            found[EITHER_SIDE] = (DrawnAnew(name, output, False, own), *either)
+            either = (Redraw(name, output, False, test, culled=False) for test in near)
+            found[EITHER_SIDE] = (Redraw(name, output, False, own), *either)
         return found
 
 
 @dataclass(frozen=True)
-class DrawnAnew(TypedNeed[Array]):
+class Redraw(TypedNeed[Array]):
     """An output of a pass that is drawn once more: from the other end of the depth buffer if
     `turned`, and with depth test `test` in each draw, or else its own; nothing is culled unless
     `culled`."""
@@ -170,13 +170,13 @@ class DrawnAnew(TypedNeed[Array]):
             target=replace(
                 description.target, clear_depth=1.0 - depth if self.turned else depth, samples=0
             ),
-            draws=tuple(self._changed(draw) for draw in description.draws),
+            draws=tuple(self._change(draw) for draw in description.draws),
         )
         with phase("draw", f"drawing pass {self.pass_name!r} with other depth tests"):
-            return context.session.redraw_pass(other, self.output, _LARGEST)
+            return context.session.redraw_pass(other, self.output, LARGEST_SIDE)
 
-    def _changed(self, draw: Draw) -> Draw:
-        test = Depth(func=self.test) if self.test else _depth(draw, turned=self.turned)
+    def _change(self, draw: Draw) -> Draw:
+        test = Depth(func=self.test) if self.test else _depth_test(draw, turned=self.turned)
         cull = draw.state.cull if self.culled else None
         return replace(draw, state=replace(draw.state, depth=test, cull=cull))
 
@@ -197,20 +197,20 @@ def any_order(output: str, *, tested: bool = True) -> AnyOrder:
     ('scene.FragColor', 'scene-backwards', 'FragColor')
     """
     pass_name, _, name = output.partition(".")
-    other = Output(f"{pass_name}{_SUFFIX}.{name}")
+    other = Output(f"{pass_name}{SUFFIX}.{name}")
     title = f"{output}: any order of drawing"
     return AnyOrder(output, other, name=title, pictured=False, tested=tested)
 
 
-def _same(one: Array, other: Array) -> Array:
+def _find_same(one: Array, other: Array) -> Array:
     """Where two pictures are the same; NaN is like NaN."""
     return every_component((one == other) | ((one != one) & (other != other)))
 
 
-def _areas(apart: Array) -> Array:
+def _find_areas(apart: Array) -> Array:
     """Those pixels that lie in a square of two by two of them.
 
-    >>> _areas(np.array([[1, 1, 0], [1, 1, 1]], bool)).astype(int).tolist()
+    >>> _find_areas(np.array([[1, 1, 0], [1, 1, 1]], bool)).astype(int).tolist()
     [[1, 1, 0], [1, 1, 0]]
     """
     whole = apart[1:, 1:] & apart[:-1, 1:] & apart[1:, :-1] & apart[:-1, :-1]
@@ -221,15 +221,15 @@ def _areas(apart: Array) -> Array:
     return found
 
 
-def _depth(draw: Draw, *, turned: bool) -> Depth | None:
+def _depth_test(draw: Draw, *, turned: bool) -> Depth | None:
     """A draw's own depth test, from the other end of the depth buffer if `turned`."""
     test = draw.state.depth
     if test is None or not turned:
         return test
-    return replace(test, func=_OPPOSITE.get(test.func, test.func))
+    return replace(test, func=OPPOSITE_TESTS.get(test.func, test.func))
 
 
-def _one_test(description: Pass, tests: Sequence[str]) -> str:
+def _common_test(description: Pass, tests: Sequence[str]) -> str:
     """That of some tests which each draw has, and writes by; else ""."""
     own = [draw.state.depth for draw in description.draws]
     return next((test for test in tests if all(one == Depth(func=test) for one in own)), "")

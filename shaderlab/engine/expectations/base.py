@@ -33,11 +33,11 @@ class Context:
     preparer: Preparer
     driver_verdict: Callable[[tuple[Source, ...]], Verdict]
 
-    def draw_in_words(self, key: PassDraw) -> str:
+    def describe_draw(self, key: PassDraw) -> str:
         """A draw in words: what is to blame if the driver goes down with it."""
         return step(key, self.session.programs[key[0]][key[1]])
 
-    def shortened(self, text: str) -> str:
+    def shorten_paths(self, text: str) -> str:
         """The text with the folders of the case and of the shaders left out of its paths.
 
         A folder alone keeps its own name: of "/a/b/x.frag:3 is not in /a/b" there remains
@@ -150,7 +150,9 @@ class OutputExpectation(Expectation):
             outputs = [*draw.outputs, *known]
             raise CaseError(f"there is no output {name!r}", remedy=nearest(name, outputs))
         if generated:
-            raise CaseError(f"{name!r} is the lab's own vertex stage's: draw a mesh to judge it")
+            raise CaseError(
+                f"{name!r} belongs to the lab's own vertex stage: draw a mesh to judge it"
+            )
         return True
 
 

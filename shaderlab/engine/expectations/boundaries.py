@@ -61,7 +61,7 @@ class Boundaries(ReferenceExpectation):
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         if self.is_of_vertex(scene, programs):
             raise CaseError(
-                f"boundaries of {self.output!r}: it is a vertex stage's",
+                f"boundaries of {self.output!r}: a vertex stage writes it",
                 remedy="formula judges each vertex",
             )
         yield CapturedFragments(self.key(scene))

@@ -1,5 +1,5 @@
 """cost: a table of what passes cost by a number N: draw calls, vertices, and time, which is shown
-and never judged."""
+but never judged."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Judgement, Need, Programs
 from shaderlab.model.frame import Frame, Timing
 from shaderlab.model.records import Plot, PlotPoint, Row
-from shaderlab.model.state import one_of
+from shaderlab.model.state import check_choice
 
 from .base import SessionQuery
 
@@ -27,9 +27,9 @@ class Cost(Expectation):
     """What passes cost: a table of draw calls, vertices, and the best time of several; and a plot
     of the times over N.
 
-    Draw calls and vertices are judged where a formula for them is given. Time never is: it is
-    another one on each machine, and only its ratios are of interest. Whether a claim about it
-    holds is said, for this driver.
+    Draw calls and vertices are judged where a formula for them is given. Time never is: it differs
+    between machines, and only its ratios are of interest. The table says whether a claim about it
+    holds on this driver.
 
     Args:
         series: for each way of drawing, the pass (or passes) by N: `{"instanced": {4: "few", …}}`.
@@ -65,7 +65,7 @@ class Cost(Expectation):
         named = {"cheaper": self.cheaper, "draw_calls": self.draw_calls, "vertices": self.vertices}
         for owner, names in named.items():
             for label in names or ():
-                one_of("cost", owner, label, tuple(tuples))
+                check_choice("cost", owner, label, tuple(tuples))
         if bool(self.claim) != (self.cheaper is not None):
             raise CaseError("cost: a claim needs both claim= and cheaper=(series, series)")
         if not tuples or not all(tuples.values()):
@@ -92,12 +92,12 @@ class Cost(Expectation):
                     best[label, number] = sum(min(t.seconds) for t in taken)
                     rows.append(self._row(label, number, taken))
         wrong = [row.label for row in rows if not row.ok]
-        rows = _with_ratios(rows, best)
+        rows = _add_ratios(rows, best)
         if self.cheaper is not None:
-            rows.append(self._claim(best, *self.cheaper))
-        message = f"other counts than expected: {', '.join(wrong)}" if wrong else ""
+            rows.append(self._claim_row(best, *self.cheaper))
+        message = f"unexpected counts: {', '.join(wrong)}" if wrong else ""
         found = self.judge_rows(rows, message, judged=len(best))
-        return replace(found, plot=self._times(best))
+        return replace(found, plot=self._plot_times(best))
 
     def _row(self, label: str, number: float, taken: list[Timing]) -> Row:
         calls, vertices = sum(t.draw_calls for t in taken), sum(t.vertices for t in taken)
@@ -118,7 +118,7 @@ class Cost(Expectation):
             ok=ok,
         )
 
-    def _claim(self, best: Best, less: str, more: str) -> Row:
+    def _claim_row(self, best: Best, less: str, more: str) -> Row:
         both = [n for n in self.series[less] if n in self.series[more]]
         ratios = {n: best[more, n] / best[less, n] for n in both}
         holds = [n for n in both if ratios[n] > 1.0]
@@ -128,7 +128,7 @@ class Cost(Expectation):
             said = "does not hold on this driver"
         else:
             listed = ", ".join(f"{n:g}" for n in holds)
-            said = f"holds on this driver for {self.over} = {listed}, and not else"
+            said = f"holds on this driver for {self.over} = {listed} only"
         shown = ", ".join(f"{ratio:.2f} at {n:g}" for n, ratio in ratios.items())
         return Row(
             label=self.claim,
@@ -138,7 +138,7 @@ class Cost(Expectation):
             note=f"time of {more} over time of {less}: {shown}",
         )
 
-    def _times(self, best: Best) -> Plot | None:
+    def _plot_times(self, best: Best) -> Plot | None:
         """Milliseconds over N, a line for each series; None unless there are two numbers."""
         numbers = {number for _, number in best}
         if len(numbers) < 2:
@@ -160,7 +160,7 @@ class Cost(Expectation):
         )
 
 
-def _with_ratios(rows: list[Row], best: Best) -> list[Row]:
+def _add_ratios(rows: list[Row], best: Best) -> list[Row]:
     """Each row says how its time compares with the fastest of its N."""
     fastest: dict[float, float] = {}
     for (_, number), seconds in best.items():

@@ -1,8 +1,8 @@
-"""Fragments that a shader keeps out: all that a draw's geometry covers is expected to be seen, but
-for what a rule says is discarded.
+"""Discarded fragments: everything that a draw's geometry covers must be visible, except for what a
+rule says is discarded.
 
 An expectation that reads an attachment judges what is there. Whatever its kind, it fails where
-fragments of the draws that make this attachment are missing, or are seen and should be discarded.
+fragments of the draws into this attachment are missing, or are visible and should be discarded.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from .needs import CapturedFragments, Probe, inputs_of
 
 
 class DiscardCheck:
-    """The draws of a scene that may leave something out of their attachments, or should by a rule,
-    and what is wrong with what they left out; each is looked at once.
+    """The draws of a scene that may discard fragments, or should by a rule, and what is wrong with
+    what they discarded; each draw is examined once.
 
     Args:
         scene, programs: what is judged, all of a case's scene or a part of it.
@@ -53,11 +53,11 @@ class DiscardCheck:
         }
 
     def needed(self, expectation: Expectation) -> Iterator[CapturedFragments]:
-        """Those that make what an expectation reads and were not looked at yet."""
+        """The draws into what an expectation reads that were not examined yet."""
         return (need for need in self._draws_of(expectation) if not self.knows(need))
 
     def knows(self, need: CapturedFragments) -> bool:
-        """Whether a draw was looked at: what was captured of it isn't asked for again."""
+        """Whether a draw was examined: its capture is not needed again."""
         return need.key in self._faults
 
     def _draws_of(self, expectation: Expectation) -> Iterator[CapturedFragments]:
@@ -71,7 +71,7 @@ class DiscardCheck:
                 yield from self._draws.get(name, ())
 
     def fault(self, expectation: Expectation, frame: Frame) -> str:
-        """What is wrong with the fragments that were kept out of what an expectation read, or "".
+        """Say what is wrong with the discarded fragments of what an expectation read, or "".
 
         Args:
             expectation: what was judged.
@@ -84,17 +84,16 @@ class DiscardCheck:
             samples = frame.answers.get(Probe(expectation))
             if samples is not None and samples.discarded:
                 return (
-                    f"the shader discards {samples.discarded} of the samples, "
-                    "and gives no value there"
+                    f"the shader discards {samples.discarded} of the samples, so they have no value"
                 )
         for need in self._draws_of(expectation):
             if need.key not in self._faults:
-                self._faults[need.key] = self._fault_of(need.key, frame)
+                self._faults[need.key] = self._find_fault_of(need.key, frame)
             if self._faults[need.key]:
                 return self._faults[need.key]
         return ""
 
-    def _fault_of(self, key: PassDraw, frame: Frame) -> str:
+    def _find_fault_of(self, key: PassDraw, frame: Frame) -> str:
         name, index = key
         draw = self._programs[name][index]
         by_depth = writes_depth(draw.text("fragment") or "")
@@ -102,12 +101,12 @@ class DiscardCheck:
         of = f"of draw {index} of pass {name!r} ({draw.draw.fragment})"
         if missing.any():
             return (
-                f"missing: {_places(missing)} {of}, covered by the geometry and discarded by "
-                "no rule\n→ if the shader is to discard it, say so: discards=rule, a comparison "
-                "of its inputs"
+                f"missing: {_describe_places(missing)} {of}, covered by the geometry and discarded "
+                "by no rule\n→ if the shader should discard it, give discards=rule, a comparison of "
+                "its inputs"
             )
         if surplus.any():
-            return f"surplus: {_places(surplus)} {of}, which its rule says is discarded"
+            return f"surplus: {_describe_places(surplus)} {of}, which its rule discards"
         return ""
 
     def _rule_of(self, key: PassDraw) -> OutputExpectation | None:
@@ -139,16 +138,16 @@ def _faults(
         missing = everything.covered & (found.frag_coord[..., 3] == 0.0)
     elif everything is not None:
         at = np.flatnonzero(everything.covered)
-        missing.flat[at] = ~_seen_alike(found, everything, at)
+        missing.flat[at] = ~_find_seen_alike(found, everything, at)
     if rule is not None:
         if everything is not None:
-            missing[missing] = _truth(rule, frame, key, everything, missing).all_false
+            missing[missing] = _evaluate_rule(rule, frame, key, everything, missing).all_false
         surplus = found.covered.copy()
-        surplus[surplus] = _truth(rule, frame, key, found, surplus).all_true
+        surplus[surplus] = _evaluate_rule(rule, frame, key, found, surplus).all_true
     return missing, surplus
 
 
-def _seen_alike(found: Fragments, everything: Fragments, at: Array) -> Array:
+def _find_seen_alike(found: Fragments, everything: Fragments, at: Array) -> Array:
     """At which of some pixels the very fragment is seen that would be if none were discarded."""
     pairs = [(found.frag_coord, everything.frag_coord)]
     pairs += [(values, everything.inputs[name]) for name, values in found.inputs.items()]
@@ -161,7 +160,7 @@ def _seen_alike(found: Fragments, everything: Fragments, at: Array) -> Array:
     return seen
 
 
-def _truth(
+def _evaluate_rule(
     rule: OutputExpectation, frame: Frame, key: PassDraw, fragments: Fragments, where: Array
 ) -> TriBool:
     """Whether each of some fragments is discarded, (count,)."""
@@ -187,7 +186,7 @@ def _truth(
         except (TypeError, ValueError):
             place = source_of(reference)
             raise FormulaError(
-                f"discards of {rule.name!r}: {name_of(reference)}() is no comparison",
+                f"discards of {rule.name!r}: {name_of(reference)}() is not a comparison",
                 file=place.file,
                 line=place.line,
                 remedy="return one truth for each fragment, such as alpha < 0.1",
@@ -195,7 +194,7 @@ def _truth(
     return TriBool(yes[:, 0], no[:, 0])
 
 
-def _places(where: Array) -> str:
+def _describe_places(where: Array) -> str:
     """How many pixels, and the first of them."""
     y, x = (int(k) for k in np.argwhere(where)[0])
     count = int(np.count_nonzero(where))

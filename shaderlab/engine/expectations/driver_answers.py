@@ -16,7 +16,7 @@ from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs, Read
 from shaderlab.model.frame import AttributeReading, BlockReading, Frame, PassDraw
 from shaderlab.model.records import Row
-from shaderlab.model.state import one_of
+from shaderlab.model.state import check_choice
 
 from .base import DrawExpectation, SessionQuery
 from .needs import CapturedFragments
@@ -171,7 +171,7 @@ class Query(DriverAnswer):
     at_most: int | None = None
 
     def __post_init__(self) -> None:
-        one_of("query", "counter", self.counter, COUNTERS)
+        check_choice("query", "counter", self.counter, COUNTERS)
         if (self.equals is None) == (self.at_least is None and self.at_most is None):
             raise CaseError(f"query {self.counter!r}: give equals=, or at_least= and at_most=")
 
@@ -205,7 +205,7 @@ class GlError(DriverAnswer):
     error: str
 
     def __post_init__(self) -> None:
-        one_of("gl_error", "error", self.error, tuple(GL_ERRORS))
+        check_choice("gl_error", "error", self.error, tuple(GL_ERRORS))
 
     @property
     def default_name(self) -> str:

@@ -59,9 +59,9 @@ class EnergyConserving(OutputLaw):
         if min(self.polar, self.around) < 4 or self.polar % 2 or self.around % 2:
             raise CaseError("energy_conserving: polar and around must be even, 4 or more")
         if np.shape(self.normal) != (3,) or not np.any(self.normal):
-            raise CaseError(f"energy_conserving: {self.normal} is no normal")
+            raise CaseError(f"energy_conserving: {self.normal} is not a normal")
         if not 0.0 < self.limit < np.inf:
-            raise CaseError(f"energy_conserving: a limit of {self.limit} holds nothing")
+            raise CaseError(f"energy_conserving: a limit of {self.limit} limits nothing")
 
     @property
     def steps(self) -> Sequence[Mapping[str, Any]]:

@@ -70,7 +70,7 @@ class Exact(OutputExpectation):
         if wanted is values:
             same = np.ones(values.shape[:2], np.bool_)
         else:
-            same = every_component(bits_of(values) == bits_of(wanted))
+            same = every_component(view_bits(values) == view_bits(wanted))
         outside = int((~same).sum())
         outcome = Outcome(
             name=self.name,
@@ -79,7 +79,7 @@ class Exact(OutputExpectation):
             message=f"{outside} of {same.size} pixels differ" if outside else "",
             judged=same.size,
             outside=outside,
-            worst=_first_difference(same, values, wanted) if outside else None,
+            worst=_find_first_difference(same, values, wanted) if outside else None,
         )
         if not outside and not self.pictured:
             return Judgement(outcome=outcome)
@@ -92,7 +92,7 @@ class Exact(OutputExpectation):
         wanted = self.equals
         if isinstance(wanted, Output):
             wanted = find_image(wanted.path, scene, frame).values
-        return laid_over(wanted, values, self.name)
+        return spread_over(wanted, values, self.name)
 
 
 def is_twin(one: Any, other: Any) -> bool:
@@ -111,7 +111,7 @@ def is_twin(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-def laid_over(expected: Any, values: Array, name: str) -> Array:
+def spread_over(expected: Any, values: Array, name: str) -> Array:
     """An expected colour or table, as an array of the image's own shape and type.
 
     A table of cells is laid over the image as `Cell` lays draws: cell k of n begins at pixel
@@ -136,11 +136,11 @@ def laid_over(expected: Any, values: Array, name: str) -> Array:
         typed = table.astype(values.dtype)
     if values.dtype.kind in "iu" and (typed != table).any():
         raise CaseError(f"exact {name!r}: the attachment holds {values.dtype}, not {expected!r}")
-    rows, columns = _cell_of(height, table.shape[0]), _cell_of(width, table.shape[1])
+    rows, columns = _cell_indices(height, table.shape[0]), _cell_indices(width, table.shape[1])
     return np.broadcast_to(typed[rows][:, columns], values.shape)
 
 
-def _first_difference(same: Array, values: Array, wanted: Array) -> Worst:
+def _find_first_difference(same: Array, values: Array, wanted: Array) -> Worst:
     y, x = (int(k) for k in np.argwhere(~same)[0])
     measured, reference = to_tuple(values[y, x]), to_tuple(wanted[y, x])
     differs = [m != r for m, r in zip(measured, reference, strict=True)]
@@ -156,13 +156,13 @@ def _first_difference(same: Array, values: Array, wanted: Array) -> Worst:
     )
 
 
-def _cell_of(pixels: int, cells: int) -> Any:
+def _cell_indices(pixels: int, cells: int) -> Any:
     """For each pixel along an axis, the cell it lies in."""
     starts = np.array([pixels * k // cells for k in range(cells)])
     return np.searchsorted(starts, np.arange(pixels), side="right") - 1
 
 
-def bits_of(values: Array) -> Array:
+def view_bits(values: Array) -> Array:
     """Values as integers that are equal only for the very same bits."""
     if values.dtype.kind != "f":
         return values

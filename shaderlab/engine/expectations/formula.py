@@ -121,7 +121,7 @@ class Formula(ReferenceExpectation):
         rows = independent_references(banded, self.also)
         status, message = banded.verdict()
         if status == "pass" and not all(row.ok for row in rows):
-            status, message = "fail", "an independent implementation leaves the band"
+            status, message = "fail", "an independent implementation is outside the band"
         covered, image = subject.covered, subject.image
         pictures: Mapping[str, Any] = {}
         if image is not None and covered is not None:

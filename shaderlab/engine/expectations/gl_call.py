@@ -28,13 +28,13 @@ from shaderlab.model.expectation import Expectation, Judgement, Need, Programs
 from shaderlab.model.frame import Frame, Reply, TracedCall, TypedNeed
 from shaderlab.model.phases import phase
 from shaderlab.model.records import Row
-from shaderlab.model.state import one_of
+from shaderlab.model.state import check_choice
 
 __all__ = ["GlCall", "Location", "Object", "Program", "call", "gl_call"]
 
 
 @dataclass(frozen=True)
-class Answered(TypedNeed[Reply]):
+class CallReply(TypedNeed[Reply]):
     """The API's answer to calls made one after the other in a context of their own."""
 
     calls: tuple[Call, ...]
@@ -66,8 +66,8 @@ class GlCall(Expectation):
         yield self._need
 
     @property
-    def _need(self) -> Answered:
-        return Answered((*self.before, self.call), self.returns or ())
+    def _need(self) -> CallReply:
+        return CallReply((*self.before, self.call), self.returns or ())
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         reply = frame.answer(self._need)
@@ -86,7 +86,7 @@ class GlCall(Expectation):
         ]
         if self.returns is not None and first and not want:
             expected, returned = (
-                ", ".join(_named(v, reply.names) for v in values) or "nothing"
+                ", ".join(_format_value(v, reply.names) for v in values) or "nothing"
                 for values in (reply.wanted, reply.returned)
             )
             same = reply.wanted == reply.returned
@@ -126,9 +126,9 @@ def gl_call(
         CaseError: `raises` is no error of OpenGL; or two of an error, a value and a least value are
             asked for at once.
     """
-    one_of("gl_call", "raises", raises, tuple(GL_ERRORS))
+    check_choice("gl_call", "raises", raises, tuple(GL_ERRORS))
     if returns is not None and at_least is not None:
-        raise CaseError(f"gl_call {function}: it returns either a value or at least one")
+        raise CaseError(f"gl_call {function}: give returns= or at_least=, not both")
     if at_least is not None:
         returns = at_least
     if raises != "no_error" and returns is not None:
@@ -147,18 +147,18 @@ def gl_call(
     )
 
 
-def _named(value: Any, names: Mapping[int, str]) -> str:
+def _format_value(value: Any, names: Mapping[int, str]) -> str:
     """A returned value as people read it: a constant by its name, with its number."""
     if isinstance(value, int) and names.get(value):
         return f"{names[value]} (0x{value:04X})"
     return str(value)
 
 
-_SHOWN = 12
+MOST_SHOWN = 12
 
 
 @dataclass(frozen=True)
-class Traced(TypedNeed[Sequence[TracedCall]]):
+class CallTrace(TypedNeed[Sequence[TracedCall]]):
     """The calls that drawing the scene takes."""
 
     def answer(self, context: Context) -> Sequence[TracedCall]:
@@ -185,10 +185,10 @@ class GlCalls(Expectation):
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         if self.pass_name is not None:
             scene.find_pass(self.pass_name)
-        yield Traced()
+        yield CallTrace()
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        trace = frame.answer(Traced())
+        trace = frame.answer(CallTrace())
         calls = [c for c in trace if self.pass_name in (None, c.pass_name)]
         same = [c for c in calls if c.function == self.function]
         if same:
@@ -196,23 +196,25 @@ class GlCalls(Expectation):
         found = [c for c in same if self._matches(c)]
         wanted = "at least 1" if self.times is None else str(self.times)
         ok = bool(found) if self.times is None else len(found) == self.times
-        rows = [Row(label=self._in_words(), expected=wanted, measured=str(len(found)), ok=ok)]
-        message = "" if ok else f"{self._in_words()} is called {len(found)} times, not {wanted}"
+        rows = [Row(label=self._format_call(), expected=wanted, measured=str(len(found)), ok=ok)]
+        message = "" if ok else f"{self._format_call()} is called {len(found)} times, not {wanted}"
         if self.after:
-            early = self._early(calls)
+            early = self._count_early(calls)
             rows.append(
                 Row(label=f"before {self.after}", expected="0", measured=str(early), ok=not early)
             )
             if early and not message:
-                message = f"{self._in_words()} is called before {self.after}"
+                message = f"{self._format_call()} is called before {self.after}"
         if not ok:
-            rows += [Row(label=str(c), expected="", measured="", ok=True) for c in same[:_SHOWN]]
+            rows += [
+                Row(label=str(c), expected="", measured="", ok=True) for c in same[:MOST_SHOWN]
+            ]
         return self.judge_rows(rows, message, judged=len(rows))
 
     def _matches(self, call: TracedCall) -> bool:
         return all(call.arguments.get(name) == word for name, word in self.arguments.items())
 
-    def _early(self, calls: Sequence[TracedCall]) -> int:
+    def _count_early(self, calls: Sequence[TracedCall]) -> int:
         """How many of the calls come before the first one of `after`."""
         first = next((i for i, c in enumerate(calls) if c.function == self.after), len(calls))
         return sum(c.function == self.function and self._matches(c) for c in calls[:first])
@@ -225,7 +227,7 @@ class GlCalls(Expectation):
                     remedy=f"it has {', '.join(call.arguments)}",
                 )
 
-    def _in_words(self) -> str:
+    def _format_call(self) -> str:
         words = ", ".join(f"{name} = {word}" for name, word in self.arguments.items())
         return f"{self.function}({words})" if words else self.function
 

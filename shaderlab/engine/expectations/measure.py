@@ -228,7 +228,7 @@ class Measure(DrawExpectation):
         return super().passes(scene) | {read.pass_name for read in self.reads(scene)}
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        known = self._known(scene, frame)
+        known = self._find_known(scene, frame)
         figures = [self._figure(row, known, scene, frame) for row in self.readings]
         rows = tuple(r.row(v) for r, v in zip(self.readings, figures, strict=True))
         wrong = [row for row in rows if not row.ok]
@@ -251,9 +251,9 @@ class Measure(DrawExpectation):
         )
         return Judgement(outcome=outcome, plot=self._plot(figures, rows))
 
-    def _known(self, scene: Scene, frame: Frame) -> dict[str, Array]:
+    def _find_known(self, scene: Scene, frame: Frame) -> dict[str, Array]:
         """Everything that parameters may mean, by their names; of two, the output is meant."""
-        known = _of_draw(frame.bindings[self.key(scene)])
+        known = _draw_values(frame.bindings[self.key(scene)])
         known["subpixel_step"] = np.array(frame.subpixel_step)
         last = frame.order[-1]
         for (pass_name, name), image in frame.images.items():
@@ -313,28 +313,30 @@ class Measure(DrawExpectation):
                 value = row.given[name]
                 arguments[name] = value if np.isscalar(value) else np.asarray(value, np.float64)
             elif name in row.reads:
-                arguments[name] = self._drawn(find_image(row.reads[name], scene, frame).values)
+                arguments[name] = self._prepare_output(
+                    find_image(row.reads[name], scene, frame).values
+                )
                 drawn = True
             elif name in known and id(known[name]) in images:
-                arguments[name] = self._drawn(known[name])
+                arguments[name] = self._prepare_output(known[name])
                 drawn = True
             elif name in known:
                 arguments[name] = np.asarray(known[name], np.float64)
             elif parameter.default is parameter.empty:
                 choices = [*known, *row.given]
                 raise CaseError(
-                    f"measure {self.name!r}: its function asks for {name!r}, which is no "
-                    "output, no uniform and not given",
+                    f"measure {self.name!r}: its function asks for {name!r}, which is neither "
+                    "an output nor a uniform nor given",
                     remedy=nearest(name, choices),
                 )
         if not drawn:
             raise CaseError(
-                f"measure {self.name!r} reads no output, so no shader could fail it",
+                f"measure {self.name!r} reads no output, so no shader could break it",
                 remedy="computed(…) is for figures of formulas alone",
             )
         return arguments
 
-    def _drawn(self, values: Array) -> Array:
+    def _prepare_output(self, values: Array) -> Array:
         """An output as the statistic gets it: a copy, or what all expectations see."""
         if not self.own_types:
             return values.astype(np.float64)
@@ -443,7 +445,7 @@ def measure(
     )
 
 
-def _of_draw(bindings: Bindings) -> dict[str, Array]:
+def _draw_values(bindings: Bindings) -> dict[str, Array]:
     """Uniforms and textures, members of arrays of structs together as one array; where they are
     single numbers, without an axis for components."""
     known: dict[str, Array] = {}

@@ -42,7 +42,7 @@ class CapturedFragments(TypedNeed[Fragments]):
     key: PassDraw
 
     def answer(self, context: Context) -> Fragments:
-        with phase("draw", f"capturing the inputs of {context.draw_in_words(self.key)}"):
+        with phase("draw", f"capturing the inputs of {context.describe_draw(self.key)}"):
             return context.session.capture_fragments(self.key)
 
     def misplaced(self, found: Fragments, programs: Programs) -> str:
@@ -73,7 +73,7 @@ class CapturedVertices(TypedNeed[Samples]):
     key: PassDraw
 
     def answer(self, context: Context) -> Samples:
-        with phase("draw", f"capturing the inputs of {context.draw_in_words(self.key)}"):
+        with phase("draw", f"capturing the inputs of {context.describe_draw(self.key)}"):
             return context.session.capture_vertices(self.key)
 
     def has_same_answer(self, programs: Programs, others: Programs) -> bool:
@@ -125,14 +125,14 @@ class Probe(TypedNeed[Samples]):
         for word in steps[0]:
             if word not in inputs and word not in bindings.uniforms:
                 raise CaseError(
-                    f"{expectation.output}: {word!r} is no input of "
+                    f"{expectation.output}: {word!r} is not an input of "
                     f"{' + '.join(draw.draw.shaders)}",
                     remedy=nearest(word, [*inputs, *bindings.uniforms]),
                 )
         uniforms = [name for name in steps[0] if name not in inputs]
 
         def bound(step: Mapping[str, Any]) -> Bindings:
-            return _with_uniforms(bindings, draw, {n: step[n] for n in uniforms})
+            return _replace_uniforms(bindings, draw, {n: step[n] for n in uniforms})
 
         def run(runs: Sequence[Bindings], given: Mapping[str, Array]) -> list[Samples]:
             if not of_vertex:
@@ -148,8 +148,8 @@ class Probe(TypedNeed[Samples]):
             return found
 
         def samples(some: Sequence[Mapping[str, Any]], given: Bindings, got: Samples) -> Samples:
-            exact = {n: _repeated(given.uniforms[n], len(some)) for n in uniforms}
-            decimal = {n: _repeated(given.decimal[n], len(some)) for n in uniforms}
+            exact = {n: _repeat(given.uniforms[n], len(some)) for n in uniforms}
+            decimal = {n: _repeat(given.decimal[n], len(some)) for n in uniforms}
             for n in (name for name in steps[0] if name not in uniforms):
                 decimal[n] = np.array([np.atleast_1d(np.asarray(s[n], np.float64)) for s in some])
             return replace(got, inputs={**got.inputs, **exact}, decimal=decimal)
@@ -168,7 +168,7 @@ class Probe(TypedNeed[Samples]):
                 for change, step in zip(changes, steps, strict=True)
             ]
         each = zip(steps, changes, found, strict=True)
-        return _joined([samples([step], change, got) for step, change, got in each])
+        return _join([samples([step], change, got) for step, change, got in each])
 
 
 def _same_stages(one: PreparedDraw, other: PreparedDraw) -> bool:
@@ -176,7 +176,9 @@ def _same_stages(one: PreparedDraw, other: PreparedDraw) -> bool:
     return all(one.text(stage) == other.text(stage) for stage in BEFORE_RASTERISATION)
 
 
-def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]) -> Bindings:
+def _replace_uniforms(
+    bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]
+) -> Bindings:
     exact, decimal = dict(bindings.uniforms), dict(bindings.decimal)
     known = declared_uniforms(draw.interface)
     for name, value in values.items():
@@ -184,11 +186,11 @@ def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, 
     return replace(bindings, uniforms=exact, decimal=decimal)
 
 
-def _repeated(value: Array, count: int) -> Array:
+def _repeat(value: Array, count: int) -> Array:
     return np.repeat(value[None], count, axis=0)
 
 
-def _joined(parts: Sequence[Samples]) -> Samples:
+def _join(parts: Sequence[Samples]) -> Samples:
     def join(group: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
         return {name: np.concatenate([part[name] for part in group]) for name in group[0]}
 
@@ -233,13 +235,13 @@ def subject_of(
         covered = np.ones(image.values.shape[:2], bool)
     whole = bool(covered.all())
 
-    def of_covered(values: Array) -> Array:
+    def take_covered(values: Array) -> Array:
         # Most draws cover everything; then nothing need be copied.
         return values.reshape(-1, *values.shape[2:]) if whole else values[covered]
 
-    each = {name: of_covered(values) for name, values in pixel_inputs(frame, key, image).items()}
+    each = {name: take_covered(values) for name, values in pixel_inputs(frame, key, image).items()}
     return Subject(
-        measured=of_covered(image.values),
+        measured=take_covered(image.values),
         inputs=inputs_of(
             frame, key, each=each, given=given, decimal=decimal_inputs(frame, key, each)
         ),

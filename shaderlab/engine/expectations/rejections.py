@@ -56,7 +56,7 @@ class CompilerVerdicts(TypedNeed[Verdicts]):
 
         def errors(said: Verdict | None) -> tuple[Place, ...]:
             return tuple(
-                (names.get(d.file) or context.shortened(d.file), d.line, d.message)
+                (names.get(d.file) or context.shorten_paths(d.file), d.line, d.message)
                 for d in (said.diagnostics if said else ())
                 if d.severity == "error"
             )
@@ -96,35 +96,37 @@ class CompileFails(Expectation):
             stage = verdicts.stages.get(named[0], "")
             rows.append(
                 Row(
-                    label=f"{stage} {_spot(named)}".strip(),
+                    label=f"{stage} {_format_place(named)}".strip(),
                     expected="no further message" if want is None else want[2],
-                    measured="nothing" if got is None else f"{_spot(got)}: {got[2]}",
+                    measured="nothing" if got is None else f"{_format_place(got)}: {got[2]}",
                     ok=want == got,
                 )
             )
         what = " + ".join(self.shaders)
         message = ""
         if verdicts.accepted:
-            message = f"{what} compiles, but must be refused"
+            message = f"{what} compiles, but should be rejected"
         elif not all(row.ok for row in rows):
-            message = f"{what} is refused with other messages"
+            message = f"{what} is rejected with other messages"
         if verdicts.driver is not None:
             rows.append(self._driver_row(verdicts.driver, verdicts.driver_errors))
             if not rows[-1].ok:
-                wrong = "accepts" if verdicts.driver.ok else "refuses another place of"
+                wrong = "accepts" if verdicts.driver.ok else "reports another line of"
                 message = message or f"the driver {wrong} {what}"
         return self.judge_rows(rows, message, judged=len(rows) or 1)
 
     def _driver_row(self, verdict: Verdict, errors: Sequence[Place]) -> Row:
-        expected = "refused, in its own words" if self.driver else "either"
+        expected = "rejected, in its own words" if self.driver else "either"
         ok = not verdict.ok or not self.driver
         if isinstance(self.driver, tuple):
-            expected = f"refused at {_spot((*self.driver, ''))}"
+            expected = f"rejected at {_format_place((*self.driver, ''))}"
             ok = ok and bool(errors) and errors[0][:2] == self.driver
         return Row(
             label="the driver",
             expected=expected,
-            measured="accepted" if verdict.ok else "; ".join(f"{_spot(e)}: {e[2]}" for e in errors),
+            measured="accepted"
+            if verdict.ok
+            else "; ".join(f"{_format_place(e)}: {e[2]}" for e in errors),
             ok=ok,
         )
 
@@ -167,7 +169,7 @@ def compile_fails(
     )
 
 
-def _spot(place: Place) -> str:
+def _format_place(place: Place) -> str:
     file, line, _ = place
     return file if line is None else f"{file}:{line}"
 
@@ -187,10 +189,10 @@ class RaisedError(TypedNeed[ShaderlabError | None]):
                 self.what()
         except ShaderlabError as error:
             return ShaderlabError(
-                context.shortened(error.message),
-                file=None if error.file is None else context.shortened(error.file),
+                context.shorten_paths(error.message),
+                file=None if error.file is None else context.shorten_paths(error.file),
                 line=error.line,
-                remedy=None if error.remedy is None else context.shortened(error.remedy),
+                remedy=None if error.remedy is None else context.shorten_paths(error.remedy),
             )
         return None
 
@@ -233,10 +235,10 @@ class Refused(Expectation):
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         error = frame.answer(RaisedError(self.what))
-        want = _parts(self.message, self.file, self.line, self.remedy)
-        got = _parts("nothing", None, None, None)
+        want = _describe_error(self.message, self.file, self.line, self.remedy)
+        got = _describe_error("nothing", None, None, None)
         if error is not None:
-            got = _parts(error.message, error.file, error.line, error.remedy)
+            got = _describe_error(error.message, error.file, error.line, error.remedy)
         rows = [
             Row(label=part, expected=want[part], measured=got[part], ok=want[part] == got[part])
             for part in want
@@ -244,13 +246,15 @@ class Refused(Expectation):
         ]
         message = ""
         if error is None:
-            message = "the lab takes it, but must refuse it"
+            message = "the lab accepts it, but should reject it"
         elif not all(row.ok for row in rows):
-            message = "the lab refuses it in other words: " + str(error).replace("\n", " ")
+            message = "the lab rejects it in other words: " + str(error).replace("\n", " ")
         return self.judge_rows(rows, message, judged=len(rows))
 
 
-def _parts(message: str, file: str | None, line: int | None, remedy: str | None) -> dict[str, str]:
+def _describe_error(
+    message: str, file: str | None, line: int | None, remedy: str | None
+) -> dict[str, str]:
     return {
         "message": message,
         "file": file or "",

@@ -16,7 +16,7 @@ import numpy as np
 
 from shaderlab.errors import CallError, CaseError
 from shaderlab.model.frame import Array
-from shaderlab.model.state import one_of
+from shaderlab.model.state import check_choice
 
 Batch = tuple[int, ...]
 DIRECTIONS = ("increasing", "decreasing")
@@ -124,7 +124,7 @@ class Monotone(Law):
     title = "monotone"
 
     def __post_init__(self) -> None:
-        one_of("monotone", "direction", self.direction, DIRECTIONS)
+        check_choice("monotone", "direction", self.direction, DIRECTIONS)
 
     @property
     def inputs(self) -> tuple[str, ...]:  # type: ignore[override]

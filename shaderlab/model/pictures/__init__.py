@@ -21,7 +21,7 @@ from .files import (
     SIGNATURE as SIGNATURE,
     coarse as coarse,
     load as load,
-    repacked as repacked,
+    repack as repack,
     save_png as save_png,
     save_preview as save_preview,
 )

@@ -22,7 +22,7 @@ except ImportError:  # there is none for this processor
     from zlib import compress
 
 
-def deflated(data: bytes | memoryview) -> bytes:
+def deflate(data: bytes | memoryview) -> bytes:
     """`data` in few bytes: the first level, after which both take far longer for little."""
     return compress(data, 1)
 
@@ -31,7 +31,7 @@ SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _LEVEL = 6  # files a seventh smaller than those of a run, for four times their time
 
 
-def repacked(data: bytes) -> bytes:
+def repack(data: bytes) -> bytes:
     """The bytes of a PNG file or of packed values with the same contents, mostly in fewer bytes.
 
     Damaged ones stay as they are.
@@ -82,7 +82,7 @@ def encode(pixels: Bytes, palette: Bytes | None = None) -> bytes:
     colours = _COLOUR_TYPES[channels] if palette is None else _INDEXED
     head = struct.pack(">IIBBBBB", width, height, 8, colours, 0, 0, 0)
     table = b"" if palette is None else chunk(b"PLTE", palette.tobytes())
-    data = chunk(b"IDAT", deflated(lines.data))
+    data = chunk(b"IDAT", deflate(lines.data))
     return SIGNATURE + chunk(b"IHDR", head) + table + data + chunk(b"IEND", b"")
 
 
@@ -146,7 +146,7 @@ def save_preview(path: str | Path, pixels: NDArray[np.uint8], side: int) -> None
     Raises:
         AssetError: the copy can't be written.
     """
-    write_picture(copy_path(Path(path), side), reduced(pixels, side))
+    write_picture(copy_path(Path(path), side), shrink(pixels, side))
 
 
 def load(path: str | Path) -> Floats:
@@ -169,7 +169,7 @@ def load(path: str | Path) -> Floats:
     config.attribute("oiio:UnassociatedAlpha", 1)
     opened = oiio.ImageInput.open(str(source), config)
     if opened is None:
-        raise _damaged(source, oiio.geterror())
+        raise _damage_error(source, oiio.geterror())
     try:
         spec = opened.spec()
         if max(spec.width, spec.height) > LARGEST_SIDE or spec.depth > 1:
@@ -190,12 +190,12 @@ def load(path: str | Path) -> Floats:
     finally:
         opened.close()
     if pixels is None or problem:
-        raise _damaged(source, problem)
+        raise _damage_error(source, problem)
     shaped = np.asarray(pixels, dtype=np.float32).reshape(spec.height, spec.width, spec.nchannels)
     return np.ascontiguousarray(shaped[::-1])
 
 
-def reduced(pixels: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
+def shrink(pixels: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
     """uint8 (height, width, channels), at most `side` pixels in each direction.
 
     Each new pixel is the mean of a square: quick, and no colour rings around an edge.
@@ -248,7 +248,7 @@ def _sums(values: NDArray[Any], factor: int, kind: DTypeLike) -> tuple[NDArray[A
     return found, len(ys) * len(xs)
 
 
-def _damaged(path: Path, problem: str) -> AssetError:
+def _damage_error(path: Path, problem: str) -> AssetError:
     return AssetError(
         f"can't read the image ({problem.strip() or 'no reason given'})",
         file=path,

@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .files import deflated
+from .files import deflate
 
 Numbers = NDArray[Any]
 _REST = 65535.0
@@ -79,7 +79,7 @@ class Values:
 
 def pack(values: Values) -> bytes:
     """The values as a file's bytes; `report/script/values.js` reads them."""
-    columns = _columns(values)
+    columns = _to_columns(values)
     rows, width, components = values.measured.shape
     head = {
         "size": values.size,
@@ -92,7 +92,7 @@ def pack(values: Values) -> bytes:
         "fine": values.fine,
     }
     text = json.dumps(head, separators=(",", ":")) + "\n"
-    return deflated(b"".join((text.encode("ascii"), *columns)))
+    return deflate(b"".join((text.encode("ascii"), *columns)))
 
 
 def judged_part(arrays: Mapping[str, Any], worst: tuple[int, int] | None = None) -> Values:
@@ -143,7 +143,7 @@ def _window(start: int, stop: int, centre: int) -> tuple[int, int]:
     return low, min(stop, low + WINDOW)
 
 
-def _columns(values: Values) -> list[bytes]:
+def _to_columns(values: Values) -> list[bytes]:
     judged = np.moveaxis(values.judged, -1, 0)
     planes = np.empty((4, *judged.shape), np.float32)
     exact = np.empty(judged.shape)
@@ -153,8 +153,8 @@ def _columns(values: Values) -> list[bytes]:
             plane[...] = np.moveaxis(array, -1, 0)
     if not values.judged.all():
         planes[:, ~judged] = exact[~judged] = 0.0
-    rest = _rest(exact, planes[1], 1 if values.fine else _COARSE)
-    measured, nearest, low, high = _ordered(planes)
+    rest = _find_rest(exact, planes[1], 1 if values.fine else _COARSE)
+    measured, nearest, low, high = _to_ordered(planes)
     steps, away, below, above = columns = np.empty_like(planes, np.int32)
     steps[...] = measured
     steps[:, :, 1:] -= measured[:, :, :-1]
@@ -168,10 +168,10 @@ def _columns(values: Values) -> list[bytes]:
     columns ^= signs
     flags = judged.astype(np.uint8)
     flags += np.moveaxis(values.outside, -1, 0).astype(np.uint8) << 1
-    return [flags.tobytes(), *map(_split, (steps, away, rest, below, above))]
+    return [flags.tobytes(), *map(_split_bytes, (steps, away, rest, below, above))]
 
 
-def _rest(exact: NDArray[Any], near: NDArray[np.float32], unit: int) -> NDArray[np.int16]:
+def _find_rest(exact: NDArray[Any], near: NDArray[np.float32], unit: int) -> NDArray[np.int16]:
     """What is left of float64 numbers beside the nearest float32 ones, in `unit` of 1/65535 ULP."""
     with np.errstate(invalid="ignore", over="ignore"):
         ulp = near.astype(np.float64)
@@ -189,12 +189,12 @@ def _rest(exact: NDArray[Any], near: NDArray[np.float32], unit: int) -> NDArray[
     return np.clip(left, -32768, 32767, out=left).astype(np.int16)
 
 
-def _ordered(values: NDArray[np.float32]) -> NDArray[np.int32]:
+def _to_ordered(values: NDArray[np.float32]) -> NDArray[np.int32]:
     bits = values.view(np.int32)
     return bits ^ ((bits >> 31) & np.int32(0x7FFFFFFF))
 
 
-def _split(numbers: NDArray[Any]) -> bytes:
+def _split_bytes(numbers: NDArray[Any]) -> bytes:
     """Integers byte by byte, all lowest bytes first."""
     shifts = range(0, 8 * numbers.itemsize, 8)
     return b"".join((numbers >> shift).astype(np.uint8).tobytes() for shift in shifts)
