@@ -101,9 +101,9 @@ class DiscardCheck:
         of = f"of draw {index} of pass {name!r} ({draw.draw.fragment})"
         if missing.any():
             return (
-                f"missing: {_describe_places(missing)} {of}, covered by the geometry and discarded "
-                "by no rule\n→ if the shader should discard it, give discards=rule, a comparison of "
-                "its inputs"
+                f"missing: {_describe_places(missing)} {of}, covered by the geometry and "
+                "discarded by no rule\n→ if the shader should discard it, give discards=rule, a "
+                "comparison of its inputs"
             )
         if surplus.any():
             return f"surplus: {_describe_places(surplus)} {of}, which its rule discards"
