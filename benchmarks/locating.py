@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.drivers.programs.instrument import watch_points
+from shaderlab.drivers.programs.instrument import find_watch_points
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.evaluation import Evaluation
@@ -113,7 +113,7 @@ def named(
         return "nothing found"
     text = given.program.source.text if given.program.source is not None else ""
     lines = {given.program.place(first.line)}
-    for point in watch_points(text):
+    for point in find_watch_points(text):
         if point.kind != "entry" and point.first <= first.line <= point.last:
             lines |= {given.program.place(n) for n in range(point.first, point.last + 1)}
     if any(same(place, mutant) for place in lines):

@@ -22,11 +22,11 @@ from shaderlab.drivers.programs.instrument import (
     VALUE,
     Watch,
     WatchPoint,
-    instrumented,
-    room,
-    watch_points,
+    find_watch_points,
+    instrument,
+    watch_capacity,
 )
-from shaderlab.drivers.programs.textures import for_output
+from shaderlab.drivers.programs.textures import output_format
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.errors import ShaderlabError, UnsupportedError
 from shaderlab.model.frame import Array, PassDraw, differ
@@ -85,7 +85,7 @@ def driver_values(
     suspects = set() if suspects is None else suspects
     wanted = list(_wanted(Watches(text, given.program), stored, undecided))
     drawing = _Drawing(evaluation, key, given, text)
-    size = room(len(drawing.colors))
+    size = watch_capacity(len(drawing.colors))
     if size < 4:
         raise UnsupportedError("the shader has no room for another output")
     known: dict[Watch, _Values | None] = {}
@@ -153,7 +153,7 @@ class _Drawing:
     ) -> None:
         assert given.pixels is not None
         outputs = evaluation.programs[key[0]][key[1]].interface.outputs
-        self.colors = {name: for_output(variable.type) for name, variable in outputs.items()}
+        self.colors = {name: output_format(variable.type) for name, variable in outputs.items()}
         self._written = evaluation.session.redraw_with_text
         self._key, self._text = key, text
         self._at = given.pixels[:, 1], given.pixels[:, 0]
@@ -172,7 +172,7 @@ class _Drawing:
 
     def _together(self, watches: Sequence[Watch]) -> list[_Values] | None:
         try:
-            changed, places = instrumented(self._text, watches)
+            changed, places = instrument(self._text, watches)
             added = dict.fromkeys((name for one in places for name, _ in one.components), "rgba32f")
             images = self._written(self._key, changed, {**self.colors, **added})
         except (ShaderlabError, KeyError, AssertionError):  # or the text can't be changed
@@ -239,7 +239,7 @@ class Watches:
     def __init__(self, text: str, program: Program) -> None:
         self._program = program
         self._points: dict[str, list[WatchPoint]] = defaultdict(list)
-        for point in watch_points(text):
+        for point in find_watch_points(text):
             self._points[point.kind].append(point)
         self._branches = dict(_branches(program, self._points["condition"]))
         self._found: dict[object, _At] = {}

@@ -20,7 +20,7 @@ from shaderlab.analysis.interpreter import Bands, Interpreted, Program, interpre
 from shaderlab.analysis.interpreter.values import Flags
 from shaderlab.bands import Band
 from shaderlab.compiler.sources import Source
-from shaderlab.drivers.programs.textures import for_output
+from shaderlab.drivers.programs.textures import output_format
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.engine.judging.bands import store_band
@@ -200,7 +200,7 @@ def _redraw_unblended(evaluation: Evaluation, key: PassDraw, given: Invocations)
     blending, masks and samples."""
     assert given.pixels is not None
     draw = evaluation.programs[key[0]][key[1]]
-    formats = {name: for_output(one.type) for name, one in draw.interface.outputs.items()}
+    formats = {name: output_format(one.type) for name, one in draw.interface.outputs.items()}
     images = evaluation.session.redraw_with_text(key, draw.text("fragment") or "", formats)
     at = given.pixels[:, 1], given.pixels[:, 0]
     return replace(given, measured={n: v[at] for n, v in images.items()}, formats=formats)

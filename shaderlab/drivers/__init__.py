@@ -116,7 +116,7 @@ _INDEX_BYTES = 4 << 20
 
 
 @contextmanager
-def variables_set(wanted: Mapping[str, str]) -> Iterator[None]:
+def set_variables(wanted: Mapping[str, str]) -> Iterator[None]:
     """Set environment variables for a while."""
     before = {name: os.environ.get(name) for name in wanted}
     os.environ.update(wanted)

@@ -18,15 +18,15 @@ from shaderlab.model.scene import Pass, Target
 from shaderlab.model.state import State
 
 from .programs import bind, vertex_capture
-from .programs.fragment_capture import PassCapture, numbered, probe_fragments
+from .programs.fragment_capture import PassCapture, probe_fragments, set_draw_number
 from .programs.prepare import (
     PreparedDraw,
     Programs,
     check_continues,
     check_reads,
+    describe_draw,
     output_types,
     pass_colors,
-    step,
 )
 from .programs.stages import VaryingPart
 from .programs.textures import components_of
@@ -101,7 +101,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         """
 
     @abstractmethod
-    def vertex_outputs(
+    def capture_outputs(
         self,
         draw: PreparedDraw,
         texts: Mapping[str, str],
@@ -119,9 +119,9 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         """Run a compute shader, and take what it leaves in its buffers for images of its pass."""
         raise UnsupportedError("compute passes: this driver has none")
 
-    def numbered(self, text: str, bindings: Bindings, index: int) -> tuple[str, Bindings]:
+    def number_text(self, text: str, bindings: Bindings, index: int) -> tuple[str, Bindings]:
         """Give a text its draw's number in its pass; returns the text and the draw's bindings."""
-        return numbered(text, index), bindings
+        return set_draw_number(text, index), bindings
 
     def at(self, pass_name: str, draw: int | None = None) -> None:
         """Note the pass and the draw that calls are made for from now on."""
@@ -160,7 +160,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
             key = (description.name, index)
             self.at(*key)
             check_reads(self.scene, description, draw.draw, self.targets)
-            with phase("draw", step(key, draw)):
+            with phase("draw", describe_draw(key, draw)):
                 self.bindings[key] = self.bind(draw)
                 self.issue(key, draw, target)
         with phase("draw"):
@@ -246,7 +246,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
     def redraw_with_text(
         self, key: PassDraw, text: str, outputs: Mapping[str, str]
     ) -> Mapping[str, Array]:
-        return self._capture(key[0]).written(key[1], text, outputs)
+        return self._capture(key[0]).redraw_with_text(key[1], text, outputs)
 
     def redraw_with_texts(
         self, description: Pass, target: Target, texts: Sequence[str]
@@ -256,7 +256,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         name, colors = description.name, dict(target.colors or {})
         with self.new_target(target, colors, self.extent(description)) as made:
             for index, (draw, text) in enumerate(zip(self.programs[name], texts, strict=True)):
-                own, bindings = self.numbered(text, self.bindings[name, index], index)
+                own, bindings = self.number_text(text, self.bindings[name, index], index)
                 stages = {**draw.texts, "fragment": own}
                 plain = replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4)
                 self.render(draw, bindings, made, texts=stages, fixed_state=plain)
@@ -283,7 +283,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
 
     def capture_vertices(self, key: PassDraw) -> Samples:
         draw = self.programs[key[0]][key[1]]
-        return vertex_capture.vertices(draw, self.bindings[key], self.vertex_outputs)
+        return vertex_capture.capture_vertices(draw, self.bindings[key], self.capture_outputs)
 
     def probe(
         self,
@@ -294,7 +294,10 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
     ) -> list[Samples]:
         draw = self.programs[key[0]][key[1]]
         if stage == "vertex":
-            return [vertex_capture.probe(draw, each, inputs, self.vertex_outputs) for each in runs]
+            return [
+                vertex_capture.probe_vertices(draw, each, inputs, self.capture_outputs)
+                for each in runs
+            ]
         return probe_fragments(draw, runs, inputs, self._draw_points)
 
     def _draw_points(

@@ -15,7 +15,7 @@ from shaderlab.model.frame import Array, Image, Texels
 from shaderlab.model.scene import Target
 from shaderlab.model.textures import CompressedTexture, Output, TextureSource
 
-from .programs.textures import DEPTH, check_sampler, find_image, kind_of
+from .programs.textures import DEPTH, check_sampler, find_image, texture_kind
 
 COVERING = """#version 330 core
 void main() {
@@ -173,7 +173,7 @@ class SceneTextures(ABC, Generic[TargetKind]):
             samples = drawn if drawn > 1 else 0
         elif isinstance(source, Output):
             layers = find_image(source, self.images).layers
-        return kind_of(source, variable.type, samples, layers)
+        return texture_kind(source, variable.type, samples, layers)
 
     def find(self, source: TextureSource, kind: str) -> DeviceTexels:
         """Return the texture on the device; it is made now if it is not there."""

@@ -19,7 +19,7 @@ from shaderlab.compiler.engines import TARGETS
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Backend, open_backend
 from shaderlab.drivers.programs.prepare import Preparer, Programs
-from shaderlab.drivers.programs.textures import forget_made
+from shaderlab.drivers.programs.textures import forget_images
 from shaderlab.errors import (
     CaseError,
     DeviceLostError,
@@ -380,7 +380,7 @@ class SceneRunner:
 
     def release_caches(self) -> None:
         """Free what is kept for scenes that are run again: the textures that functions made."""
-        forget_made()
+        forget_images()
         if self._backend is not None:
             self._backend.release_caches()
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.drivers.programs.textures import contents, kind_of
+from shaderlab.drivers.programs.textures import texture_contents, texture_kind
 from shaderlab.errors import CallError, nearest
 from shaderlab.functions.declarations import DTYPES, Type
 from shaderlab.functions.signatures import Input, Signature
@@ -432,12 +432,12 @@ def _texels(source: Any, label: str, folder: Path) -> Texels:
             remedy="give levels as arrays, without compression, depths as depth32f; or write a "
             "case, where the driver's texels are read back",
         )
-    made = contents(source, folder, {})
-    single = kind_of(source, "", 0) == "2D"
+    made = texture_contents(source, folder, {})
+    single = texture_kind(source, "", 0) == "2D"
     return Texels(
         made.layers[0] if single else np.stack(made.layers),
         source.filter, source.wrap, source.border,
-        kind=kind_of(source, "", 0), format=source.format, smaller=tuple(made.smaller),
+        kind=texture_kind(source, "", 0), format=source.format, smaller=tuple(made.smaller),
         compare=source.compare, lod=source.lod, seamless=getattr(source, "seamless", True),
     )  # fmt: skip
 

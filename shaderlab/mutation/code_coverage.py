@@ -26,7 +26,7 @@ from shaderlab.compiler.syntax import (
     reachable,
 )
 from shaderlab.drivers.programs.prepare import PreparedDraw
-from shaderlab.drivers.programs.stages import after_directives, may_keep_out
+from shaderlab.drivers.programs.stages import end_of_directives, may_drop_fragments
 from shaderlab.engine.expectations.base import all_reads
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderError, UnsupportedError
@@ -215,8 +215,8 @@ def instrument(text: str, stage: str, first: int, words: int) -> str:
         first: the number in the buffer where the stage's bits begin.
         words: how many numbers it has there.
     """
-    end = after_directives(text)
-    early = stage == "fragment" and not may_keep_out(text)
+    end = end_of_directives(text)
+    early = stage == "fragment" and not may_drop_fragments(text)
     before = "\n".join(_declarations(first, words, early))
     zeros = " ".join(f"shaderlab_own[{i}] = 0u;" for i in range(words))
     main = f"void main() {{ {zeros} shaderlab_body(); shaderlab_note(); }}"

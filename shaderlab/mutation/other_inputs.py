@@ -18,7 +18,7 @@ import numpy as np
 
 from shaderlab.drivers.programs.bind import declared_uniforms
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
-from shaderlab.drivers.programs.stages import elements
+from shaderlab.drivers.programs.stages import array_elements
 from shaderlab.drivers.programs.textures import format_of, shape_of
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.base import Named
@@ -264,7 +264,7 @@ class _InputMaker:
         """Random inputs of the fragment stage, and of the vertex stage where it can be run."""
         draw, interface = prepared.draw, prepared.interface
         varyings = {
-            v.name: (shape_of(v.type), v.type) for v in elements(interface.varyings.values())
+            v.name: (shape_of(v.type), v.type) for v in array_elements(interface.varyings.values())
         }
         attributes = {}
         if draw.mesh is not None and not (draw.geometry or draw.tess_evaluation):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Draw, Mesh, Pass, coverage, formula, mesh_pass, value
-from shaderlab.drivers.programs.vertex_capture import corners
+from shaderlab.drivers.programs.vertex_capture import primitive_corners
 from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import cross, normalize, vec4, where
 from shaderlab.model.options import RunOptions
@@ -281,7 +281,7 @@ def test_corners_of_primitives_are_those_that_the_driver_takes(
     mesh = Mesh(
         attributes={"aPos": positions}, primitive=primitive, indices=order if indexed else None
     )
-    assert corners(mesh).tolist() == order[np.array(expected)].tolist()
+    assert primitive_corners(mesh).tolist() == order[np.array(expected)].tolist()
     word, size = {1: ("points", 1), 2: ("lines", 2), 3: ("triangles", 3)}[len(expected[0])]
     (folder / "number.vert").write_text(
         "#version 330 core\nin vec3 aPos; out float n;\n"

@@ -88,7 +88,7 @@ def captured(
             return found
 
         together, alone = PassCapture(draws, changed), PassCapture(draws, redraw)
-        alone._together = {number: alone._alone(number) for number in numbers}
+        alone._together = {number: alone._capture_alone(number) for number in numbers}
         made = [together.fragments(number) for number in numbers]
         return made, [alone.fragments(number) for number in numbers], count
 

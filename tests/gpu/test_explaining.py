@@ -18,7 +18,7 @@ from shaderlab.analysis.explain import explain, reference_locals, widest_pixel
 from shaderlab.analysis.interpreter import load
 from shaderlab.cli.explain import command
 from shaderlab.compiler import Shaders
-from shaderlab.drivers.programs.instrument import statements
+from shaderlab.drivers.programs.instrument import find_statements
 from shaderlab.engine.judging.references import Inputs
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import UsageError
@@ -161,7 +161,7 @@ def test_a_right_shader_is_not_explained(lab: SceneRunner, tmp_path: Path) -> No
 
 
 def test_statements_of_a_text() -> None:
-    assert [(s.first, s.name, s.place) for s in statements(SHADER)] == [
+    assert [(s.first, s.name, s.place) for s in find_statements(SHADER)] == [
         (7, "share()", ""),
         (8, "share()", ""),
         (12, "toLight", "toLight"),

@@ -12,7 +12,7 @@ import pytest
 from shaderlab import Case, Draw, Mesh, formula, mesh_pass, query, value
 from shaderlab.analysis.interpreter import load
 from shaderlab.drivers.opengl import linking
-from shaderlab.drivers.programs.stages import primitive
+from shaderlab.drivers.programs.stages import patch_primitive
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError, NotInterpretedError, UnsupportedError
@@ -218,7 +218,7 @@ def test_triangles_lines_and_points_come_out(
         t, p = gl_TessCoord, gl_in_gl_Position
         return t.x * p[0] + t.y * p[1] + t.z * p[2]
 
-    assert primitive(f"layout ({layout}) in; // isolines, point_mode") == kind
+    assert patch_primitive(f"layout ({layout}) in; // isolines, point_mode") == kind
     texts = {"t.tese": EVALUATION.replace("LAYOUT", layout)}
     expect = [formula("gl_Position", position), query("primitives_generated", equals=2 * count)]
     record = run(lab, tmp_path, *expect, texts=texts)

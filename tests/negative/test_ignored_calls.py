@@ -30,9 +30,11 @@ def always_static(patch: pytest.MonkeyPatch) -> None:
 
 def always_copied(patch: pytest.MonkeyPatch) -> None:
     """Buffers are filled by glBufferData, whatever a mesh asks for."""
-    filled = buffers._filled
+    filled = buffers._fill_buffer
     patch.setattr(
-        buffers, "_filled", lambda d, parts, mesh: filled(d, parts, replace(mesh, upload="data"))
+        buffers,
+        "_fill_buffer",
+        lambda d, parts, mesh: filled(d, parts, replace(mesh, upload="data")),
     )
 
 
@@ -46,7 +48,7 @@ def always_anew(patch: pytest.MonkeyPatch) -> None:
     """Each draw has its mesh uploaded again."""
 
     def made(self: Any, program: Any, mesh: Any) -> Any:
-        self._arrays[len(self._arrays), 0] = found = buffers.vertex_array(
+        self._arrays[len(self._arrays), 0] = found = buffers.make_vertex_array(
             self.device, program, mesh
         )
         return found

@@ -8,7 +8,7 @@ import pytest
 from shaderlab.compiler import Shaders, Source, compile_program
 from shaderlab.compiler.compile import Compiled
 from shaderlab.drivers.programs.prepare import PreparedDraw, Preparer
-from shaderlab.drivers.programs.stages import domain_vertex
+from shaderlab.drivers.programs.stages import write_domain_stage
 from shaderlab.errors import CaseError
 from shaderlab.model.scene import Draw, Ramp
 
@@ -50,7 +50,7 @@ def test_the_stage_has_the_inputs_that_the_compiler_says(tmp_path: Path, declare
     assert interface is not None
     draw, compiled = prepared(tmp_path, text, *interface.varyings)
     assert draw.compiled.ok
-    assert draw.texts["vertex"] == domain_vertex(text, interface.varyings.values())
+    assert draw.texts["vertex"] == write_domain_stage(text, interface.varyings.values())
     assert ["fragment"] in compiled
 
 

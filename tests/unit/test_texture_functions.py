@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab.drivers.programs.textures import contents
+from shaderlab.drivers.programs.textures import texture_contents
 from shaderlab.model.frame import Array
 from shaderlab.model.textures import Texture
 
@@ -27,7 +27,7 @@ class Unhashable(Noise):
 
 
 def codes(make: Noise, format: str = "rgb8") -> int:
-    (layer,) = contents(Texture(image=make, format=format), Path(), {}).layers
+    (layer,) = texture_contents(Texture(image=make, format=format), Path(), {}).layers
     return int(layer[0, 0, 0])
 
 
@@ -35,13 +35,13 @@ def test_it_is_called_once_for_all_scenes_and_formats() -> None:
     make, other = Noise(), Noise()
     assert [codes(make), codes(make), codes(other)] == [1, 1, 1]
     assert make.calls == other.calls == 1
-    (layer,) = contents(Texture(image=make, format="rgb32f"), Path(), {}).layers
+    (layer,) = texture_contents(Texture(image=make, format="rgb32f"), Path(), {}).layers
     assert make.calls == 1 and layer[0, 0, 0] == np.float32(1 / 255.0)
 
 
 def test_nobody_can_change_what_is_kept() -> None:
     make = Noise()
-    (layer,) = contents(Texture(image=make, format="rgb8"), Path(), {}).layers
+    (layer,) = texture_contents(Texture(image=make, format="rgb8"), Path(), {}).layers
     layer[:] = 9  # an upload's own copy
     assert codes(make) == 1
 

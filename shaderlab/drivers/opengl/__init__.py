@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from .. import mesa_variables, variables_set
+from .. import mesa_variables, set_variables
 
 if TYPE_CHECKING:
     from .backend import OpenGLBackend
@@ -34,20 +34,20 @@ def prepare_process(driver: str) -> None:
     """Set the driver's environment for good and turn PyOpenGL's checks off; to be called before
     anything imports PyOpenGL, in a process that nobody else uses."""
     os.environ.update(_variables(driver))
-    _without_checks()
+    _turn_checks_off()
 
 
 def preload() -> None:
     """Import what `open_backend` needs, PyOpenGL without its checks; for a process that nobody else
     uses and that forks others."""
-    _without_checks()
+    _turn_checks_off()
     from . import backend, device
     from .device import gl_constant
 
     _ = backend, device, gl_constant("sample_shading")  # the newest name that each draw takes
 
 
-def _without_checks() -> None:
+def _turn_checks_off() -> None:
     import OpenGL
 
     OpenGL.ERROR_CHECKING = False
@@ -57,7 +57,7 @@ def _without_checks() -> None:
 def environment(driver: str = "default") -> Iterator[None]:
     """The environment variables that a context of this driver is made with, for a while."""
     wanted = _variables(driver)
-    with variables_set(wanted):
+    with set_variables(wanted):
         yield
 
 

@@ -43,7 +43,7 @@ _ALWAYS = ("samples_passed", "primitives_generated")
 _STATISTICS = "GL_ARB_pipeline_statistics_query"
 
 
-def counted(drawing: Drawing, key: PassDraw, counter: str) -> int:
+def count_events(drawing: Drawing, key: PassDraw, counter: str) -> int:
     """What one draw makes the driver count, its pass drawn once more.
 
     Raises:
@@ -56,7 +56,7 @@ def counted(drawing: Drawing, key: PassDraw, counter: str) -> int:
     try:
         with drawing.fresh_target(key[0]) as target:
             for index, draw in enumerate(drawing.programs[key[0]][: key[1] + 1]):
-                program, vao = drawing.ready(draw, drawing.bindings[key[0], index], target)
+                program, vao = drawing.set_up(draw, drawing.bindings[key[0], index], target)
                 if index == key[1]:
                     GL.glBeginQuery(what, made[0])
                 submit(vao, program, draw)
@@ -68,7 +68,7 @@ def counted(drawing: Drawing, key: PassDraw, counter: str) -> int:
     return result
 
 
-def timed(drawing: Drawing, pass_name: str, repeats: int) -> Timing:
+def time_pass(drawing: Drawing, pass_name: str, repeats: int) -> Timing:
     """How long a pass takes to draw, from its first call until the driver has finished.
 
     Programs, buffers and targets are made beforehand. The first time through, when drivers compile,
@@ -79,7 +79,7 @@ def timed(drawing: Drawing, pass_name: str, repeats: int) -> Timing:
     seconds = []
     with drawing.fresh_target(pass_name) as target:
         ready = [
-            (draw, *drawing.ready(draw, drawing.bindings[pass_name, index], target))
+            (draw, *drawing.set_up(draw, drawing.bindings[pass_name, index], target))
             for index, draw in enumerate(prepared)
         ]
         locations = [output_locations(program, target.colors) for _, program, _ in ready]
@@ -100,24 +100,24 @@ def timed(drawing: Drawing, pass_name: str, repeats: int) -> Timing:
     return Timing(draw_calls=len(prepared), vertices=vertices, seconds=tuple(seconds))
 
 
-def attributes(drawing: Drawing, key: PassDraw) -> Mapping[str, AttributeReading]:
+def read_attributes(drawing: Drawing, key: PassDraw) -> Mapping[str, AttributeReading]:
     """Where OpenGL reads each attribute of a draw of a mesh."""
     draw = drawing.programs[key[0]][key[1]]
     if draw.draw.mesh is None:
         return {}
     with drawing.fresh_target(key[0]) as target:
-        program, vao = drawing.ready(draw, drawing.bindings[key], target)
+        program, vao = drawing.set_up(draw, drawing.bindings[key], target)
         return read_layout(program, vao, draw.draw.mesh)
 
 
-def block_readings(drawing: Drawing, key: PassDraw) -> dict[str, BlockReading]:
+def read_blocks(drawing: Drawing, key: PassDraw) -> dict[str, BlockReading]:
     """Where the driver has the members of each uniform or storage block of a draw's program."""
     draw = drawing.programs[key[0]][key[1]]
     program = drawing.linker.link(draw.texts)
     return {name: read_block(program, block) for name, block in draw.interface.blocks.items()}
 
 
-def locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
+def find_locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
     """Where the driver put each uniform that a draw's program declares, samplers too; −1 for one
     that it left out."""
     draw = drawing.programs[key[0]][key[1]]
@@ -132,7 +132,7 @@ def locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
 class OpenGLSession(Drawing):
     """One scene on an OpenGL device."""
 
-    vertex_outputs = drawing.vertex_outputs
+    capture_outputs = drawing.capture_outputs
 
     def capture_fragments(self, key: PassDraw) -> Fragments:
         draw = self.programs[key[0]][key[1]]
@@ -152,11 +152,11 @@ class OpenGLSession(Drawing):
 
     answers: ClassVar[Answers] = {
         **Drawing.answers,
-        "count": counted,
-        "time": timed,
-        "attributes": attributes,
-        "blocks": block_readings,
-        "locations": locations,
+        "count": count_events,
+        "time": time_pass,
+        "attributes": read_attributes,
+        "blocks": read_blocks,
+        "locations": find_locations,
         "trace": tracing.trace,
         "call": _call,
         "gl_errors": _errors,
@@ -184,7 +184,7 @@ class OpenGLBackend(DeviceBackend):
     ) -> Iterator[OpenGLSession]:
         with (
             self.device.in_use(),
-            tracing.recording_device(self.device, edit) as device,
+            tracing.open_recording_device(self.device, edit) as device,
             ExitStack() as stack,
         ):
             yield OpenGLSession(Linker(device), scene, programs, size, stack)

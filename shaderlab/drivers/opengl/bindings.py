@@ -25,11 +25,11 @@ from ..programs.storage import image_output
 from ..programs.textures import (
     DEPTH,
     Contents,
-    blocks_of,
-    contents,
     find_image,
-    kind_of,
-    layers_of,
+    load_blocks,
+    split_layers,
+    texture_contents,
+    texture_kind,
 )
 from ..resources import DeviceTexels, SceneTextures
 from .device import GL, Device, gl_constant
@@ -93,16 +93,16 @@ class BoundTextures(SceneTextures[RenderTarget]):
 
     def upload(self, source: TextureSource) -> DeviceTexels:
         if isinstance(source, CompressedTexture):
-            texture, levels = upload_compressed(self._device, blocks_of(source, self.folder))
+            texture, levels = upload_compressed(self._device, load_blocks(source, self.folder))
             self._stack.callback(texture.release)
             return DeviceTexels(source, texture, "rgba8", levels[0], tuple(levels[1:]))
         if isinstance(source, Output):
             image = find_image(source, self.images)
-            kind, format = kind_of(source, "", 0, image.layers), image.format
-            images = layers_of(image)
+            kind, format = texture_kind(source, "", 0, image.layers), image.format
+            images = split_layers(image)
         else:
-            kind, format = kind_of(source, "", 0), source.format
-            images = contents(source, self.folder, self.images)
+            kind, format = texture_kind(source, "", 0), source.format
+            images = texture_contents(source, self.folder, self.images)
         mapped = isinstance(source, Texture) and source.upload == "map"
         texture = upload(self._device, kind, format, images, mapped=mapped)
         self._stack.callback(texture.release)
@@ -159,7 +159,7 @@ def _new_sampler(sampling: Sampling) -> int:
     return name
 
 
-def bound_images(
+def bind_images(
     device: Device, program: Any, images: Mapping[str, Texels], stack: ExitStack
 ) -> dict[str, DeviceTexture]:
     """Textures of what the images hold, each bound to a unit of its own; those without any effect

@@ -67,7 +67,7 @@ class VertexArray:
             GL.glDrawElementsInstanced(mode, self.count, kind, ctypes.c_void_p(0), instances)
 
 
-def vertex_array(device: Device, program: Any, mesh: Mesh | None) -> VertexArray:
+def make_vertex_array(device: Device, program: Any, mesh: Mesh | None) -> VertexArray:
     """A vertex array of `mesh` for `program`, or one of three vertices without attributes.
 
     Raises:
@@ -81,11 +81,11 @@ def vertex_array(device: Device, program: Any, mesh: Mesh | None) -> VertexArray
     indices = None if mesh.indices is None else context.buffer(mesh.indices)
     size = 4 if mesh.indices is None else mesh.indices.itemsize
     made = context.vertex_array(owner, [], index_buffer=indices, index_element_size=size)
-    buffers = tuple(_filled(device, parts, mesh) for parts in mesh.parts())
+    buffers = tuple(_fill_buffer(device, parts, mesh) for parts in mesh.parts())
     for name, place in mesh.placements().items():
         member = program.get(name, None)
         if member is not None:  # else it is declared, but the driver found that it has no effect
-            _point(made.glo, buffers[place.buffer].glo, member, mesh.inputs[name], place)
+            _point_attribute(made.glo, buffers[place.buffer].glo, member, mesh.inputs[name], place)
     count = mesh.vertices if mesh.indices is None else len(mesh.indices)
     return VertexArray(made, program, count, buffers, indices)
 
@@ -117,7 +117,7 @@ def read_layout(program: Any, vao: VertexArray, mesh: Mesh) -> dict[str, Attribu
     return found
 
 
-def _filled(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> DeviceBuffer:
+def _fill_buffer(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> DeviceBuffer:
     """One buffer with these pieces, made and written as the mesh asks for."""
     whole = b"".join(piece for _, piece in parts)
     buffer = DeviceBuffer(device)
@@ -133,7 +133,7 @@ def _filled(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> Devic
     return buffer
 
 
-def _point(vao: int, buffer: int, member: Any, array: Array, place: Placement) -> None:
+def _point_attribute(vao: int, buffer: int, member: Any, array: Array, place: Placement) -> None:
     """Tell OpenGL how one attribute is read; a matrix takes a location for each column."""
     columns = array.shape[2] if array.ndim == 3 else 1
     components = array.shape[1]

@@ -166,24 +166,24 @@ class _Maker:
         """Make one call: the first `returns` values that it returned or wrote."""
         function = prototype(call.function)
         types = tuple(function.argtypes or ())
-        kind = np.uint8 if call.function in _READS_BYTES else types and _element(types[-1])
+        kind = np.uint8 if call.function in _READS_BYTES else types and _element_type(types[-1])
         writes = len(call.arguments) == len(types) - 1 and bool(kind)
         if len(call.arguments) != len(types) and not writes:
             raise CaseError(
                 f"{call}: {call.function} takes {len(types)} arguments",
                 remedy=f"{call.function}({', '.join(function.argNames)})",
             )
-        values = [self._value(call, a, t) for a, t in zip(call.arguments, types, strict=False)]
+        values = [self._resolve(call, a, t) for a, t in zip(call.arguments, types, strict=False)]
         room = np.zeros(_ROOM, kind) if writes else None
         if room is not None:
             values.append(room.ctypes.data_as(ctypes.c_void_p) if _is_address(types[-1]) else room)
-        got = self._called(call, function, values)
+        got = self._invoke(call, function, values)
         if room is not None:
             return tuple(room[:returns].tolist())
         got = got.decode(errors="replace") if isinstance(got, bytes) else got
         return (0 if got is None else got,) if function.restype is not None else ()
 
-    def _called(self, call: Call, function: Any, values: Sequence[Any]) -> Any:
+    def _invoke(self, call: Call, function: Any, values: Sequence[Any]) -> Any:
         try:
             return function(*values)
         except GLError as error:  # PyOpenGL's own check, of compiling and linking
@@ -195,7 +195,7 @@ class _Maker:
                 f"{call}: {error}", remedy=f"{call.function}({', '.join(function.argNames)})"
             ) from error
 
-    def _value(self, call: Call, argument: Any, kind: Any) -> Any:
+    def _resolve(self, call: Call, argument: Any, kind: Any) -> Any:
         """An argument as the C function takes it."""
         if isinstance(argument, Object):
             return self._object(argument)
@@ -208,13 +208,13 @@ class _Maker:
         if _is_constant(argument):
             return constant(argument)
         if isinstance(argument, tuple) and any(isinstance(each, Object) for each in argument):
-            return np.array([self._value(call, each, kind) for each in argument], np.uint32)
-        return _passed(call, argument, kind)
+            return np.array([self._resolve(call, each, kind) for each in argument], np.uint32)
+        return _convert_argument(call, argument, kind)
 
     def _object(self, wanted: Object) -> int:
         if wanted not in self._objects:
             name = np.zeros(1, np.uint32)
-            prototype(f"glGen{_plural(wanted.kind)}")(1, name)
+            prototype(f"glGen{_pluralise(wanted.kind)}")(1, name)
             self._objects[wanted] = int(name[0])
         return self._objects[wanted]
 
@@ -237,7 +237,7 @@ class _Maker:
         return self._programs[wanted]
 
 
-def _passed(call: Call, argument: Any, kind: Any) -> Any:
+def _convert_argument(call: Call, argument: Any, kind: Any) -> Any:
     """A number, text, array or null pointer for a parameter of this C type."""
     if isinstance(argument, int) and _is_address(kind):
         return ctypes.c_void_p(argument)  # an offset into the buffer that is bound
@@ -249,16 +249,16 @@ def _passed(call: Call, argument: Any, kind: Any) -> Any:
         if "LP_LP" not in kind.__name__:
             return texts[0]
         return ctypes.cast((ctypes.c_char_p * len(texts))(*texts), kind)
-    if _element(kind) is None:
+    if _element_type(kind) is None:
         raise CaseError(f"{call}: {several} where no array is taken", remedy="bytes, or a number")
-    return np.array(several, _element(kind))
+    return np.array(several, _element_type(kind))
 
 
 def _is_address(kind: Any) -> bool:
     return bool(kind.__name__ == "c_void_p")
 
 
-def _element(kind: Any) -> type[np.generic] | None:
+def _element_type(kind: Any) -> type[np.generic] | None:
     """The type of an array parameter's elements; None for what is no array of numbers."""
     return _ARRAYS.get(kind.__name__.removesuffix("Array")) if "Array" in kind.__name__ else None
 
@@ -267,7 +267,7 @@ def _is_constant(word: Any) -> TypeGuard[str]:
     return isinstance(word, str) and word.startswith("GL_")
 
 
-def _plural(kind: str) -> str:
+def _pluralise(kind: str) -> str:
     """Several of a kind of object as functions spell it: VertexArrays, Queries."""
     words = "".join(word.capitalize() for word in kind.split("_"))
     return "Queries" if words == "Query" else f"{words}s"

@@ -26,12 +26,12 @@ from shaderlab.model.state import State
 from .. import Drawn, Evaluation, Size
 from ..passes import PassSession
 from ..programs import bind, stages, storage
-from ..programs.prepare import PreparedDraw, Programs, step
+from ..programs.prepare import PreparedDraw, Programs, describe_draw
 from ..programs.stages import NUMBER, VaryingPart
 from ..programs.textures import components_of, numpy_type
 from ..resources import COVERING
-from .bindings import BoundTextures, bound_images, read_images
-from .buffers import UniformBuffers, VertexArray, bind_storage_buffer, vertex_array
+from .bindings import BoundTextures, bind_images, read_images
+from .buffers import UniformBuffers, VertexArray, bind_storage_buffer, make_vertex_array
 from .device import GL, Device, gl_constant, require_inputs
 from .linking import Linker, output_locations, set_uniforms
 from .target import RenderTarget, apply_state
@@ -70,11 +70,11 @@ class Drawing(PassSession[RenderTarget, Linker]):
 
     def compute(self, key: PassDraw, draw: PreparedDraw) -> None:
         storage.require_supported(draw.draw, draw.interface)
-        with phase("draw", step(key, draw)):
+        with phase("draw", describe_draw(key, draw)):
             given = self.bind(draw)
             found = storage.bind_storage(draw.draw, draw.interface, given, self.folder, self.images)
             self.bindings[key] = found
-            program = self._linked(draw, draw.texts)
+            program = self._link(draw, draw.texts)
             self.use(program, draw, found)
             drain_errors()
             left = dispatch(self.device, program, draw, found)
@@ -108,7 +108,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
                 self._inactive.add(name)
 
     def issue(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
-        program, vao = self.ready(draw, self.bindings[key], target)
+        program, vao = self.set_up(draw, self.bindings[key], target)
         drain_errors()
         submit(vao, program, draw)
         errors = drain_errors()
@@ -124,18 +124,18 @@ class Drawing(PassSession[RenderTarget, Linker]):
         texts: Mapping[str, str] | None = None,
         fixed_state: State | None = None,
     ) -> None:
-        program, vao = self.ready(draw, bindings, target, texts=texts, fixed_state=fixed_state)
+        program, vao = self.set_up(draw, bindings, target, texts=texts, fixed_state=fixed_state)
         submit(vao, program, draw)
         drain_errors()
 
-    def numbered(self, text: str, bindings: Bindings, index: int) -> tuple[str, Bindings]:
+    def number_text(self, text: str, bindings: Bindings, index: int) -> tuple[str, Bindings]:
         if self.device.takes_spirv:
-            return super().numbered(text, bindings, index)
+            return super().number_text(text, bindings, index)
         # Draws of one text have one program.
         number = np.array(index + 1, np.float32)
         return text, replace(bindings, uniforms={**bindings.uniforms, NUMBER: number})
 
-    def ready(
+    def set_up(
         self,
         draw: PreparedDraw,
         bindings: Bindings,
@@ -147,14 +147,14 @@ class Drawing(PassSession[RenderTarget, Linker]):
         """Bind and set everything for a draw, which `submit` then issues: its program and vertex
         array. Arguments and errors as of `render`."""
         require_inputs(self.device, draw)
-        program = self._linked(draw, texts or draw.texts)
+        program = self._link(draw, texts or draw.texts)
         self.use(program, draw, bindings, only_active=texts is not None)
         vao = self._vertex_array(program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
         apply_state(fixed_state or draw.draw.state, target.size, self.device.version)
         return program, vao
 
-    def _linked(self, draw: PreparedDraw, texts: Mapping[str, str]) -> Any:
+    def _link(self, draw: PreparedDraw, texts: Mapping[str, str]) -> Any:
         """A draw's program, its stages having these texts."""
         require_glsl(self.device, draw)
         try:
@@ -168,7 +168,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
         """The vertex array of a mesh for a program, made once and kept."""
         key = (id(program), id(mesh))
         if key not in self._arrays:
-            made = vertex_array(self.device, program, mesh)
+            made = make_vertex_array(self.device, program, mesh)
             # Program and mesh are kept with it, so that nothing else gets their identity.
             self._arrays[key] = (program, mesh, made)
         return self._arrays[key][2]
@@ -244,7 +244,7 @@ def dispatch(
             stack.callback(buffer.release)
             buffers.append((buffer, data, members))
             bind_storage_buffer(program, block, buffer, point)
-        textures = bound_images(device, program, bindings.images, stack)
+        textures = bind_images(device, program, bindings.images, stack)
         GL.glUseProgram(program.glo)
         GL.glDispatchCompute(*draw.draw.groups)
         GL.glMemoryBarrier(GL.GL_BUFFER_UPDATE_BARRIER_BIT | GL.GL_TEXTURE_UPDATE_BARRIER_BIT)
@@ -285,7 +285,7 @@ class Evaluator:
         first = 0
         with ExitStack() as stack:
             for source, words in evaluation.passes:
-                program = self._linked(source)
+                program = self._link(source)
                 target = self._target(evaluation.size, words, evaluation.lanes)
                 self._set(program, evaluation, bool(len(inputs)), stack)
                 target.use()
@@ -301,7 +301,7 @@ class Evaluator:
         if error != "GL_NO_ERROR":
             raise DriverError(f"the driver raised {error} while it called a function")
 
-    def _linked(self, source: Source) -> Any:
+    def _link(self, source: Source) -> Any:
         try:
             return self._linker.link({"vertex": COVERING, "fragment": source.text})
         except ShaderError as error:
@@ -344,7 +344,7 @@ UNDEFINED = np.uint32(0xFFFFFFFF)
 """The bits of an output that nothing writes: NaN in floats, −1 and the largest number in others."""
 
 
-def vertex_outputs(
+def capture_outputs(
     drawing: Drawing,
     draw: PreparedDraw,
     texts: Mapping[str, str],
@@ -352,22 +352,22 @@ def vertex_outputs(
     bindings: Bindings,
     count: int | None,
 ) -> dict[VaryingPart, Array]:
-    """As `PassSession.vertex_outputs`, by transform feedback; without a `count` the
+    """As `PassSession.capture_outputs`, by transform feedback; without a `count` the
     driver is asked first.
 
     Raises:
         DriverError: the driver writes down fewer vertices than it says there are.
     """
     found: dict[VaryingPart, Array] = {}
-    written = _written(drawing, texts, parts)
-    for group in _groups([piece for piece in parts if piece.name in written]):
+    written = _find_written(drawing, texts, parts)
+    for group in _group_parts([piece for piece in parts if piece.name in written]):
         sizes = [components_of(piece.type) for piece in group]
         names = tuple(dict.fromkeys(piece.name for piece in group))
         program = drawing.linker.link(texts, feedback=names)
-        mode = _mode(program, texts)
+        mode = _feedback_mode(program, texts)
         if count is None:
-            count, _ = _draw(drawing, draw, program, mode, bindings, 1, 4 * sum(sizes))
-        _, data = _draw(drawing, draw, program, mode, bindings, count, 4 * sum(sizes))
+            count, _ = _draw_into_buffer(drawing, draw, program, mode, bindings, 1, 4 * sum(sizes))
+        _, data = _draw_into_buffer(drawing, draw, program, mode, bindings, count, 4 * sum(sizes))
         raw = np.frombuffer(data, np.float32).reshape(count, sum(sizes))
         columns = np.split(raw, np.cumsum(sizes)[:-1], axis=1)
         for piece, part in zip(group, columns, strict=True):
@@ -376,7 +376,9 @@ def vertex_outputs(
     return {p: found.get(p, u.view(numpy_type(p.type))) for p, u in undefined.items()}
 
 
-def _written(drawing: Drawing, texts: Mapping[str, str], parts: Sequence[VaryingPart]) -> set[str]:
+def _find_written(
+    drawing: Drawing, texts: Mapping[str, str], parts: Sequence[VaryingPart]
+) -> set[str]:
     """The names of those outputs that the program has. A driver may drop one that is declared and
     never written, and then refuses to capture it.
 
@@ -385,7 +387,7 @@ def _written(drawing: Drawing, texts: Mapping[str, str], parts: Sequence[Varying
     """
     names = dict.fromkeys(piece.name for piece in parts)
     try:
-        for group in _groups(parts):
+        for group in _group_parts(parts):
             drawing.linker.link(texts, feedback=tuple(dict.fromkeys(p.name for p in group)))
         return set(names)
     except ShaderError:
@@ -401,7 +403,7 @@ def _is_linked(drawing: Drawing, texts: Mapping[str, str], name: str) -> bool:
     return True
 
 
-def _groups(parts: Sequence[VaryingPart]) -> list[list[VaryingPart]]:
+def _group_parts(parts: Sequence[VaryingPart]) -> list[list[VaryingPart]]:
     """The pieces in groups that are captured at once; a matrix stays together."""
     groups: list[list[VaryingPart]] = [[]]
     room = MAX_COMPONENTS
@@ -416,14 +418,14 @@ def _groups(parts: Sequence[VaryingPart]) -> list[list[VaryingPart]]:
     return groups
 
 
-def _mode(program: Any, texts: Mapping[str, str]) -> int:
+def _feedback_mode(program: Any, texts: Mapping[str, str]) -> int:
     """The primitives that come out of the last stage; strips as the single ones of them."""
     if "tess_evaluation" in texts:
-        return gl_constant(stages.primitive(texts["tess_evaluation"]))
+        return gl_constant(stages.patch_primitive(texts["tess_evaluation"]))
     return int(program.geometry_output or GL.GL_POINTS)
 
 
-def _draw(
+def _draw_into_buffer(
     drawing: Drawing, draw: PreparedDraw, program: Any, mode: int, bindings: Bindings,
     room: int, stride: int,
 ) -> tuple[int, bytes]:  # fmt: skip
@@ -442,7 +444,7 @@ def _draw(
     try:
         target.clear()
         drawing.use(program, draw, bindings)
-        vao = vertex_array(device, program, draw.draw.mesh)
+        vao = make_vertex_array(device, program, draw.draw.mesh)
         GL.glUseProgram(program.glo)
         GL.glBindBufferBase(GL.GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffer.glo)
         GL.glEnable(GL.GL_RASTERIZER_DISCARD)

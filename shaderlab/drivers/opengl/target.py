@@ -57,23 +57,23 @@ def apply_state(state: State, size: tuple[int, int], version: int) -> None:
     GL.glDepthMask(depth.write)
     GL.glDepthRange(*state.depth_range)
     GL.glPolygonOffset(*(state.polygon_offset or (0.0, 0.0)))
-    _stencil(GL.GL_FRONT, state.stencil or _NO_STENCIL)
-    _stencil(GL.GL_BACK, state.stencil_back or state.stencil or _NO_STENCIL)
-    _blend(state.blend or _NO_BLEND)
+    _apply_stencil(GL.GL_FRONT, state.stencil or _NO_STENCIL)
+    _apply_stencil(GL.GL_BACK, state.stencil_back or state.stencil or _NO_STENCIL)
+    _apply_blend(state.blend or _NO_BLEND)
     GL.glCullFace(gl_constant(state.cull or "back"))
     GL.glFrontFace(gl_constant(state.front_face))
     GL.glColorMask(*state.color_mask)
     GL.glPointSize(state.point_size if isinstance(state.point_size, int | float) else 1.0)
 
 
-def _stencil(face: int, stencil: Stencil) -> None:
+def _apply_stencil(face: int, stencil: Stencil) -> None:
     GL.glStencilFuncSeparate(face, gl_constant(stencil.func), stencil.reference, stencil.mask)
     operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
     GL.glStencilOpSeparate(face, *(gl_constant(word) for word in operations))
     GL.glStencilMaskSeparate(face, stencil.write_mask)
 
 
-def _blend(blend: Blend) -> None:
+def _apply_blend(blend: Blend) -> None:
     GL.glBlendFuncSeparate(
         gl_constant(blend.source),
         gl_constant(blend.destination),
@@ -233,9 +233,9 @@ class RenderTarget(Attachments):
         try:
             return self._device.context.framebuffer(textures)
         except moderngl.Error as error:
-            raise self._unmade(str(error)) from error
+            raise self._explain_incomplete(str(error)) from error
 
-    def _unmade(self, said: str) -> Exception:
+    def _explain_incomplete(self, said: str) -> Exception:
         """Why the framebuffer is not complete: memory, most of the time."""
         size = self.size[0] * self.size[1] * max(self._target.samples, 1)
         kinds = [COLOR[word] for word in self.colors.values()]

@@ -79,9 +79,9 @@ class CallRecorder:
         """
         self.calls.clear()
         self._editor = Editor(self._edit)
-        own = {(module, name): getattr(module, name) for module, name in _imported()}
+        own = {(module, name): getattr(module, name) for module, name in _list_functions()}
         for (module, name), function in own.items():
-            setattr(module, name, _recorded(name, function))
+            setattr(module, name, _wrap(name, function))
         _RECORDING.append(self)
         try:
             yield
@@ -119,7 +119,7 @@ class CallRecorder:
                 numbers = list((ctypes.c_uint * arguments[0]).from_address(arguments[1]))
                 kept, came = (arguments[0], numbers), numbers
             elif name.startswith("glUniform"):
-                kept = _with_values(name, arguments)
+                kept = _copy_values(name, arguments)
             self.calls.append(Recorded(self.place, name, kept, came))
             return returned
 
@@ -129,7 +129,7 @@ class CallRecorder:
 
 
 @cache
-def _imported() -> Sequence[tuple[ModuleType, str]]:
+def _list_functions() -> Sequence[tuple[ModuleType, str]]:
     """The functions to record, in the modules from which the lab imports them."""
     return [
         (module, name)
@@ -149,11 +149,12 @@ def _callback(name: str, address: int) -> Any:
     recorder is recording. It stays for good: contexts have its address only, and a driver gives
     each context the same functions."""
     known = prototypes()[name]
-    kind = ctypes.CFUNCTYPE(_plain(known.restype), *map(_plain, known.argtypes or ()))
-    return kind(_recorded(name, kind(address)))
+    arguments = map(_callback_type, known.argtypes or ())
+    kind = ctypes.CFUNCTYPE(_callback_type(known.restype), *arguments)
+    return kind(_wrap(name, kind(address)))
 
 
-def _recorded(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+def _wrap(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
     def recorded(*arguments: Any) -> Any:
         if not _RECORDING:
             return function(*arguments)
@@ -171,17 +172,17 @@ def _has_address(arguments: tuple[Any, ...]) -> bool:
     return len(arguments) == 2 and isinstance(arguments[1], int)
 
 
-def _with_values(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+def _copy_values(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
     """The arguments of a glUniform…v function with the values themselves for their address."""
     found = VECTOR.fullmatch(name)
     if found is None or not isinstance(arguments[-1], int):
         return arguments
-    count = numbers_of(name, arguments[1])
+    count = count_numbers(name, arguments[1])
     values = (_NUMBERS[found["kind"]] * count).from_address(arguments[-1])
     return (*arguments[:-1], np.array(values))
 
 
-def _plain(kind: Any) -> Any:
+def _callback_type(kind: Any) -> Any:
     """A C type as callbacks take it: pointers of any kind are addresses."""
     if kind is None:
         return None
@@ -217,7 +218,7 @@ _VENDORS = (
 _LONGEST = 40
 
 
-def word(function: str, name: str, value: Any) -> str:
+def format_argument(function: str, name: str, value: Any) -> str:
     """The argument of a function for its parameter `name` as text."""
     constant = getattr(value, "name", None)
     if isinstance(constant, str):  # PyOpenGL's constants know their own names
@@ -225,7 +226,7 @@ def word(function: str, name: str, value: Any) -> str:
     if isinstance(value, bool | np.bool_):
         return "GL_TRUE" if value else "GL_FALSE"
     if isinstance(value, int | np.integer):
-        return _number(function, name, int(value))
+        return _format_number(function, name, int(value))
     if isinstance(value, ctypes.c_void_p):
         value = value.value
         if value is not None:
@@ -233,7 +234,7 @@ def word(function: str, name: str, value: Any) -> str:
     if value is None:
         return "NULL"
     if name == "bufs":
-        return f"[{' '.join(constant_for(function, 'attachment', int(x)) for x in value)}]"
+        return f"[{' '.join(find_constant(function, 'attachment', int(x)) for x in value)}]"
     if isinstance(value, float | np.floating):
         return f"{value:g}"
     if isinstance(value, bytes | bytearray | memoryview):
@@ -245,14 +246,14 @@ def word(function: str, name: str, value: Any) -> str:
     return text if len(text) <= _LONGEST else f"{len(text)} characters"
 
 
-def _number(function: str, name: str, value: int) -> str:
+def _format_number(function: str, name: str, value: int) -> str:
     if name in _FLAGS and value in (0, 1):
         return ("GL_FALSE", "GL_TRUE")[value]
     if function in _MASKS and name in ("mask", "access"):
-        return _bits(function, value)
+        return _format_bits(function, value)
     if name in ("mask", "ref") and value > 0xFFFF:
         return f"0x{value:X}"
-    known = constant_for(function, name, value) if name in _ENUMS else ""
+    known = find_constant(function, name, value) if name in _ENUMS else ""
     if known:
         return known
     if name in _OBJECTS:
@@ -260,7 +261,7 @@ def _number(function: str, name: str, value: int) -> str:
     return str(value) if abs(value) < 1 << 31 else "a pointer"
 
 
-def constant_for(function: str, name: str, value: int) -> str:
+def find_constant(function: str, name: str, value: int) -> str:
     """The constant that a parameter's number stands for; "" for none."""
     if name in ("buffer", "texture") and function not in ("glClearBufferfv", "glActiveTexture"):
         return ""  # an object's number
@@ -281,7 +282,7 @@ def _constants_by_number() -> Mapping[int, Sequence[str]]:
     return found
 
 
-def _bits(function: str, value: int) -> str:
+def _format_bits(function: str, value: int) -> str:
     """The bits of a mask by name."""
     like = "GL_MAP_" if function.startswith("glMap") else "GL_"
     found: dict[int, str] = {}
@@ -395,7 +396,7 @@ class StateTracker:
 
     def _is_off(self, function: str) -> bool:
         """Whether a function sets state of a test that is off."""
-        tests = _tests(function)
+        tests = _tests_of(function)
         return bool(tests) and any(self._state.get(("cap", t)) != ("glEnable",) for t in tests)
 
     def _place(self, function: str, arguments: Mapping[str, str]) -> tuple[str, ...]:
@@ -423,7 +424,7 @@ class StateTracker:
 
 
 @cache
-def _tests(function: str) -> tuple[str, ...]:
+def _tests_of(function: str) -> tuple[str, ...]:
     """The tests without which what a function sets does not count."""
     return tuple(cap for prefix, cap in _WHILE.items() if function.startswith(prefix))
 
@@ -479,7 +480,7 @@ class Editor:
         edit = self._edit
         if edit is not None and (edit.function, edit.number) == (name, number):
             self._made = True
-            return self._edited(edit, arguments, made, pass_name)
+            return self._make_edited(edit, arguments, made, pass_name)
         if self._again is not None and name.startswith("glDraw") and name != "glDrawBuffers":
             self._repeat(pass_name)
         returned = made(*arguments)
@@ -496,7 +497,7 @@ class Editor:
                 remedy="this is a defect of shaderlab: a drawing takes the same calls each time",
             )
 
-    def _edited(
+    def _make_edited(
         self, edit: CallEdit, arguments: tuple[Any, ...], made: Make, pass_name: str
     ) -> Any:
         name = edit.function
@@ -507,10 +508,10 @@ class Editor:
                 new = ctypes.c_void_p(new)
             return made(*arguments[:place], new, *arguments[place + 1 :])
         if isinstance(edit, Repeated):
-            self._again = (pass_name, (made, _kept(name, arguments)), _bound())
+            self._again = (pass_name, (made, _copy_arguments(name, arguments)), _read_bindings())
             return made(*arguments)
         if isinstance(edit, PutOff):
-            self._held = (made, _kept(name, arguments))
+            self._held = (made, _copy_arguments(name, arguments))
         else:
             assert isinstance(edit, Dropped)
         return None if prototypes()[name].restype is None else 0
@@ -519,14 +520,14 @@ class Editor:
         assert self._again is not None
         first, (made, arguments), bindings = self._again
         if pass_name == first:
-            with _binding(bindings):
+            with _use_bindings(bindings):
                 made(*arguments)
 
 
 @contextmanager
-def _binding(bindings: list[int]) -> Iterator[None]:
+def _use_bindings(bindings: list[int]) -> Iterator[None]:
     """These bindings for a while."""
-    before = _bound()
+    before = _read_bindings()
     for (_, bind), number in zip(_BINDINGS, bindings, strict=True):
         bind(number)
     try:
@@ -536,7 +537,7 @@ def _binding(bindings: list[int]) -> Iterator[None]:
             bind(number)
 
 
-def _bound() -> list[int]:
+def _read_bindings() -> list[int]:
     return [int(GL.glGetIntegerv(getattr(GL, name))) for name, _ in _BINDINGS]
 
 
@@ -546,14 +547,14 @@ class _Address(int):
     memory: Any = None
 
 
-def _kept(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+def _copy_arguments(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
     """Arguments that are good after the call too: of contents that an address leads to, a copy."""
     place, size = len(arguments) - 1, 0
     if name in _SIZED:
         place, from_place = _SIZED[name]
         size = arguments[from_place]
     elif VECTOR.fullmatch(name):
-        size = 4 * numbers_of(name, arguments[1])
+        size = 4 * count_numbers(name, arguments[1])
     address = arguments[place] if arguments else None
     if not size or not isinstance(address, int) or not address:
         return arguments
@@ -563,7 +564,7 @@ def _kept(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
     return (*arguments[:place], copied, *arguments[place + 1 :])
 
 
-def numbers_of(name: str, count: int) -> int:
+def count_numbers(name: str, count: int) -> int:
     """How many numbers a glUniform…v function takes for so many elements."""
     found = VECTOR.fullmatch(name)
     assert found is not None
@@ -576,7 +577,7 @@ _WORDED = ("_FILTER", "_MODE", "_FUNC", "WRAP_S", "WRAP_T", "WRAP_R")
 
 
 @contextmanager
-def recording_device(device: Device, edit: CallEdit | None = None) -> Iterator[Device]:
+def open_recording_device(device: Device, edit: CallEdit | None = None) -> Iterator[Device]:
     """A device in a context of its own, whose calls are recorded while a scene is drawn on it.
 
     Args:
@@ -597,14 +598,14 @@ def trace(session: Drawing) -> Sequence[TracedCall]:
     more, in a context of its own."""
     recorder = session.device.recorder
     if recorder is None:
-        with recording_device(session.device) as device, ExitStack() as stack:
+        with open_recording_device(session.device) as device, ExitStack() as stack:
             linker = Linker(device)
             type(session)(linker, session.scene, session.programs, session.size, stack).draw()
             recorder = device.recorder
     assert recorder is not None
     files = _program_files(recorder.calls, session)
     tracker = StateTracker()
-    spelt = [(call.place, _spelt(call, files, tracker)) for call in recorder.calls]
+    spelt = [(call.place, _describe_call(call, files, tracker)) for call in recorder.calls]
     return [call for place, call in spelt if place is not None]
 
 
@@ -625,16 +626,16 @@ def _program_files(calls: Sequence[Recorded], session: Drawing) -> dict[str, str
     }
 
 
-def _spelt(call: Recorded, files: Mapping[str, str], tracker: StateTracker) -> TracedCall:
+def _describe_call(call: Recorded, files: Mapping[str, str], tracker: StateTracker) -> TracedCall:
     names = prototypes()[call.function].argNames
     arguments = {
-        name: word(call.function, name, value)
+        name: format_argument(call.function, name, value)
         for name, value in zip(names, call.arguments, strict=False)
     }
     if makes_objects(call.function) and len(call.arguments) == 2:
         del arguments[names[1]]
     if arguments.get("pname", "").endswith(_WORDED) and arguments.get("param", "").isdigit():
-        arguments["param"] = constant_for(call.function, "param", int(arguments["param"]))
+        arguments["param"] = find_constant(call.function, "param", int(arguments["param"]))
     arguments = {name: files.get(word, word) for name, word in arguments.items()}
     made = makes_objects(call.function)
     pass_name, draw = call.place or ("", None)

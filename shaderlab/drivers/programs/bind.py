@@ -18,7 +18,7 @@ from shaderlab.model.frame import Array, Bindings, Texels
 from shaderlab.model.scene import UNIT_SQUARE, Draw, Ramp, UniformBuffer
 from shaderlab.model.textures import TextureSource
 
-from .stages import PREFIX, VaryingPart, elements
+from .stages import PREFIX, VaryingPart, array_elements
 from .textures import numpy_type, shape_of
 
 Contents = Callable[[str, Variable, TextureSource], Texels]
@@ -166,7 +166,7 @@ def convert_inputs(
 ) -> dict[str, Array]:
     """Given input values as arrays (1, components), matrices (1, rows, columns), of the type that
     the shader gets."""
-    known = {v.name: v for v in elements(variables.values())}
+    known = {v.name: v for v in array_elements(variables.values())}
     return {
         name: convert_value(known[name], value)[0][None]
         for name, value in values.items()
@@ -183,7 +183,7 @@ def complete_inputs(
     Raises:
         CaseError: an input has no value, or is none of the shader's.
     """
-    variables = {v.name: v for v in elements(varyings.values())}
+    variables = {v.name: v for v in array_elements(varyings.values())}
     count = max((len(v) for v in inputs.values()), default=1)
     for name in inputs:
         if name not in variables:

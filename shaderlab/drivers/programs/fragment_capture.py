@@ -18,7 +18,7 @@ from shaderlab.model.state import State, Stencil
 
 from . import bind, stages, textures
 from .prepare import PreparedDraw
-from .stages import VaryingPart, assembled
+from .stages import VaryingPart, join_parts
 
 WIDTH = 256
 """Most points in a row of the target."""
@@ -59,7 +59,7 @@ def probe_fragments(
     width = min(count, WIDTH)
     size = (width, -(-count // width))
     text = draw.text("fragment") or ""
-    vertex, columns = stages.probe_vertex(text, tuple(draw.interface.varyings.values()))
+    vertex, columns = stages.write_probe_stage(text, tuple(draw.interface.varyings.values()))
     if len(columns) > _MAX_ATTRIBUTES:
         raise UnsupportedError(
             f"running {draw.draw.fragment} on given inputs: it reads {len(columns)} vectors, "
@@ -77,7 +77,7 @@ def probe_fragments(
     )  # fmt: skip
     target = Target(depth="depth24_stencil8") if discards else Target()
     outputs = draw.interface.outputs
-    colors = {name: textures.for_output(output.type) for name, output in outputs.items()}
+    colors = {name: textures.output_format(output.type) for name, output in outputs.items()}
     texts = {"vertex": vertex, "fragment": text}
     samples = []
     for run in runs:
@@ -106,7 +106,7 @@ def probe_fragments(
 Redraw = Callable[[Sequence[str], Mapping[str, str]], Mapping[str, Array]]
 """Draws a pass once more, each of its draws with another fragment text, into attachments of these
 formats by name; gives what they hold. The uniform `stages.NUMBER`, where a text declares it, is the
-draw's number, counted from 1; `numbered` makes it a constant."""
+draw's number, counted from 1; `set_draw_number` makes it a constant."""
 
 
 class PassCapture:
@@ -139,13 +139,15 @@ class PassCapture:
         text = self._draws[index].text("fragment") or ""
         if not (stages.may_discard(text) or stages.writes_depth(text)):
             return found
-        everything = self._alone(index, keep_all=True).fragments(index)
+        everything = self._capture_alone(index, keep_all=True).fragments(index)
         return replace(found, undiscarded=everything)
 
-    def written(self, index: int, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
+    def redraw_with_text(
+        self, index: int, text: str, outputs: Mapping[str, str]
+    ) -> Mapping[str, Array]:
         ending, _ = stages.capture_fragment(text, (), calls=True)
         images = self._redraw(
-            self._among_blank({index: ending}), {**outputs, stages.COORD: "rgba32f"}
+            self._with_blanks({index: ending}), {**outputs, stages.COORD: "rgba32f"}
         )
         unseen = images[stages.COORD][..., 3:] <= 0.0
         for name in outputs:
@@ -154,16 +156,16 @@ class PassCapture:
 
     def _capture(self, index: int) -> _Captured:
         """Capture a draw, and the others with it that can be, whose captures share their memory."""
-        together = _together(self._draws, index)
+        together = _group_draws(self._draws, index)
         if len(together) > 1:
             try:
-                self._together |= self._at_once(together)
+                self._together |= self._capture_together(together)
                 return self._together[index]
             except (ShaderError, UnsupportedError):
                 pass  # one of the others may be what the driver refuses
-        return self._alone(index)
+        return self._capture_alone(index)
 
-    def _at_once(self, draws: Mapping[int, Sequence[VaryingPart]]) -> dict[int, _Captured]:
+    def _capture_together(self, draws: Mapping[int, Sequence[VaryingPart]]) -> dict[int, _Captured]:
         """Several draws with the pieces of their inputs, captured by one redraw."""
         made = {
             index: stages.capture_fragment(
@@ -173,38 +175,38 @@ class PassCapture:
         }
         colors = {stages.COORD: "rgba32f", stages.NUMBERED: "r32f"}
         for _, captured in made.values():
-            colors |= _formats(captured)
+            colors |= _attachment_formats(captured)
         images = self._redraw(
-            self._among_blank({index: text for index, (text, _) in made.items()}), colors
+            self._with_blanks({index: text for index, (text, _) in made.items()}), colors
         )
         number = images[stages.NUMBERED][..., 0]
-        of = _pieces(images)  # most draws take the same of an attachment
+        of = _attachment_reader(images)  # most draws take the same of an attachment
         return {
-            index: _Captured(images[stages.COORD], _values(of, captured), number)
+            index: _Captured(images[stages.COORD], _part_values(of, captured), number)
             for index, (_, captured) in made.items()
         }
 
-    def _alone(self, index: int, *, keep_all: bool = False) -> _Captured:
+    def _capture_alone(self, index: int, *, keep_all: bool = False) -> _Captured:
         """One draw, captured among others that only say that they are seen."""
         draw = self._draws[index]
         text, outputs = draw.text("fragment") or "", draw.interface.outputs
-        parts = stages.input_pieces(text, draw.interface.varyings.values())
-        crowded = stages.crowded(outputs)
+        parts = stages.fragment_input_parts(text, draw.interface.varyings.values())
+        crowded = stages.fills_outputs(outputs)
         room = stages.MOST_OUTPUTS - 1 - (0 if crowded else len(outputs))
         values: dict[VaryingPart, Array] = {}
         for start in range(0, max(len(parts), 1), room):
             made, captured = stages.capture_fragment(
                 text, parts[start : start + room], outputs if crowded else None, keep_all=keep_all
             )
-            colors = {stages.COORD: "rgba32f", **_formats(captured)}
-            images = self._redraw(self._among_blank({index: made}), colors)
-            values.update(_values(_pieces(images), captured))
+            colors = {stages.COORD: "rgba32f", **_attachment_formats(captured)}
+            images = self._redraw(self._with_blanks({index: made}), colors)
+            values.update(_part_values(_attachment_reader(images), captured))
         return _Captured(images[stages.COORD], values)
 
-    def _among_blank(self, texts: Mapping[int, str]) -> list[str]:
+    def _with_blanks(self, texts: Mapping[int, str]) -> list[str]:
         """These texts, and for the other draws such that only say that a draw is seen."""
         return [
-            texts[index] if index in texts else _blank(draw)
+            texts[index] if index in texts else _write_blank(draw)
             for index, draw in enumerate(self._draws)
         ]
 
@@ -225,14 +227,14 @@ class _Captured:
             covered &= self.number == index + 1
             others = np.where(coord[..., 3:] != 0.0, _SEEN, np.float32(0.0))
             coord = np.where(covered[..., None], coord, others)
-        return Fragments(covered=covered, frag_coord=coord, inputs=assembled(self.values))
+        return Fragments(covered=covered, frag_coord=coord, inputs=join_parts(self.values))
 
 
 # `gl_FragCoord` where another draw is seen.
 _SEEN = np.array([0.0, 0.0, 0.0, -1.0], np.float32)
 
 
-def numbered(text: str, index: int) -> str:
+def set_draw_number(text: str, index: int) -> str:
     """The text of a pass's draw with its number in it, for an API whose uniforms have no names."""
     return text.replace(f"uniform {_NUMBER}", f"const {_NUMBER[:-1]} = {index + 1}.0;")
 
@@ -240,37 +242,39 @@ def numbered(text: str, index: int) -> str:
 _NUMBER = f"float {stages.NUMBER};"
 
 
-def _together(draws: Sequence[PreparedDraw], index: int) -> dict[int, Sequence[VaryingPart]]:
+def _group_draws(draws: Sequence[PreparedDraw], index: int) -> dict[int, Sequence[VaryingPart]]:
     """The draws that can be captured at once with a draw, itself among them, each with the pieces
     of its inputs; none where it can only be captured alone."""
     found: dict[int, Sequence[VaryingPart]] = {}
     types: list[str] = []  # of the attachments
     for other in (index, *(k for k in range(len(draws)) if k != index)):
         draw = draws[other]
-        parts = _that_fit(draw)
+        parts = _parts_that_fit(draw)
         if parts is None:
             if other == index:
                 return {}
             continue
-        own = [stages.padded_type(piece) for piece in parts]
+        own = [stages.attachment_type(piece) for piece in parts]
         if own[: len(types)] == types[: len(own)]:
             types = max(types, own, key=len)
             found[other] = parts
     return found
 
 
-def _that_fit(draw: PreparedDraw) -> Sequence[VaryingPart] | None:
+def _parts_that_fit(draw: PreparedDraw) -> Sequence[VaryingPart] | None:
     """The pieces of all inputs of a draw, where they fit beside outputs, place and number."""
     outputs = draw.interface.outputs
     try:
-        parts = stages.input_pieces(draw.text("fragment") or "", draw.interface.varyings.values())
+        parts = stages.fragment_input_parts(
+            draw.text("fragment") or "", draw.interface.varyings.values()
+        )
     except UnsupportedError:
         return None
     fit = len(outputs) + len(parts) + 2 <= stages.MOST_OUTPUTS
     return parts if fit else None
 
 
-def _blank(draw: PreparedDraw) -> str:
+def _write_blank(draw: PreparedDraw) -> str:
     """The draw's fragment shader, 1/w written as −1: another draw is seen."""
     crowded = len(draw.interface.outputs) + 1 > stages.MOST_OUTPUTS
     unwanted = draw.interface.outputs if crowded else None
@@ -280,17 +284,17 @@ def _blank(draw: PreparedDraw) -> str:
     )
 
 
-def _formats(captured: Mapping[VaryingPart, str]) -> dict[str, str]:
+def _attachment_formats(captured: Mapping[VaryingPart, str]) -> dict[str, str]:
     """The attachments of captured pieces: format by name."""
-    return {name: textures.for_output(stages.padded_type(p)) for p, name in captured.items()}
+    return {name: textures.output_format(stages.attachment_type(p)) for p, name in captured.items()}
 
 
-def _pieces(images: Mapping[str, Array]) -> Callable[[str, int], Array]:
+def _attachment_reader(images: Mapping[str, Array]) -> Callable[[str, int], Array]:
     """Gives the first components of an attachment by its name, the same array each time."""
     return functools.cache(lambda name, count: leading(images[name], count))
 
 
-def _values(
+def _part_values(
     of: Callable[[str, int], Array], captured: Mapping[VaryingPart, str]
 ) -> dict[VaryingPart, Array]:
     return {piece: of(name, textures.components_of(piece.type)) for piece, name in captured.items()}

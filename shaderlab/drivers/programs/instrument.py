@@ -11,7 +11,7 @@ from tree_sitter import Node
 
 from shaderlab.compiler.syntax import Syntax, field, name_of, walk
 
-from .stages import MOST_OUTPUTS, PREFIX, after_directives
+from .stages import MOST_OUTPUTS, PREFIX, end_of_directives
 
 Kind = Literal["store", "return", "condition", "entry"]
 _LOOPS = ("while_statement", "do_statement", "for_statement")
@@ -47,12 +47,12 @@ class WatchPoint:
     braced: bool = True
 
 
-def statements(text: str) -> list[WatchPoint]:
+def find_statements(text: str) -> list[WatchPoint]:
     """The statements of a text that store or return a value, in its order."""
-    return [point for point in watch_points(text) if point.kind in ("store", "return")]
+    return [point for point in find_watch_points(text) if point.kind in ("store", "return")]
 
 
-def watch_points(text: str) -> list[WatchPoint]:
+def find_watch_points(text: str) -> list[WatchPoint]:
     """All that can be watched in a text: functions in its order, in each its entry, and then what
     is in it; a condition after those that it depends on."""
     file = Syntax(text)
@@ -66,12 +66,12 @@ def watch_points(text: str) -> list[WatchPoint]:
             start = body.start_byte + 1
             found.append(WatchPoint("entry", *lines, name, parameters, start, start))
             returned = file.of(field(function, "type"))
-            inside = [p for node in walk(body) for p in _points(file, node, name, returned)]
+            inside = [p for node in walk(body) for p in _find_points(file, node, name, returned)]
             found += sorted(inside, key=lambda point: point.end)
     return found
 
 
-def _points(file: Syntax, node: Node, function: str, returned: str) -> Iterator[WatchPoint]:
+def _find_points(file: Syntax, node: Node, function: str, returned: str) -> Iterator[WatchPoint]:
     parent = node.parent
     if node.type in _CONDITIONAL:
         condition = node.child_by_field_name("condition")
@@ -137,12 +137,12 @@ class Written:
     components: tuple[tuple[str, int], ...]
 
 
-def room(outputs: int) -> int:
+def watch_capacity(outputs: int) -> int:
     """How many components one drawing can watch beside a shader's own outputs."""
     return _VALUES * (MOST_OUTPUTS - 1 - outputs)
 
 
-def instrumented(text: str, watched: Sequence[Watch]) -> tuple[str, list[Written]]:
+def instrument(text: str, watched: Sequence[Watch]) -> tuple[str, list[Written]]:
     """The text with values watched, and where each of them is written.
 
     The outputs are `vec4`s. The last component of each counts which of the first three were
@@ -174,8 +174,8 @@ def instrumented(text: str, watched: Sequence[Watch]) -> tuple[str, list[Written
     body = field(Syntax(text).functions["main"][0], "body").start_byte + 1
     zeros = "".join(f" {name} = vec4(0.0);" for name in outputs)
     edits.append(_Edit(body, body, zeros, -len(text)))
-    made = _edited(text, edits)
-    top = after_directives(made)
+    made = _apply_edits(text, edits)
+    top = end_of_directives(made)
     declared = "".join(f"out highp vec4 {name};\n" for name in outputs)
     declared += "".join(f"int {_TURN}{number} = 0;\n" for number in range(len(watched)))
     return made[:top] + declared + functions + made[top:], found
@@ -206,7 +206,7 @@ def _around(point: WatchPoint, before: str, after: str) -> list[_Edit]:
     return [*edits, _Edit(point.end, point.end, after, -(10**9) - point.start)]
 
 
-def _edited(text: str, edits: Sequence[_Edit]) -> str:
+def _apply_edits(text: str, edits: Sequence[_Edit]) -> str:
     data, parts, at = text.encode(), [], 0
     for edit in sorted(edits, key=lambda edit: (edit.start, edit.order)):
         parts += [data[at : edit.start], edit.text.encode()]

@@ -23,7 +23,7 @@ _ADDED = re.compile(rf"^(?:flat )?out \w+ {stages.PREFIX}\w+;", re.MULTILINE)
 _NO_FILES = Shaders(())
 
 
-def counted_as_declared(text: str) -> str:
+def apply_coord_layout(text: str) -> str:
     """The text with window coordinates counted as its own declaration of gl_FragCoord says."""
     declared = _COORD.search(text)
     if declared is None:
@@ -39,7 +39,7 @@ def counted_as_declared(text: str) -> str:
     return f"{text[: declared.start()]}{counted}{after}"
 
 
-def numbered(text: str) -> str:
+def assign_locations(text: str) -> str:
     """The text, the outputs that the lab adds having locations where the author's have: glslang
     gives those without one the locations that others have already."""
     taken = {int(number) for number in _LOCATED.findall(text)}
@@ -49,7 +49,7 @@ def numbered(text: str) -> str:
     return _ADDED.sub(lambda found: f"layout(location = {next(free)}) {found[0]}", text)
 
 
-def sources_of(texts: Mapping[str, str], known: Sequence[Source] = ()) -> tuple[Source, ...]:
+def make_sources(texts: Mapping[str, str], known: Sequence[Source] = ()) -> tuple[Source, ...]:
     """The stages with these texts, as compilers take them: the `known` ones where their text is the
     same."""
     own = {source.stage: source for source in known}
@@ -60,7 +60,7 @@ def sources_of(texts: Mapping[str, str], known: Sequence[Source] = ()) -> tuple[
     )  # fmt: skip
 
 
-def compiled_to_modules(sources: Sequence[Source], target: str, api: str) -> Compiled:
+def compile_to_modules(sources: Sequence[Source], target: str, api: str) -> Compiled:
     """A program compiled for a target, whose modules are there, and for others that say what it
     declares.
 
@@ -87,17 +87,17 @@ def compiled_to_modules(sources: Sequence[Source], target: str, api: str) -> Com
     raise UnsupportedError(f"in {api}: the program has no modules", file=sources[0].path)
 
 
-def as_drawn(draw: Draw, texts: Mapping[str, str]) -> dict[str, str]:
+def write_point_texts(draw: Draw, texts: Mapping[str, str]) -> dict[str, str]:
     """The texts of a draw's program, whose last stage writes the size of points if it draws any."""
     # The points of a capture are no picture's: none is dropped, and they have a size already.
     plain = draw.mesh is not None and draw.mesh.primitive == "points" and "geometry" not in texts
     stores = stages.BLOCK in texts.get("geometry", texts["vertex"])
     if not stores and (plain or stages.emits_points(texts)):
-        return _drawing_points(texts, draw.state.point_size)
+        return _clip_drawn_points(texts, draw.state.point_size)
     return dict(texts)
 
 
-def _drawing_points(texts: Mapping[str, str], size: float | str | None) -> dict[str, str]:
+def _clip_drawn_points(texts: Mapping[str, str], size: float | str | None) -> dict[str, str]:
     """The texts of a program that draws points: its last stage writes their size, and drops those
     that OpenGL clips. lavapipe (Mesa 22.3) and SwiftShader report that they do, and draw them;
     OpenGL ES has them drawn.
@@ -111,4 +111,4 @@ def _drawing_points(texts: Mapping[str, str], size: float | str | None) -> dict[
         given = None
     else:
         given = 1.0 if size is None else float(size)
-    return {**texts, last: stages.drawing_points(texts[last], given)}
+    return {**texts, last: stages.clip_points(texts[last], given)}

@@ -151,7 +151,7 @@ class Preparer:
         if interface is None:
             return authored
         bind.check_domain(draw, interface.varyings)
-        text = stages.domain_vertex(authored[0].text, interface.varyings.values())
+        text = stages.write_domain_stage(authored[0].text, interface.varyings.values())
         return self._shaders.from_text(text, "vertex", "<domain>"), *authored
 
     def source(self, name: str) -> Source:
@@ -199,7 +199,7 @@ def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[s
     outputs = output_types(draws)
     asked = description.target.colors
     if asked is None:
-        return {name: textures.for_output(kind) for name, kind in outputs.items()}
+        return {name: textures.output_format(kind) for name, kind in outputs.items()}
     for name in asked:
         if name not in outputs:
             raise CaseError(
@@ -210,7 +210,7 @@ def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[s
     return asked
 
 
-def step(key: PassDraw, draw: PreparedDraw) -> str:
+def describe_draw(key: PassDraw, draw: PreparedDraw) -> str:
     """A draw in words: what is to blame if the driver goes down with it."""
     what = "dispatch" if draw.draw.compute else f"draw {key[1]}"
     return f"{what} of pass {key[0]!r}, program {' + '.join(draw.draw.shaders)}"
@@ -256,7 +256,7 @@ def check_reads(scene: Scene, description: Pass, draw: Draw, earlier: Iterable[s
         UnsupportedError: a texture is a buffer of a dispatch.
     """
     images = {p.name: p.draws[0].images for p in scene.passes if p.computes}
-    owners = {name: _owner(scene, name) for name in earlier}
+    owners = {name: _find_owner(scene, name) for name in earlier}
     for name, source in draw.textures.items():
         for output in outputs_read(source):
             read = output.pass_name
@@ -275,7 +275,7 @@ def check_reads(scene: Scene, description: Pass, draw: Draw, earlier: Iterable[s
                     "that is drawn with, and no sampler reads it",
                     remedy=f"give {read!r} a Target(depth_storage='texture')",
                 )
-            if owners[read] == _owner(scene, description.name):
+            if owners[read] == _find_owner(scene, description.name):
                 raise CaseError(
                     f"pass {description.name!r} reads {name!r} from the target it draws into",
                     remedy="draw into another target, and exchange the two",
@@ -287,7 +287,7 @@ def check_reads(scene: Scene, description: Pass, draw: Draw, earlier: Iterable[s
                 )
 
 
-def _owner(scene: Scene, name: str) -> str:
+def _find_owner(scene: Scene, name: str) -> str:
     """The pass whose target a pass draws into: its own, or that of the one it goes on from."""
     before = scene.find_pass(name).onto
-    return _owner(scene, before) if before else name
+    return _find_owner(scene, before) if before else name

@@ -163,7 +163,7 @@ def _head(name: str) -> str:
     return name.partition(".")[0].partition("[")[0]
 
 
-def elements(variables: Iterable[Variable]) -> Iterator[Variable]:
+def array_elements(variables: Iterable[Variable]) -> Iterator[Variable]:
     """The variables with each array's elements one by one: "v[0]", "v[1]", …"""
     for variable in variables:
         if variable.array is None:
@@ -172,11 +172,11 @@ def elements(variables: Iterable[Variable]) -> Iterator[Variable]:
             yield replace(variable, name=f"{variable.name}[{index}]", array=None)
 
 
-def pieces(variable: Variable) -> Iterator[VaryingPart]:
+def split_parts(variable: Variable) -> Iterator[VaryingPart]:
     """A variable that is no array, as vectors: itself, or a matrix' columns.
 
     >>> from shaderlab.compiler.reflection import Variable
-    >>> [piece.path + piece.type for piece in pieces(Variable(name="m", type="mat2x3"))]
+    >>> [piece.path + piece.type for piece in split_parts(Variable(name="m", type="mat2x3"))]
     ['[0]vec3', '[1]vec3']
     """
     if variable.type.startswith("d"):
@@ -192,7 +192,7 @@ def pieces(variable: Variable) -> Iterator[VaryingPart]:
         yield VaryingPart(variable.name, f"[{column}]", f"vec{rows or columns}")
 
 
-def assembled(parts: Mapping[VaryingPart, Array]) -> dict[str, Array]:
+def join_parts(parts: Mapping[VaryingPart, Array]) -> dict[str, Array]:
     """The inputs by name: vectors (…, components), and matrices (…, rows, columns)."""
     found: dict[str, list[Array]] = {}
     for piece, values in parts.items():
@@ -219,28 +219,28 @@ _CHANGE_INPUTS = ("mediump", "lowp", "origin_upper_left", "pixel_center_integer"
 _BUILT_IN = {"gl_FrontFacing": "float", "gl_PointCoord": "vec2", "gl_PrimitiveID": "int"}
 
 
-def after_directives(text: str) -> int:
+def end_of_directives(text: str) -> int:
     """Where a text goes on behind its last #version or #extension."""
     return max((found.end() for found in _DIRECTIVE.finditer(text)), default=0)
 
 
-def input_pieces(text: str, inputs: Iterable[Variable]) -> list[VaryingPart]:
+def fragment_input_parts(text: str, inputs: Iterable[Variable]) -> list[VaryingPart]:
     """All that a fragment shader gets, in pieces that fit an attachment: its inputs, and the
     built-in ones that its text names."""
-    found = [piece for variable in elements(inputs) for piece in pieces(variable)]
+    found = [piece for variable in array_elements(inputs) for piece in split_parts(variable)]
     used = {name: kind for name, kind in _BUILT_IN.items() if re.search(rf"\b{name}\b", text)}
     return [*found, *(VaryingPart(name, "", kind) for name, kind in used.items())]
 
 
-def crowded(outputs: Sized) -> bool:
+def fills_outputs(outputs: Sized) -> bool:
     """Whether there is no room beside a fragment shader's outputs for a place and an input."""
     return len(outputs) + 2 > MOST_OUTPUTS
 
 
-def may_keep_out(text: str) -> bool:
+def may_drop_fragments(text: str) -> bool:
     """Whether a fragment shader may discard fragments, or change their depth or coverage.
 
-    >>> may_keep_out("void main() { if (gl_FragCoord.x > 9.0) discard; }")
+    >>> may_drop_fragments("void main() { if (gl_FragCoord.x > 9.0) discard; }")
     True
     """
     return any(word in text for word in _MAY_KEEP_OUT)
@@ -291,36 +291,36 @@ def capture_fragment(
         numbered: whether the uniform NUMBER, the draw's number, goes to the output NUMBERED.
 
     Returns:
-        Its text, and the output of each piece, of the type `padded_type`.
+        Its text, and the output of each piece, of the type `attachment_type`.
     """
     captured = {piece: f"{PREFIX}out{i}" for i, piece in enumerate(group)}
     shader = GlslDeclarations(text)
-    calls = not keep_all and (calls or may_keep_out(text))
+    calls = not keep_all and (calls or may_drop_fragments(text))
     for variable in (unwanted or {}).values():
-        text = _demoted(text, variable)
+        text = _demote_output(text, variable)
     declared = [f"out vec4 {COORD};"]
-    declared += [f"out {padded_type(piece)} {name};" for piece, name in captured.items()]
+    declared += [f"out {attachment_type(piece)} {name};" for piece, name in captured.items()]
     written = [f"    {COORD} = gl_FragCoord;"]
-    written += [f"    {name} = {_padded_value(p, shader)};" for p, name in captured.items()]
+    written += [f"    {name} = {_attachment_value(p, shader)};" for p, name in captured.items()]
     if numbered:
         declared += [f"uniform float {NUMBER};", f"out float {NUMBERED};"]
         written.append(f"    {NUMBERED} = {NUMBER};")
     if keep_all and writes_depth(text):  # what names it has to write it
         written.append("    gl_FragDepth = gl_FragCoord.z;")
-    return with_ending(text, declared, written, calls=calls), captured
+    return replace_main(text, declared, written, calls=calls), captured
 
 
 def capture_vertex(text: str, group: Sequence[VaryingPart]) -> tuple[str, dict[VaryingPart, str]]:
     """A vertex shader that also writes some of its outputs, each to an output of its own.
 
     Returns:
-        Its text, and the output of each piece, of the type `padded_type`.
+        Its text, and the output of each piece, of the type `attachment_type`.
     """
     captured = {piece: f"{PREFIX}out{i}" for i, piece in enumerate(group)}
     shader = GlslDeclarations(text, "out")
-    declared = [f"flat out {padded_type(piece)} {name};" for piece, name in captured.items()]
-    written = [f"    {name} = {_padded_value(p, shader)};" for p, name in captured.items()]
-    return with_ending(text, declared, written), captured
+    declared = [f"flat out {attachment_type(piece)} {name};" for piece, name in captured.items()]
+    written = [f"    {name} = {_attachment_value(p, shader)};" for p, name in captured.items()]
+    return replace_main(text, declared, written), captured
 
 
 _OFF_SCREEN = (
@@ -329,7 +329,7 @@ _OFF_SCREEN = (
 )
 
 
-def drawing_points(text: str, size: float | None) -> str:
+def clip_points(text: str, size: float | None) -> str:
     """The last stage of a program that draws points, which drops those whose middle is outside of
     the clip volume.
 
@@ -338,12 +338,12 @@ def drawing_points(text: str, size: float | None) -> str:
         size: a point's size in pixels, whatever the shader writes; None leaves that to it.
     """
     lines = [*([] if size is None else [f"    gl_PointSize = {size!r};"]), *_OFF_SCREEN]
-    return _emitting(text, lines, []) if "EmitVertex" in text else with_ending(text, [], lines)
+    return _wrap_emit(text, lines, []) if "EmitVertex" in text else replace_main(text, [], lines)
 
 
-def counting_vertex(text: str) -> str:
+def pass_instance_on(text: str) -> str:
     """A vertex shader that also tells a geometry shader which instance it is of."""
-    return with_ending(
+    return replace_main(
         text, [f"flat out int {PREFIX}instance;"], [f"    {PREFIX}instance = gl_InstanceID;"]
     )
 
@@ -353,7 +353,7 @@ def emits_points(texts: Mapping[str, str]) -> bool:
     return bool(_POINTS_OUT.search(texts.get("geometry", "")))
 
 
-def with_ending(
+def replace_main(
     text: str, declared: Sequence[str], written: Sequence[str], *, calls: bool = True
 ) -> str:
     """The author's main renamed, and one that calls it (or not) and goes on with `written`."""
@@ -369,12 +369,12 @@ EMITTED = {
     "gl_PrimitiveIDIn": PREFIX + "of_primitive",
     "emitted": PREFIX + "index",
 }
-"""What `counting_geometry` adds to each emitted vertex: where it comes from."""
+"""What `count_emitted` adds to each emitted vertex: where it comes from."""
 
 
-def counting_geometry(text: str) -> str:
+def count_emitted(text: str) -> str:
     """A geometry shader whose vertices also say which instance and primitive they were made of,
-    and which of its vertices they are, counted from 0. It feeds on `counting_vertex`."""
+    and which of its vertices they are, counted from 0. It feeds on `pass_instance_on`."""
     instance, primitive, index = EMITTED.values()
     declared = [
         f"flat in int {PREFIX}instance[];",
@@ -386,10 +386,10 @@ def counting_geometry(text: str) -> str:
         f"    {primitive} = gl_PrimitiveIDIn;",
         f"    {index} = {PREFIX}count++;",
     ]
-    return _emitting(text, written, declared)
+    return _wrap_emit(text, written, declared)
 
 
-def _emitting(text: str, written: Sequence[str], declared: Sequence[str]) -> str:
+def _wrap_emit(text: str, written: Sequence[str], declared: Sequence[str]) -> str:
     """A geometry shader that does something more as it emits each vertex."""
     added = [
         *declared,
@@ -400,14 +400,14 @@ def _emitting(text: str, written: Sequence[str], declared: Sequence[str]) -> str
         f"#define EmitVertex {PREFIX}emit",
         "",
     ]
-    at = after_directives(text)
+    at = end_of_directives(text)
     # The function needs the layout of the inputs' array, so it follows the author's own.
     layout = re.search(r"\blayout\s*\([^)]*\)\s*in\s*;", text[at:])
     at += layout.end() if layout else 0
     return text[:at] + "\n" + "\n".join(added) + text[at:]
 
 
-def _demoted(text: str, variable: Variable) -> str:
+def _demote_output(text: str, variable: Variable) -> str:
     """The shader with one of its outputs made a plain variable."""
     name = re.escape(variable.name)
     pattern = rf"(?:layout\s*\([^)]*\)\s*)?\bout\s+((?:(?:high|medium|low)p\s+)?\w+\s+{name}\b)"
@@ -421,17 +421,17 @@ def _demoted(text: str, variable: Variable) -> str:
     return changed
 
 
-def padded_type(piece: VaryingPart) -> str:
+def attachment_type(piece: VaryingPart) -> str:
     """The type of four components that holds a piece: the renderable formats have no three."""
     return {"i": "ivec4", "u": "uvec4"}.get(piece.type[0], "vec4")
 
 
-def _padded_value(piece: VaryingPart, shader: GlslDeclarations) -> str:
+def _attachment_value(piece: VaryingPart, shader: GlslDeclarations) -> str:
     size = int(piece.type[-1]) if piece.type[-1].isdigit() else 1
     value = f"{shader.spell(piece.name)}{piece.path}"
     if piece.name == "gl_FrontFacing":
         value = "gl_FrontFacing ? 1.0 : 0.0"  # as an integer it is 0 on softpipe, in front too
-    return f"{padded_type(piece)}({value}{', 0' * (4 - size)})"
+    return f"{attachment_type(piece)}({value}{', 0' * (4 - size)})"
 
 
 BLOCK = PREFIX + "Stored"
@@ -445,16 +445,18 @@ _FRAGMENT = "#version 330 core\nvoid main() {}\n"
 _SIZE = PREFIX + "point_size"
 
 
-def words_of(parts: Sequence[VaryingPart]) -> int:
+def count_words(parts: Sequence[VaryingPart]) -> int:
     """How many words a vertex takes."""
     return 1 + sum(components_of(piece.type) for piece in parts)
 
 
-def storing(texts: Mapping[str, str], parts: Sequence[VaryingPart], most: int) -> dict[str, str]:
+def store_outputs(
+    texts: Mapping[str, str], parts: Sequence[VaryingPart], most: int
+) -> dict[str, str]:
     """A program whose last stage before rasterisation stores these pieces of each vertex.
 
     A vertex stage stores vertex v of instance i in place i · PER_INSTANCE + v. A geometry stage, as
-    `stages.counting_geometry` makes it, stores vertex k of primitive p in place
+    `stages.count_emitted` makes it, stores vertex k of primitive p in place
     i · PER_INSTANCE + p · `most` + k.
 
     Args:
@@ -463,13 +465,13 @@ def storing(texts: Mapping[str, str], parts: Sequence[VaryingPart], most: int) -
         most: how many vertices a geometry stage may emit of a primitive.
     """
     last = "geometry" if "geometry" in texts else "vertex"
-    text = _extended(texts[last])
-    stored = list(_stores(parts, GlslDeclarations(texts[last], "out")))
+    text = _extend(texts[last])
+    stored = list(_store_words(parts, GlslDeclarations(texts[last], "out")))
     size = ["    gl_PointSize = 1.0;"] if last == "vertex" or emits_points(texts) else []
     if last == "vertex":
         place = f"gl_InstanceID * {PER_INSTANCE} + gl_VertexID"
-        written = [_at(place, parts), *stored, *size]
-        return {"vertex": with_ending(text, _declared(), written), "fragment": _FRAGMENT}
+        written = [_begin_store(place, parts), *stored, *size]
+        return {"vertex": replace_main(text, _declare_storage(), written), "fragment": _FRAGMENT}
     instance, primitive, index = EMITTED.values()
     place = f"{instance} * {PER_INSTANCE} + {primitive} * {most} + {index}"
     # What is stored is declared further down than what emits.
@@ -478,7 +480,14 @@ def storing(texts: Mapping[str, str], parts: Sequence[VaryingPart], most: int) -
     assert mark, "a geometry stage that counts"
     body = "\n".join([body.rstrip("\n"), f"    {PREFIX}store();", *size, ""])
     emitting = f"{head}void {PREFIX}store();\nvoid {PREFIX}emit() {{{body}{mark}"
-    lines = [*_declared(), f"void {PREFIX}store() {{", _at(place, parts), *stored, "}", ""]
+    lines = [
+        *_declare_storage(),
+        f"void {PREFIX}store() {{",
+        _begin_store(place, parts),
+        *stored,
+        "}",
+        "",
+    ]
     return {
         "vertex": texts["vertex"],
         "geometry": "\n".join([emitting + after, *lines]),
@@ -486,10 +495,10 @@ def storing(texts: Mapping[str, str], parts: Sequence[VaryingPart], most: int) -
     }
 
 
-def restored(parts: Sequence[VaryingPart], words: Array) -> dict[VaryingPart, Array]:
+def unpack_outputs(parts: Sequence[VaryingPart], words: Array) -> dict[VaryingPart, Array]:
     """The pieces of each vertex that came out, (vertices, components), of the words (uint32)."""
     sizes = [components_of(piece.type) for piece in parts]
-    rows = words.reshape(-1, words_of(parts))
+    rows = words.reshape(-1, count_words(parts))
     rows = rows[rows[:, 0] == 1, 1:]
     columns = np.split(rows, np.cumsum(sizes)[:-1], axis=1)
     return {
@@ -498,16 +507,16 @@ def restored(parts: Sequence[VaryingPart], words: Array) -> dict[VaryingPart, Ar
     }
 
 
-def _declared() -> list[str]:
+def _declare_storage() -> list[str]:
     block = f"layout(std430) buffer {BLOCK} {{ uint {PREFIX}words[]; }};"
     return [block, f"uniform int {PER_INSTANCE};"]
 
 
-def _at(place: str, parts: Sequence[VaryingPart]) -> str:
-    return f"    uint at = uint({place}) * {words_of(parts)}u; {PREFIX}words[at] = 1u;"
+def _begin_store(place: str, parts: Sequence[VaryingPart]) -> str:
+    return f"    uint at = uint({place}) * {count_words(parts)}u; {PREFIX}words[at] = 1u;"
 
 
-def _extended(text: str) -> str:
+def _extend(text: str) -> str:
     """The text with the extensions that storing takes, after its #version; a point's size is a
     variable of its own, which can be read."""
     version = VERSION.search(text)
@@ -517,7 +526,7 @@ def _extended(text: str) -> str:
     return f"{text[:end]}{lines}\nfloat {_SIZE};{body}"
 
 
-def _stores(parts: Sequence[VaryingPart], shader: GlslDeclarations) -> Iterator[str]:
+def _store_words(parts: Sequence[VaryingPart], shader: GlslDeclarations) -> Iterator[str]:
     at = 1
     for piece in parts:
         name = _SIZE if piece.name == "gl_PointSize" else shader.spell(piece.name)
@@ -537,10 +546,10 @@ _LEVELS = (
 _ROOM = 64
 
 
-def primitive(text: str) -> str:
+def patch_primitive(text: str) -> str:
     """What an evaluation shader's patches are divided into: "points", "lines" or "triangles".
 
-    >>> primitive("layout (quads, equal_spacing) in;")
+    >>> patch_primitive("layout (quads, equal_spacing) in;")
     'triangles'
     """
     inputs = " ".join(re.findall(r"\blayout\s*\(([^)]*)\)\s*in\s*;", strip_comments(text)))
@@ -549,24 +558,24 @@ def primitive(text: str) -> str:
     return "lines" if re.search(r"\bisolines\b", inputs) else "triangles"
 
 
-def controlled(interface: Interface) -> Iterator[VaryingPart]:
+def control_outputs(interface: Interface) -> Iterator[VaryingPart]:
     """What a control stage makes of a patch, as the evaluation stage calls it: the levels, and what
     it gives of each vertex and of the whole."""
     yield from (VaryingPart(name, "", "float") for name in _LEVELS)
     count = interface.patch_vertices
     yield from (VaryingPart(f"gl_in[{n}].gl_Position", "", "vec4") for n in range(count))
-    for variable in elements(interface.evaluation_inputs.values()):
+    for variable in array_elements(interface.evaluation_inputs.values()):
         vertex = re.match(r"\w+\[(\d+)\]", variable.name)
         if variable.patch or vertex is None or int(vertex.group(1)) < count:
-            yield from pieces(variable)
+            yield from split_parts(variable)
 
 
-def groups(interface: Interface) -> Iterator[list[VaryingPart]]:
+def group_inputs(interface: Interface) -> Iterator[list[VaryingPart]]:
     """All that an evaluation shader gets, in groups that are passed on at once: where it is in
     which patch, and what the control stage made of that."""
     group = [VaryingPart("gl_TessCoord", "", "vec3"), VaryingPart("gl_PrimitiveID", "", "int")]
     room = _ROOM - 4
-    for piece in controlled(interface):
+    for piece in control_outputs(interface):
         size = components_of(piece.type)
         if size > room:
             yield group
@@ -576,7 +585,7 @@ def groups(interface: Interface) -> Iterator[list[VaryingPart]]:
     yield group
 
 
-def copying(
+def copy_inputs(
     text: str, group: Sequence[VaryingPart]
 ) -> tuple[str, Mapping[VaryingPart, VaryingPart]]:
     """An evaluation shader that also passes on some of its inputs, and the output that each is."""
@@ -588,10 +597,10 @@ def copying(
     flat = {"i": "flat ", "u": "flat "}
     declared = [f"{flat.get(c.type[0], '')}out {c.type} {c.name};" for c in copies.values()]
     written = [f"    {c.name} = {shader.spell(p.name)}{p.path};" for p, c in copies.items()]
-    return with_ending(text, declared, written), copies
+    return replace_main(text, declared, written), copies
 
 
-def domain_vertex(text: str, inputs: Iterable[Variable]) -> str:
+def write_domain_stage(text: str, inputs: Iterable[Variable]) -> str:
     """A vertex stage for one screen-filling triangle, feeding `inputs` as linear ramps.
 
     Each input takes three uniforms: shaderlab_NAME_origin, _dx and _dy; those of members of a
@@ -635,11 +644,13 @@ def domain_vertex(text: str, inputs: Iterable[Variable]) -> str:
         "    gl_Position = vec4(st * 2.0 - 1.0, 0.0, 1.0);",
         "}",
     ]
-    return "\n".join([version_line(text), *declared, *body, ""])
+    return "\n".join([find_version(text), *declared, *body, ""])
 
 
 @lru_cache(maxsize=256)
-def probe_vertex(text: str, inputs: tuple[Variable, ...]) -> tuple[str, Mapping[VaryingPart, str]]:
+def write_probe_stage(
+    text: str, inputs: tuple[Variable, ...]
+) -> tuple[str, Mapping[VaryingPart, str]]:
     """A vertex stage that puts vertex i on pixel i of a row-by-row target, feeding `inputs` from
     attributes: a point has one vertex, so nothing is interpolated.
 
@@ -647,7 +658,7 @@ def probe_vertex(text: str, inputs: tuple[Variable, ...]) -> tuple[str, Mapping[
         Its text, and the attribute of each piece.
     """
     shader = GlslDeclarations(text)
-    parts = [piece for variable in elements(inputs) for piece in pieces(variable)]
+    parts = [piece for variable in array_elements(inputs) for piece in split_parts(variable)]
     attributes = {piece: f"{PREFIX}in{i}" for i, piece in enumerate(parts)}
     declared = ["uniform ivec2 shaderlab_size;"]
     declared += [f"in {piece.type} {name};" for piece, name in attributes.items()]
@@ -660,10 +671,10 @@ def probe_vertex(text: str, inputs: tuple[Variable, ...]) -> tuple[str, Mapping[
         "    gl_PointSize = 1.0;",
         "}",
     ]
-    return "\n".join([version_line(text), *declared, *body, ""]), attributes
+    return "\n".join([find_version(text), *declared, *body, ""]), attributes
 
 
-def version_line(text: str) -> str:
+def find_version(text: str) -> str:
     """A shader's own #version line, or the oldest that generated stages can be written in."""
     found = VERSION.search(text)
     return found.group(0).strip() if found else "#version 330 core"

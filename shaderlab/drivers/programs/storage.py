@@ -229,7 +229,7 @@ def member_image(slot: Slot, values: Array) -> Image:
     if whole.ndim == 3:
         whole = whole.swapaxes(1, 2).reshape(-1, whole.shape[1])
     kind = f"{letter}vec{whole.shape[1]}" if whole.shape[1] > 1 else slot.member.type
-    return Image(np.ascontiguousarray(whole[None]), textures.for_output(kind))
+    return Image(np.ascontiguousarray(whole[None]), textures.output_format(kind))
 
 
 def capture_invocations(draw: Draw, interface: Interface, bindings: Bindings) -> Fragments:

@@ -69,12 +69,12 @@ def format_of(word: str) -> Format:
     return DEPTH[word] if word in DEPTH else COLOR[word]
 
 
-def for_output(glsl_type: str) -> str:
+def output_format(glsl_type: str) -> str:
     """The 32-bit format that holds a fragment output of this GLSL type without loss.
 
     There is no renderable three-component format, so a vec3 takes four.
 
-    >>> for_output("float"), for_output("vec3"), for_output("uvec2")
+    >>> output_format("float"), output_format("vec3"), output_format("uvec2")
     ('r32f', 'rgba32f', 'rg32ui')
     """
     channels = {1: "r", 2: "rg", 3: "rgba", 4: "rgba"}[components_of(glsl_type)]
@@ -173,7 +173,7 @@ def read_dds(path: Path) -> Blocks:
     return Blocks(format, (width, height), tuple(levels))
 
 
-def blocks_of(source: CompressedTexture, folder: Path) -> Blocks:
+def load_blocks(source: CompressedTexture, folder: Path) -> Blocks:
     """The blocks of a texture, from its file or as it gives them.
 
     Raises:
@@ -214,7 +214,7 @@ class Contents:
     smaller: Sequence[Array] = ()
 
 
-def contents(
+def texture_contents(
     source: Texture | TextureArray | CubeTexture, folder: Path, images: Images
 ) -> Contents:
     """The values of a texture that are uploaded.
@@ -262,7 +262,7 @@ def contents(
     return Contents(layers)
 
 
-def layers_of(image: Image) -> Contents:
+def split_layers(image: Image) -> Contents:
     """What a texture of a dispatch's image is made of."""
     if not image.layers:
         return Contents([image.values])
@@ -324,7 +324,7 @@ def _call(function: Callable[[], Any]) -> Array:
     return image
 
 
-def forget_made() -> None:
+def forget_images() -> None:
     """Free what functions have made; the next scene that asks has them called again."""
     _call.cache_clear()
 
@@ -342,7 +342,7 @@ def _check_levels(first: Array, smaller: Sequence[Array]) -> None:
         )
 
 
-def kind_of(source: TextureSource, declared: str, samples: int, layers: int = 0) -> str:
+def texture_kind(source: TextureSource, declared: str, samples: int, layers: int = 0) -> str:
     """The kind that a texture is when it is read by a sampler of the type `declared`.
 
     Args:

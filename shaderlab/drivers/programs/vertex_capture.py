@@ -17,40 +17,40 @@ from shaderlab.model.state import State
 
 from . import stages
 from .prepare import PreparedDraw
-from .stages import VaryingPart, assembled, elements, pieces
+from .stages import VaryingPart, array_elements, join_parts, split_parts
 
 _CORNERS = {"points": 1, "lines": 2, "line_strip": 2, "triangles": 3}
 
 
-def vertex_outputs(draw: PreparedDraw) -> list[str]:
+def vertex_output_names(draw: PreparedDraw) -> list[str]:
     """The names that a captured vertex of a draw has: gl_Position and each output of its last
     stage before rasterisation, arrays and matrices as their elements and columns; then those of a
     vertex stage before further ones, with gl_Position as "gl_in.gl_Position". Of a tessellated
     patch also what the control stage gives, as the evaluation stage calls it."""
-    last = [piece.name + piece.path for piece in vertex_pieces(draw.last_text, draw.interface)]
+    last = [piece.name + piece.path for piece in vertex_parts(draw.last_text, draw.interface)]
     if draw.last_stage == "vertex":
         return last
     if draw.last_stage == "tess_evaluation":
-        last += [piece.name + piece.path for piece in stages.controlled(draw.interface)]
-    pieces = vertex_pieces(draw.text("vertex") or "", draw.vertex_interface)
-    return [*last, *(entering(piece.name + piece.path) for piece in pieces)]
+        last += [piece.name + piece.path for piece in stages.control_outputs(draw.interface)]
+    pieces = vertex_parts(draw.text("vertex") or "", draw.vertex_interface)
+    return [*last, *(entering_name(piece.name + piece.path) for piece in pieces)]
 
 
-def entering(name: str) -> str:
+def entering_name(name: str) -> str:
     """A vertex stage's output as a geometry stage after it calls it, whichever vertex it is of."""
     return f"gl_in.{name}" if name.startswith("gl_") else name
 
 
-def vertex_pieces(text: str, interface: Interface) -> list[VaryingPart]:
+def vertex_parts(text: str, interface: Interface) -> list[VaryingPart]:
     """The same as pieces, of a stage with this text and interface."""
     built_in = [VaryingPart("gl_Position", "", "vec4")]
     if re.search(r"\bgl_PointSize\b", text):
         built_in.append(VaryingPart("gl_PointSize", "", "float"))
-    declared = elements(interface.vertex_outputs.values())
-    return [*built_in, *(piece for variable in declared for piece in pieces(variable))]
+    declared = array_elements(interface.vertex_outputs.values())
+    return [*built_in, *(piece for variable in declared for piece in split_parts(variable))]
 
 
-def vertex_inputs(mesh: Mesh, instances: int) -> dict[str, Array]:
+def mesh_inputs(mesh: Mesh, instances: int) -> dict[str, Array]:
     """What the vertex stage gets of a mesh: attributes, gl_VertexID and gl_InstanceID, each
     (instances · vertices, components)."""
     inputs = {
@@ -66,7 +66,7 @@ def vertex_inputs(mesh: Mesh, instances: int) -> dict[str, Array]:
     return inputs
 
 
-def probed_mesh(draw: Draw, inputs: Mapping[str, Array]) -> Mesh:
+def make_probe_mesh(draw: Draw, inputs: Mapping[str, Array]) -> Mesh:
     """A mesh of points with these attributes, (count, components); the others keep the values of
     the first vertex of the draw's own mesh."""
     assert draw.mesh is not None
@@ -77,7 +77,7 @@ def probed_mesh(draw: Draw, inputs: Mapping[str, Array]) -> Mesh:
     })  # fmt: skip
 
 
-def corners(mesh: Mesh) -> Array:
+def primitive_corners(mesh: Mesh) -> Array:
     """The stored vertices of each primitive, (primitives, 1…3, of patches 1…32), in the order in
     which the stages after the vertex stage get them. Source: OpenGL 4.5 core profile specification,
     table 10.1 and §10.1."""
@@ -104,7 +104,7 @@ last of them, (vertices, components), in the order of instances, primitives and 
 is how many come out, or None where that is not known."""
 
 
-def vertices(draw: PreparedDraw, bindings: Bindings, capture: Capture) -> Samples:
+def capture_vertices(draw: PreparedDraw, bindings: Bindings, capture: Capture) -> Samples:
     """Every vertex that a draw of a mesh hands to rasterisation.
 
     Without a geometry shader each stored vertex is run once an instance, whatever the primitive;
@@ -127,104 +127,104 @@ def vertices(draw: PreparedDraw, bindings: Bindings, capture: Capture) -> Sample
     """
     mesh = draw.draw.mesh
     assert mesh is not None
-    given = _stored(draw, bindings, mesh, draw.draw.instances, capture)
+    given = _run_vertices(draw, bindings, mesh, draw.draw.instances, capture)
     if draw.last_stage == "vertex":
         return given
     if draw.last_stage == "tess_evaluation":
-        return _tessellated(draw, bindings, mesh, given, capture)
+        return _capture_tessellated(draw, bindings, mesh, given, capture)
     if draw.draw.tess_evaluation is not None:
         raise UnsupportedError(
             f"capturing what {draw.draw.geometry} makes of tessellated patches",
             remedy="judge what is drawn of them, or draw them without the geometry stage",
         )
-    return _emitted(draw, bindings, mesh, given, capture)
+    return _capture_emitted(draw, bindings, mesh, given, capture)
 
 
-def probe(
+def probe_vertices(
     draw: PreparedDraw, bindings: Bindings, inputs: Mapping[str, Array], capture: Capture
 ) -> Samples:
     """Run the vertex stage on given inputs, each an array (count, components). Outputs are named as
     in `vertices`."""
-    got = _stored(draw, bindings, probed_mesh(draw.draw, inputs), 1, capture)
-    return got if draw.last_stage == "vertex" else _entering(got)
+    got = _run_vertices(draw, bindings, make_probe_mesh(draw.draw, inputs), 1, capture)
+    return got if draw.last_stage == "vertex" else _rename_entering(got)
 
 
-def _stored(
+def _run_vertices(
     draw: PreparedDraw, bindings: Bindings, mesh: Mesh, instances: int, capture: Capture
 ) -> Samples:
     text = {"vertex": draw.text("vertex") or ""}
-    parts = vertex_pieces(text["vertex"], draw.vertex_interface)
+    parts = vertex_parts(text["vertex"], draw.vertex_interface)
     points = replace(draw, draw=replace(
         draw.draw, mesh=replace(mesh.made(), indices=None, primitive="points"),
         instances=instances, vertex_array=True, state=State(),
     ))  # fmt: skip
     got = capture(points, text, parts, bindings, mesh.vertices * instances)
     return Samples(
-        inputs=vertex_inputs(mesh, instances), outputs={p.name + p.path: v for p, v in got.items()}
+        inputs=mesh_inputs(mesh, instances), outputs={p.name + p.path: v for p, v in got.items()}
     )
 
 
-def _emitted(
+def _capture_emitted(
     draw: PreparedDraw, bindings: Bindings, mesh: Mesh, given: Samples, capture: Capture
 ) -> Samples:
     texts = {
-        "vertex": stages.counting_vertex(draw.text("vertex") or ""),
-        "geometry": stages.counting_geometry(draw.text("geometry") or ""),
+        "vertex": stages.pass_instance_on(draw.text("vertex") or ""),
+        "geometry": stages.count_emitted(draw.text("geometry") or ""),
     }
     counters = [VaryingPart(name, "", "int") for name in stages.EMITTED.values()]
-    parts = vertex_pieces(draw.text("geometry") or "", draw.interface)
+    parts = vertex_parts(draw.text("geometry") or "", draw.interface)
     plain = replace(draw, draw=replace(draw.draw, vertex_array=True, state=State()))
     got = dict(capture(plain, texts, [*parts, *counters], bindings, None))
     source = {
         name: got.pop(counter) for name, counter in zip(stages.EMITTED, counters, strict=True)
     }
-    which = corners(mesh)[source["gl_PrimitiveIDIn"][:, 0]]
+    which = primitive_corners(mesh)[source["gl_PrimitiveIDIn"][:, 0]]
     first = source["gl_InstanceID"] * mesh.vertices
-    vertex = vertex_pieces(draw.text("vertex") or "", draw.vertex_interface)
+    vertex = vertex_parts(draw.text("vertex") or "", draw.vertex_interface)
     outputs = {piece: given.outputs[piece.name + piece.path] for piece in vertex}
     inputs: dict[str, Array] = dict(source)
-    for name, values in assembled(outputs).items():
+    for name, values in join_parts(outputs).items():
         for corner in range(which.shape[1]):
-            inputs[_of_corner(name, corner)] = values[(first + which)[:, corner]]
+            inputs[_corner_name(name, corner)] = values[(first + which)[:, corner]]
     return Samples(
         inputs=inputs,
         outputs={p.name + p.path: v for p, v in got.items()},
-        entering=_entering(given),
+        entering=_rename_entering(given),
     )
 
 
-def _tessellated(
+def _capture_tessellated(
     draw: PreparedDraw, bindings: Bindings, mesh: Mesh, given: Samples, capture: Capture
 ) -> Samples:
     text = draw.text("tess_evaluation") or ""
     plain = replace(draw, draw=replace(draw.draw, vertex_array=True, state=State()))
     outputs: dict[VaryingPart, Array] = {}
     inputs: dict[VaryingPart, Array] = {}
-    for group in stages.groups(draw.interface):
-        copying, copies = stages.copying(text, group)
-        own = [] if outputs else vertex_pieces(text, draw.interface)
+    for group in stages.group_inputs(draw.interface):
+        copying, copies = stages.copy_inputs(text, group)
+        own = [] if outputs else vertex_parts(text, draw.interface)
         texts = {stage: one for stage, one in draw.texts.items() if stage != "fragment"} | {
             "tess_evaluation": copying
         }
         got = dict(capture(plain, texts, [*own, *copies.values()], bindings, None))
         inputs |= {piece: got.pop(copy) for piece, copy in copies.items()}
         outputs |= got
-    known = assembled(inputs)
-    which = corners(mesh)[known["gl_PrimitiveID"][:, 0]]
+    known = join_parts(inputs)
+    which = primitive_corners(mesh)[known["gl_PrimitiveID"][:, 0]]
     for name, values in mesh.attributes.items():
         for corner in range(which.shape[1]):
             known.setdefault(f"{name}[{corner}]", values[which[:, corner]])
-    controlled = {piece: inputs[piece] for piece in stages.controlled(draw.interface)}
+    controlled = {piece: inputs[piece] for piece in stages.control_outputs(draw.interface)}
     written = {p.name + p.path: v for p, v in {**controlled, **outputs}.items()}
-    return Samples(inputs=known, outputs=written, entering=_entering(given))
+    return Samples(inputs=known, outputs=written, entering=_rename_entering(given))
 
 
-def _entering(given: Samples) -> Samples:
+def _rename_entering(given: Samples) -> Samples:
     """What a vertex stage gave, named as a geometry stage names it."""
-    return replace(given, outputs={entering(n): v for n, v in given.outputs.items()})
+    return replace(given, outputs={entering_name(n): v for n, v in given.outputs.items()})
 
 
-def _of_corner(name: str, corner: int) -> str:
+def _corner_name(name: str, corner: int) -> str:
     """A vertex stage's output as a geometry shader has it of one vertex of its primitive."""
     if name.startswith("gl_"):
         return f"gl_in[{corner}].{name}"

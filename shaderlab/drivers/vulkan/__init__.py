@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from shaderlab.errors import DriverError
 
-from .. import mesa_variables, variables_set
+from .. import mesa_variables, set_variables
 
 if TYPE_CHECKING:
     from .session import VulkanBackend
@@ -55,7 +55,7 @@ def environment(driver: str) -> Iterator[None]:
         DriverError: the driver is not installed; says how to get it.
     """
     wanted = _variables(driver)
-    with variables_set(wanted):
+    with set_variables(wanted):
         yield
 
 

@@ -26,12 +26,12 @@ from shaderlab.model.textures import (
 from ..programs import bind
 from ..programs.textures import (
     DEPTH,
-    blocks_of,
-    contents,
     find_image,
     format_of,
-    kind_of,
+    load_blocks,
     numpy_type,
+    texture_contents,
+    texture_kind,
 )
 from ..resources import COVERING, UNREADABLE, DeviceTexels, SceneTextures
 from .device import (
@@ -394,8 +394,8 @@ class BoundTextures(SceneTextures[RenderTarget]):
         assert not isinstance(source, Output)
         if isinstance(source, CompressedTexture):
             return self._upload_compressed(source)
-        kind = kind_of(source, "", 0)
-        images = contents(source, self.folder, self.images)
+        kind = texture_kind(source, "", 0)
+        images = texture_contents(source, self.folder, self.images)
         height, width = images.layers[0].shape[:2]
         format = choose_format(self._device, source.format, "sampled_image")
         given = [np.stack(images.layers), *(level[None] for level in images.smaller)]
@@ -415,7 +415,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         return DeviceTexels(source, self._view(made), format, values, smaller)
 
     def _upload_compressed(self, source: CompressedTexture) -> DeviceTexels:
-        blocks = blocks_of(source, self.folder)
+        blocks = load_blocks(source, self.folder)
         choose_format(self._device, blocks.format, "sampled_image")
         sizes = level_sizes(*blocks.size)[: len(blocks.levels)]
         made = new_image(

@@ -37,7 +37,12 @@ from shaderlab.model.state import (
     Stencil,
 )
 
-from ..programs.module_texts import compiled_to_modules, counted_as_declared, numbered, sources_of
+from ..programs.module_texts import (
+    apply_coord_layout,
+    assign_locations,
+    compile_to_modules,
+    make_sources,
+)
 from ..programs.textures import COLOR
 from ..resources import ProgramCache
 from .device import NULL, Device, Resources, Structs, check, constant, ffi, lib
@@ -79,7 +84,7 @@ _POINT = re.compile(r"\bgl_PointCoord\b")
 def adapt_fragment(text: str) -> str:
     """A fragment shader's text as Vulkan is to get it; it may have a uniform HEIGHT more."""
     text = _POINT.sub("vec2(gl_PointCoord.x, 1.0 - gl_PointCoord.y)", text)
-    return numbered(counted_as_declared(text))
+    return assign_locations(apply_coord_layout(text))
 
 
 def compile_modules(sources: Sequence[Source]) -> Mapping[str, bytes]:
@@ -89,7 +94,7 @@ def compile_modules(sources: Sequence[Source]) -> Mapping[str, bytes]:
         ShaderError: it is no GLSL.
         UnsupportedError: it is GLSL, but none that can be made into modules for Vulkan.
     """
-    return compiled_to_modules(sources, "vulkan", "Vulkan").spirv["vulkan"]
+    return compile_to_modules(sources, "vulkan", "Vulkan").spirv["vulkan"]
 
 
 def check_capabilities(device: Device, modules: Mapping[str, bytes]) -> None:
@@ -349,7 +354,7 @@ class Linker(ProgramCache[Program]):
 
         def linked() -> Program:
             with phase("compile"):
-                modules = compile_modules(sources_of(texts, known))
+                modules = compile_modules(make_sources(texts, known))
             with phase("link"):
                 return Program(self.device, modules)
 

@@ -32,10 +32,10 @@ from shaderlab.model.state import State
 from ..passes import DeviceBackend, PassSession
 from ..programs import bind, stages
 from ..programs.bind import uniform_blocks
-from ..programs.module_texts import HEIGHT, as_drawn, sources_of
+from ..programs.module_texts import HEIGHT, make_sources, write_point_texts
 from ..programs.prepare import PreparedDraw, Programs
 from ..programs.stages import VaryingPart
-from ..programs.vertex_capture import corners
+from ..programs.vertex_capture import primitive_corners
 from ..protocol import Answers, Evaluation, Size
 from ..resources import COVERING
 from .bindings import (
@@ -166,7 +166,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         own = dict(texts)
         if "fragment" in own:
             own["fragment"] = adapt_fragment(own["fragment"])
-        own = as_drawn(draw.draw, own)
+        own = write_point_texts(draw.draw, own)
         return self.linker.link(own, draw.sources)
 
     def _descriptors(
@@ -189,7 +189,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
             images[name] = self._textures.bind(draw.interface.uniforms[name], source)
         return new_set(own, program.set_layout, program.bindings, buffers, images)
 
-    def vertex_outputs(
+    def capture_outputs(
         self,
         draw: PreparedDraw,
         texts: Mapping[str, str],
@@ -208,11 +208,11 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         assert mesh is not None
         most, each = 1, mesh.vertices
         if "geometry" in texts:
-            module = parse(compile_modules(sources_of(draw.texts, draw.sources))["geometry"])
+            module = parse(compile_modules(make_sources(draw.texts, draw.sources))["geometry"])
             most = module.modes[ExecutionMode.OutputVertices][0]
-            each = most * len(corners(mesh))
-        program = stages.storing(texts, parts, most)
-        words = stages.words_of(parts) * each * draw.draw.instances
+            each = most * len(primitive_corners(mesh))
+        program = stages.store_outputs(texts, parts, most)
+        words = stages.count_words(parts) * each * draw.draw.instances
         own = {stages.PER_INSTANCE: np.array([each], np.int32)}
         given = replace(bindings, uniforms={**bindings.uniforms, **own})
         with (
@@ -225,7 +225,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
             )
             with recording(self.device) as commands:
                 ready.record(commands, target)
-            return stages.restored(parts, buffer.bytes[: 4 * words].copy().view(np.uint32))
+            return stages.unpack_outputs(parts, buffer.bytes[: 4 * words].copy().view(np.uint32))
 
     def _count(self, key: PassDraw, counter: str) -> int:
         """What one draw makes the device count, its pass drawn once more.

@@ -19,7 +19,12 @@ from shaderlab.model.state import Blend, Depth, State, Stencil
 
 from ..programs import stages
 from ..programs.bind import uniform_blocks
-from ..programs.module_texts import compiled_to_modules, counted_as_declared, numbered, sources_of
+from ..programs.module_texts import (
+    apply_coord_layout,
+    assign_locations,
+    compile_to_modules,
+    make_sources,
+)
 from ..resources import ProgramCache
 from .device import Calls, Device, Object, Objects, find_cross_compiler
 
@@ -57,11 +62,11 @@ def translate(
         if stage not in _STAGES:
             raise UnsupportedError(f"the {stage} stage: WebGL2 has none")
     own = {
-        stage: numbered(counted_as_declared(text) if stage == "fragment" else text)
+        stage: assign_locations(apply_coord_layout(text) if stage == "fragment" else text)
         for stage, text in texts.items()
     }
     with phase("compile"):
-        compiled = compiled_to_modules(sources_of(own, known), "opengl", "WebGL2")
+        compiled = compile_to_modules(make_sources(own, known), "opengl", "WebGL2")
         assert compiled.interface is not None
         modules = compiled.spirv["opengl"]
         return Translated(

@@ -30,7 +30,7 @@ from shaderlab.model.state import State
 
 from ..passes import DeviceBackend, PassSession
 from ..programs import bind, stages
-from ..programs.module_texts import HEIGHT, as_drawn
+from ..programs.module_texts import HEIGHT, write_point_texts
 from ..programs.prepare import PreparedDraw, Programs
 from ..programs.stages import VaryingPart
 from ..programs.textures import components_of, numpy_type
@@ -165,7 +165,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
         state = fixed_state or draw.draw.state
         encodes = "srgb8_alpha8" in target.colors.values()
         check_state(state, samples=target.samples, encodes=encodes)
-        program = self.linker.link(as_drawn(draw.draw, texts or draw.texts), draw.sources)
+        program = self.linker.link(write_point_texts(draw.draw, texts or draw.texts), draw.sources)
 
         def draw_to(vertices: VertexArray) -> None:
             target.bind(program.outputs(target.colors))
@@ -241,7 +241,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
             gl.uniformBlockBinding(program.handle, program.blocks[name], point)
             gl.bindBufferBase(gl.UNIFORM_BUFFER, point, buffer)
 
-    def vertex_outputs(
+    def capture_outputs(
         self,
         draw: PreparedDraw,
         texts: Mapping[str, str],
@@ -302,7 +302,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
         draw = self.programs[key[0]][key[1]]
         if draw.draw.mesh is None:
             return {}
-        program = self.linker.link(as_drawn(draw.draw, draw.texts), draw.sources)
+        program = self.linker.link(write_point_texts(draw.draw, draw.texts), draw.sources)
         gl = self.device.gl
         with Objects(gl) as own:
             found = vertex_array(own, draw.draw.mesh, program.interface.attributes).readings(gl)
@@ -312,7 +312,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
     def _read_blocks(self, key: PassDraw) -> Mapping[str, BlockReading]:
         """Return what WebGL2 says of each block's members."""
         draw = self.programs[key[0]][key[1]]
-        program = self.linker.link(as_drawn(draw.draw, draw.texts), draw.sources)
+        program = self.linker.link(write_point_texts(draw.draw, draw.texts), draw.sources)
         gl, found = self.device.gl, {}
         for name, block in bind.uniform_blocks(draw.interface).items():
             offsets: dict[str, int] = {}
@@ -364,7 +364,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
     def _locations(self, key: PassDraw) -> Mapping[str, int]:
         """Number the uniforms: WebGL2 only says whether there is one."""
         draw = self.programs[key[0]][key[1]]
-        program = self.linker.link(as_drawn(draw.draw, draw.texts), draw.sources)
+        program = self.linker.link(write_point_texts(draw.draw, draw.texts), draw.sources)
         active = list(program.locations)
         return {
             name: active.index(name) if name in active else -1 for name in draw.interface.uniforms

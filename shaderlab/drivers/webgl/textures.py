@@ -17,7 +17,14 @@ from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.frame import Array
 from shaderlab.model.textures import CompressedTexture, Output, Sampling, TextureSource, level_sizes
 
-from ..programs.textures import DEPTH, blocks_of, contents, find_image, format_of, kind_of
+from ..programs.textures import (
+    DEPTH,
+    find_image,
+    format_of,
+    load_blocks,
+    texture_contents,
+    texture_kind,
+)
 from ..protocol import Size
 from ..resources import COVERING, UNREADABLE, DeviceTexels, SceneTextures
 from .device import Device, Object, Objects, decode
@@ -327,10 +334,10 @@ class BoundTextures(SceneTextures[Any]):
         assert not isinstance(source, Output)
         if isinstance(source, CompressedTexture):
             return self._upload_compressed(source)
-        kind, word = kind_of(source, "", 0), source.format
+        kind, word = texture_kind(source, "", 0), source.format
         if kind == "3D":
             raise UnsupportedError("sampler3D on this backend", remedy="--driver opengl draws it")
-        images = contents(source, self.folder, self.images)
+        images = texture_contents(source, self.folder, self.images)
         height, width = images.layers[0].shape[:2]
         given: list[Sequence[Array]] = [images.layers, *([level] for level in images.smaller)]
         whole = source.mipmaps is True
@@ -355,7 +362,7 @@ class BoundTextures(SceneTextures[Any]):
         return DeviceTexels(source, texture, word, values, smaller)
 
     def _upload_compressed(self, source: CompressedTexture) -> DeviceTexels:
-        gl, blocks = self._device.gl, blocks_of(source, self.folder)
+        gl, blocks = self._device.gl, load_blocks(source, self.folder)
         name, extension = COMPRESSED[blocks.format]
         self._device.require(extension, blocks.format)
         texture = DeviceTexture(self._own.new("Texture"), "2D", "rgba8", blocks.size)

@@ -10,8 +10,8 @@ from typing import Any
 
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Session
-from shaderlab.drivers.programs.prepare import Preparer, step
-from shaderlab.drivers.programs.vertex_capture import vertex_outputs
+from shaderlab.drivers.programs.prepare import Preparer, describe_draw
+from shaderlab.drivers.programs.vertex_capture import vertex_output_names
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Programs, Read, TypedNeed
@@ -35,7 +35,7 @@ class Context:
 
     def describe_draw(self, key: PassDraw) -> str:
         """A draw in words: what is to blame if the driver goes down with it."""
-        return step(key, self.session.programs[key[0]][key[1]])
+        return describe_draw(key, self.session.programs[key[0]][key[1]])
 
     def shorten_paths(self, text: str) -> str:
         """The text with the folders of the case and of the shaders left out of its paths.
@@ -145,7 +145,7 @@ class OutputExpectation(Expectation):
         if name in draw.outputs:
             return False
         generated = draw.draw.mesh is None  # the lab's own stage, which only gives gl_Position
-        known = [] if generated and name != "gl_Position" else vertex_outputs(draw)
+        known = [] if generated and name != "gl_Position" else vertex_output_names(draw)
         if name not in known:
             outputs = [*draw.outputs, *known]
             raise CaseError(f"there is no output {name!r}", remedy=nearest(name, outputs))

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from shaderlab.drivers.programs import storage
 from shaderlab.drivers.programs.bind import convert_inputs, convert_value, declared_uniforms
 from shaderlab.drivers.programs.prepare import PreparedDraw
-from shaderlab.drivers.programs.stages import changes_inputs, elements, may_keep_out
+from shaderlab.drivers.programs.stages import array_elements, changes_inputs, may_drop_fragments
 from shaderlab.engine.expectations.base import Context, OutputExpectation
 from shaderlab.engine.judging.references import Inputs
 from shaderlab.errors import CaseError, UnsupportedError, nearest
@@ -61,7 +61,7 @@ class CapturedFragments(TypedNeed[Fragments]):
             if not _same_stages(own, other):
                 return False
             text, other_text = own.text("fragment") or "", other.text("fragment") or ""
-            if text != other_text and may_keep_out(text + other_text):
+            if text != other_text and may_drop_fragments(text + other_text):
                 return False
         return True
 
@@ -121,7 +121,7 @@ class Probe(TypedNeed[Samples]):
             )
         of_vertex = expectation.is_of_vertex(scene, session.programs)
         variables = draw.interface.attributes if of_vertex else draw.interface.varyings
-        inputs = {variable.name: variable for variable in elements(variables.values())}
+        inputs = {variable.name: variable for variable in array_elements(variables.values())}
         for word in steps[0]:
             if word not in inputs and word not in bindings.uniforms:
                 raise CaseError(
