@@ -19,7 +19,7 @@ from shaderlab import CubeTexture, Texture, TextureArray, glsl
 from shaderlab.compiler.shader_files import EXTENSIONS
 from shaderlab.engine.discovery import data_folder
 from shaderlab.errors import ShaderlabError
-from shaderlab.functions.declarations import DTYPES, Type
+from shaderlab.functions.signatures import DTYPES, Type
 
 SUFFIXES = {*EXTENSIONS, ".glsl", ".fsh", ".vsh"}
 

@@ -1,21 +1,46 @@
-"""Two programs compared on rounds of inputs: the same mathematics, or from where on not."""
+"""Whether two shaders compute the same: interpreted on the same inputs, with noise.
+
+    answer = compare_programs(load(old), load(new), Plan(ranges={"distance": "0..50"}))
+    answer.same                                     # True, False, or None: undetermined
+    print(*answer.lines(), sep="; ")
+
+Both run in float64, once as they are and several times with noise that is a little larger than
+any rounding. An output differs where the two are further apart than 16 times the spread that noise
+makes at that invocation, or where only one of them draws, or is defined. `same_as` is the
+expectation of a case that a shader is the same as an approved one.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from shaderlab.errors import NotInterpretedError, UsageError, nearest
+from shaderlab.compiler.spirv import Op
+from shaderlab.engine.expectations.base import Context, DrawExpectation
+from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
+from shaderlab.errors import CaseError, NotInterpretedError, UsageError, nearest
 from shaderlab.files import display_path
+from shaderlab.model.case import Scene
+from shaderlab.model.expectation import Judgement, Need, Programs, Read
+from shaderlab.model.frame import Frame, PassDraw
+from shaderlab.model.phases import phase
+from shaderlab.model.records import Row
 
 from .answer import Answer, Numerics, OutputAnswer
-from .batches import InputBatch, asks_for_neighbours, join_batches, merge_batches
-from .differences import MOST, accuracy, bands_of, discards, first, jumps
+from .batches import (
+    InputBatch,
+    asks_for_neighbours,
+    fragment_batch,
+    join_batches,
+    merge_batches,
+    vertex_batch,
+)
+from .differences import MOST, bands_of, compare_accuracy, discards, first_difference, jumps
 from .inputs import (
     Input,
     InputDomain,
@@ -27,11 +52,11 @@ from .inputs import (
     unknown_names,
     vary_inputs,
 )
-from .interpreter import Program
+from .interpreter import Program, load
 from .noise import Compared, PerturbedFloat, Ran, compare, confirm, run
 
 _SMALL = 1024  # invocations; sets of no more than so many are run together
-_BITS = range(194, 206)  # SPIR-V's instructions from OpShiftRightLogical to OpBitCount
+_BITS = range(Op.ShiftRightLogical, Op.BitCount + 1)
 _ENDS = 1e-6  # what stored values may differ by where a step is called the same
 
 
@@ -163,14 +188,14 @@ class _Comparison:
     def _inputs(self, captured: Sequence[InputBatch]) -> Iterator[InputBatch]:
         """Captured inputs, rounds of others, and both sides of jumps between those."""
         batch = None
-        for batch in itertools.chain(captured, self._made()):
+        for batch in itertools.chain(captured, self._generate()):
             yield batch
         if batch is not None and self.plan.rounds:
             around = jumps(self.programs, batch, self.domains)
             if around is not None:
                 yield around
 
-    def _made(self) -> Iterator[InputBatch]:
+    def _generate(self) -> Iterator[InputBatch]:
         """The rounds of inputs: one after the other, or small ones together where they can be."""
         rounds = (self.make(self.domains, seed) for seed in range(self.plan.rounds))
         small: list[InputBatch] = []
@@ -190,14 +215,14 @@ class _Comparison:
         """Whether an output is known to be another one: more inputs add nothing."""
         if not name or not other:
             return True
-        return any(self._compared(one, name, other).different.any() for one in sets)
+        return any(self._compare(one, name, other).different.any() for one in sets)
 
-    def _compared(self, one: _Set, name: str, other: str) -> Compared:
+    def _compare(self, one: _Set, name: str, other: str) -> Compared:
         """How an output compares on a set of inputs; asked once."""
         if (name, other) not in one.compared:
-            first = compare(one.old, one.new, name, other)
+            first_difference = compare(one.old, one.new, name, other)
             names = (name, other)
-            one.compared[names] = confirm(self.programs, one.batch, first, names)
+            one.compared[names] = confirm(self.programs, one.batch, first_difference, names)
         return one.compared[name, other]
 
     def _names(self, sets: Sequence[_Set]) -> list[tuple[str, str]]:
@@ -213,7 +238,7 @@ class _Comparison:
 
     def _answer(self, sets: Sequence[_Set], name: str, other: str) -> OutputAnswer:
         called = name if name == other else f"{name} → {other}"
-        found = [self._compared(one, name, other) for one in sets]
+        found = [self._compare(one, name, other) for one in sets]
         judged = sum(int(compared.judged.sum()) for compared in found)
         different = sum(int(compared.different.sum()) for compared in found)
         if not different:
@@ -238,14 +263,16 @@ class _Comparison:
     def _place(self, one: _Set, row: int) -> str:
         """The first line that stores another value at an invocation; where only one program
         discards, the line where it does."""
-        found, old, new = first(self.programs, one.batch, row, PerturbedFloat(), _apart)
+        found, old, new = first_difference(
+            self.programs, one.batch, row, PerturbedFloat(), _look_different
+        )
         if found is not None:
-            return _written(self.programs[1], found.line)
+            return _format_place(self.programs[1], found.line)
         for program, ran, taken in zip(self.programs, (one.old, one.new), (old, new), strict=True):
             if ran.discarded[0, row]:
                 last = taken[-1].line if taken else 0
                 lines = discards(program)
-                return _written(program, next((n for n in lines if n >= last), lines[-1]))
+                return _format_place(program, next((n for n in lines if n >= last), lines[-1]))
         return ""
 
     def _numerics(self, one: _Set, name: str, other: str) -> Numerics | None:
@@ -255,14 +282,15 @@ class _Comparison:
         if old is None or new is None or name not in old or other not in new:
             return None
         values = one.old.outputs[name][0, : some.count]
-        found = accuracy(self.programs, some, (old[name], new[other]), values)
+        found = compare_accuracy(self.programs, some, (old[name], new[other]), values)
         if found is None:
             return None
+        worse, better, row, step = found
         return Numerics(
-            worse=found.worse,
-            better=found.better,
-            near=some.example(found.row, self.inputs),
-            place="" if found.step is None else _written(self.programs[1], found.step.line),
+            worse=worse,
+            better=better,
+            near=some.example(row, self.inputs),
+            place="" if step is None else _format_place(self.programs[1], step.line),
         )
 
     def _bands(self, batch: InputBatch) -> tuple[Mapping[str, Any] | None, ...]:
@@ -284,7 +312,7 @@ class _Comparison:
         if relaxed not in self._freed:
             self._freed[relaxed] = list(self._sets_without(relaxed))
         sets = self._freed[relaxed]
-        return any(self._compared(one, name, other).different.any() for one in sets)
+        return any(self._compare(one, name, other).different.any() for one in sets)
 
     def _sets_without(self, relaxed: tuple[str, ...]) -> Iterator[_Set]:
         domains = {
@@ -314,7 +342,7 @@ def _is_unwritten(sets: Sequence[_Set], name: str) -> bool:
     )  # fmt: skip
 
 
-def _written(program: Program, line: int) -> str:
+def _format_place(program: Program, line: int) -> str:
     file, number = program.place(line)
     return f"{display_path(file)}:{number}" if file else f"line {number}"
 
@@ -332,7 +360,7 @@ def _value(ran: Ran, name: str, row: int) -> tuple[float, ...]:
     return tuple(float(v) for v in ran.outputs[name][0, row])
 
 
-def _apart(a: object, b: object) -> bool:
+def _look_different(a: object, b: object) -> bool:
     """Whether two stored values are other ones, as far as a reader would say so."""
     x, y = (np.asarray(getattr(v, "lo", getattr(v, "all_true", v)), np.float64) for v in (a, b))
     if x.shape[1:] != y.shape[1:]:
@@ -340,3 +368,91 @@ def _apart(a: object, b: object) -> bool:
     with np.errstate(all="ignore"):
         near = np.abs(x - y) <= _ENDS * np.maximum(np.abs(x), np.abs(y)) + 1e-12
     return not bool((near | (np.isnan(x) & np.isnan(y)) | (x == y)).all())
+
+
+_MOST = 2048  # invocations
+_PLAN = Plan(rounds=1, accuracy=False)
+
+
+@dataclass(frozen=True)
+class ComparedWith(Need):
+    """How the shader of a draw compares with an approved one of its stage, on what it got."""
+
+    key: PassDraw
+    approved: str
+
+    def answer(self, context: Context) -> Answer:
+        source = context.preparer.source(self.approved)
+        draw = context.session.programs[self.key[0]][self.key[1]]
+        own = next((one for one in draw.sources if one.stage == source.stage), None)
+        if own is None or source.stage not in ("fragment", "vertex"):
+            raise CaseError(f"same_as: the draw has no {source.stage} shader to compare")
+        bindings = context.bindings[self.key]
+        if source.stage == "fragment":
+            fragments = CapturedFragments(self.key).answer(context)
+            batch = fragment_batch(fragments, bindings, _MOST)
+        else:
+            batch = vertex_batch(
+                CapturedVertices(self.key).answer(context), bindings, _MAX_CAPTURED
+            )
+        if not batch.count:
+            raise CaseError("same_as: the draw has no invocation to compare on")
+        with phase("judge", f"comparing {own.name} with {self.approved}"):
+            return compare_programs(load(source), load(own), _PLAN, [batch])
+
+
+@dataclass(frozen=True)
+class SameAs(DrawExpectation):
+    """A draw's fragment shader, or its vertex shader, computes the same mathematics as `approved`,
+    a shader that somebody looked at and found right: on all inputs that it got in the scene, and on
+    others like them.
+
+    Args:
+        approved: the shader's name, as `Draw` has it; its extension tells the stage.
+        outputs: which outputs are held against it.
+        pass_name: the pass; the last one by default.
+        draw: which draw of it.
+        name: how outcomes call it.
+    """
+
+    kind = "same as"
+
+    approved: str
+    _: KW_ONLY
+    outputs: Sequence[str] = ("FragColor",)
+
+    @property
+    def default_name(self) -> str:
+        return f"same as {self.approved}"
+
+    def __post_init__(self) -> None:
+        if not self.outputs or isinstance(self.outputs, str):
+            raise CaseError(f"same_as {self.approved!r}: outputs is a sequence of names")
+
+    def reads(self, scene: Scene) -> Iterable[Read]:
+        pass_name, draw = self.key(scene)
+        for output in self.outputs:
+            yield Read(pass_name, output, draw=draw)
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        yield ComparedWith(self.key(scene), self.approved)
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        answer: Answer = frame.answers[ComparedWith(self.key(scene), self.approved)]
+        known = {output.name: output for output in answer.outputs}
+        rows = []
+        for name in self.outputs:
+            if name not in known:
+                raise CaseError(
+                    f"same_as: there is no output {name!r}", remedy=nearest(name, known)
+                )
+            words = str(known[name]).partition(": ")[2]
+            rows.append(
+                Row(label=name, expected="the same", measured=words, ok=known[name].same is True)
+            )
+        message = "; ".join(f"{row.label} {row.measured}" for row in rows if not row.ok)
+        judged = sum(known[name].judged for name in self.outputs)
+        return self.judge_rows(rows, message, judged=judged)
+
+
+same_as = SameAs

@@ -49,7 +49,7 @@ class _Ways:
             each[name] = value.astype(np.float32)
         return InputBatch(each, self.start.bindings, self.start.count)
 
-    def repeated(self, times: int) -> _Ways:
+    def repeat(self, times: int) -> _Ways:
         """Each way several times, all of them one after the other."""
         rows = np.tile(np.arange(self.start.count), times)
         end = {name: values[rows] for name, values in self.end.items()}
@@ -82,7 +82,7 @@ def _steepest(program: Program, ways: _Ways) -> tuple[Array, ...]:
     low, high, before = np.zeros(PAIRS), np.ones(PAIRS), np.full(PAIRS, np.inf)
     for number in range(_ROUNDS):
         t = low + np.linspace(0.0, 1.0, _PARTS + 1)[:, None] * (high - low)
-        changes = _changes(_values(program, ways.repeated(_PARTS + 1).at(t.ravel())), _PARTS + 1)
+        changes = _changes(_values(program, ways.repeat(_PARTS + 1).at(t.ravel())), _PARTS + 1)
         steepest = changes.argmax(axis=0)
         low, high = (t[steepest + k, all_] for k in (0, 1))
         change = changes[steepest, all_]
@@ -140,22 +140,6 @@ _SMALL = 2.0**-8  # of an output's largest value: below it, what counts is the U
 _ULPS, _RATIO = 1.0, 1.25  # wider by more than both is less accurate
 
 
-@dataclass(frozen=True, eq=False)
-class Accuracy:
-    """How much accuracy a program loses against another one.
-
-    Attributes:
-        worse, better: ULP of the output's value that a band is wider or narrower, at most.
-        row: the invocation where that is, of whichever is more.
-        step: the first stored value whose band is wider there, or narrower; None if none is.
-    """
-
-    worse: float
-    better: float
-    row: int
-    step: Step | None
-
-
 def bands_of(program: Program, batch: InputBatch) -> Mapping[str, Any] | None:
     """A program's outputs as bands; None where it can't be run in them."""
     try:
@@ -164,19 +148,21 @@ def bands_of(program: Program, batch: InputBatch) -> Mapping[str, Any] | None:
         return None
 
 
-def accuracy(
+def compare_accuracy(
     programs: tuple[Program, Program], batch: InputBatch, bands: tuple[Any, Any], values: Array
-) -> Accuracy | None:
+) -> tuple[float, float, int, Step | None] | None:
     """How the accuracy of an output changes from one program to the other.
 
     Args:
         programs: the old and the new one.
-        given: what they get.
+        batch: what they get.
         bands: the output of both.
         values: the output in float64, (count, components).
 
     Returns:
-        None where the output has no bands, such as an integer's, or all of them are open.
+        ULP of the value by which a band is wider, and narrower, at most; the invocation where that
+        is, of whichever is more; the first stored value whose band differs so there. None where the
+        output has no bands, such as an integer's, or all of them are open.
     """
     if not all(isinstance(band, Band) for band in bands):
         return None
@@ -196,8 +182,8 @@ def accuracy(
     step = None
     if worse or better:
         differ = _wider if worse >= better else _narrower
-        step, _, _ = first(programs, batch, row, Bands(), differ)
-    return Accuracy(worse, better, row, step)
+        step, _, _ = first_difference(programs, batch, row, Bands(), differ)
+    return worse, better, row, step
 
 
 def _off(band: Band, values: Array, size: int) -> Array:
@@ -260,7 +246,7 @@ def steps(
     return found
 
 
-def first(
+def first_difference(
     programs: tuple[Program, Program],
     batch: InputBatch,
     row: int,
@@ -272,22 +258,22 @@ def first(
     most = _SOON
     while True:
         old, new = (steps(program, batch, row, arithmetic, most) for program in programs)
-        pairs = _in_order(old, new)
+        pairs = _pair_in_order(old, new)
         found = next((b for a, b in pairs if differ(a.value, b.value)), None)
         if found is not None:
             return found, old, new
         if max(len(old), len(new)) < most:
-            return _later(old, new, len(pairs), differ), old, new
+            return _later_difference(old, new, len(pairs), differ), old, new
         most *= _MORE
 
 
-def _in_order(old: list[Step], new: list[Step]) -> list[tuple[Step, Step]]:
+def _pair_in_order(old: list[Step], new: list[Step]) -> list[tuple[Step, Step]]:
     """The steps of both up to where they store to other variables, or in another order."""
     pairs = zip(old, new, strict=False)
     return list(itertools.takewhile(lambda pair: pair[0].name == pair[1].name, pairs))
 
 
-def _later(old: list[Step], new: list[Step], start: int, differ: Differ) -> Step | None:
+def _later_difference(old: list[Step], new: list[Step], start: int, differ: Differ) -> Step | None:
     """The first of the new program's later steps that another value is stored in than in the old
     one's step of the same variable. What functions return has no name, and is left out."""
     known = {(step.name, step.turn): step for step in old if step.name != "return"}

@@ -215,10 +215,10 @@ def domains_of(
         said = ranges.get(one.name, ranges.get(plain, ""))
         comment = declared.get(plain.rpartition(".")[2], "")
         if said or comment:
-            domain = _said(said or comment, one.name)
+            domain = _parse_range(said or comment, one.name)
             found[one.name] = replace(domain, source="given" if said else "declared")
         else:
-            found[one.name] = _assumed(one)
+            found[one.name] = _assume_domain(one)
     for one in inputs:
         lower = lower_partner(one.name, found)
         if lower and found[one.name].kind == found[lower].kind == "number":
@@ -226,7 +226,7 @@ def domains_of(
     return found
 
 
-def _said(text: str, name: str) -> InputDomain:
+def _parse_range(text: str, name: str) -> InputDomain:
     if text == "unit":
         return InputDomain("unit")
     parts = re.split(r"\.\.|:", text)
@@ -239,7 +239,7 @@ def _said(text: str, name: str) -> InputDomain:
     return InputDomain("number", low, high)
 
 
-def _assumed(one: Input) -> InputDomain:
+def _assume_domain(one: Input) -> InputDomain:
     words = words_of(one.name)
     if "sampler" in one.type:
         return InputDomain("texture")
@@ -452,7 +452,7 @@ def learn_domains(captured: Sequence[InputBatch]) -> dict[str, InputDomain]:
             if array.dtype.kind == "f" and name != "gl_FragCoord":
                 own = array if name in batch.each else array[None]
                 values.setdefault(name, []).append(own)
-    found = {name: _role(name, arrays) for name, arrays in values.items()}
+    found = {name: _learn_domain(name, arrays) for name, arrays in values.items()}
     for name, domain in found.items():
         lower = lower_partner(name, found)
         if lower and domain.kind == found[lower].kind == "number":
@@ -460,7 +460,7 @@ def learn_domains(captured: Sequence[InputBatch]) -> dict[str, InputDomain]:
     return found
 
 
-def _role(name: str, arrays: Sequence[Array]) -> InputDomain:
+def _learn_domain(name: str, arrays: Sequence[Array]) -> InputDomain:
     shape = arrays[0].shape[1:]
     flat = np.concatenate([a.reshape(-1, *shape[-1:]) for a in arrays])
     if len(shape) == 2 and shape[0] == shape[1] and shape[0] > 1:
@@ -494,11 +494,11 @@ def vary_inputs(batch: InputBatch, domains: Mapping[str, InputDomain], seed: int
             each[name] = np.repeat(array[None], batch.count, axis=0)
     for name, domain in domains.items():
         if name in each:
-            each[name] = _varied(each[name], domain, group, rng)
+            each[name] = _vary(each[name], domain, group, rng)
     keep_in_order(each, domains)
     if "gl_FragCoord" in each:
-        each["gl_FragCoord"] = _moved(each["gl_FragCoord"], rng)
-    textures = {name: _shuffled(texels, rng) for name, texels in batch.bindings.textures.items()}
+        each["gl_FragCoord"] = _move_pixels(each["gl_FragCoord"], rng)
+    textures = {name: _shuffle(texels, rng) for name, texels in batch.bindings.textures.items()}
     return InputBatch(each, replace(batch.bindings, textures=textures), batch.count)
 
 
@@ -511,7 +511,7 @@ def _groups(batch: InputBatch) -> Array:
     return found
 
 
-def _moved(places: Array, rng: np.random.Generator) -> Array:
+def _move_pixels(places: Array, rng: np.random.Generator) -> Array:
     """The pixels elsewhere: at the lower left corner, or near it; quads stay whole."""
     found = places.copy()
     for axis in (0, 1):
@@ -520,14 +520,14 @@ def _moved(places: Array, rng: np.random.Generator) -> Array:
     return found
 
 
-def _varied(values: Array, domain: InputDomain, group: Array, rng: np.random.Generator) -> Array:
+def _vary(values: Array, domain: InputDomain, group: Array, rng: np.random.Generator) -> Array:
     """Values of the same role, changed alike in each group."""
     count, shape = int(group.max(initial=0)) + 1, values.shape[1:]
     if len(values) == 1:
         values = np.repeat(values, len(group), axis=0)
     x = values.astype(np.float64)
     if domain.kind in ("rotation", "affine", "projection") and len(shape) == 2:
-        return _turned(x, domain, group, count, rng)
+        return _turn(x, domain, group, count, rng)
     if domain.kind == "unit":
         x = x + rng.normal(scale=0.4, size=(count, *shape))[group]
         return np.asarray(x / np.linalg.norm(x, axis=-1, keepdims=True), np.float32)
@@ -541,7 +541,7 @@ def _varied(values: Array, domain: InputDomain, group: Array, rng: np.random.Gen
     return np.asarray(np.clip(x, domain.low, domain.high), np.float32)
 
 
-def _turned(
+def _turn(
     x: Array, domain: InputDomain, group: Array, count: int, rng: np.random.Generator
 ) -> Array:
     size = x.shape[-1]
@@ -560,10 +560,10 @@ def _turned(
     return np.asarray(x @ by[group], np.float32)
 
 
-def _shuffled(texels: Texels, rng: np.random.Generator) -> Texels:
-    def mixed(values: Array) -> Array:
+def _shuffle(texels: Texels, rng: np.random.Generator) -> Texels:
+    def mix(values: Array) -> Array:
         flat = values.reshape(-1, values.shape[-1])
         return flat[rng.permutation(len(flat))].reshape(values.shape)
 
-    smaller = tuple(mixed(level) for level in texels.smaller)
-    return replace(texels, values=mixed(texels.values), smaller=smaller)
+    smaller = tuple(mix(level) for level in texels.smaller)
+    return replace(texels, values=mix(texels.values), smaller=smaller)

@@ -53,11 +53,11 @@ class PerturbedFloat(Numbers):
     def exact(self, values: Any) -> Array:
         found: Array = np.asarray(values, np.float32).astype(np.float64)
         rounded = (found.astype(np.float16) != found).any(axis=-1, keepdims=True)
-        return self._shaken(found, np.broadcast_to(rounded, found.shape), _INPUT, "input")
+        return self._perturb(found, np.broadcast_to(rounded, found.shape), _INPUT, "input")
 
     def literal(self, value: float) -> Array:
         found: Array = super().literal(value)
-        return self._shaken(found, found != np.float32(value), _INPUT, f"literal {value!r}")
+        return self._perturb(found, found != np.float32(value), _INPUT, f"literal {value!r}")
 
     def undefined(self) -> Array:
         return np.full((1, 1), np.nan)
@@ -67,22 +67,22 @@ class PerturbedFloat(Numbers):
         if function == "pow":
             x, y = values
             found = np.where((x < 0.0) | ((x == 0.0) & (y <= 0.0)), np.nan, found)
-        return found if function in _EXACT else self._computed(found, function)
+        return found if function in _EXACT else self._perturb_rounded(found, function)
 
     def rounded(self, value: Any) -> Any:
-        return self._computed(super().rounded(value), "rounded")
+        return self._perturb_rounded(super().rounded(value), "rounded")
 
-    def _computed(self, value: Any, salt: str) -> Any:
+    def _perturb_rounded(self, value: Any, salt: str) -> Any:
         if not self.copies or type(value) is not np.ndarray:
             return value
         if len(value) == 1:
-            return self._shaken(value, _needs_rounding(value), _OPERATION, salt)
+            return self._perturb(value, _needs_rounding(value), _OPERATION, salt)
         found, noisy = value.copy(), value[self.count :]
         factors = _factors(noisy.shape, _OPERATION, _place(salt, value.item(0)))
         np.multiply(noisy, factors, out=found[self.count :], where=_needs_rounding(noisy))
         return found
 
-    def _shaken(self, value: Array, rounded: Array, size: float, salt: str) -> Array:
+    def _perturb(self, value: Array, rounded: Array, size: float, salt: str) -> Array:
         """The value with an error in each block but the first where it was rounded, from -1 to -.5
         or from .5 to 1 times `size`: none is lucky enough to be right. Errors follow from the
         numbers, so that the same expression of two shaders errs alike. A value with one row gets
@@ -182,7 +182,7 @@ def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
     }
     found = interpret(
         program, each, batch.bindings, PerturbedFloat(count=count, copies=copies),
-        count=count * times, places=_apart(each.get("gl_FragCoord"), count), unwritten=True,
+        count=count * times, places=_separate_runs(each.get("gl_FragCoord"), count), unwritten=True,
     )  # fmt: skip
     gone = np.broadcast_to(found.discarded.all_true, (count * times,))
     outputs = {
@@ -192,7 +192,7 @@ def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
     return Ran(outputs, gone.reshape(times, count))
 
 
-def _apart(places: Array | None, count: int) -> Array | None:
+def _separate_runs(places: Array | None, count: int) -> Array | None:
     """The pixels of each run elsewhere, so that no run's are the neighbours of another's."""
     if places is None:
         return None

@@ -193,15 +193,15 @@ class Half(Numbers):
             return found
         with np.errstate(all="ignore"):
             if function in _ROUNDED:
-                return self._towards_0(found, function, halves) if self.seed % 2 else found
-            return self._erring(found, function, halves)
+                return self._round_towards_0(found, function, halves) if self.seed % 2 else found
+            return self._perturb(found, function, halves)
 
-    def _towards_0(self, found: Array, function: str, values: Sequence[Any]) -> Array:
+    def _round_towards_0(self, found: Array, function: str, values: Sequence[Any]) -> Array:
         wide = FLOAT64.call(function, *(value.astype(np.float64) for value in values))
         beyond = np.abs(found.astype(np.float64)) > np.abs(wide)
         return np.where(beyond, np.nextafter(found, np.float16(0.0)), found)
 
-    def _erring(self, found: Array, function: str, values: Sequence[Any]) -> Array:
+    def _perturb(self, found: Array, function: str, values: Sequence[Any]) -> Array:
         share = self.rng.uniform(-1.0, 1.0, found.shape)
         if function in _WITHIN:
             return (found + share * _WITHIN[function]).astype(np.float16)
@@ -267,7 +267,7 @@ def mediump(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) ->
     for name, values in exact.items():
         off = np.max([_codes(device[name], values) for device in devices], axis=0)
         row = int(off.argmax())
-        file, line = _first(program, batch, row) if off[row] > 0.0 else ("", 0)
+        file, line = _first_deviation(program, batch, row) if off[row] > 0.0 else ("", 0)
         found.append(
             Spread(
                 output=name, precision="mediump", codes=float(off[row]), file=file, line=line,
@@ -299,7 +299,7 @@ def _codes(values: Array, exact: Array) -> Array:
     return found
 
 
-def _first(program: Program, batch: InputBatch, row: int) -> tuple[str, int]:
+def _first_deviation(program: Program, batch: InputBatch, row: int) -> tuple[str, int]:
     """The line whose value is the first that lies far off: by more than a quarter of what is worst
     among all of them."""
     pairs = zip(

@@ -122,13 +122,13 @@ def undefined_values(
     watch = _Filling(_VALUES[0])
     plain = _run(program, batch, watch)
     whole = _run(program, batch, _Filling(_VALUES[1]))
-    if _differing(plain, whole, batch.count):
+    if _find_differences(plain, whole, batch.count):
         for id_ in watch.filled:
             other = _run(program, batch, _Filling(_VALUES[1], id_))
-            for output, row in list(_differing(plain, other, batch.count).items())[:1]:
+            for output, row in list(_find_differences(plain, other, batch.count).items())[:1]:
                 yield _read(program, batch, row, id_, output, inputs)
     other = _run(program, batch, _Filling(_VALUES[0]), _VALUES[1])
-    for output, row in _differing(plain, other, batch.count, unwritten=True).items():
+    for output, row in _find_differences(plain, other, batch.count, unwritten=True).items():
         file, line = _declaration(program, output)
         yield Hazard(
             file=file, line=line, kind=UNWRITTEN,
@@ -143,7 +143,7 @@ def _run(
     return run_batch(program, batch, _Filled(value=outputs), watch=watch)
 
 
-def _differing(
+def _find_differences(
     one: Interpreted, other: Interpreted, count: int, *, unwritten: bool = False
 ) -> dict[str, int]:
     """The first row at which each output differs, of those that do; with `unwritten`, of those that

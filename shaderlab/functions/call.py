@@ -12,8 +12,7 @@ import numpy as np
 
 from shaderlab.drivers.programs.textures import texture_contents, texture_kind
 from shaderlab.errors import CallError, nearest
-from shaderlab.functions.declarations import DTYPES, Type
-from shaderlab.functions.signatures import Input, Signature
+from shaderlab.functions.signatures import DTYPES, Input, Signature, Type
 from shaderlab.model.frame import Array, Texels
 from shaderlab.model.textures import CompressedTexture, CubeTexture, Texture, TextureArray
 

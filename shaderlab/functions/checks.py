@@ -18,8 +18,8 @@ from shaderlab.engine.judging.laws import Finding, Law
 from shaderlab.engine.judging.references import Inputs, parameter_name
 from shaderlab.errors import CallError, FormulaError
 from shaderlab.functions.call import Call, Opaque, read_textures
-from shaderlab.functions.declarations import Type
 from shaderlab.functions.laws import CallLaw, judge_law
+from shaderlab.functions.signatures import Type
 from shaderlab.glslmath.arrays import stack
 from shaderlab.glslmath.choice import where
 from shaderlab.model.frame import Array
@@ -53,14 +53,14 @@ def judge_function(function: Function, law: Law | CallLaw | Reference, call: Cal
         kept = np.asarray(~mask.all(axis=tuple(range(len(call.batch), mask.ndim))))
     if not isinstance(law, Law | CallLaw):
         inputs = match_inputs(law, call, kept.reshape(-1), function.folder)
-        return [_of_reference(function, law, call, part, inputs, kept) for part in found]
+        return [_judge_reference(function, law, call, part, inputs, kept) for part in found]
     if not isinstance(got, np.ndarray | np.generic):
         names = ", ".join(part.name for part in found)
         raise CallError(
             f"{law.title} is a law of one value; {function.__name__} gives {names}",
             remedy="check a reference that gives them all, or call it, and compare what it gives",
         )
-    return [_of_law(function, law, call, found[0], kept)]
+    return [_judge_law(function, law, call, found[0], kept)]
 
 
 def format_failures(call: Call, outcomes: Sequence[Outcome]) -> str:
@@ -78,7 +78,7 @@ def function_source(function: Function, call: Call) -> SourceText:
     return SourceText(file=file, line=line, language="glsl", text=call.signature.definition)
 
 
-def _of_reference(
+def _judge_reference(
     function: Function,
     reference: Reference,
     call: Call,
@@ -104,7 +104,9 @@ def _of_reference(
     )
 
 
-def _of_law(function: Function, law: Law | CallLaw, call: Call, part: Part, kept: Array) -> Outcome:
+def _judge_law(
+    function: Function, law: Law | CallLaw, call: Call, part: Part, kept: Array
+) -> Outcome:
     got = part.values.data if isinstance(part.values, np.ma.MaskedArray) else part.values
     finding = judge_law(law, function, call, got)
     holds = finding.holds.all(axis=tuple(range(len(call.batch), finding.holds.ndim)))
@@ -114,7 +116,7 @@ def _of_law(function: Function, law: Law | CallLaw, call: Call, part: Part, kept
     message = ""
     if wrong.size:
         message = f"{name} does not hold of {wrong.size} of {judged} elements\n"
-        message += "\n".join(_shown(call, finding, int(wrong[0])))
+        message += "\n".join(_describe_element(call, finding, int(wrong[0])))
     elif not judged:
         message = "nothing was judged: there is no element, or all are discarded"
     elif finding.trivial:
@@ -130,7 +132,7 @@ def _of_law(function: Function, law: Law | CallLaw, call: Call, part: Part, kept
     )
 
 
-def _shown(call: Call, finding: Finding, index: int) -> Iterator[str]:
+def _describe_element(call: Call, finding: Finding, index: int) -> Iterator[str]:
     """One element: what it got, what was expected, its inputs, and a line that calls it again."""
     count = math.prod(call.batch)
     rows = finding.values.reshape(count, -1)[index]
@@ -346,7 +348,7 @@ def match_inputs(reference: Reference, call: Call, kept: Array, folder: str) -> 
     numbers = [name for name in every if name in inputs.exact]
     for names in (every, numbers):
         if len(names) in (len(required), len(wanted)):
-            return _by_order(inputs, names, [p.name for p in wanted], opaque)
+            return _match_by_order(inputs, names, [p.name for p in wanted], opaque)
     shown = ", ".join(parameter_name(n) for n in every)
     raise CallError(
         f"{reference.__name__} takes {', '.join(p.name for p in wanted)}; "
@@ -355,7 +357,7 @@ def match_inputs(reference: Reference, call: Call, kept: Array, folder: str) -> 
     )
 
 
-def _by_order(
+def _match_by_order(
     inputs: Inputs, names: Sequence[str], wanted: Sequence[str], opaque: Opaque
 ) -> Inputs:
     new = dict(zip(names, wanted, strict=False))

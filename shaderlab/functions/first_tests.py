@@ -12,10 +12,9 @@ import numpy as np
 
 from shaderlab.errors import CallError, ShaderlabError
 from shaderlab.functions import domains
-from shaderlab.functions.declarations import Type
 from shaderlab.functions.domains import Directions, Domain, Floats, Ints, OneOf, hints_of
 from shaderlab.functions.library import Function, Library
-from shaderlab.functions.signatures import Input, Signature
+from shaderlab.functions.signatures import Input, Signature, Type
 from shaderlab.model.frame import Array
 
 _SAMPLES, _SEEDS = 10_000, 3
@@ -200,12 +199,12 @@ def _domain(given: Input) -> str:
     """Where an argument is searched, as Python."""
     kind = given.type
     if kind.opaque or (kind.members and kind.dims):
-        return _fixed(given)
+        return _fixed_value(given)
     if kind.members:
         members = (f'"{name}": {_domain(Input(name, inner))}' for name, inner in kind.members)
         return f"{{{', '.join(members)}}}"
     if kind.words > _MOST_WORDS:
-        return _fixed(given)
+        return _fixed_value(given)
     if given.name == "iResolution":
         return "np.array([64.0, 48.0, 1.0])"
     if kind.kind == "bool":
@@ -224,13 +223,13 @@ def _domain(given: Input) -> str:
     return "glsl.floats(0, 1)"
 
 
-def _fixed(given: Input) -> str:
+def _fixed_value(given: Input) -> str:
     """A value, for what is not searched: structs in arrays, and what has samplers."""
     kind = given.type
     if kind.dims and (kind.members or kind.opaque):
-        return f"[{', '.join([_fixed(Input(given.name, kind.element))] * kind.dims[0])}]"
+        return f"[{', '.join([_fixed_value(Input(given.name, kind.element))] * kind.dims[0])}]"
     if kind.members:
-        members = (f'"{name}": {_fixed(Input(name, inner))}' for name, inner in kind.members)
+        members = (f'"{name}": {_fixed_value(Input(name, inner))}' for name, inner in kind.members)
         return f"{{{', '.join(members)}}}"
     if kind.opaque:
         if kind.name != "sampler2D":

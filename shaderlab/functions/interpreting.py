@@ -16,11 +16,17 @@ from shaderlab.analysis.interpreter import Program, load
 from shaderlab.analysis.requests import ShaderOfFile
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, nearest
-from shaderlab.functions.declarations import Type, read_declarations
 from shaderlab.functions.evaluation import Preprocess, as_version, glsl_versions
 from shaderlab.functions.kernels import local_name
 from shaderlab.functions.library import with_version
-from shaderlab.functions.signatures import PREFIX, Signature, declare, find_signatures
+from shaderlab.functions.signatures import (
+    PREFIX,
+    Signature,
+    Type,
+    declare,
+    find_signatures,
+    read_declarations,
+)
 
 if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
@@ -43,7 +49,9 @@ class EntryPoint:
     sources: tuple[Source, ...]
 
 
-def entry_points(source: Source, preprocessed: str, versions: Sequence[int]) -> list[EntryPoint]:
+def find_entry_points(
+    source: Source, preprocessed: str, versions: Sequence[int]
+) -> list[EntryPoint]:
     """The functions that a file defines itself, not in what it includes, in order.
 
     Args:
@@ -62,38 +70,38 @@ def entry_points(source: Source, preprocessed: str, versions: Sequence[int]) -> 
         for signature in overloads:
             place = source.place(signature.line)
             if place[0] == own_file:
-                made = _source(source, signature, place, taken)
+                made = _entry_source(source, signature, place, taken)
                 found.append(
                     EntryPoint(signature, tuple(as_version(made, one) for one in versions))
                 )
     return sorted(found, key=lambda one: one.signature.line)
 
 
-def _source(
+def _entry_source(
     source: Source, signature: Signature, place: tuple[str, int], taken: Collection[str]
 ) -> Source:
-    added = "\n".join(_main(signature, taken)) + "\n"
+    added = "\n".join(_main_lines(signature, taken)) + "\n"
     spans = [(*source.place(n + 1), 1) for n in range(source.text.count("\n") + 1)]
     spans += [(*place, 1)] * added.count("\n")
     text = f"{source.text}\n{added}"
     return replace(source, stage="fragment", text=text, lines=LineMap.of(spans), stripped=None)
 
 
-def _main(signature: Signature, taken: Collection[str]) -> Iterator[str]:
+def _main_lines(signature: Signature, taken: Collection[str]) -> Iterator[str]:
     """Inputs, outputs and the `main` between them."""
     body, arguments, written = [], [], []
     for parameter in signature.parameters:
         name = local_name(parameter.name)
         arguments.append(name)
         if parameter.type.opaque:
-            arguments[-1] = _free(parameter.name, taken)
+            arguments[-1] = _free_name(parameter.name, taken)
             yield f"uniform {declare(parameter.type, arguments[-1])};"
             continue
         body.append(f"{declare(parameter.type, name)};")
         if parameter.direction != "out":
             for target, label, kind in _leaves(name, parameter.name, parameter.type):
-                given = _free(label, taken)
-                held = _held(kind)
+                given = _free_name(label, taken)
+                held = _carrier_type(kind)
                 flat = "" if kind.kind == "float" else "flat "
                 yield f"{flat}in {held} {given};{_RANGES.get(kind.kind, '')}"
                 body.append(f"{target} = {kind.name}({given});")
@@ -110,7 +118,7 @@ def _main(signature: Signature, taken: Collection[str]) -> Iterator[str]:
     for value, name, kind in written:
         for target, label, leaf in _leaves(value, name, kind):
             for n, (part, held) in enumerate(_columns(target, leaf)):
-                out = _free(f"{label}_{n}" if len(leaf.base_shape) == 2 else label, taken)
+                out = _free_name(f"{label}_{n}" if len(leaf.base_shape) == 2 else label, taken)
                 yield f"out {held} {out};"
                 body.append(f"{out} = {held}({part});")
     yield "void main() {"
@@ -130,7 +138,7 @@ def _leaves(target: str, label: str, kind: Type) -> Iterator[tuple[str, str, Typ
         yield target, label, kind
 
 
-def _held(kind: Type) -> str:
+def _carrier_type(kind: Type) -> str:
     """The type that carries such a value between stages, which have no conditions."""
     return re.sub(r"^bool$", "int", re.sub(r"^bvec", "ivec", kind.name))
 
@@ -138,14 +146,14 @@ def _held(kind: Type) -> str:
 def _columns(value: str, kind: Type) -> Iterator[tuple[str, str]]:
     """What is written of a value, with its type: matrices column by column."""
     if len(kind.base_shape) < 2:
-        yield value, _held(kind)
+        yield value, _carrier_type(kind)
         return
     rows, columns = kind.base_shape
     for n in range(columns):
         yield f"{value}[{n}]", f"vec{rows}"
 
 
-def _free(name: str, taken: Collection[str]) -> str:
+def _free_name(name: str, taken: Collection[str]) -> str:
     """The name, or one like it where the file has something of this name."""
     while name in taken:
         name += "_"
@@ -187,7 +195,7 @@ class AuditFunctions:
             inputs = {f"{name}: {word}": role for word, role in audit.inputs.items()}
             spreads = tuple(replace(s, output=f"{name}: {s.output}") for s in audit.spreads)
             found.append(replace(audit, inputs=inputs, spreads=spreads))
-        return [*_one(self.shader.file.path, found), *refused]
+        return [*_merge_audits(self.shader.file.path, found), *refused]
 
 
 @dataclass(frozen=True)
@@ -245,7 +253,7 @@ def _functions(worker: Worker, shader: ShaderOfFile) -> list[EntryPoint]:
     worker.note("preprocessing")
     written = shader.source("fragment")
     source = with_version(written)
-    found = entry_points(source, Preprocess(source).perform(worker), glsl_versions(written))
+    found = find_entry_points(source, Preprocess(source).perform(worker), glsl_versions(written))
     if not found:
         raise ShaderError("there is no function in it, and no main", file=shader.file.path)
     return found
@@ -283,7 +291,7 @@ def _plan_of(plan: Plan, *programs: Program) -> Plan:
     return replace(plan, ranges={n: r for n, r in plan.ranges.items() if n not in unknown})
 
 
-def _one(file: str, audits: Sequence[Audit]) -> Iterator[Audit]:
+def _merge_audits(file: str, audits: Sequence[Audit]) -> Iterator[Audit]:
     """What was found in any of the functions, with the inputs of those that have a hazard. What two
     of them call was found in both."""
     hazards = {(h.line, h.file, h.kind): h for audit in audits[::-1] for h in audit.hazards}

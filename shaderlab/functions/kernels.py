@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from shaderlab.functions.declarations import Type
-from shaderlab.functions.signatures import PREFIX, Input, Signature, declare, rename
+from shaderlab.functions.signatures import PREFIX, Input, Signature, Type, declare, rename
 
 MAX_WORDS = 8
 """Attachments that every driver has; what is more goes into another pass."""

@@ -19,11 +19,10 @@ from shaderlab.engine.judging.laws import Law
 from shaderlab.errors import CallError, ShaderError, ShaderlabError, nearest
 from shaderlab.functions import checks
 from shaderlab.functions.call import Call, bind_arguments, replace_arguments
-from shaderlab.functions.declarations import read_declarations
 from shaderlab.functions.evaluation import evaluate, get_caller
 from shaderlab.functions.laws import CallLaw
 from shaderlab.functions.records import Notes, current_notes
-from shaderlab.functions.signatures import Signature, find_signatures
+from shaderlab.functions.signatures import Signature, find_signatures, read_declarations
 from shaderlab.settings import settings_of
 
 

@@ -41,7 +41,7 @@ _FLOW = (Op.FunctionCall, Op.BranchConditional, Op.Switch)
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """One value stored by one path through a program, or one that its flow depends on.
+    """A value that one path through a program stores, or that its flow depends on.
 
     Attributes:
         at: the instruction. Of an argument that is the call, of a condition the branch.
@@ -331,20 +331,20 @@ class Run:
     def trace_stored(
         self, at: Instruction, name: str, type_: Type, value: Value, state: PathState
     ) -> None:
-        """Tell the trace of a value that was stored; "param" is what glslang calls an argument."""
+        """Trace a value that was stored; "param" is what glslang calls an argument."""
         if self.trace is not None and name not in ("", "param"):
             self.trace(self._event(at, name, type_, value, state))
             self._reads.clear()
 
     def trace_branch(self, at: Instruction, value: Value, state: PathState) -> None:
-        """Tell who asked of what a branch is taken by."""
+        """Trace what a branch is taken by."""
         if self.trace is not None:
             kind: Kind = "bool" if isinstance(value, TriBool) else "int"
             name = "condition" if kind == "bool" else "selector"
             self.trace(self._event(at, name, Type(kind), value, state))
 
     def trace_arguments(self, at: Instruction, function: Function, state: PathState) -> None:
-        """Tell who asked of what a function is passed; it was not given anything for `out`."""
+        """Trace what a function is passed; for an `out` parameter that is nothing."""
         if self.trace is None:
             return
         called = self.program.name(function.id).partition("(")[0]
