@@ -392,9 +392,7 @@ class ComparedWith(Need):
             fragments = CapturedFragments(self.key).answer(context)
             batch = fragment_batch(fragments, bindings, _MOST)
         else:
-            batch = vertex_batch(
-                CapturedVertices(self.key).answer(context), bindings, _MAX_CAPTURED
-            )
+            batch = vertex_batch(CapturedVertices(self.key).answer(context), bindings, _MOST)
         if not batch.count:
             raise CaseError("same_as: the draw has no invocation to compare on")
         with phase("judge", f"comparing {own.name} with {self.approved}"):
