@@ -49,7 +49,7 @@ class DriverValue:
         reached: the invocations that they are of: those that were there in both.
     """
 
-    watched: Watched
+    watched: WatchedValue
     values: Array
     reached: Flags
 
@@ -60,7 +60,6 @@ def driver_values(
     given: Invocations,
     stored: Sequence[Stored],
     undecided: Flags,
-    suspects: set[tuple[Stored, str]] | None = None,
 ) -> Iterator[DriverValue]:
     """What the driver has for what was stored, in that order; drawn as it is asked for. Of what an
     invocation passes again and again the first turns and the last one.
@@ -72,8 +71,6 @@ def driver_values(
         stored: what an interpretation of them stored.
         undecided: those of them that took both sides of a branch: what they passed more than once
             is left out, for the driver may have passed it less often.
-        suspects: values that could not be watched without others being changed in almost the same
-            shader: each is drawn alone. Those that are found are added.
 
     Raises:
         UnsupportedError: the shader has no room for another output, or whatever is watched, the
@@ -82,35 +79,30 @@ def driver_values(
     """
     draw = evaluation.programs[key[0]][key[1]]
     text = draw.text("fragment") or ""
-    suspects = set() if suspects is None else suspects
-    wanted = list(_wanted(Watches(text, given.program), stored, undecided))
-    drawing = _Drawing(evaluation, key, given, text)
-    size = watch_capacity(len(drawing.colors))
+    wanted = list(_plan_watches(Watches(text, given.program), stored, undecided))
+    redraws = _Redraws(evaluation, key, given, text)
+    size = watch_capacity(len(redraws.colors))
     if size < 4:
         raise UnsupportedError("the shader has no room for another output")
     known: dict[Watch, _Values | None] = {}
-    alone = {watch for each, watch, _ in wanted if (each.event, each.name) in suspects}
     for i, (watched, watch, rows) in enumerate(wanted):
         if watch not in known:
-            left = [w for _, w, _ in wanted[i:] if w not in known and w not in alone]
-            batch = [watch] if watch in alone else _batch(left, size)
-            known.update(drawing.values(batch))
+            left = [w for _, w, _ in wanted[i:] if w not in known]
+            known.update(redraws.values(_batch(left, size)))
         values = known[watch]
         if values is not None:
             yield DriverValue(watched, values[0], rows & values[1])
-        elif any(known.values()):
-            suspects.add((watched.event, watched.name))
-        elif len(known) >= _MOST_REFUSED:
+        elif len(known) >= _MOST_REFUSED and not any(known.values()):
             break
     if wanted and not any(known.values()):
         raise UnsupportedError("the driver computes other outputs where the shader writes more")
 
 
-def _wanted(
+def _plan_watches(
     watches: Watches, stored: Sequence[Stored], undecided: Flags
-) -> Iterator[tuple[Watched, Watch, Flags]]:
-    """What to ask for: a vector, what to write for it, and the invocations that are meant. A struct
-    that is handed on whole is told from others by its first member."""
+) -> Iterator[tuple[WatchedValue, Watch, Flags]]:
+    """What to ask the driver for: a vector, what to write for it, and for which invocations. A
+    struct that is passed on whole is recognised by its first member."""
     turns: dict[object, Array] = {}
     before = []
     for event in stored:
@@ -145,7 +137,7 @@ def _batch(watches: Sequence[Watch], size: int) -> list[Watch]:
     return list(found)
 
 
-class _Drawing:
+class _Redraws:
     """A draw that is made again and again, with values watched."""
 
     def __init__(
@@ -154,15 +146,15 @@ class _Drawing:
         assert given.pixels is not None
         outputs = evaluation.programs[key[0]][key[1]].interface.outputs
         self.colors = {name: output_format(variable.type) for name, variable in outputs.items()}
-        self._written = evaluation.session.redraw_with_text
+        self._redraw = evaluation.session.redraw_with_text
         self._key, self._text = key, text
         self._at = given.pixels[:, 1], given.pixels[:, 0]
-        self._plain = self._written(key, text, self.colors)
+        self._plain = self._redraw(key, text, self.colors)
 
     def values(self, watches: Sequence[Watch]) -> dict[Watch, _Values | None]:
-        """What the driver has at each; None where its outputs are others if that is written. Those
-        are told from others by halves."""
-        together = self._together(watches)
+        """What the driver has at each; None where writing it changes the shader's own outputs.
+        Those are found by halving."""
+        together = self._values_together(watches)
         if together is not None:
             return dict(zip(watches, together, strict=True))
         if len(watches) == 1:
@@ -170,11 +162,11 @@ class _Drawing:
         half = len(watches) // 2
         return self.values(watches[:half]) | self.values(watches[half:])
 
-    def _together(self, watches: Sequence[Watch]) -> list[_Values] | None:
+    def _values_together(self, watches: Sequence[Watch]) -> list[_Values] | None:
         try:
             changed, places = instrument(self._text, watches)
             added = dict.fromkeys((name for one in places for name, _ in one.components), "rgba32f")
-            images = self._written(self._key, changed, {**self.colors, **added})
+            images = self._redraw(self._key, changed, {**self.colors, **added})
         except (ShaderlabError, KeyError, AssertionError):  # or the text can't be changed
             return None
         if any(differ(images[name], self._plain[name]) for name in self.colors):
@@ -196,7 +188,7 @@ _At = tuple[tuple[WatchPoint, str], ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Watched:
+class WatchedValue:
     """A vector of what was stored, and what to ask a driver for it.
 
     Attributes:
@@ -244,7 +236,7 @@ class Watches:
         self._branches = dict(_branches(program, self._points["condition"]))
         self._found: dict[object, _At] = {}
 
-    def of(self, event: Stored) -> list[Watched]:
+    def of(self, event: Stored) -> list[WatchedValue]:
         """An event's vectors; none where the text has no place for it."""
         slot = self.slot(event)
         if slot not in self._found:
@@ -256,7 +248,7 @@ class Watches:
         if len(parts) > _MOST_PARTS:
             return []
         return [
-            Watched(
+            WatchedValue(
                 event,
                 event.name + way,
                 value,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -19,6 +19,7 @@ from shaderlab.bands.rounding import ulp
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import CapturedFragments, subject_of
+from shaderlab.engine.judging.banded import format_value
 from shaderlab.engine.judging.references import Inputs, evaluate
 from shaderlab.errors import ShaderlabError, UsageError, nearest
 from shaderlab.files import display_path
@@ -40,13 +41,11 @@ _Key = tuple[int, tuple[int, ...], str, int]
 @dataclass(frozen=True, eq=False)
 class Trace:
     """What the invocations of a draw stored in one arithmetic, with the arguments and conditions in
-    between, in the order of execution; what they wrote; which took both sides of a branch; and
-    the `suspects` of `driver_values`."""
+    between, in the order of execution; what they wrote; and which took both sides of a branch."""
 
     stored: list[Stored]
     outputs: Mapping[str, Any]
     undecided: Any
-    suspects: set[tuple[Stored, str]] = field(default_factory=set)
 
     def at(self, row: int) -> dict[_Key, Stored]:
         """What one of them stored, passed and went by, by line, calls, name, and how often it was
@@ -61,7 +60,7 @@ class Trace:
         return found
 
 
-def traced(given: Invocations, arithmetic: Arithmetic) -> Trace:
+def trace_invocations(given: Invocations, arithmetic: Arithmetic) -> Trace:
     """Interpret invocations and keep what they store. Raises as `interpret` does."""
     events: list[Stored] = []
     result = interpret(
@@ -97,11 +96,11 @@ def explain(
     here = np.flatnonzero((given.pixels == pixel).all(axis=-1))
     if not here.size:
         raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at pixel {pixel}")
-    bands = traced(given, Bands())
+    bands = trace_invocations(given, Bands())
     row = int(here[0])
     driver: dict[Stored, Array] = {}
     refused = ""
-    if not if_outside or _leaves(evaluation, key, given, bands, row):
+    if not if_outside or _is_outside(evaluation, key, given, bands, row):
         try:
             for found in driver_values(evaluation, key, given, bands.stored, bands.undecided):
                 event = found.watched.event
@@ -112,7 +111,7 @@ def explain(
     return Explanation(pixel=pixel, steps=steps_at(given, bands, driver, row), refused=refused)
 
 
-def _leaves(
+def _is_outside(
     evaluation: Evaluation, key: PassDraw, given: Invocations, bands: Trace, row: int
 ) -> bool:
     """Whether what the driver wrote lies outside of the program's band; False where attachments
@@ -128,7 +127,9 @@ def steps_at(
 ) -> tuple[Step, ...]:
     """What one invocation stores, step by step, with the driver's values where they are known. An
     integer, an argument or a condition has a step where the driver has another one."""
-    single, exact = (traced(given, arithmetic).at(row) for arithmetic in (FLOAT32, FLOAT64))
+    single, exact = (
+        trace_invocations(given, arithmetic).at(row) for arithmetic in (FLOAT32, FLOAT64)
+    )
     steps = []
     for key, event in bands.at(row).items():
         if not _is_plain(event.value) or key not in single or key not in exact:
@@ -213,7 +214,9 @@ def explain_file(
     row = _widest(_as_invocations(program, made_up))
     rows = made_up.rows_with(np.array([row]), program)
     some = _as_invocations(program, made_up.part(rows))
-    steps = steps_at(some, traced(some, Bands()), {}, int(np.flatnonzero(rows == row)[0]))
+    steps = steps_at(
+        some, trace_invocations(some, Bands()), {}, int(np.flatnonzero(rows == row)[0])
+    )
     return Explanation(pixel=(0, 0), steps=steps), made_up.example(row, inputs)
 
 
@@ -260,44 +263,46 @@ def locate_failure(
     explained = explain(evaluation, key, outcome.worst.pixel, if_outside=True)
     for step in explained.steps:
         if step.by_driver and not step.inside:
-            return _blaming(explained, step, "the driver is outside the shader's band", "allowed")
+            words = "the driver is outside the shader's band"
+            return _add_verdict(explained, step, words, "allowed")
     numbers, result = _reference_at(evaluation, formula, outcome.worst.pixel)
-    own = compared(formula.own_name(evaluation.scene))
+    own = normalize_name(formula.own_name(evaluation.scene))
     numbers.setdefault(own, []).append(result)
-    for name, steps in _by_name(explained).items():
+    for name, steps in _group_by_name(explained).items():
         known = numbers.get(name)
         # A name may be stored to several times, and a reference may have any of the values.
         if known and not any(_agrees(step, values) for step in steps for values in known):
-            words = "the driver computes what the shader says"
-            return _blaming(explained, steps[-1], words, "the reference's", _shown(known[-1]))
+            words = "the driver follows the shader, which differs from the reference"
+            expected = format_value(known[-1])
+            return _add_verdict(explained, steps[-1], words, "in the reference", expected)
     return replace(
         explained,
-        verdict="the driver computes what the shader says, and each value that has a name in the "
-        "reference is the reference's",
+        verdict="the driver follows the shader, and every value that has a name in the reference "
+        "agrees with it",
     )
 
 
-def _by_name(explained: Explanation) -> dict[str, list[Step]]:
+def _group_by_name(explained: Explanation) -> dict[str, list[Step]]:
     """The steps that store to each name, in the order of their first ones."""
     found: dict[str, list[Step]] = {}
     for step in explained.steps:
-        found.setdefault(compared(step.name), []).append(step)
+        found.setdefault(normalize_name(step.name), []).append(step)
     return found
 
 
-def _blaming(
-    explained: Explanation, step: Step, words: str, other: str, format_inputs: str = ""
+def _add_verdict(
+    explained: Explanation, step: Step, words: str, other: str, expected: str = ""
 ) -> Explanation:
     file = display_path(step.file, step.line)
-    value = _shown(np.array(step.value))
+    value = format_value(step.value)
     if step.name == "condition":
-        value, format_inputs = ("true", "false") if step.value[0] else ("false", "true")
-    elif not format_inputs:
+        value, expected = ("true", "false") if step.value[0] else ("false", "true")
+    elif not expected:
         pairs = zip(step.low, step.high, strict=True)
-        format_inputs = ", ".join(f"{low:.9g} … {high:.9g}" for low, high in pairs)
+        expected = ", ".join(f"{low:.9g} … {high:.9g}" for low, high in pairs)
     return replace(
         explained,
-        verdict=f"{words}; first at {file}: {step.name} is {value}, {other} {format_inputs}",
+        verdict=f"{words}; first at {file}: {step.name} is {value}, {other} {expected}",
         file=step.file,
         line=step.line,
     )
@@ -333,19 +338,14 @@ def _agrees(step: Step, values: Any) -> bool:
     return bool((inside | np.isnan(array)).all())
 
 
-def _shown(values: Any) -> str:
-    numbers = [f"{float(v):.9g}" for v in np.ravel(values)]
-    return numbers[0] if len(numbers) == 1 else f"({', '.join(numbers)})"
-
-
 _LAB = str(Path(__file__).parents[1])
 _FORMULAS = str(Path(_LAB) / "reference")
 
 
-def compared(name: str) -> str:
+def normalize_name(name: str) -> str:
     """A name as shaders and references are compared by it: `lightDir` is `light_dir`.
 
-    >>> compared("lightDir") == compared("light_dir")
+    >>> normalize_name("lightDir") == normalize_name("light_dir")
     True
     """
     return name.replace("_", "").lower()
@@ -357,7 +357,7 @@ def reference_locals(
     """What the functions of a reference, and those that it calls, assign and return, in float64.
 
     Returns:
-        Values by `compared` name, those of a function's result by "name()"; and the reference's
+        Values by normalized name, those of a function's result by "name()"; and the reference's
         own result. Its parameters are left out: they are what the shader gets.
 
     Raises:
@@ -372,9 +372,9 @@ def reference_locals(
         given = set(code.co_varnames[: code.co_argcount + code.co_kwonlyargcount])
         for name, value in frame.f_locals.items():
             if name not in given and _is_number(value):
-                found.setdefault(compared(name), []).append(value)
+                found.setdefault(normalize_name(name), []).append(value)
         if _is_number(result):
-            found.setdefault(compared(code.co_name) + "()", []).append(result)
+            found.setdefault(normalize_name(code.co_name) + "()", []).append(result)
 
     before = sys.getprofile()
     sys.setprofile(note)

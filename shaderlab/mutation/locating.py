@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from shaderlab.analysis.driver_values import driver_values
-from shaderlab.analysis.explain import Trace, traced
+from shaderlab.analysis.explain import Trace, trace_invocations
 from shaderlab.analysis.interpreter import Bands, Stored
 from shaderlab.analysis.invocations import Invocations, sample_fragments
 from shaderlab.analysis.self_check import find_outside
@@ -29,7 +29,7 @@ def trace_draws(right: Evaluation) -> Traces:
 def _trace_of(evaluation: Evaluation, key: PassDraw) -> tuple[Invocations, Trace] | None:
     try:
         given = sample_fragments(evaluation, key, _MOST_PIXELS)
-        return (given, traced(given, Bands())) if given.count else None
+        return (given, trace_invocations(given, Bands())) if given.count else None
     except ShaderlabError:
         return None
 
@@ -82,7 +82,7 @@ def _first_outside(
     wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace
 ) -> Stored | None:
     """The first value of the driver's that is not in the band of what was stored there."""
-    seen = driver_values(wrong, key, given, trace.stored, trace.undecided, trace.suspects)
+    seen = driver_values(wrong, key, given, trace.stored, trace.undecided)
     for found in seen:
         if (found.reached & ~found.watched.allows(found.values)).any():
             return found.watched.event

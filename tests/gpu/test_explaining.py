@@ -119,7 +119,9 @@ def test_an_author_s_mistake_is_found_by_the_reference_s_names(
     outcome = outcome_of(lab, case_of(tmp_path / str(line), SHADER.replace(right, wrong)))
     assert outcome.status == "fail" and outcome.explanation is not None
     explained = outcome.explanation
-    assert explained.verdict.startswith("the driver computes what the shader says; first at ")
+    assert explained.verdict.startswith(
+        "the driver follows the shader, which differs from the reference; first at "
+    )
     assert f": {name} is " in explained.verdict
     assert (Path(explained.file).name, explained.line) == ("lit.frag", line)
 
