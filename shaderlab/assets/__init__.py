@@ -16,8 +16,12 @@ from shaderlab.assets.meshes import (
     sphere as sphere,
     torus as torus,
 )
-from shaderlab.assets.obj import Part as Part, load_obj as load_obj
-from shaderlab.assets.pcd import Cloud as Cloud, load_pcd as load_pcd
+from shaderlab.assets.models import (
+    Cloud as Cloud,
+    Part as Part,
+    load_obj as load_obj,
+    load_pcd as load_pcd,
+)
 from shaderlab.assets.textures import (
     brick_normals as brick_normals,
     brick_wall as brick_wall,

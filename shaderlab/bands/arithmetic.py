@@ -19,6 +19,7 @@ A plain band has no `mag` of its own (None: its own absolute value), and pays no
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -82,20 +83,17 @@ def add(a: BandT, b: BandT) -> BandT:
     if b.count > 1:
         step = step + (b.count - 1) * RELATIVE_STEP * mag_a
 
-    def not_negative(crossed: Flags) -> Flags:
-        found: Flags = crossed & (a.lo >= 0.0) & (b.lo >= 0.0)
-        if found.any():
-            found &= (a_lo + b_lo >= step) | (hi >= mag * UNCANCELLED)
-        return found
-
-    def not_positive(crossed: Flags) -> Flags:
-        found: Flags = crossed & (a.hi <= 0.0) & (b.hi <= 0.0)
-        if found.any():
-            found &= (a_hi + b_hi <= -step) | (-lo >= mag * UNCANCELLED)
-        return found
-
-    moved = move_out(lo, hi, step, not_negative, not_positive)
-    return a.derive(*moved, b, nan=nan, terms=terms)
+    # Operands of one sign, once settled, are further from zero than any rearrangement can err.
+    positive = (a_lo + b_lo >= step) | (hi >= mag * UNCANCELLED)
+    negative = (a_hi + b_hi <= -step) | (-lo >= mag * UNCANCELLED)
+    bounds = _move_out(
+        lo,
+        hi,
+        step,
+        (a.lo >= 0.0) & (b.lo >= 0.0) & positive,
+        (a.hi <= 0.0) & (b.hi <= 0.0) & negative,
+    )
+    return a.derive(*bounds, b, nan=nan, terms=terms)
 
 
 @use_kernel
@@ -104,46 +102,23 @@ def subtract(a: BandT, b: BandT) -> BandT:
     return add(a, negate(b))
 
 
-def move_out(
-    lo: Float64Array,
-    hi: Float64Array,
-    step: Float64Array,
-    not_negative: Callable[[Flags], Flags],
-    not_positive: Callable[[Flags], Flags],
+def _move_out(
+    lo: Float64Array, hi: Float64Array, step: Float64Array, positive: Flags, negative: Flags
 ) -> tuple[Float64Array, Float64Array]:
-    """Bounds moved out by a step, which does not take a result past zero that can't have its sign.
-
-    Operands of one sign, once settled, are further from zero than any rearrangement can err.
-    `not_negative` and `not_positive` say which of the results that crossed zero can't have.
-    """
-    out_lo, out_hi = lo - step, hi + step
-    crossed = out_lo < 0.0
-    if crossed.any():
-        np.copyto(out_lo, 0.0, where=not_negative(crossed))
-    crossed = out_hi > 0.0
-    if crossed.any():
-        np.copyto(out_hi, 0.0, where=not_positive(crossed))
-    return out_lo, out_hi
+    """Bounds moved out by a step, which does not take a result past zero where that is known to be
+    positive or negative."""
+    low, high = lo - step, hi + step
+    return np.where((low < 0.0) & positive, 0.0, low), np.where((high > 0.0) & negative, 0.0, high)
 
 
-def _safe_signs(
-    lo: Float64Array, hi: Float64Array, terms: Terms, least: Float64Array | None = None
-) -> tuple[Callable[[Flags], Flags], Callable[[Flags], Flags]]:
-    """For `move_out`: where a settled sum times or over a plain value keeps its sign, its terms
-    distributed; and where its size is at least `least`, if given."""
-
-    def keeps_sign(crossed: Flags, sided: Flags, size: Float64Array) -> Flags:
-        found: Flags = crossed & sided
-        if found.any():
-            found &= terms.safe()
-            if least is not None:
-                found &= size >= least
-        return found
-
-    return (
-        lambda crossed: keeps_sign(crossed, lo >= 0.0, hi),
-        lambda crossed: keeps_sign(crossed, hi <= 0.0, -lo),
-    )
+def _move_out_by_terms(
+    lo: Float64Array, hi: Float64Array, steps: float, terms: Terms, least: Float64Array | float
+) -> tuple[Float64Array, Float64Array]:
+    """Bounds moved out by some steps of the terms: a sum times or over a plain value, once settled,
+    keeps its sign when its terms are distributed, if its size is at least `least`."""
+    safe = terms.safe()
+    positive, negative = (lo >= 0.0) & safe & (hi >= least), (hi <= 0.0) & safe & (-lo >= least)
+    return _move_out(lo, hi, steps * terms.step(), positive, negative)
 
 
 @use_kernel
@@ -161,7 +136,7 @@ def multiply(a: BandT, b: BandT) -> BandT:
     lo, hi = product_bounds(a_lo, a_hi, b_lo, b_hi)
     nan = None
     if not is_finite(lo, hi):
-        nan = zero_times_infinity(a_lo, a_hi, b_lo, b_hi)
+        nan = _zero_times_infinity(a_lo, a_hi, b_lo, b_hi)
     if not a.rules.rearrange:
         return a.derive(lo, hi, b, nan=nan)
     mag_a, mag_b = a.abs_sum, b.abs_sum
@@ -177,9 +152,8 @@ def multiply(a: BandT, b: BandT) -> BandT:
         return a.derive(lo, hi, b, nan=nan, terms=terms)
     # (a + b)·(c + d) may become four products and three sums, each of the size of the terms.
     steps = 1 if a.is_plain or b.is_plain else max(3, terms.count - 1)
-    keeps = _safe_signs(lo, hi, terms, mag * UNCANCELLED if steps > 1 else None)
-    moved = move_out(lo, hi, steps * terms.step() if steps > 1 else terms.step(), *keeps)
-    return a.derive(*moved, b, nan=nan, terms=terms)
+    bounds = _move_out_by_terms(lo, hi, steps, terms, mag * UNCANCELLED if steps > 1 else 0.0)
+    return a.derive(*bounds, b, nan=nan, terms=terms)
 
 
 @np.errstate(all="ignore")
@@ -188,7 +162,7 @@ def scale(a: BandT, scale: BandT) -> BandT:
     lo, hi = product_bounds(a.lo, a.hi, scale.lo, scale.lo)
     nan = None
     if not is_finite(lo, hi):
-        nan = zero_times_infinity(a.lo, a.hi, scale.lo, scale.lo)
+        nan = _zero_times_infinity(a.lo, a.hi, scale.lo, scale.lo)
     return a.derive(lo, hi, scale, nan=nan, terms=_scaled_terms(a, np.abs(scale.lo)))
 
 
@@ -242,8 +216,8 @@ def divide(a: BandT, b: BandT) -> BandT:
     if find_least(b_lo) >= SMALLEST_NORMAL and b_hi.size and b_hi.max() <= LARGEST_DIVISOR:
         smallest = b_lo
     else:
-        b_lo, b_hi, smallest, outside = usable_divisor(b_lo, b_hi)
-    lo, hi = quotient_bounds(a_lo, a_hi, b_lo, b_hi)
+        b_lo, b_hi, smallest, outside = _usable_divisor(b_lo, b_hi)
+    lo, hi = _quotient_bounds(a_lo, a_hi, b_lo, b_hi)
     lo, hi = widen_by_ulps(lo, hi, DIVISION_ULPS, DIVISION_ULPS)
     if a.terms is None:
         return a.derive(lo, hi, b, anything=outside)
@@ -253,41 +227,22 @@ def divide(a: BandT, b: BandT) -> BandT:
         a.terms,
         count=a.count,
     )
-    moved = move_out(lo, hi, DIVISION_ULPS * terms.step(), *_safe_signs(lo, hi, terms))
-    return a.derive(*moved, b, anything=outside, terms=terms)
+    bounds = _move_out_by_terms(lo, hi, DIVISION_ULPS, terms, 0.0)
+    return a.derive(*bounds, b, anything=outside, terms=terms)
 
 
 def product_bounds(
     a_lo: Float64Array, a_hi: Float64Array, b_lo: Float64Array, b_hi: Float64Array
 ) -> tuple[Float64Array, Float64Array]:
     """The hull of the products of the ends. Exact: 24 + 24 bits fit into float64."""
-    if b_lo is b_hi:
-        a_lo, a_hi, b_lo, b_hi = b_lo, b_hi, a_lo, a_hi
-    if a_lo is a_hi:
-        first = a_lo * b_lo
-        if b_lo is b_hi:
-            return first, first
-        second = a_lo * b_hi
-        return np.fmin(first, second), np.fmax(first, second)
-    if find_least(a_lo) >= 0.0:
-        a_lo, a_hi, b_lo, b_hi = b_lo, b_hi, a_lo, a_hi
-    if find_least(b_lo) >= 0.0:
-        if find_least(a_lo) >= 0.0:
-            lo, hi = a_lo * b_lo, a_hi * b_hi
-        else:
-            lo = np.minimum(a_lo * b_lo, a_lo * b_hi)
-            hi = np.maximum(a_hi * b_lo, a_hi * b_hi)
-        # Where 0·inf adds a NaN, not a bound, all four products are looked at.
-        if is_finite(lo, hi):
-            return lo, hi
-    first, second, third, fourth = a_lo * b_lo, a_lo * b_hi, a_hi * b_lo, a_hi * b_hi
-    return (
-        np.fmin(np.fmin(first, second), np.fmin(third, fourth)),
-        np.fmax(np.fmax(first, second), np.fmax(third, fourth)),
-    )
+    ends = (a_lo,) if a_lo is a_hi else (a_lo, a_hi), (b_lo,) if b_lo is b_hi else (b_lo, b_hi)
+    products = [x * y for x in ends[0] for y in ends[1]]
+    # A NaN, of 0 times infinity, is no bound.
+    lo = reduce(np.fmin, products)
+    return lo, lo if len(products) == 1 else reduce(np.fmax, products)
 
 
-def zero_times_infinity(
+def _zero_times_infinity(
     a_lo: Float64Array, a_hi: Float64Array, b_lo: Float64Array, b_hi: Float64Array
 ) -> Flags:
     a_zero = (a_lo <= 0.0) & (a_hi >= 0.0)
@@ -298,7 +253,7 @@ def zero_times_infinity(
     return found
 
 
-def usable_divisor(
+def _usable_divisor(
     b_lo: Float64Array, b_hi: Float64Array
 ) -> tuple[Float64Array, Float64Array, Float64Array, Flags]:
     """The divisor's bounds and its smallest absolute value, 1 where it is outside the range that
@@ -317,21 +272,14 @@ def usable_divisor(
     return usable_lo, usable_hi, np.where(outside, 1.0, smallest), outside
 
 
-def quotient_bounds(
+def _quotient_bounds(
     a_lo: Float64Array, a_hi: Float64Array, b_lo: Float64Array, b_hi: Float64Array
 ) -> tuple[Float64Array, Float64Array]:
     """The hull of the quotients of the ends; no divisor is zero."""
-    if a_lo is a_hi and b_lo is b_hi:
-        quotient = a_lo / b_lo
-        return quotient, quotient
-    if find_least(a_lo) >= 0.0 and find_least(b_lo) > 0.0:
-        return a_lo / b_hi, a_hi / b_lo
-    low, high = a_lo / b_lo, a_hi / b_lo
-    lo, hi = np.minimum(low, high), np.maximum(low, high)
-    if b_lo is not b_hi:
-        low, high = a_lo / b_hi, a_hi / b_hi
-        lo, hi = np.minimum(lo, np.minimum(low, high)), np.maximum(hi, np.maximum(low, high))
-    return lo, hi
+    ends = (a_lo,) if a_lo is a_hi else (a_lo, a_hi), (b_lo,) if b_lo is b_hi else (b_lo, b_hi)
+    quotients = [x / y for x in ends[0] for y in ends[1]]
+    lo = reduce(np.minimum, quotients)
+    return lo, lo if len(quotients) == 1 else reduce(np.maximum, quotients)
 
 
 @use_kernel
@@ -366,12 +314,12 @@ def sum_last(a: BandT) -> BandT:
         count = _over_last((sizes > 0.0).astype(np.float64), np.add)
     # All partial sums but the last, which `derive` rounds, may each lose a step.
     between = np.maximum(count - 2.0, 0.0) * step
-    lo, hi = move_out(
+    lo, hi = _move_out(
         lo,
         hi,
         between,
-        lambda crossed: crossed & _over_last(a_lo >= 0.0, np.logical_and),
-        lambda crossed: crossed & _over_last(a_hi <= 0.0, np.logical_and),
+        _over_last(a_lo >= 0.0, np.logical_and),
+        _over_last(a_hi <= 0.0, np.logical_and),
     )
     if not a.rules.rearrange:
         return a.join_flags_over_last().derive(lo, hi, nan=nan)

@@ -86,17 +86,9 @@ class Band(Bounds, Swizzled):
 
     The last axis is the vector's components, always: a per-pixel float is (N, 1), a uniform
     float (1,), a uniform vec3 (3,), a mat4 (4, 4) with m[row, column]; `v.xyz` are components by
-    GLSL's names. Arithmetic with plain
-    numbers and arrays takes those as literals of the shader (see `literal`). GLSL's functions are
-    in `shaderlab.glslmath`; NumPy's raise `FormulaError`, as do `if band` and `float(band)`.
-
-    Attributes:
-        lo, hi: float64 arrays; -inf and inf where the value may be infinite.
-        rules: the precision rules. Two bands of different rules don't mix.
-        flags: where a value may be NaN, where it may be anything, where a branch that led to it
-            took both sides; each is 0-d if it is so nowhere.
-        direction: the cached result of `glslmath.normalize`, or None; formulas normalise the same
-            few vectors repeatedly.
+    GLSL's names. Arithmetic with plain numbers and arrays takes those as literals of the shader
+    (see `literal`). Two bands of different rules don't mix. GLSL's functions are in
+    `shaderlab.glslmath`; NumPy's raise `FormulaError`, as do `if band` and `float(band)`.
 
     >>> x = Band.exact([0.1])
     >>> float((x * 0.5).lo[0]) == float((x * 0.5).hi[0]) == float(np.float32(0.1)) / 2
@@ -144,17 +136,13 @@ class Band(Bounds, Swizzled):
         A Python number that needs more than nine digits, such as 1.0 / 2.2, was computed; the
         shader computes it in float32, so it has 3 ULP on either side.
         """
-        plain: Any = value
-        if type(plain) is float:
-            low, high, unknown = _number(plain, rules.flush)
-        else:
-            given = np.atleast_1d(np.asarray(value, dtype=np.float64))
-            if given.size > 16:
-                return cls._leaf(given, given, rules)
-            first, last, unknown = _literal(given.tobytes(), rules.flush)
-            low = first.reshape(given.shape)
-            high = low if first is last else last.reshape(given.shape)
-        return cls(low, high, rules) if not unknown else cls._leaf(low, high, rules)
+        given = np.atleast_1d(np.asarray(value, dtype=np.float64))
+        if given.size > 16:
+            return cls._leaf(given, given, rules)
+        first, last, unknown = _literal_bounds(given.tobytes(), rules.flush)
+        low = first.reshape(given.shape)
+        high = low if first is last else last.reshape(given.shape)
+        return cls._leaf(low, high, rules) if unknown else cls(low, high, rules)
 
     @classmethod
     def _leaf(cls, lo: Float64Array, hi: Float64Array, rules: Rules) -> Band:
@@ -246,14 +234,8 @@ use_bands(Band, Terms, Rules, NOWHERE)
 
 
 @lru_cache(maxsize=512)
-def _number(value: float, flush: bool) -> tuple[Float64Array, Float64Array, bool]:
-    """`_literal` of one number."""
-    return _literal(np.float64(value).tobytes(), flush)
-
-
-@lru_cache(maxsize=512)
 @np.errstate(all="ignore")
-def _literal(data: bytes, flush: bool) -> tuple[Float64Array, Float64Array, bool]:
+def _literal_bounds(data: bytes, flush: bool) -> tuple[Float64Array, Float64Array, bool]:
     """The bounds of a few constants, and whether one is NaN; a formula has the same ones for
     every block of pixels, and its shader mostly as well."""
     given = np.frombuffer(data, np.float64)

@@ -123,10 +123,6 @@ def may_be_tiny(abs_sum: Float64Array, least: float, *parts: Terms | None) -> bo
     return least < TINY and bool(((abs_sum > 0.0) & (abs_sum < TINY)).any())
 
 
-# Float64 values that fit into a second-level cache with their bounds.
-BLOCK = 16384
-
-
 class Interval:
     """What bands and what their storage allows have in common: values between two bounds."""
 
@@ -351,36 +347,10 @@ def combine_terms(parts: Sequence[Bounds], choose: Callable[[list[Any]], Any]) -
 
 @np.errstate(invalid="ignore")  # a signalling NaN, read back, is converted like any other
 def contains(lo: Any, hi: Any, nan: Any, measured: ArrayLike) -> Flags:
-    """Where lo ≤ measured ≤ hi, or measured is NaN and may be.
-
-    Goes through equal shapes in blocks that stay in the processor's cache; only the result has
-    full size. Bounds are float64, or float32 where the measured values are.
-    """
+    """Where lo ≤ measured ≤ hi, or measured is NaN and may be."""
     values = np.asarray(measured)
-    shape = np.broadcast_shapes(lo.shape, hi.shape, values.shape, np.shape(nan))
-    inside = np.empty(shape, np.bool_)
-    flat = inside.reshape(-1)
-    rows = [_flat(array, shape) for array in (values, lo, hi)]
-    legal = _flat(np.asarray(nan), shape) if np.any(nan) else None
-    size = min(BLOCK, flat.size)
-    alike = values.dtype == lo.dtype == hi.dtype
-    number, below = np.empty(size), np.empty(size, np.bool_)
-    for start in range(0, flat.size, BLOCK):
-        block = slice(start, start + BLOCK)
-        got, found = rows[0][block], flat[block]
-        if not alike:
-            got = number[: found.size]
-            np.copyto(got, rows[0][block])
-        np.greater_equal(got, rows[1][block], out=found)
-        found &= np.less_equal(got, rows[2][block], out=below[: got.size])
-        if legal is not None:
-            found |= np.isnan(got) & legal[block]
-    return inside
-
-
-def _flat(array: Any, shape: tuple[int, ...]) -> Any:
-    """The array broadcast to `shape`, as one row; copied only where necessary."""
-    return np.broadcast_to(array, shape).reshape(-1)
+    inside: Flags = (values >= lo) & (values <= hi)
+    return inside | (np.isnan(values) & nan) if np.any(nan) else inside
 
 
 @np.errstate(all="ignore")

@@ -172,21 +172,21 @@ def wave(a: Band, function: Any, crest: float) -> Band:
 def arctangent(a: Band) -> Band:
     """atan(a) within 4096 ULP."""
     lo, hi = widen_by_ulps(*_evaluate(a, np.arctan), ARC_ULPS, ARC_ULPS)
-    return a.derive(lo, hi, anything=_unspecified(a))
+    return a.derive(lo, hi, anything=_is_unspecified(a))
 
 
 @np.errstate(all="ignore")
 def arctangent2(y: Band, x: Band) -> Band:
     """atan(y, x) within 4096 ULP; undefined at the origin. On the cut either ±π is legal."""
-    lo, hi = _angles(y.lo, y.hi, x.lo, x.hi)
+    lo, hi = _angle_bounds(y.lo, y.hi, x.lo, x.hi)
     on_cut = (y.lo <= 0.0) & (y.hi >= 0.0) & (x.lo < 0.0)
     lo, hi = np.where(on_cut, -np.pi, lo), np.where(on_cut, np.pi, hi)
     lo, hi = widen_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
     origin = (y.lo <= 0.0) & (y.hi >= 0.0) & (x.lo <= 0.0) & (x.hi >= 0.0)
-    return y.derive(lo, hi, x, anything=origin | _unspecified(y))
+    return y.derive(lo, hi, x, anything=origin | _is_unspecified(y))
 
 
-def _angles(
+def _angle_bounds(
     y_lo: Float64Array, y_hi: Float64Array, x_lo: Float64Array, x_hi: Float64Array
 ) -> tuple[Float64Array, Float64Array]:
     """The angles of a box that the cut does not cross: monotone along each edge."""
@@ -194,7 +194,7 @@ def _angles(
     return reduce(np.minimum, corners), reduce(np.maximum, corners)
 
 
-def _unspecified(a: Band) -> Flags:
+def _is_unspecified(a: Band) -> Flags:
     """GLSL alone leaves the precision of the trigonometric functions undefined."""
     return np.full(a.shape, a.rules.spec == "glsl")
 
@@ -205,19 +205,19 @@ def _arc(a: Band, angles: Callable[[Band], tuple[Float64Array, Float64Array]]) -
     lo, hi = angles(sqrt(exact.maximum_of(rest, a.lift(0.0))))
     wide_lo, wide_hi = widen_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
     lo, hi = np.minimum(wide_lo, lo - ARC_ERROR), np.maximum(wide_hi, hi + ARC_ERROR)
-    return a.derive(lo, hi, anything=(a.lo < -1.0) | (a.hi > 1.0) | _unspecified(a))
+    return a.derive(lo, hi, anything=(a.lo < -1.0) | (a.hi > 1.0) | _is_unspecified(a))
 
 
 @np.errstate(all="ignore")
 def arcsine(a: Band) -> Band:
     """asin(a): as atan(a, √(1 - a²)), 4096 ULP or 2^-11 absolute; undefined for |a| > 1."""
-    return _arc(a, lambda leg: _angles(a.lo, a.hi, leg.lo, leg.hi))
+    return _arc(a, lambda leg: _angle_bounds(a.lo, a.hi, leg.lo, leg.hi))
 
 
 @np.errstate(all="ignore")
 def arccosine(a: Band) -> Band:
     """acos(a): as atan(√(1 - a²), a), 4096 ULP or 2^-11 absolute; undefined for |a| > 1."""
-    return _arc(a, lambda leg: _angles(leg.lo, leg.hi, a.lo, a.hi))
+    return _arc(a, lambda leg: _angle_bounds(leg.lo, leg.hi, a.lo, a.hi))
 
 
 @use_kernel
@@ -225,9 +225,9 @@ def cut_to_ends(found: Band, x: Band, y: Band, a: Band) -> Band:
     """The band `found` of mix(x, y, a) by its operations, cut to what it may be at most.
 
     Without roundings mix is linear in each of x, y and a, so it is greatest and least at ends of
-    their bands. What roundings add is `_lost`.
+    their bands. What roundings add is `_rounding_loss`.
     """
-    terms = _terms(found, x, y, a)
+    terms = _mix_terms(found, x, y, a)
     if found.lo is found.hi:
         return found.derive_exact(found.lo, found.lo, terms=terms)
     lo, hi = _end_bounds(found, x, y, a, found.rules.flush)
@@ -239,8 +239,8 @@ def _end_bounds(
     found: Band, x: Band, y: Band, a: Band, flush: bool
 ) -> tuple[Float64Array, Float64Array]:
     """The bounds of `found`, no wider than the ends of x, y and a allow."""
-    sides = [_ends(x.apply_slack(), y.apply_slack(), end) for end in a.apply_slack()]
-    lost = _lost(found, x, y, a)
+    sides = [_mix_at(x.apply_slack(), y.apply_slack(), end) for end in a.apply_slack()]
+    lost = _rounding_loss(found, x, y, a)
     least = np.minimum(sides[0][0], sides[1][0]) - lost
     most = np.maximum(sides[0][1], sides[1][1]) + lost
     lo, hi = round_outward(least, most, flush)
@@ -248,14 +248,14 @@ def _end_bounds(
     return np.fmax(found.lo, lo), np.fmin(found.hi, hi)
 
 
-def _lost(found: Band, x: Band, y: Band, a: Band) -> Float64Array:
+def _rounding_loss(found: Band, x: Band, y: Band, a: Band) -> Float64Array:
     """What the roundings of a mix may add up to, in whichever of its forms.
 
     x·(1 - a) + y·a rounds the difference, two products and a sum; x + (y - x)·a a difference, a
     product and a sum; x - x·a + y·a two products and two sums. Sums that x, y and a are themselves
     may be taken apart for it, and added in any order.
     """
-    both = (x.abs_sum + y.abs_sum) * _size(*a.apply_slack())
+    both = (x.abs_sum + y.abs_sum) * _largest_size(*a.apply_slack())
     sums = 3.0 * (x.abs_sum + both) + (x.count + y.count - 2) * both
     weights = x.abs_sum * (1.0 + a.abs_sum) + y.abs_sum * a.abs_sum
     lost: Float64Array = np.maximum(
@@ -267,7 +267,7 @@ def _lost(found: Band, x: Band, y: Band, a: Band) -> Float64Array:
 
 
 @np.errstate(all="ignore")
-def _terms(found: Band, x: Band, y: Band, a: Band) -> Terms | None:
+def _mix_terms(found: Band, x: Band, y: Band, a: Band) -> Terms | None:
     """The terms of a mix: those of x, and products with the share. They may be added to others in
     any order. No compiler multiplies out a long chain of mixes, whose terms double with each; of
     four the roundings stay inside even so.
@@ -275,19 +275,19 @@ def _terms(found: Band, x: Band, y: Band, a: Band) -> Terms | None:
     terms = found.terms
     if terms is None:
         return None
-    near, far = (_size(*band.apply_slack()) for band in (x, y))
+    near, far = (_largest_size(*band.apply_slack()) for band in (x, y))
     mag = x.abs_sum + (near + far) * a.abs_sum
-    mag = np.minimum(np.maximum(mag, _size(found.lo, found.hi)), LARGEST)
+    mag = np.minimum(np.maximum(mag, _largest_size(found.lo, found.hi)), LARGEST)
     return Terms.of(mag, lambda: flush_gain_of(terms.abs_sum, terms), terms, count=x.count + 2)
 
 
-def _size(low: Float64Array, high: Float64Array) -> Float64Array:
+def _largest_size(low: Float64Array, high: Float64Array) -> Float64Array:
     """The largest absolute value between two bounds."""
     size: Float64Array = np.minimum(np.maximum(np.abs(low), np.abs(high)), LARGEST)
     return size
 
 
-def _ends(
+def _mix_at(
     x: tuple[Float64Array, Float64Array], y: tuple[Float64Array, Float64Array], a: Float64Array
 ) -> tuple[Float64Array, Float64Array]:
     """The least and the greatest x·(1 - a) + y·a at one `a`."""

@@ -80,7 +80,7 @@ def _shift_right(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
     return np.minimum.reduce(corners), np.maximum.reduce(corners), undefined
 
 
-def _bitwise(operation: Callable[[Any, Any], Any]) -> Callable[..., tuple[Any, Any, Any]]:
+def _make_bitwise(operation: Callable[[Any, Any], Any]) -> Callable[..., tuple[Any, Any, Any]]:
     def bits(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
         if a.known and b.known:
             return operation(a.lo, b.lo), None, None
@@ -98,15 +98,15 @@ _OPERATIONS: dict[str, tuple[Any, Any, bool]] = {
     "mul": (_multiply, operator.mul, False),
     "truediv": (_divide, operator.truediv, False),
     "mod": (_remainder, None, False),
-    "and": (_bitwise(operator.and_), None, False),
-    "or": (_bitwise(operator.or_), None, False),
-    "xor": (_bitwise(operator.xor), None, False),
+    "and": (_make_bitwise(operator.and_), None, False),
+    "or": (_make_bitwise(operator.or_), None, False),
+    "xor": (_make_bitwise(operator.xor), None, False),
     "lshift": (_shift_left, None, True),
     "rshift": (_shift_right, None, True),
 }
 
 
-def _both_ways(name: str) -> tuple[Any, Any]:
+def _make_operators(name: str) -> tuple[Any, Any]:
     whole, floating, left_alone = _OPERATIONS[name]
 
     def of(a: Integer, b: Integer) -> Integer:
@@ -137,7 +137,7 @@ def _equal(a: Integer, b: Integer) -> tuple[Flags, Flags]:
     return (a.lo == b.hi) & (a.hi == b.lo), (a.hi < b.lo) | (b.hi < a.lo)
 
 
-def _comparison(compared: Any, floating: Any, *, swapped: bool, negated: bool) -> Any:
+def _make_comparison(compared: Any, floating: Any, *, swapped: bool, negated: bool) -> Any:
     def compare(self: Integer, other: Any) -> Any:
         lifted = self.lift(other)
         if lifted is None:
@@ -345,7 +345,7 @@ class Integer(Swizzled):
 
 
 for _name in _OPERATIONS:
-    _straight, _reflected = _both_ways(_name)
+    _straight, _reflected = _make_operators(_name)
     setattr(Integer, f"__{_name}__", _straight)
     setattr(Integer, f"__r{_name}__", _reflected)
 for _name, _compared, _swapped, _negated in (
@@ -359,5 +359,5 @@ for _name, _compared, _swapped, _negated in (
     setattr(
         Integer,
         f"__{_name}__",
-        _comparison(_compared, getattr(operator, _name), swapped=_swapped, negated=_negated),
+        _make_comparison(_compared, getattr(operator, _name), swapped=_swapped, negated=_negated),
     )

@@ -32,10 +32,6 @@ FLOAT64_ERROR = 2.0**-50
 
 _EXPONENT_BITS = np.int64(0x7FF0_0000_0000_0000)
 _FRACTION_BITS = np.int64(0x000F_FFFF_FFFF_FFFF)
-# How many float32 denormals there are of either sign, and the bits of the first negative one.
-_DENORMALS = np.uint32(0x007F_FFFF)
-_FIRST_NEGATIVE = np.uint32(0x8000_0001)
-_FIRST_POSITIVE = np.uint32(1)
 
 # Beyond all that a float32 may be widened to, and a finite float64.
 _FAR = 2.0**600
@@ -61,18 +57,6 @@ def _two_sum(a: Float64Array, b: Float64Array) -> tuple[Float64Array, Float64Arr
     total = a + b
     b_part = total - a
     return total, (a - (total - b_part)) + (b - b_part)
-
-
-def _narrow_below(x: Float64Array) -> Float32Array:
-    """The largest float32 not above x."""
-    single = x.astype(np.float32)
-    return np.where(single > x, np.nextafter(single, np.float32(-np.inf)), single)
-
-
-def _narrow_above(x: Float64Array) -> Float32Array:
-    """The smallest float32 not below x."""
-    single = x.astype(np.float32)
-    return np.where(single < x, np.nextafter(single, np.float32(np.inf)), single)
 
 
 def ulp(x: Float64Array) -> Float64Array:
@@ -101,35 +85,30 @@ def round_outward(
     """The largest float32 not above `lo`, the smallest not below `hi`; the same array twice where
     all are float32 themselves and one array was given. With `flush`, bounds that touch denormals
     include zero."""
-    below = _narrow_below(lo)
-    low = below.astype(np.float64)
-    if lo is hi and (low == lo).all():
-        high, above = low, below
-    else:
-        above = _narrow_above(hi)
-        high = above.astype(np.float64)
+    low = round_down(lo)
+    high = low if lo is hi and (low == lo).all() else round_up(hi)
     if flush:
-        if _any_denormal(below, _FIRST_POSITIVE):
-            low = np.where((low > 0.0) & (low < SMALLEST_NORMAL), 0.0, low)
-        if _any_denormal(above, _FIRST_NEGATIVE):
-            high = np.where((high < 0.0) & (high > -SMALLEST_NORMAL), 0.0, high)
+        low_denormal = (low > 0.0) & (low < SMALLEST_NORMAL)
+        high_denormal = (high < 0.0) & (high > -SMALLEST_NORMAL)
+        if low_denormal.any():
+            low = np.where(low_denormal, 0.0, low)
+        if high_denormal.any():
+            high = np.where(high_denormal, 0.0, high)
     return low, high
-
-
-def _any_denormal(values: NDArray[np.float32], first: np.uint32) -> bool:
-    """Whether there is one of the denormals whose bits begin with `first`."""
-    bits: Any = values.view(np.uint32) - first
-    return bool((bits < _DENORMALS).any())
 
 
 def round_down(x: Float64Array) -> Float64Array:
     """The largest float32 not above `x`."""
-    return _narrow_below(np.asarray(x)).astype(np.float64)
+    single = x.astype(np.float32)
+    below = np.where(single > x, np.nextafter(single, np.float32(-np.inf)), single)
+    return below.astype(np.float64)
 
 
 def round_up(x: Float64Array) -> Float64Array:
     """The smallest float32 not below `x`."""
-    return _narrow_above(np.asarray(x)).astype(np.float64)
+    single = x.astype(np.float32)
+    above = np.where(single < x, np.nextafter(single, np.float32(np.inf)), single)
+    return above.astype(np.float64)
 
 
 def is_finite(lo: Float64Array, hi: Float64Array) -> bool:
@@ -146,8 +125,6 @@ def widen_by_ulps(
     lo: Float64Array, hi: Float64Array, ulps_lo: Float64Array | float, ulps_hi: Float64Array | float
 ) -> tuple[Float64Array, Float64Array]:
     """Bounds moved out by some ULP; a bound does not move past zero, and zero stays zero."""
-    if lo.size and lo.min() > 2.0 * SMALLEST_NORMAL and hi.max() <= LARGEST:
-        return _widen_normal(lo, hi, ulps_lo, ulps_hi)
     out_lo = ulps_lo * ulp(lo) + FLOAT64_ERROR * np.minimum(np.abs(lo), LARGEST)
     out_hi = ulps_hi * ulp(hi) + FLOAT64_ERROR * np.minimum(np.abs(hi), LARGEST)
     # An ULP doubles past a power of two: a value above `lo`, just past one, may err further
@@ -157,30 +134,6 @@ def widen_by_ulps(
     new_lo, new_hi = lo - more_lo, hi + more_hi
     # A limit for what may not pass zero, and none for the rest.
     return np.maximum(new_lo, 0.0 - (lo < 0.0) * _FAR), np.minimum(new_hi, (hi > 0.0) * _FAR)
-
-
-def _widen_normal(
-    lo: Float64Array, hi: Float64Array, ulps_lo: Float64Array | float, ulps_hi: Float64Array | float
-) -> tuple[Float64Array, Float64Array]:
-    """`widen_by_ulps` of positive bounds, none a denormal or next to one."""
-    out_lo = _out_of_normal(lo, ulps_lo)
-    if lo is hi:
-        out_hi = more_lo = out_lo
-    else:
-        out_hi = _out_of_normal(hi, ulps_hi)
-        more_lo = np.minimum(np.maximum(out_hi, out_lo), 2.0 * out_lo)
-    new_lo: Float64Array = lo - more_lo
-    return np.maximum(new_lo, 0.0), hi + out_hi
-
-
-def _out_of_normal(x: Float64Array, ulps: Float64Array | float) -> Float64Array:
-    bits = x.view(np.int64) - 1
-    bits &= _EXPONENT_BITS
-    size: Float64Array = bits.view(np.float64)
-    size *= 2.0**-23
-    size *= ulps
-    size += FLOAT64_ERROR * x
-    return size
 
 
 def shortest(value: Any) -> str:

@@ -27,24 +27,28 @@ def stack(parts: Sequence[Value], axis: int) -> Value:
     return as_vector(concatenate(arrays, axis), *parts)
 
 
-def _vector(size: int, parts: Sequence[Value]) -> Value:
-    name = f"vec{size}"
-    if not parts:
-        raise FormulaError(f"{name} needs at least one value")
-    together = stack(parts, -1)
+def _take_components(name: str, size: int, parts: Sequence[Value]) -> Value:
+    """`size` components of the parts, one after the other. GLSL takes what it needs of the last
+    part, but no part may be left over."""
+    together = stack(parts, -1) if parts else np.empty(0)
     got = together.shape[-1]
-    if got == size:
-        return together
-    if got == 1:
-        return together[..., [0] * size]
-    # GLSL takes what it needs of the last argument, but no argument may be left over.
-    last = np.shape(parts[-1])[-1:] or (1,) if not isinstance(parts[-1], Band) else parts[-1].shape
-    if got < size or got - last[-1] >= size:
+    last = (_shape(parts[-1])[-1:] or (1,))[0] if parts else 0
+    if got < size or got - last >= size:
         raise FormulaError(
             f"{name} of {got} components in {len(parts)} arguments",
             remedy=f"give it {size} components, or one number for all of them",
         )
     return together[..., :size]
+
+
+def _shape(value: Value) -> tuple[int, ...]:
+    return tuple(value.shape if hasattr(value, "shape") else np.shape(value))
+
+
+def _vector(size: int, parts: Sequence[Value]) -> Value:
+    if len(parts) == 1 and (_shape(parts[0])[-1:] or (1,))[0] == 1:
+        return stack(parts, -1)[..., [0] * size]
+    return _take_components(f"vec{size}", size, parts)
 
 
 def vec2(*parts: Value) -> Value:
@@ -82,7 +86,7 @@ def swizzle(v: Value, names: str) -> Value:
     >>> swizzle(np.array([1.0, 2.0]), "yxx")
     array([2., 1., 1.])
     """
-    size = v.shape[-1] if hasattr(v, "shape") else np.shape(v)[-1]
+    size = _shape(v)[-1]
     found = components(names, size)
     if found is None:
         raise FormulaError(
@@ -92,51 +96,36 @@ def swizzle(v: Value, names: str) -> Value:
     return v[..., found]
 
 
-def _matrix(columns: int, rows: int, parts: Sequence[Value]) -> Value:
-    name = f"mat{columns}" if columns == rows else f"mat{columns}x{rows}"
+def _matrix(size: int, parts: Sequence[Value]) -> Value:
+    name = f"mat{size}"
     if len(parts) == 1:
         (m,) = parts
         shape = _shape(m)
-        if len(shape) >= 2 and shape[-1] >= columns and shape[-2] >= rows:
-            return m[..., :rows, :columns]
+        if len(shape) >= 2 and min(shape[-2:]) >= size:
+            return m[..., :size, :size]
         if shape[-1:] in ((), (1,)):
-            return _diagonal(columns, rows, m)
-        raise FormulaError(
-            f"{name} of an array of shape {shape}",
-            remedy=f"give it one number, a larger matrix, or {columns * rows} components",
-        )
-    together = stack(parts, -1) if parts else np.empty(0)
-    got, size = together.shape[-1], columns * rows
-    last = (_shape(parts[-1])[-1:] or (1,))[0] if parts else 0
-    if got < size or got - last >= size:
-        raise FormulaError(
-            f"{name} of {got} components in {len(parts)} arguments",
-            remedy=f"give it a larger matrix, {columns} columns of {rows}, or {size} components, "
-            "column by column",
-        )
-    each = [together[..., n * rows : (n + 1) * rows, None] for n in range(columns)]
-    return stack(each, -1)
-
-
-def _diagonal(columns: int, rows: int, value: Value) -> Value:
-    parts = [value if row == column else 0.0 for column in range(columns) for row in range(rows)]
-    return _matrix(columns, rows, parts)
-
-
-def _shape(value: Value) -> tuple[int, ...]:
-    return tuple(getattr(value, "shape", ()))
+            # Of one number the diagonal.
+            parts = [m if row == column else 0.0 for column in range(size) for row in range(size)]
+        else:
+            raise FormulaError(
+                f"{name} of an array of shape {shape}",
+                remedy=f"give it one number, a larger matrix, or {size * size} components",
+            )
+    together = _take_components(name, size * size, parts)
+    columns = [together[..., n * size : (n + 1) * size, None] for n in range(size)]
+    return stack(columns, -1)
 
 
 def mat2(*parts: Value) -> Value:
     """Two columns, or their four components; one number on the diagonal; or the upper left of a
     larger matrix."""
-    return _matrix(2, 2, parts)
+    return _matrix(2, parts)
 
 
 def mat3(*parts: Value) -> Value:
     """Three columns (tangent, bitangent, …), or their nine components; one number on the diagonal;
     or the upper left of a larger matrix."""
-    return _matrix(3, 3, parts)
+    return _matrix(3, parts)
 
 
 def mat4(*parts: Value) -> Value:
@@ -145,7 +134,7 @@ def mat4(*parts: Value) -> Value:
     >>> mat4(1.0)[2]
     array([0., 0., 1., 0.])
     """
-    return _matrix(4, 4, parts)
+    return _matrix(4, parts)
 
 
 _SIGN_BIT = 2**31
@@ -179,7 +168,7 @@ def frexp(x: Value) -> tuple[Value, Integer]:
     >>> float(significand), int(exponent.lo[0])
     (-0.75, 3)
     """
-    band = _band(x)
+    band = _as_band(x)
     if band is None:
         significand, exponent = np.frexp(np.asarray(x, np.float64))
         return significand[()], Integer(exponent)
@@ -209,7 +198,7 @@ def ldexp(x: Value, exponent: Value) -> Value:
     6.0
     """
     whole = exponent if isinstance(exponent, Integer) else Integer(exponent)
-    band = _band(x)
+    band = _as_band(x)
     if band is None and whole.rules is None:
         return np.ldexp(np.asarray(x, np.float64), whole.lo)
     if band is None:
@@ -230,7 +219,7 @@ def floatBitsToInt(x: Value) -> Integer:
     >>> floatBitsToInt(1.0).lo.tolist() == [0x3F800000]
     True
     """
-    return _bits(x, unsigned=False)
+    return _float_to_bits(x, unsigned=False)
 
 
 def floatBitsToUint(x: Value) -> Integer:
@@ -239,7 +228,7 @@ def floatBitsToUint(x: Value) -> Integer:
     >>> floatBitsToUint(-2.0).lo.tolist() == [0xC0000000]
     True
     """
-    return _bits(x, unsigned=True)
+    return _float_to_bits(x, unsigned=True)
 
 
 def intBitsToFloat(n: Value) -> Value:
@@ -248,15 +237,15 @@ def intBitsToFloat(n: Value) -> Value:
     >>> float(intBitsToFloat(0x40490FDB)[0])
     3.1415927410125732
     """
-    return _float(n)
+    return _bits_to_float(n)
 
 
 def uintBitsToFloat(n: Value) -> Value:
     """The float32 of these bits; undefined for those of a NaN."""
-    return _float(n)
+    return _bits_to_float(n)
 
 
-def _band(x: Value) -> Band | None:
+def _as_band(x: Value) -> Band | None:
     """The value as a band if it is made of bands, else None."""
     if isinstance(x, Integer):
         x = x.to_float()
@@ -265,19 +254,19 @@ def _band(x: Value) -> Band | None:
     return x if isinstance(x, Band) else None
 
 
-def _pattern(x: Any) -> Any:
+def _split_sign(x: Any) -> Any:
     """A float32's bits below the sign, and its sign, as int64."""
     bits = np.asarray(x, np.float32).view(np.uint32).astype(np.int64)
     return bits % _SIGN_BIT, bits >= _SIGN_BIT
 
 
-def _bits(x: Value, *, unsigned: bool) -> Integer:
-    band = _band(x)
+def _float_to_bits(x: Value, *, unsigned: bool) -> Integer:
+    band = _as_band(x)
     negative = _SIGN_BIT if unsigned else -_SIGN_BIT
     if band is None:
-        size, minus = _pattern(np.atleast_1d(x))
+        size, minus = _split_sign(np.atleast_1d(x))
         return Integer(size + minus * negative, unsigned=unsigned)
-    (low, _), (high, _) = _pattern(band.lo), _pattern(band.hi)
+    (low, _), (high, _) = _split_sign(band.lo), _split_sign(band.hi)
     below, above = band.hi < 0.0, band.lo > 0.0
     # More negative floats have larger bits below the sign.
     first = np.where(below, high, np.where(above, low, 0))
@@ -290,7 +279,7 @@ def _bits(x: Value, *, unsigned: bool) -> Integer:
     return whole.derive(first, None if exact else last, anything=band.nan)
 
 
-def _float(n: Value) -> Value:
+def _bits_to_float(n: Value) -> Value:
     whole = n if isinstance(n, Integer) else as_integers(Integer(0), n)[1]  # type: ignore[index]
     sizes = [bound % _SIGN_BIT for bound in (whole.lo, whole.hi)]
     signs = [(bound % 2**32) >= _SIGN_BIT for bound in (whole.lo, whole.hi)]
@@ -315,18 +304,18 @@ class Elements(list[Any]):
 
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, Integer):
-            return self._chosen(index)
+            return self._choose(index)
         if isinstance(index, Band | np.ndarray | float):
             raise FormulaError("an array's index is a float", remedy="index by int(x)")
         return super().__getitem__(index)
 
-    def _chosen(self, index: Integer) -> Any:
+    def _choose(self, index: Integer) -> Any:
         outside = (index.lo < 0) | (index.hi >= len(self)) | index.anything
         if index.known and index.lo.size == 1 and not outside.any():
             return self[int(index.lo.reshape(-1)[0])]
         chosen = self[-1]
         for number, element in enumerate(self[:-1]):
-            chosen = _either(equal(index, number), element, chosen)
+            chosen = _choose_elements(equal(index, number), element, chosen)
         if isinstance(chosen, Integer):
             return chosen.derive(
                 chosen.lo, None if chosen.known else chosen.hi, index, anything=outside
@@ -347,18 +336,18 @@ def array(*elements: Value) -> Elements:
         elements = tuple(elements[0])
     if not elements:
         raise FormulaError("an array has at least one element")
-    return Elements(_element(element) for element in elements)
+    return Elements(_make_element(element) for element in elements)
 
 
-def _element(value: Value) -> Value:
+def _make_element(value: Value) -> Value:
     if isinstance(value, list | tuple):
         return array(value)
     kind = np.asarray(value).dtype.kind if isinstance(value, int | np.integer | np.ndarray) else ""
     return Integer(value, unsigned=kind == "u") if kind in ("i", "u") else value
 
 
-def _either(condition: Any, a: Value, b: Value) -> Value:
+def _choose_elements(condition: Any, a: Value, b: Value) -> Value:
     """`where`, element by element of arrays in an array."""
     if isinstance(a, Sequence):
-        return Elements(_either(condition, x, y) for x, y in zip(a, b, strict=True))
+        return Elements(_choose_elements(condition, x, y) for x, y in zip(a, b, strict=True))
     return where(condition, a, b)

@@ -104,7 +104,7 @@ def difference(p: Any, frag_coord: Any, direction: str, *, own: bool) -> Any:
         return p - p
     if p.shape[0] != place.shape[0]:
         raise FormulaError(f"differences of {p.shape[0]} values at {place.shape[0]} pixels")
-    members, mine = _quads(place, direction)
+    members, mine = _find_quads(place, direction)
     differences: list[Any] = []
     missing: list[Any] = []
     for first, second in _PAIRS[direction]:
@@ -114,7 +114,7 @@ def difference(p: Any, frag_coord: Any, direction: str, *, own: bool) -> Any:
             differences.append(subtract(p[beside].without_terms(), p[at].without_terms()))
         else:
             differences.append(np.where(missing[-1], np.nan, p[beside] - p[at]))
-    nearest, lost = _own(differences, missing, mine)
+    nearest, lost = _choose_own(differences, missing, mine)
     if not isinstance(p, Band):
         return nearest.view(type(p))
     result = nearest if own else union(differences[0], differences[1])
@@ -124,7 +124,7 @@ def difference(p: Any, frag_coord: Any, direction: str, *, own: bool) -> Any:
     return result.derive(result.lo - give, result.hi + give, anything=unknown)
 
 
-def _own(values: list[Any], missing: list[Any], second: Any) -> tuple[Any, Any]:
+def _choose_own(values: list[Any], missing: list[Any], second: Any) -> tuple[Any, Any]:
     """Of the two rows or columns, each pixel's own."""
     lost = np.where(second, missing[1], missing[0])
     if not isinstance(values[0], Band):
@@ -134,7 +134,7 @@ def _own(values: list[Any], missing: list[Any], second: Any) -> tuple[Any, Any]:
     return a.derive_exact(lo, hi, b), lost
 
 
-def _quads(place: Any, direction: str) -> tuple[Any, Any]:
+def _find_quads(place: Any, direction: str) -> tuple[Any, Any]:
     """For each pixel the numbers of its quad's four, -1 for those that are missing; and whether
     the second row (or column) is its own, (count, 1)."""
     x, y = (np.floor(place[:, k]).astype(np.int64) for k in (0, 1))

@@ -30,8 +30,8 @@ def uaddCarry(x: Value, y: Value) -> tuple[Integer, Integer]:
     >>> total.lo.tolist(), carry.lo.tolist()
     ([1], [1])
     """
-    a, b = _whole(x, unsigned=True), _whole(y, unsigned=True)
-    carry = a.derive((a.lo + b.lo) >> 32, None if _known(a, b) else (a.hi + b.hi) >> 32, b)
+    a, b = _as_integer(x, unsigned=True), _as_integer(y, unsigned=True)
+    carry = a.derive((a.lo + b.lo) >> 32, None if _all_known(a, b) else (a.hi + b.hi) >> 32, b)
     return a + b, carry  # type: ignore[operator]
 
 
@@ -42,8 +42,8 @@ def usubBorrow(x: Value, y: Value) -> tuple[Integer, Integer]:
     >>> difference.lo.tolist(), borrow.lo.tolist()
     ([4294967295], [1])
     """
-    a, b = _whole(x, unsigned=True), _whole(y, unsigned=True)
-    borrow = a.derive(1 * (a.hi < b.lo), None if _known(a, b) else 1 * (a.lo < b.hi), b)
+    a, b = _as_integer(x, unsigned=True), _as_integer(y, unsigned=True)
+    borrow = a.derive(1 * (a.hi < b.lo), None if _all_known(a, b) else 1 * (a.lo < b.hi), b)
     return a - b, borrow  # type: ignore[operator]
 
 
@@ -54,7 +54,7 @@ def umulExtended(x: Value, y: Value) -> tuple[Integer, Integer]:
     >>> msb.lo.tolist(), lsb.lo.tolist()
     ([4294967294], [1])
     """
-    return _extended(_whole(x, unsigned=True), _whole(y, unsigned=True))
+    return _multiply_extended(_as_integer(x, unsigned=True), _as_integer(y, unsigned=True))
 
 
 def imulExtended(x: Value, y: Value) -> tuple[Integer, Integer]:
@@ -64,7 +64,7 @@ def imulExtended(x: Value, y: Value) -> tuple[Integer, Integer]:
     >>> msb.lo.tolist(), lsb.lo.tolist()
     ([-1], [-6])
     """
-    return _extended(_whole(x, unsigned=False), _whole(y, unsigned=False))
+    return _multiply_extended(_as_integer(x, unsigned=False), _as_integer(y, unsigned=False))
 
 
 def bitfieldExtract(value: Value, offset: Value, bits: Value) -> Integer:
@@ -74,10 +74,10 @@ def bitfieldExtract(value: Value, offset: Value, bits: Value) -> Integer:
     >>> bitfieldExtract(Integer([0xABCD]), 4, 8).lo.tolist() == [-0x44]
     True
     """
-    whole, at, size = _whole(value), _whole(offset), _whole(bits)
-    if not _known(whole, at, size):
+    whole, at, size = _as_integer(value), _as_integer(offset), _as_integer(bits)
+    if not _all_known(whole, at, size):
         return whole.derive_unknown(at, size)
-    start, count, undefined = _field(at, size)
+    start, count, undefined = _find_field(at, size)
     field = (whole.lo % _RANGE >> start) & ((np.int64(1) << count) - 1)
     if not whole.unsigned:
         negative = (count > 0) & (field >> np.maximum(count - 1, 0) & 1 > 0)
@@ -92,10 +92,10 @@ def bitfieldInsert(base: Value, insert: Value, offset: Value, bits: Value) -> In
     >>> bitfieldInsert(Integer([0xFFFF]), 0xA, 4, 4).lo.tolist() == [0xFFAF]
     True
     """
-    whole, other, at, size = _whole(base), _whole(insert), _whole(offset), _whole(bits)
-    if not _known(whole, other, at, size):
+    whole, other, at, size = (_as_integer(value) for value in (base, insert, offset, bits))
+    if not _all_known(whole, other, at, size):
         return whole.derive_unknown(other, at, size)
-    start, count, undefined = _field(at, size)
+    start, count, undefined = _find_field(at, size)
     mask = ((np.int64(1) << count) - 1) << start
     merged = (whole.lo % _RANGE & ~mask) | ((other.lo % _RANGE << start) & mask)
     return whole.derive(merged, None, other, at, size, anything=undefined)
@@ -111,8 +111,8 @@ def bitfieldReverse(value: Value) -> Integer:
     def reverse(bits: Any) -> Any:
         return sum(((bits >> k) & 1) << (31 - k) for k in range(32))
 
-    whole = _whole(value)
-    return _of_bits(whole, reverse, unsigned=whole.unsigned)
+    whole = _as_integer(value)
+    return _map_bits(whole, reverse, unsigned=whole.unsigned)
 
 
 def bitCount(value: Value) -> Integer:
@@ -121,7 +121,7 @@ def bitCount(value: Value) -> Integer:
     >>> bitCount(Integer([-1])).lo.tolist()
     [32]
     """
-    return _of_bits(_whole(value), lambda bits: sum((bits >> k) & 1 for k in range(32)))
+    return _map_bits(_as_integer(value), lambda bits: sum((bits >> k) & 1 for k in range(32)))
 
 
 def findLSB(value: Value) -> Integer:
@@ -130,7 +130,7 @@ def findLSB(value: Value) -> Integer:
     >>> findLSB(Integer([40])).lo.tolist()
     [3]
     """
-    return _of_bits(_whole(value), lambda bits: _highest(bits & -bits))
+    return _map_bits(_as_integer(value), lambda bits: _find_highest(bits & -bits))
 
 
 def findMSB(value: Value) -> Integer:
@@ -139,18 +139,22 @@ def findMSB(value: Value) -> Integer:
     >>> findMSB(Integer([40, -2, -1])).lo.tolist()
     [5, 0, -1]
     """
-    whole = _whole(value)
+    whole = _as_integer(value)
     if whole.unsigned:
-        return _of_bits(whole, _highest)
-    return _of_bits(whole, lambda bits: _highest(np.where(bits >> 31, _RANGE - 1 - bits, bits)))
+        return _map_bits(whole, _find_highest)
+
+    def find_signed(bits: Any) -> Any:
+        return _find_highest(np.where(bits >> 31, _RANGE - 1 - bits, bits))
+
+    return _map_bits(whole, find_signed)
 
 
-def _highest(bits: Any) -> Any:
+def _find_highest(bits: Any) -> Any:
     """The number of the highest 1; frexp is exact below 2^53."""
     return np.frexp(bits.astype(np.float64))[1] - 1
 
 
-def _whole(value: Value, *, unsigned: bool | None = None) -> Integer:
+def _as_integer(value: Value, *, unsigned: bool | None = None) -> Integer:
     if isinstance(value, Band | Literal):
         raise FormulaError("functions of bits take integers, not floats", remedy=WHOLE)
     whole = value if isinstance(value, Integer) else Integer(value)
@@ -160,18 +164,18 @@ def _whole(value: Value, *, unsigned: bool | None = None) -> Integer:
     return whole.convert(kind)
 
 
-def _known(*values: Integer) -> bool:
+def _all_known(*values: Integer) -> bool:
     return all(value.known for value in values)
 
 
-def _of_bits(whole: Integer, function: Callable[[Any], Any], *, unsigned: bool = False) -> Integer:
+def _map_bits(whole: Integer, function: Callable[[Any], Any], *, unsigned: bool = False) -> Integer:
     if not whole.known:
         return whole.derive_unknown(unsigned=unsigned)
     return whole.derive(function(whole.lo % _RANGE), unsigned=unsigned)
 
 
-def _extended(a: Integer, b: Integer) -> tuple[Integer, Integer]:
-    if not _known(a, b):
+def _multiply_extended(a: Integer, b: Integer) -> tuple[Integer, Integer]:
+    if not _all_known(a, b):
         return a.derive_unknown(b), a.derive_unknown(b)
     # In two halves: the whole of unsigned products does not fit into int64.
     upper, lower = a.lo >> 16, a.lo & 0xFFFF
@@ -179,7 +183,7 @@ def _extended(a: Integer, b: Integer) -> tuple[Integer, Integer]:
     return a.derive(middle >> 16, None, b), a.derive(a.lo * b.lo, None, b)
 
 
-def _field(offset: Integer, bits: Integer) -> tuple[Any, Any, Any]:
+def _find_field(offset: Integer, bits: Integer) -> tuple[Any, Any, Any]:
     """Where a field starts and its size, 0 and 0 where it is not inside of 32 bits; and where."""
     undefined = (offset.lo < 0) | (bits.lo < 0) | (offset.lo + bits.lo > 32)
     return np.where(undefined, 0, offset.lo), np.where(undefined, 0, bits.lo), undefined
@@ -195,7 +199,7 @@ def int(x: Value) -> Integer:
     >>> int(-1.75).lo.tolist()
     [-1]
     """
-    return _integer(x, unsigned=False)
+    return _truncate(x, unsigned=False)
 
 
 def uint(x: Value) -> Integer:
@@ -205,7 +209,7 @@ def uint(x: Value) -> Integer:
     >>> uint(Integer([-1])).lo.tolist()
     [4294967295]
     """
-    return _integer(x, unsigned=True)
+    return _truncate(x, unsigned=True)
 
 
 def float(x: Value) -> Value:
@@ -225,35 +229,35 @@ def ivec2(*parts: Value) -> Integer:
     >>> ivec2(7, -1).lo.tolist()
     [7, -1]
     """
-    return _vector(2, parts, unsigned=False)
+    return _make_vector(2, parts, unsigned=False)
 
 
 def ivec3(*parts: Value) -> Integer:
     """Three signed integers from numbers and vectors, or one for all."""
-    return _vector(3, parts, unsigned=False)
+    return _make_vector(3, parts, unsigned=False)
 
 
 def ivec4(*parts: Value) -> Integer:
     """Four signed integers from numbers and vectors, or one for all."""
-    return _vector(4, parts, unsigned=False)
+    return _make_vector(4, parts, unsigned=False)
 
 
 def uvec2(*parts: Value) -> Integer:
     """Two unsigned integers from numbers and vectors, or one for both."""
-    return _vector(2, parts, unsigned=True)
+    return _make_vector(2, parts, unsigned=True)
 
 
 def uvec3(*parts: Value) -> Integer:
     """Three unsigned integers from numbers and vectors, or one for all."""
-    return _vector(3, parts, unsigned=True)
+    return _make_vector(3, parts, unsigned=True)
 
 
 def uvec4(*parts: Value) -> Integer:
     """Four unsigned integers from numbers and vectors, or one for all."""
-    return _vector(4, parts, unsigned=True)
+    return _make_vector(4, parts, unsigned=True)
 
 
-def _integer(x: Value, *, unsigned: bool) -> Integer:
+def _truncate(x: Value, *, unsigned: bool) -> Integer:
     if isinstance(x, Integer):
         return x.convert(unsigned)
     if isinstance(x, TriBool):
@@ -274,11 +278,11 @@ def _integer(x: Value, *, unsigned: bool) -> Integer:
     return found.derive(usable[0], None if same else usable[1], anything=undefined)
 
 
-def _vector(size: builtins.int, parts: Sequence[Value], *, unsigned: bool) -> Integer:
+def _make_vector(size: builtins.int, parts: Sequence[Value], *, unsigned: bool) -> Integer:
     if not parts:
         raise FormulaError("a vector of integers needs at least one value")
-    whole = [_integer(part, unsigned=unsigned) for part in parts]
-    joined = _joined(whole) if len(whole) > 1 else whole[0]
+    whole = [_truncate(part, unsigned=unsigned) for part in parts]
+    joined = _join(whole) if len(whole) > 1 else whole[0]
     got = joined.shape[-1]
     if got == 1:
         return joined[..., [0] * size]
@@ -287,7 +291,7 @@ def _vector(size: builtins.int, parts: Sequence[Value], *, unsigned: bool) -> In
     return joined[..., :size]
 
 
-def _joined(parts: Sequence[Integer]) -> Integer:
+def _join(parts: Sequence[Integer]) -> Integer:
     known = all(part.known for part in parts)
     flags = [np.broadcast_to(part.anything, part.shape) for part in parts]
     return parts[0].derive(

@@ -25,7 +25,7 @@ def packUnorm2x16(v: Value) -> Integer:
     >>> packUnorm2x16(np.array([1.0, 0.0])).lo.tolist()
     [65535]
     """
-    return _packed(v, 2, 0.0)
+    return _pack(v, 2, 0.0)
 
 
 def packSnorm2x16(v: Value) -> Integer:
@@ -34,7 +34,7 @@ def packSnorm2x16(v: Value) -> Integer:
     >>> packSnorm2x16(np.array([-1.0, 0.0])).lo.tolist() == [0x8001]
     True
     """
-    return _packed(v, 2, -1.0)
+    return _pack(v, 2, -1.0)
 
 
 def packUnorm4x8(v: Value) -> Integer:
@@ -43,7 +43,7 @@ def packUnorm4x8(v: Value) -> Integer:
     >>> packUnorm4x8(np.array([1.0, 0.0, 0.0, 1.0])).lo.tolist() == [0xFF0000FF]
     True
     """
-    return _packed(v, 4, 0.0)
+    return _pack(v, 4, 0.0)
 
 
 def packSnorm4x8(v: Value) -> Integer:
@@ -52,7 +52,7 @@ def packSnorm4x8(v: Value) -> Integer:
     >>> packSnorm4x8(np.array([1.0, 0.0, 0.0, -1.0])).lo.tolist() == [0x8100007F]
     True
     """
-    return _packed(v, 4, -1.0)
+    return _pack(v, 4, -1.0)
 
 
 def packHalf2x16(v: Value) -> Integer:
@@ -63,7 +63,7 @@ def packHalf2x16(v: Value) -> Integer:
     """
     if not isinstance(v, Band):
         bits = np.atleast_1d(np.asarray(v, np.float16)).view(np.uint16).astype(np.int64)
-        return _together(Integer(bits, unsigned=True), 2)
+        return _join_codes(Integer(bits, unsigned=True), 2)
     allowed = quantise(v, "rgba16f")
     ends = [np.asarray(end, np.float16).view(np.uint16).astype(np.int64) for end in
             (allowed.lo, allowed.hi)]  # fmt: skip
@@ -73,7 +73,7 @@ def packHalf2x16(v: Value) -> Integer:
     low, high = np.where(zero, 0, low), np.where(zero, np.maximum(high, 0x8000), high)
     far = (np.maximum(np.abs(v.lo), np.abs(v.hi)) > 65504.0) | v.nan
     codes = Integer(low, None if (low == high).all() else high, unsigned=True, rules=v.rules)
-    return _together(codes, 2, far)
+    return _join_codes(codes, 2, far)
 
 
 def unpackUnorm2x16(p: Value) -> Value:
@@ -82,12 +82,12 @@ def unpackUnorm2x16(p: Value) -> Value:
     >>> unpackUnorm2x16(65535).tolist()
     [1.0, 0.0]
     """
-    return _codes(p, 2, signed=False)
+    return _unpack(p, 2, signed=False)
 
 
 def unpackSnorm2x16(p: Value) -> Value:
     """Two components: clamp(codes / 32767, -1, 1)."""
-    return _codes(p, 2, signed=True)
+    return _unpack(p, 2, signed=True)
 
 
 def unpackUnorm4x8(p: Value) -> Value:
@@ -96,12 +96,12 @@ def unpackUnorm4x8(p: Value) -> Value:
     >>> unpackUnorm4x8(0xFF0000FF).tolist()
     [1.0, 0.0, 0.0, 1.0]
     """
-    return _codes(p, 4, signed=False)
+    return _unpack(p, 4, signed=False)
 
 
 def unpackSnorm4x8(p: Value) -> Value:
     """Four components: clamp(codes / 127, -1, 1)."""
-    return _codes(p, 4, signed=True)
+    return _unpack(p, 4, signed=True)
 
 
 def unpackHalf2x16(p: Value) -> Value:
@@ -110,12 +110,12 @@ def unpackHalf2x16(p: Value) -> Value:
     >>> unpackHalf2x16(0xC0003C00).tolist()
     [1.0, -2.0]
     """
-    whole = _parts(p, 2)
+    whole = _split(p, 2)
     values = whole.lo.astype(np.uint16).view(np.float16).astype(np.float64)
     if whole.rules is None:
         return values
     if not whole.known:
-        return _free(whole, whole.rules)
+        return _any_float(whole, whole.rules)
     small = np.abs(values) < 2.0**-14
     lo = np.where(small, np.minimum(values, 0.0), values)
     hi = np.where(small, np.maximum(values, 0.0), values)
@@ -124,13 +124,13 @@ def unpackHalf2x16(p: Value) -> Value:
     return band.derive(band.lo, band.hi, anything=nan)
 
 
-def _packed(v: Value, count: int, least: float) -> Integer:
+def _pack(v: Value, count: int, least: float) -> Integer:
     largest = 2.0 ** (32 // count - (least < 0.0)) - 1.0
     codes = to_int(round(clamp(v, least, 1.0) * largest))
-    return _together(codes, count)
+    return _join_codes(codes, count)
 
 
-def _together(codes: Integer, count: int, anything: Any = None) -> Integer:
+def _join_codes(codes: Integer, count: int, anything: Any = None) -> Integer:
     """Codes along the last axis as the bits of one number, the first lowest."""
     size = 32 // count
     if not codes.known and (codes.lo < 0).any():
@@ -149,7 +149,7 @@ def _together(codes: Integer, count: int, anything: Any = None) -> Integer:
     return whole.derive(low, None if codes.known else high, anything=flags)
 
 
-def _parts(p: Value, count: int) -> Integer:
+def _split(p: Value, count: int) -> Integer:
     """The bits of a number as unsigned numbers along the last axis, the lowest first."""
     whole = p if isinstance(p, Integer) else Integer(p, unsigned=True)
     size = 32 // count
@@ -163,18 +163,18 @@ def _parts(p: Value, count: int) -> Integer:
     return found
 
 
-def _codes(p: Value, count: int, *, signed: bool) -> Value:
-    whole = _parts(p, count)
+def _unpack(p: Value, count: int, *, signed: bool) -> Value:
+    whole = _split(p, count)
     size = 32 // count
     if not signed:
         return to_float(whole) / (2.0**size - 1.0)
     if not whole.known:
-        return clamp(_free(whole, whole.rules or Rules()), -1.0, 1.0)
+        return clamp(_any_float(whole, whole.rules or Rules()), -1.0, 1.0)
     negative = whole.lo >= 2 ** (size - 1)
     codes = Integer(np.where(negative, whole.lo - 2**size, whole.lo), rules=whole.rules)
     return clamp(to_float(codes) / (2.0 ** (size - 1) - 1.0), -1.0, 1.0)
 
 
-def _free(whole: Integer, rules: Rules) -> Band:
+def _any_float(whole: Integer, rules: Rules) -> Band:
     wide = np.full(whole.shape, np.inf)
     return Band.between(-wide, wide, rules)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from shaderlab.bands import Band
 from shaderlab.bands.bounds import contains, widths
 from shaderlab.engine.judging import banded
 from shaderlab.engine.judging.banded import Placed
@@ -68,6 +69,24 @@ def test_one_value_has_the_width_that_its_band_says(
     lo, hi = bounds
     value = np.array([measured], np.float32).astype(float)
     assert placed(kinds, 1).widths_at(0, 0) == widths(lo, hi, np.array([nan]), value)[0]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "measured", "distance"),
+    [
+        *((-INF, 1.5, 1.5, 0.0), (-INF, 1.5, -1e30, 0.0), (-INF, 1.5, -INF, 0.0)),
+        *((-INF, 1.5, 1.5 + 3 * 2.0**-23, 4.0), (-INF, -1.5, -1.5 + 5 * 2.0**-23, 6.0)),
+        *((1.5, INF, 1.5, 0.0), (1.5, INF, 1e30, 0.0), (1.5, INF, INF, 0.0)),
+        *((1.5, INF, 1.5 - 3 * 2.0**-23, 4.0), (-1.5, INF, -1.5 - 5 * 2.0**-23, 6.0)),
+        *((-INF, INF, 7.0, 0.0), (-INF, 1.5, NAN, INF), (1.5, INF, NAN, INF)),
+    ],
+)
+def test_beyond_the_end_of_a_band_with_one_end_the_distance_counts_ulps(
+    low: float, high: float, measured: float, distance: float
+) -> None:
+    band = Band.between([low], [high])
+    assert band.widths([measured]) == distance
+    assert band.contains([measured]) == (distance == 0.0)
 
 
 def test_a_value_outside_outranks_all_inside() -> None:

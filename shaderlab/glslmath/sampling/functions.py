@@ -67,14 +67,14 @@ def sample(sampler: Sampler, p: Any, level: Span | None, offset: Offset = (0, 0)
             f"texture(): a sampler{texels.kind}{shadow} takes {wanted} coordinates, not {given}"
         )
     if texels.kind in ("2D", "2DArray"):
-        return make_value(sampler, _of_plane(sampler, p, level, offset))
+        return make_value(sampler, _sample_plane(sampler, p, level, offset))
     if offset != (0, 0):
         raise FormulaError(
             f"offsets of a sampler{texels.kind} are not known; GLSL has none on cubes"
         )
     if texels.kind == "3D":
         return make_value(sampler, reading.sample_volume(sampler, p))
-    return make_value(sampler, _of_cube(sampler, p, level))
+    return make_value(sampler, _sample_cube(sampler, p, level))
 
 
 def textureLod(sampler: Sampler, p: Any, lod: Any) -> Any:
@@ -138,7 +138,7 @@ def textureQueryLevels(sampler: Sampler) -> int:
     return 1 + len(sampler.texels.smaller)
 
 
-def _of_plane(sampler: Sampler, p: Any, lod: Span | None, offset: Offset) -> Span:
+def _sample_plane(sampler: Sampler, p: Any, lod: Span | None, offset: Offset) -> Span:
     texels = sampler.texels
     reference = find_reference(sampler, p)
     layers: list[Integers] = [np.zeros(to_span(p)[0].shape[:-1], np.int64)]
@@ -167,7 +167,7 @@ def _of_plane(sampler: Sampler, p: Any, lod: Span | None, offset: Offset) -> Spa
     return reading.filter_at_level(sampler, filtered, lod)
 
 
-def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
+def _sample_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
     reference = find_reference(sampler, p)
     bounds = to_span(p)
     shorter = bounds[0][..., :3]
@@ -317,13 +317,13 @@ def _gather(sampler: Sampler, p: Any, comp: int, offsets: Sequence[Offset]) -> A
     parts: list[Span] = []
     for column in ends[0]:
         for row in ends[1]:
-            found = [_texel(sampler, reference, column + x, row + y, comp) for x, y in offsets]
+            found = [_read_texel(sampler, reference, column + x, row + y, comp) for x, y in offsets]
             low, high = (np.concatenate(bounds, axis=-1) for bounds in zip(*found, strict=True))
             parts.append((low, high))
     return make_value(sampler, hull(parts))
 
 
-def _texel(sampler: Sampler, reference: Span | None, column: Any, row: Any, comp: int) -> Span:
+def _read_texel(sampler: Sampler, reference: Span | None, column: Any, row: Any, comp: int) -> Span:
     layer = np.zeros(column.shape, np.int64)
     found = _compare(sampler, reference, reading.read_texels(sampler, 0, column, row, layer), ...)
     if reference is not None:
@@ -379,12 +379,12 @@ LINEAR_LOGARITHM = 0.0861
 
 def textureOffset(sampler: Sampler, p: Any, offset: Offset, lod: Any = None) -> Any:
     """GLSL's `textureOffset`; `lod` as for `texture`."""
-    return sample(sampler, p, _level(lod), offset)
+    return sample(sampler, p, _to_level(lod), offset)
 
 
 def textureLodOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
     """GLSL's `textureLodOffset`."""
-    return sample(sampler, p, _level(lod), offset)
+    return sample(sampler, p, _to_level(lod), offset)
 
 
 def texelFetchOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
@@ -399,22 +399,22 @@ def texelFetchOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
 
 def textureProj(sampler: Sampler, p: Any, lod: Any = None) -> Any:
     """GLSL's `textureProj`: p's coordinates are divided by its last one."""
-    return sample(sampler, _project(sampler, p), _level(lod))
+    return sample(sampler, _project(sampler, p), _to_level(lod))
 
 
 def textureProjOffset(sampler: Sampler, p: Any, offset: Offset, lod: Any = None) -> Any:
     """GLSL's `textureProjOffset`."""
-    return sample(sampler, _project(sampler, p), _level(lod), offset)
+    return sample(sampler, _project(sampler, p), _to_level(lod), offset)
 
 
 def textureProjLod(sampler: Sampler, p: Any, lod: Any) -> Any:
     """GLSL's `textureProjLod`."""
-    return sample(sampler, _project(sampler, p), _level(lod))
+    return sample(sampler, _project(sampler, p), _to_level(lod))
 
 
 def textureProjLodOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
     """GLSL's `textureProjLodOffset`."""
-    return sample(sampler, _project(sampler, p), _level(lod), offset)
+    return sample(sampler, _project(sampler, p), _to_level(lod), offset)
 
 
 def textureGrad(sampler: Sampler, p: Any, dPdx: Any, dPdy: Any) -> Any:
@@ -448,7 +448,7 @@ def compute_level(sampler: Sampler, dPdx: Any, dPdy: Any) -> Span:
         raise FormulaError("derivatives on cubes are not known; give the level to textureLod()")
     height, width = reading.level_values(sampler, 0).shape[1:3]
     du_dx, du_dy, dv_dx, dv_dy = (
-        _sizes(component(to_span(d), k)) for k in (0, 1) for d in (dPdx, dPdy)
+        _absolute(component(to_span(d), k)) for k in (0, 1) for d in (dPdx, dPdy)
     )
     with np.errstate(divide="ignore"):
         if sampler.rules is None:
@@ -462,14 +462,14 @@ def compute_level(sampler: Sampler, dPdx: Any, dPdy: Any) -> Span:
     return widen((least - LINEAR_LOGARITHM, most), WEIGHT)
 
 
-def _sizes(span: Span) -> Span:
+def _absolute(span: Span) -> Span:
     """The absolute values of a span."""
     low, high = np.abs(span[0]), np.abs(span[1])
     crosses = (span[0] < 0.0) & (span[1] > 0.0)
     return np.where(crosses, 0.0, np.minimum(low, high)), np.maximum(low, high)
 
 
-def _level(lod: Any) -> Span | None:
+def _to_level(lod: Any) -> Span | None:
     return None if lod is None else component(to_span(lod), 0)
 
 

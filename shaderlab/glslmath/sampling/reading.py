@@ -266,7 +266,7 @@ def find_faces(direction: Span, exact: bool) -> Iterator[tuple[int, Flags, Span,
             on = face == number
             yield int(number), on, (s[on],) * 2, (t[on],) * 2
         return
-    sizes = [_size(axis) for axis in axes]
+    sizes = [_absolute(axis) for axis in axes]
     for number, (axis, s_axis, t_axis) in enumerate(_TABLE):
         low, high = axes[axis] if number % 2 == 0 else (-axes[axis][1], -axes[axis][0])
         others = np.maximum.reduce([sizes[k][0] for k in range(3) if k != axis])
@@ -298,11 +298,11 @@ def read_across_edges(sampler: Sampler, level: int, x: Array, y: Array, face: In
     for side, out, at, along in ((0, out_x, column, inside_y), (2, out_y, row, inside_x)):
         # Few texels lie beyond an edge. At a corner this ends with the neighbour above or below.
         few = out.nonzero()
-        place[few] = _beyond(size)[face[few], side + (at[few] > 0), along[few]]
+        place[few] = _find_neighbours(size)[face[few], side + (at[few] > 0), along[few]]
     low, high = _fetch_numbered(sampler, level, place)
     if not corner.any():
         return low, high
-    beside = _beyond(size)[face[corner], (column[corner] > 0) + 0, inside_y[corner]]
+    beside = _find_neighbours(size)[face[corner], (column[corner] > 0) + 0, inside_y[corner]]
     three = [_fetch_numbered(sampler, level, places) for places in (own, beside, place[corner])]
     if sampler.rules is None:
         low[corner] = sum(one for one, _ in three) / 3.0
@@ -313,7 +313,7 @@ def read_across_edges(sampler: Sampler, level: int, x: Array, y: Array, face: In
 
 
 @lru_cache(maxsize=16)
-def _beyond(size: int) -> Integers:
+def _find_neighbours(size: int) -> Integers:
     """Where the texels of adjacent faces lie, (6, 4, size): by face, then beyond its left, right,
     lower and upper edge, along that edge."""
     along = 2.0 * (np.arange(size) + 0.5) / size - 1.0
@@ -332,7 +332,7 @@ def _beyond(size: int) -> Integers:
     return found
 
 
-def _size(span: Span) -> Span:
+def _absolute(span: Span) -> Span:
     """The bounds of a number's absolute value."""
     low, high = np.abs(span[0]), np.abs(span[1])
     least = np.where((span[0] < 0.0) & (span[1] > 0.0), 0.0, np.minimum(low, high))
@@ -378,7 +378,7 @@ def filter_at_level(sampler: Sampler, filtered: Filtered, lod: Span | None) -> S
     if magnified.any():
         parts.append((magnified, filtered(0, magnify)))
     if minified.any():
-        parts.append((minified, _minified(sampler, filtered, within, between, (low, high))))
+        parts.append((minified, _minify(sampler, filtered, within, between, (low, high))))
     result_low: Any = np.inf
     result_high: Any = -np.inf
     if len(parts) == 1 and parts[0][0].all():
@@ -387,11 +387,11 @@ def filter_at_level(sampler: Sampler, filtered: Filtered, lod: Span | None) -> S
         result_low = np.where(may[..., None], np.minimum(result_low, part_low), result_low)
         result_high = np.where(may[..., None], np.maximum(result_high, part_high), result_high)
     if sampler.rules is not None and "linear" in {within, magnify}:
-        return widen((result_low, result_high), ROUNDING * _largest(sampler))
+        return widen((result_low, result_high), ROUNDING * _find_largest(sampler))
     return result_low, result_high
 
 
-def _largest(sampler: Sampler) -> float:
+def _find_largest(sampler: Sampler) -> float:
     """The greatest number that a sample can mix. Where the filter changes from pixel to pixel,
     drivers run NEAREST as a mix, too, with weights of 0 and 1 (llvmpipe does): its roundings stay.
     """
@@ -402,7 +402,7 @@ def _largest(sampler: Sampler) -> float:
     return float(max(*numbers, *(abs(value) for value in texels.border)))
 
 
-def _minified(sampler: Sampler, filtered: Filtered, within: str, between: str, lod: Span) -> Span:
+def _minify(sampler: Sampler, filtered: Filtered, within: str, between: str, lod: Span) -> Span:
     last = len(sampler.texels.smaller)
     if not between:
         return filtered(0, within)
@@ -412,28 +412,28 @@ def _minified(sampler: Sampler, filtered: Filtered, within: str, between: str, l
         ends = [np.ceil(lod[0] + 0.5) - 1.0, np.floor(lod[1] + 0.5)]
         chosen = [np.clip(end, 0, last) for end in ends[: 1 if sampler.rules is None else 2]]
         require_narrow((chosen[0], chosen[-1]), "texture(), the level")
-        known = _levels(filtered, within, chosen)
-        return hull([_picked(known, number) for number in chosen])
+        known = _sample_levels(filtered, within, chosen)
+        return hull([_pick(known, number) for number in chosen])
     exact = sampler.rules is None
     place = lod if exact else widen(lod, WEIGHT)
     require_narrow(place, "texture(), the level")
     low, high = np.clip(place[0], 0, last), np.clip(place[1], 0, last)
     ends = [low] if exact else corners((low, high))
     below = [np.minimum(np.floor(end), max(last - 1, 0)) for end in ends]
-    known = _levels(filtered, within, [*below, *(np.minimum(b + 1, last) for b in below)])
+    known = _sample_levels(filtered, within, [*below, *(np.minimum(b + 1, last) for b in below)])
     return hull(
-        [_between(known, b, np.minimum(b + 1, last), e - b, exact)
+        [_mix_levels(known, b, np.minimum(b + 1, last), e - b, exact)
          for b, e in zip(below, ends, strict=True)]
     )  # fmt: skip
 
 
-def _levels(filtered: Filtered, within: str, numbers: list[Array]) -> dict[int, Span]:
+def _sample_levels(filtered: Filtered, within: str, numbers: list[Array]) -> dict[int, Span]:
     """The samples of every level that some value reads."""
     wanted = sorted({int(n) for number in numbers for n in np.unique(number)})
     return {number: filtered(number, within) for number in wanted}
 
 
-def _picked(known: dict[int, Span], number: Array) -> Span:
+def _pick(known: dict[int, Span], number: Array) -> Span:
     """For each value, the sample of the level it reads."""
     low: Any = np.nan
     high: Any = np.nan
@@ -443,8 +443,8 @@ def _picked(known: dict[int, Span], number: Array) -> Span:
     return low, high
 
 
-def _between(known: dict[int, Span], one: Array, other: Array, part: Array, exact: bool) -> Span:
-    near, far = _picked(known, one), _picked(known, other)
+def _mix_levels(known: dict[int, Span], one: Array, other: Array, part: Array, exact: bool) -> Span:
+    near, far = _pick(known, one), _pick(known, other)
     share = np.clip(part, 0.0, 1.0)[..., None]
     low, high = (a * (1.0 - share) + b * share for a, b in zip(near, far, strict=True))
     if exact:
@@ -491,20 +491,21 @@ def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) 
     """
     if exact:
         column, row = x[0] - 0.5, y[0] - 0.5
-        return _within_cell(texel, (column, column), (row, row), EVERYWHERE)
+        return _mix_cell(texel, (column, column), (row, row), EVERYWHERE)
     x, y = (x[0] - 0.5, x[1] - 0.5), (y[0] - 0.5, y[1] - 0.5)
     x, y = widen(x, WEIGHT), widen(y, WEIGHT)
     require_narrow(x, "texture()")
     require_narrow(y, "texture()")
-    low, high = _within_cell(texel, x, y, EVERYWHERE)
+    low, high = _mix_cell(texel, x, y, EVERYWHERE)
     crossing = (np.floor(x[0]) < np.floor(x[1])) | (np.floor(y[0]) < np.floor(y[1]))
     if crossing.any():
         # Few places cross a texel centre's row or column: only those are split into pieces.
         x, y = ((start[crossing], end[crossing]) for start, end in (x, y))
-        pieces = [_within_cell(texel, a, b, crossing) for a in _pieces(x) for b in _pieces(y)]
+        across, up = _split_at_integer(x), _split_at_integer(y)
+        pieces = [_mix_cell(texel, a, b, crossing) for a in across for b in up]
         low[crossing], high[crossing] = hull(pieces)
     if compared:
-        # Weights of sum 1 give or take a last bit, and _within_cell's own give.
+        # Weights of sum 1 give or take a last bit, and _mix_cell's own give.
         some = 2.0 * ROUNDING
         return np.where(low < 1.0 - some, 0.0, 1.0), np.where(high > some, 1.0, 0.0)
     return low, high
@@ -518,7 +519,7 @@ def corners(span: Span) -> list[Array]:
     return [low, np.clip(np.ceil(low), low, high), high]
 
 
-def _pieces(span: Span) -> list[Span]:
+def _split_at_integer(span: Span) -> list[Span]:
     """A span of at most 1, split at the integer in it."""
     low, middle, high = corners(span)
     return [(low, middle), (middle, high)]
@@ -528,7 +529,7 @@ def _ends(span: Span) -> list[Array]:
     return [span[0]] if span[0] is span[1] else [span[0], span[1]]
 
 
-def _within_cell(texel: Texel, x: Span, y: Span, places: Any) -> Span:
+def _mix_cell(texel: Texel, x: Span, y: Span, places: Any) -> Span:
     """The bounds of a mean of four texels over a box between their centres: those at its corners.
 
     Numbers, whose bounds are one array, have one corner and no rounding.
@@ -581,27 +582,28 @@ def sample_volume(sampler: Sampler, p: Any) -> Span:
     if sampler.texels.filter[1] == "nearest":
         require_narrow(z, "texture()")
         layers = [np.floor(end) for end in (z[:1] if exact else z)]
-        return hull([nearest(_layer(sampler, layer), x, y) for layer in layers])
+        return hull([nearest(_make_layer_reader(sampler, layer), x, y) for layer in layers])
     z = (z[0] - 0.5, z[1] - 0.5)
     if exact:
-        return _between_volume(sampler, x, y, z[0], exact=True)
+        return _mix_layers(sampler, x, y, z[0], exact=True)
     z = widen(z, WEIGHT)
     require_narrow(z, "texture()")
-    low, high = hull([_between_volume(sampler, x, y, end, exact=False) for end in corners(z)])
+    low, high = hull([_mix_layers(sampler, x, y, end, exact=False) for end in corners(z)])
     give = ROUNDING * np.maximum(np.abs(low), np.abs(high))
     return low - give, high + give
 
 
-def _between_volume(sampler: Sampler, x: Span, y: Span, z: Array, *, exact: bool) -> Span:
+def _mix_layers(sampler: Sampler, x: Span, y: Span, z: Array, *, exact: bool) -> Span:
     """Two layers mixed. It is linear in z between their centres, so that the ends of z bound it."""
     below = np.floor(z)
-    near, far = (linear(_layer(sampler, below + k), x, y, exact=exact) for k in (0.0, 1.0))
+    texels = (_make_layer_reader(sampler, below + k) for k in (0.0, 1.0))
+    near, far = (linear(texel, x, y, exact=exact) for texel in texels)
     share = (z - below)[..., None]
     low, high = (a * (1.0 - share) + b * share for a, b in zip(near, far, strict=True))
     return low, high
 
 
-def _layer(sampler: Sampler, number: Array) -> Texel:
+def _make_layer_reader(sampler: Sampler, number: Array) -> Texel:
     """The texels of a layer, which may differ from place to place."""
 
     def texel(column: Array, row: Array, at: Any) -> Span:
