@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.drivers.programs.instrument import find_watch_points
+from shaderlab.analysis.instrument import find_watch_points
 from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.discovery import shipped_cases
 from shaderlab.engine.evaluation import Evaluation

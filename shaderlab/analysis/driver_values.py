@@ -14,11 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.analysis.interpreter import Program, Stored
-from shaderlab.analysis.interpreter.program import Instruction, Type
-from shaderlab.analysis.interpreter.values import Flags, component
-from shaderlab.bands import Band, Integer, TriBool
-from shaderlab.drivers.programs.instrument import (
+from shaderlab.analysis.instrument import (
     VALUE,
     Watch,
     WatchPoint,
@@ -26,6 +22,10 @@ from shaderlab.drivers.programs.instrument import (
     instrument,
     watch_capacity,
 )
+from shaderlab.analysis.interpreter import Program, Stored
+from shaderlab.analysis.interpreter.program import Instruction, Type
+from shaderlab.analysis.interpreter.values import Flags, component
+from shaderlab.bands import Band, Integer, TriBool
 from shaderlab.drivers.programs.textures import output_format
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.errors import ShaderlabError, UnsupportedError

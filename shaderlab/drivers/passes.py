@@ -17,8 +17,8 @@ from shaderlab.model.phases import phase
 from shaderlab.model.scene import Pass, Target
 from shaderlab.model.state import State
 
-from .programs import bind, vertex_capture
-from .programs.fragment_capture import PassCapture, probe_fragments, set_draw_number
+from .programs import bind, captures
+from .programs.captures import PassCapture, probe_fragments, set_draw_number
 from .programs.prepare import (
     PreparedDraw,
     Programs,
@@ -109,7 +109,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         bindings: Bindings,
         count: int | None,
     ) -> Mapping[VaryingPart, Array]:
-        """As `shaderlab.drivers.programs.vertex_capture.Capture`."""
+        """As `shaderlab.drivers.programs.captures.CaptureOutputs`."""
 
     def issue(self, key: PassDraw, draw: PreparedDraw, target: TargetKind) -> None:
         """Draw one of the scene's draws, whose bindings are made, and note the errors it raises."""
@@ -283,7 +283,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
 
     def capture_vertices(self, key: PassDraw) -> Samples:
         draw = self.programs[key[0]][key[1]]
-        return vertex_capture.capture_vertices(draw, self.bindings[key], self.capture_outputs)
+        return captures.capture_vertices(draw, self.bindings[key], self.capture_outputs)
 
     def probe(
         self,
@@ -295,8 +295,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         draw = self.programs[key[0]][key[1]]
         if stage == "vertex":
             return [
-                vertex_capture.probe_vertices(draw, each, inputs, self.capture_outputs)
-                for each in runs
+                captures.probe_vertices(draw, each, inputs, self.capture_outputs) for each in runs
             ]
         return probe_fragments(draw, runs, inputs, self._draw_points)
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Draw, Mesh, Pass, coverage, formula, mesh_pass, value
-from shaderlab.drivers.programs.vertex_capture import primitive_corners
+from shaderlab.drivers.programs.captures import primitive_corners
 from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import cross, normalize, vec4, where
 from shaderlab.model.options import RunOptions

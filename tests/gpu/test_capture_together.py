@@ -12,7 +12,7 @@ import pytest
 
 from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Target, coverage, formula
 from shaderlab.drivers.programs import stages
-from shaderlab.drivers.programs.fragment_capture import PassCapture
+from shaderlab.drivers.programs.captures import PassCapture
 from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import vec4
 from shaderlab.model.case import Scene

@@ -15,10 +15,10 @@ from click.testing import CliRunner
 from shaderlab import Case, Ramp, formula, fullscreen
 from shaderlab.analysis import invocations
 from shaderlab.analysis.explain import explain, reference_locals, widest_pixel
+from shaderlab.analysis.instrument import find_statements
 from shaderlab.analysis.interpreter import load
 from shaderlab.cli.explain import command
 from shaderlab.compiler import Shaders
-from shaderlab.drivers.programs.instrument import find_statements
 from shaderlab.engine.judging.references import Inputs
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import UsageError

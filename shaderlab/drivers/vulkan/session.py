@@ -32,10 +32,10 @@ from shaderlab.model.state import State
 from ..passes import DeviceBackend, PassSession
 from ..programs import bind, stages
 from ..programs.bind import uniform_blocks
+from ..programs.captures import primitive_corners
 from ..programs.module_texts import HEIGHT, make_sources, write_point_texts
 from ..programs.prepare import PreparedDraw, Programs
 from ..programs.stages import VaryingPart
-from ..programs.vertex_capture import primitive_corners
 from ..protocol import Answers, Evaluation, Size
 from ..resources import COVERING
 from .bindings import (

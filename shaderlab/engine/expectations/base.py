@@ -10,8 +10,8 @@ from typing import Any
 
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Session
+from shaderlab.drivers.programs.captures import vertex_output_names
 from shaderlab.drivers.programs.prepare import Preparer, describe_draw
-from shaderlab.drivers.programs.vertex_capture import vertex_output_names
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Programs, Read, TypedNeed

@@ -10,8 +10,7 @@ from typing import Literal
 from tree_sitter import Node
 
 from shaderlab.compiler.syntax import Syntax, field, name_of, walk
-
-from .stages import MOST_OUTPUTS, PREFIX, end_of_directives
+from shaderlab.drivers.programs.stages import MOST_OUTPUTS, PREFIX, end_of_directives
 
 Kind = Literal["store", "return", "condition", "entry"]
 _LOOPS = ("while_statement", "do_statement", "for_statement")
