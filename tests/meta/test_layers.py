@@ -37,7 +37,7 @@ OWNERS: dict[str, set[str]] = {
     "trimesh": {"assets"},
     "pypcd4": {"assets"},
     "jinja2": {"report"},
-    "tree_sitter": {"compiler", "drivers", "mutation"},
+    "tree_sitter": {"analysis", "compiler", "drivers", "mutation"},
     "tree_sitter_glsl": {"compiler"},
     "click": {"cli"},
     "rich": {"cli"},
