@@ -17,6 +17,11 @@ from .choice import equal, where
 from .dispatch import Value, apply, as_bands, as_integers, mark_undefined
 from .scalar import trunc
 
+__all__ = [
+    "array", "floatBitsToInt", "floatBitsToUint", "frexp", "intBitsToFloat", "ldexp", "mat2",
+    "mat3", "mat4", "modf", "swizzle", "uintBitsToFloat", "vec2", "vec3", "vec4",
+]  # fmt: skip
+
 
 def stack(parts: Sequence[Value], axis: int) -> Value:
     """Values one after the other along an axis, the other axes broadcast."""

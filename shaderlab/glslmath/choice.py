@@ -13,6 +13,11 @@ from shaderlab.bands.tri_bool import as_tri_bool
 from shaderlab.glslmath import integer
 from shaderlab.glslmath.dispatch import Condition, Value, apply, as_bands, as_integers, as_number
 
+__all__ = [
+    "all", "any", "either", "equal", "greaterThan", "greaterThanEqual", "isinf", "isnan",
+    "lessThan", "lessThanEqual", "notEqual", "not_", "where",
+]  # fmt: skip
+
 
 def where(condition: Condition, a: Value, b: Value) -> Value:
     """GLSL's `condition ? a : b`, value by value; the condition broadcasts over components.

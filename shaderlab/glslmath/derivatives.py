@@ -24,6 +24,11 @@ from shaderlab.errors import FormulaError
 from shaderlab.glslmath.dispatch import Value
 from shaderlab.glslmath.scalar import abs
 
+__all__ = [
+    "dFdx", "dFdxCoarse", "dFdxFine", "dFdy", "dFdyCoarse", "dFdyFine", "fwidth",
+    "fwidthCoarse", "fwidthFine",
+]  # fmt: skip
+
 # A device that cuts a triangle in two, as llvmpipe does with those that reach beyond the target,
 # continues each part beyond the cut: an input is then off by its interpolation's roundings, of the
 # largest value that it takes.

@@ -9,6 +9,10 @@ import numpy as np
 
 from shaderlab.bands import Band, Integer, Literal, TriBool
 
+__all__ = [
+    "Condition", "Value",
+]  # fmt: skip
+
 # A Python number, a float64 array whose last axis is the components, or a Band.
 Value: TypeAlias = Any
 # A Python bool, a boolean array, or a TriBool.

@@ -20,6 +20,12 @@ from shaderlab.errors import FormulaError
 
 from .dispatch import Condition, Value
 
+__all__ = [
+    "bitCount", "bitfieldExtract", "bitfieldInsert", "bitfieldReverse", "findLSB", "findMSB",
+    "float", "imulExtended", "int", "ivec2", "ivec3", "ivec4", "uaddCarry", "uint",
+    "umulExtended", "usubBorrow", "uvec2", "uvec3", "uvec4",
+]  # fmt: skip
+
 _RANGE = 2**32
 
 

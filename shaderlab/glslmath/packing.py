@@ -18,6 +18,11 @@ from shaderlab.glslmath.dispatch import Value
 from shaderlab.glslmath.integer import float as to_float, int as to_int
 from shaderlab.glslmath.scalar import clamp, round
 
+__all__ = [
+    "packHalf2x16", "packSnorm2x16", "packSnorm4x8", "packUnorm2x16", "packUnorm4x8",
+    "unpackHalf2x16", "unpackSnorm2x16", "unpackSnorm4x8", "unpackUnorm2x16", "unpackUnorm4x8",
+]  # fmt: skip
+
 
 def packUnorm2x16(v: Value) -> Integer:
     """Two components as codes 0…65535, the first in the lower bits.

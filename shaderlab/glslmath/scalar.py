@@ -17,6 +17,13 @@ from . import integer
 from .choice import where
 from .dispatch import Value, apply, as_integers, as_number, mark_undefined
 
+__all__ = [
+    "abs", "acos", "acosh", "asin", "asinh", "atan", "atanh", "ceil", "clamp", "cos", "cosh",
+    "degrees", "exp", "exp2", "floor", "fma", "fract", "inversesqrt", "log", "log2", "max",
+    "min", "mix", "mod", "pow", "radians", "round", "roundEven", "sign", "sin", "sinh",
+    "smoothstep", "sqrt", "step", "tan", "tanh", "trunc",
+]  # fmt: skip
+
 _DEGREE = math.pi / 180.0
 
 

@@ -15,6 +15,11 @@ from .choice import where
 from .dispatch import Value, apply, as_number, mark_undefined
 from .scalar import clamp, max, sqrt
 
+__all__ = [
+    "cross", "determinant", "distance", "dot", "faceforward", "inverse", "length", "matmul",
+    "matrixCompMult", "mul", "normalize", "outerProduct", "reflect", "refract", "transpose",
+]  # fmt: skip
+
 # What rounding may add to a component of a unit vector, in both of its expansions.
 _BEYOND_UNIT = 1.0 + 16 * 2.0**-23
 

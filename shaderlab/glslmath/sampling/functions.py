@@ -27,6 +27,14 @@ from .reading import (
     widen,
 )
 
+__all__ = [
+    "imageLoad", "imageSize", "texelFetch", "texelFetchOffset", "texture", "textureGather",
+    "textureGatherOffset", "textureGatherOffsets", "textureGrad", "textureGradOffset",
+    "textureLod", "textureLodOffset", "textureOffset", "textureProj", "textureProjGrad",
+    "textureProjGradOffset", "textureProjLod", "textureProjLodOffset", "textureProjOffset",
+    "textureQueryLevels", "textureQueryLod", "textureSamples", "textureSize",
+]  # fmt: skip
+
 Offset = tuple[int, int]
 COORDINATES = {"2D": 2, "2DArray": 3, "3D": 3, "Cube": 3}
 """How many coordinates place a sample, by the sampler's kind."""

@@ -14,6 +14,10 @@ from shaderlab.bands import Band, Integer, Rules
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array, Texels
 
+__all__ = [
+    "Sampler", "cube_face", "wrap_index",
+]  # fmt: skip
+
 Span = tuple[Array, Array]
 """The least and the greatest value; for a number both are the same array."""
 
