@@ -19,6 +19,7 @@ from shaderlab.errors import ShaderError
 _DEFAULT_LAYOUT = re.compile(rb"(?:\blayout\s*\([^)]*\)\s*)+(?:in|out|uniform|buffer)\s*;")
 _UNKNOWN = (
     re.compile(rb"\bprecision\s+\w+\s+\w+\s*;"),
+    re.compile(rb"\b(?:high|medium|low)p\b"),
     _DEFAULT_LAYOUT,
     re.compile(
         rb"\b(?:const|volatile|restrict)(?=\s+(?:const|volatile|restrict|in|out|inout|uniform|buffer|"
@@ -26,7 +27,7 @@ _UNKNOWN = (
     ),
     re.compile(rb"(?<=\w)\s*(?:\[[^\[\]]*\]\s*)+(?=[A-Za-z_]\w*\s*[=;,()\[])"),
 )
-_BLANKED_QUALIFIERS = re.compile(rb"(?:\b(?:const|volatile|restrict)\s+)+\Z")
+_BLANKED_QUALIFIERS = re.compile(rb"(?:\b(?:const|volatile|restrict|(?:high|medium|low)p)\s+)+\Z")
 _LENGTH = re.compile(r"\[([^\]]*)\]")
 _WORD = re.compile(r"\w+")
 # A name with the dot before it, if it is a member, and the parenthesis behind it, if it is called.

@@ -71,9 +71,10 @@ def find_entry_points(
             place = source.place(signature.line)
             if place[0] == own_file:
                 made = _entry_source(source, signature, place, taken)
-                found.append(
-                    EntryPoint(signature, tuple(as_version(made, one) for one in versions))
-                )
+                sources: tuple[Source, ...] = (made,)
+                if len(versions) > 1:  # a file that says its version keeps it
+                    sources = tuple(as_version(made, number) for number in versions)
+                found.append(EntryPoint(signature, sources))
     return sorted(found, key=lambda one: one.signature.line)
 
 

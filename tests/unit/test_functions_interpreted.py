@@ -70,6 +70,15 @@ def test_ranges_go_to_the_functions_that_take_them(
     assert status == 2 and "no function takes 'xx'" in output and "x" in output
 
 
+def test_a_file_keeps_the_version_that_it_says(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = "#version 310 es\nprecision highp float;\nhighp float root(highp float x)"
+    (folder / "law.glsl").write_text(f"{text} {{ return sqrt(x - 0.5); }}\n")
+    status, output = run(folder, monkeypatch, "audit", "law.glsl", "--range", "x=0:1")
+    assert status == 1 and "law.glsl:3: sqrt of a negative number" in output
+
+
 CHANGES = {
     "fade": ("light.on ?", "!light.on ?"),
     "turned": ("-sin(radius)", "sin(radius)"),
