@@ -1,4 +1,4 @@
-"""The command line. Each command is a module of its own, imported when it is called."""
+"""The command line: each command is a module, imported when it is called."""
 
 from __future__ import annotations
 
@@ -20,26 +20,26 @@ USAGE = 2
 INTERRUPTED = 130
 """Exit statuses; a command returns one."""
 
-# Each command's module in this package, and what it does, which `--help` says without importing it.
+# The module and the summary of each command, which `--help` prints without importing it.
 COMMANDS = {
-    "list": ("list_cases", "The cases there are."),
+    "list": ("list_cases", "List the cases."),
     "run": ("run", "Run cases, judge them, write the report."),
-    "watch": ("watch", "Judge again what depends on a saved file."),
-    "sweep": ("sweep", "Run one case over a grid of inputs; a table and plots."),
-    "compile": ("compile", "Only ask the compilers."),
-    "explain": ("explain", "What each line of a shader computes at a pixel."),
-    "diff": ("diff", "Is a rewritten shader the same one?"),
-    "audit": ("audit", "What may go wrong in a shader, without a reference."),
-    "mutate": ("mutate", "Make mistakes in cases' shaders; see which get by."),
-    "report": ("reporting", "Make a run's pages again."),
-    "init": ("init", "Settings, a CI workflow and a .gitignore line for a repository."),
-    "new": ("new", "First tests for the functions of a shader."),
-    "doctor": ("doctor", "What is there, what is missing, how to get it."),
+    "watch": ("watch", "Rerun whatever depends on a file as soon as it is saved."),
+    "sweep": ("sweep", "Run one case over a grid of inputs; write a table and plots."),
+    "compile": ("compile", "Compile shaders without rendering."),
+    "explain": ("explain", "Show what each line of a shader computes at a pixel."),
+    "diff": ("diff", "Check whether a rewritten shader computes the same."),
+    "audit": ("audit", "Find undefined behaviour in a shader, without a reference."),
+    "mutate": ("mutate", "Plant mistakes in shaders; report which ones go unnoticed."),
+    "report": ("reporting", "Rebuild the pages of a run."),
+    "init": ("init", "Add settings, a CI workflow and a .gitignore line to a repository."),
+    "new": ("new", "Write first tests for the functions of a shader."),
+    "doctor": ("doctor", "Check the installation, and say how to get what is missing."),
 }
 
 
 class Commands(click.Group):
-    """Finds a command's module only when it is needed, so that `list` stays quick."""
+    """Imports the module of a command when that is called, so that `list` stays quick."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -72,12 +72,12 @@ class Commands(click.Group):
         except ShaderlabError as error:
             if debug:
                 raise
-            click.echo(f"shaderlab: {_said(error)}", err=True)
+            click.echo(f"shaderlab: {_format_error(error)}", err=True)
             status = USAGE if isinstance(error, UsageError) else FAILED
         except OSError as error:
             if debug or error.errno == errno.EPIPE:  # click knows a reader who has gone
                 raise
-            click.echo(f"shaderlab: {_said(error)}", err=True)
+            click.echo(f"shaderlab: {_format_error(error)}", err=True)
             status = FAILED
         except KeyboardInterrupt:
             status = INTERRUPTED
@@ -89,11 +89,11 @@ class Commands(click.Group):
         ctx.exit(status or OK)
 
 
-def _said(error: OSError | ShaderlabError) -> str:
+def _format_error(error: OSError | ShaderlabError) -> str:
     try:
         os.getcwd()
     except OSError:
-        return "the working folder has been removed\n  → change to one that is there"
+        return "the working folder has been removed\n  → change to a folder that exists"
     if isinstance(error, ShaderlabError):
         return str(error)
     return f"{error.filename}: {error.strerror}" if error.filename else str(error.strerror or error)
@@ -108,29 +108,29 @@ def _said(error: OSError | ShaderlabError) -> str:
     "--debug",
     is_flag=True,
     envvar=DEBUG,
-    help="Show a traceback for every error, in records too.",
+    help="Show a traceback for every error, in records as well.",
 )
 @click.pass_context
 def cli(context: click.Context, debug: bool) -> None:
-    """Make shader formulas testable: run GLSL without a GPU or a screen, hold every pixel against
-    a Python formula, and see it all in one HTML page.
+    """Test GLSL shaders: render without a GPU or a screen, compare every pixel with a Python
+    formula, and read the results in one HTML page.
 
     \b
     Start here:
-      shaderlab doctor                    is everything there?
-      shaderlab list                      what cases there are
-      shaderlab run attenuation           one of them, judged
-      shaderlab run --all --open          all of them, then the report in a browser
-      shaderlab run ./my_case.py          a case file of your own
-      shaderlab watch                     judge again whatever is saved
-      shaderlab sweep ID --param …        one case over a grid of inputs
-      shaderlab compile my_shaders/       only ask the compilers
-      shaderlab explain spotlight         what each line computes at a pixel
-      shaderlab diff old.frag new.frag    is a rewritten shader the same one?
-      shaderlab audit lamp.frag           what may go wrong in it?
-      pytest my_cases/                    the same cases as tests
+      shaderlab doctor                    check the installation
+      shaderlab list                      list the cases
+      shaderlab run attenuation           run one of them
+      shaderlab run --all --open          run all, then open the report
+      shaderlab run ./my_case.py          run a case file of your own
+      shaderlab watch                     rerun whatever is saved
+      shaderlab sweep ID --param …        run one case over a grid of inputs
+      shaderlab compile my_shaders/       compile without rendering
+      shaderlab explain spotlight         show what each line computes at a pixel
+      shaderlab diff old.frag new.frag    check that a rewrite computes the same
+      shaderlab audit lamp.frag           find undefined behaviour
+      pytest my_cases/                    run cases as tests
 
-    Settings of a project are in [tool.shaderlab] of its pyproject.toml.
+    A project's settings are in [tool.shaderlab] of its pyproject.toml.
 
     Exit code: 0 all passed, 1 something failed, 2 wrong usage.
     """

@@ -44,24 +44,37 @@ _DIED = ("crash", "timeout")
 @click.command("compile")
 @click.argument("paths", nargs=-1, required=True, metavar="PATH…")
 @TARGET
-@click.option("--stage", type=click.Choice(STAGES), help="Of every file, whatever its name says.")
-@click.option("--define", "-D", "defines", multiple=True, metavar="NAME[=VALUE]", help="A macro.")
+@click.option(
+    "--stage",
+    type=click.Choice(STAGES),
+    help="Compile every file as this stage, whatever its name.",
+)
+@click.option(
+    "--define",
+    "-D",
+    "defines",
+    multiple=True,
+    metavar="NAME[=VALUE]",
+    help="Define a macro; may be repeated.",
+)
 @INCLUDE
-@click.option("--link", is_flag=True, help="The files are the stages of one program.")
+@click.option("--link", is_flag=True, help="Link the files as stages of one program.")
 @click.option(
     "--driver",
     "drivers",
     multiple=True,
     metavar="NAME",
     callback=lambda context, option, names: tuple(map(check_driver, dict.fromkeys(names))),
-    help="Ask this driver's own compiler as well, as of `run`; may be repeated.",
+    help="Compile with this driver as well (names as for `run`); may be repeated.",
 )
-@click.option("--engine", type=click.Choice(ENGINES), help="Libraries, or the system's commands.")
-@limits_option("Give one file up after S seconds.", seconds=10.0)
-@jobs_option(f"one for every {_FILES_PER_WORKER} files, at most {_MOST_WORKERS}")
+@click.option(
+    "--engine", type=click.Choice(ENGINES), help="Use the libraries, or the system's commands."
+)
+@limits_option("Stop a file that takes longer than S seconds.", seconds=10.0)
+@jobs_option(f"one per {_FILES_PER_WORKER} files, at most {_MOST_WORKERS}")
 @JSON
 @finding_options
-@click.option("--quiet", "-q", is_flag=True, help="Print messages, and nothing else.")
+@click.option("--quiet", "-q", is_flag=True, help="Print compiler messages only.")
 def command(
     paths: tuple[str, ...],
     compile_targets: tuple[str, ...],
@@ -77,14 +90,14 @@ def command(
     outputs: Mapping[str, str],
     quiet: bool,
 ) -> int:
-    """Compile shader files, or all those in folders, as plain GLSL, as OpenGL SPIR-V and as
+    """Compile shader files, and all shaders in folders, as plain GLSL, as OpenGL SPIR-V and as
     Vulkan SPIR-V, and validate the SPIR-V.
 
-    Each file is a program of its own here, unless --link makes one of them all. Messages have
-    the form that editors jump from. A file on which a compiler crashes or hangs is named, and
-    the others are compiled all the same.
+    Each file is compiled separately unless --link joins them into one program. Messages have the
+    FILE:LINE form that editors recognise. If a compiler crashes or hangs on a file, that file is
+    reported and the others are still compiled.
 
-    Exit code: 0 all accepted, 1 something refused, 2 wrong usage.
+    Exit code: 0 everything compiles, 1 something does not, 2 wrong usage.
 
     \b
     Examples:
@@ -109,7 +122,7 @@ def command(
         seconds=limits.seconds,
     )
     if workers == 0 and len(drivers) > 1:
-        raise UsageError("several drivers do not go with -j 0: a process has one")
+        raise UsageError("several drivers can't be combined with -j 0; a process has one driver")
     limits = replace(limits, seconds=time_limit(engine, limits.seconds))
     # A worker takes as long to start as two hundred files take to compile.
     most = min(count_cores(), _MOST_WORKERS, 1 + len(programs) // _FILES_PER_WORKER)
@@ -130,7 +143,7 @@ def command(
         tally, problems = _print_results(results, len(programs), json_file, outputs, quiet)
     for name in drivers:
         if name not in tally.targets:
-            click.echo(f"{name} gave no verdict: see `shaderlab doctor`", err=True)
+            click.echo(f"{name} gave no verdict; see `shaderlab doctor`", err=True)
     unwritten = report_problems(problems)
     return FAILED if tally.refused else unwritten
 

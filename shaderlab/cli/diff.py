@@ -38,25 +38,27 @@ if TYPE_CHECKING:
 
 
 NO_ANSWER = USAGE
-"""The exit status where the answer is undetermined."""
+"""The exit status of an undetermined comparison."""
 
 
 @click.command("diff")
 @click.argument("old", type=click.Path(path_type=Path))
 @click.argument("new", type=click.Path(path_type=Path), required=False)
 @click.option(
-    "--against", metavar="REV", help="Compare one file with itself at this revision of Git."
+    "--against", metavar="REV", help="Compare one file with its version at this Git revision."
 )
 @click.option(
     "--case", metavar="ID | FILE.py",
-    help="On the inputs that this case gives OLD, which may be a file that others include.",
+    help="Use the inputs that this case gives OLD, which may be an included file.",
 )  # fmt: skip
 @RANGES
-@click.option("--strict", is_flag=True, help="Exit with 1 if only the accuracy changes, too.")
-@click.option("--stage", type=click.Choice(STAGES), help="Of both files, whatever they are called.")
-@click.option("--inputs", "show_inputs", is_flag=True, help="Print what each input was given.")
+@click.option("--strict", is_flag=True, help="Exit with 1 also if only the accuracy changes.")
+@click.option(
+    "--stage", type=click.Choice(STAGES), help="The stage of both files, whatever their names."
+)
+@click.option("--inputs", "show_inputs", is_flag=True, help="Print the values of each input.")
 @INCLUDE
-@limits_option("Give up after S seconds.", seconds=60.0)
+@limits_option("Stop after S seconds.", seconds=60.0)
 @jobs_option("1")
 @JSON
 def command(
@@ -73,12 +75,12 @@ def command(
     workers: int,
     json_file: str | None,
 ) -> int:
-    """Whether the shader NEW computes what OLD does, without a formula: both are interpreted on
-    the same inputs. They are made up by the inputs' names and types, or a case's and varied.
+    """Check whether the shader NEW computes what OLD does, without a formula: both are interpreted
+    on the same inputs. Inputs are generated from names and types, or taken from a case and varied.
 
-    Say what an input is where a guess won't do: --range distance=0:50, or a comment where it
-    is declared, `uniform float distance; // range: 0..50` (or `// range: unit`). Of files
-    without `main` each function is compared.
+    State the range of an input where a guess is not enough: --range distance=0:50, or a comment at
+    its declaration, `uniform float distance; // range: 0..50` (or `// range: unit`). In files
+    without `main`, each function is compared.
 
     Exit code: 0 the same mathematics, 1 different, 2 undetermined, or wrong usage.
 
@@ -92,9 +94,11 @@ def command(
     from shaderlab.analysis.comparison import Plan
 
     if (new is None) == (against is None):
-        raise UsageError("name two shaders, OLD and NEW, or one and --against REV")
+        raise UsageError("name two shaders, OLD and NEW, or one shader and --against REV")
     if case is not None and (ranges or stage):
-        raise UsageError("--range and --stage do not go with --case, whose inputs are known")
+        raise UsageError(
+            "--range and --stage can't be combined with --case, whose inputs are known"
+        )
     plan = Plan(ranges=ranges, rounds=2 if case else Plan.rounds)
     asking = _Asking(case, stage, includes, plan, limits, workers)
     try:

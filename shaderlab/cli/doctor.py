@@ -108,7 +108,7 @@ def _images() -> Finding:
     try:
         found = f"files are read by OpenImageIO {importlib.metadata.version('OpenImageIO')}"
     except importlib.metadata.PackageNotFoundError:
-        found = "no OpenImageIO: textures are arrays, files can't be read; the page lacks nothing"
+        found = "no OpenImageIO: image files can't be loaded; reports are unaffected"
     return Finding(
         name="images",
         found=found,
@@ -213,9 +213,9 @@ def _further_drivers() -> Iterator[Finding]:
 @click.command("doctor")
 @JSON
 def command(json_file: str | None) -> int:
-    """Look at everything shaderlab needs: Python, packages, the compilers, the OpenGL driver.
+    """Check everything that shaderlab needs: Python, packages, the compilers, the OpenGL driver.
 
-    Exit code: 0 all there, 1 something necessary is missing.
+    Exit code: 0 complete, 1 something necessary is missing.
     """
 
     findings = examine()

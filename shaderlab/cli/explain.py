@@ -34,7 +34,7 @@ def _pixel(context: click.Context, option: click.Parameter, text: str | None) ->
         return None
     parts = text.split(",")
     if len(parts) != 2 or not all(part.strip().isdigit() for part in parts):
-        raise click.BadParameter("two numbers: column,row from the lower left, such as 10,20")
+        raise click.BadParameter("write two numbers, column,row from the lower left, such as 10,20")
     return int(parts[0]), int(parts[1])
 
 
@@ -42,20 +42,25 @@ def _pixel(context: click.Context, option: click.Parameter, text: str | None) ->
 @click.argument("target", metavar="ID | ID[VARIANT] | FILE.py | SHADER")
 @click.option(
     "--pixel", metavar="X,Y", callback=_pixel,
-    help="From the lower left, counted from 0.  [default: where the band is widest]",
+    help="The pixel, counted from 0 at the lower left.  [default: where the band is widest]",
 )  # fmt: skip
-@click.option("--variant", metavar="NAME", help="One of the case's variants; the first by default.")
-@click.option("--pass", "pass_name", metavar="NAME", help="A pass; the last one by default.")
-@click.option("--draw", type=int, default=-1, help="Its draw, from 0; the last one by default.")
+@click.option("--variant", metavar="NAME", help="The variant; by default the first.")
+@click.option("--pass", "pass_name", metavar="NAME", help="The pass; by default the last.")
+@click.option(
+    "--draw",
+    type=int,
+    default=-1,
+    help="The draw in that pass, counted from 0; by default the last.",
+)
 @click.option(
     "--size", type=click.IntRange(1, 4096), default=RunOptions.size, show_default=True,
-    help="Side in pixels of what is drawn.",
+    help="The side of the rendered frame in pixels.",
 )  # fmt: skip
 @RANGES
 @INCLUDE
 @DRIVER
 @jobs_option("1")
-@limits_option("Give up after S seconds.")
+@limits_option("Stop after S seconds.")
 @JSON
 def command(
     target: str,
@@ -71,14 +76,14 @@ def command(
     workers: int,
     json_file: str | None,
 ) -> int:
-    """Show what each line of a case's fragment shader stores at one pixel: the driver's value, what
-    float64 gives, the band that the precision rules allow this very shader, and the precision that
-    the line loses.
+    """Show what each line of a case's fragment shader stores at one pixel: the driver's value, the
+    float64 value, the band that the precision rules allow, and the precision that the line loses.
 
-    The shader's SPIR-V is interpreted; the driver draws it once more with each statement's value as
-    an output. Where it can't (a loop's turns between the fourth and the last; a shader whose other
-    outputs would change), the value is that of float32 arithmetic, and marked so. A shader file
-    without a case gets inputs that are made up, of which the one is shown whose band is widest.
+    The shader's SPIR-V is interpreted, and the driver renders it again with the value of each
+    statement as an output. Where that is impossible (loop iterations between the fourth and the
+    last; a shader whose other outputs would change), the value comes from float32 arithmetic and is
+    marked. A shader file without a case gets generated inputs; the invocation with the widest band
+    is shown.
 
     \b
     Examples:
@@ -87,8 +92,8 @@ def command(
       shaderlab explain my_case.py --variant "at noon" --pass shadow
       shaderlab explain lamp.frag --range distance=0.1:50
 
-    Exit code: 0 shown, 1 the shader can't be interpreted, or the driver is outside its band,
-    2 wrong usage.
+    Exit code: 0 shown, 1 the shader can't be interpreted or the driver is outside the shader's
+    band, 2 wrong usage.
     """
     from shaderlab.cli.selecting import select_one
 
@@ -102,7 +107,7 @@ def command(
             request = ExplainFile(resolve_shader(Path(target), includes), ranges)
         else:
             if ranges:
-                raise UsageError("--range does not go with a case, whose inputs are known")
+                raise UsageError("--range can't be combined with a case, whose inputs are known")
             facts, first = select_one(target, executor.load)
             if variant is not None and variant not in facts.variants:
                 raise UsageError(
@@ -165,7 +170,7 @@ def show(explained: Explanation, where: str | None = None) -> None:
         )
     console.print(table)
     if explained.refused:
-        console.print(f"values are float32 arithmetic's: {explained.refused}", style="yellow")
+        console.print(f"values come from float32 arithmetic: {explained.refused}", style="yellow")
     for line in where_precision_goes(explained.steps):
         console.print(line)
 
@@ -182,7 +187,7 @@ def where_precision_goes(steps: Sequence[Step]) -> list[str]:
     losing = sorted((s for s in steps if s.lost > 1.0), key=lambda s: -s.lost)[:_MOST]
     for s in losing:
         place = display_path(s.file, s.line)
-        lines.append(f"{_short(s.lost)} ULP are lost at {place}: {s.name}")
+        lines.append(f"{_short(s.lost)} ULP lost at {place}: {s.name}")
     return lines
 
 

@@ -1,4 +1,4 @@
-"""`shaderlab init`: what a repository needs for shader tests, written where it is not there yet."""
+"""`shaderlab init`: add what a repository needs for shader tests."""
 
 from __future__ import annotations
 
@@ -67,19 +67,19 @@ _IGNORED = "/reports/"
 
 @click.command("init")
 def command() -> int:
-    """Write into this folder what a repository needs for shader tests: a table [tool.shaderlab] in
-    pyproject.toml with the folder of its shaders, a workflow for GitHub Actions, and a line in
-    .gitignore that leaves reports/ out.
+    """Add what a repository needs for shader tests to this folder: a table [tool.shaderlab] in
+    pyproject.toml with the folders of its shaders, a workflow for GitHub Actions, and a line in
+    .gitignore that excludes reports/.
 
-    What is there already stays as it is.
+    Existing entries are left alone.
 
-    Exit code: 0 everything is there now, 2 something can't be written.
+    Exit code: 0 everything is in place, 2 something can't be written.
     """
     folders = list(_shader_folders()) or ["."]
     listed = ", ".join(f'"{name}"' for name in folders)
     _settings(_TABLE.format(shaders=listed))
     if _WORKFLOW_FILE.exists():
-        _say("is there already", _WORKFLOW_FILE)
+        _say("exists already", _WORKFLOW_FILE)
     else:
         _write(_WORKFLOW_FILE, _WORKFLOW.format(shaders=" ".join(folders)))
     _ignore()
@@ -107,7 +107,7 @@ def _settings(table: str) -> None:
         tomllib.loads(before + gap + table)
     except (tomllib.TOMLDecodeError, TypeError, AttributeError) as error:
         raise UsageError(
-            f"can't add [tool.shaderlab]: {error}", file=file, remedy="mend the file first"
+            f"can't add [tool.shaderlab]: {error}", file=file, remedy="correct the file first"
         ) from error
     _write(file, before + gap + table, added=bool(before))
 
@@ -116,7 +116,7 @@ def _ignore() -> None:
     file = Path(".gitignore")
     before = _text(file)
     if {line.strip().strip("/") for line in before.splitlines()} & {"reports", "reports/*"}:
-        _say("leaves reports/ out already", file)
+        _say("excludes reports/ already", file)
         return
     gap = "" if not before or before.endswith("\n") else "\n"
     _write(file, f"{before}{gap}{_IGNORED}\n", added=bool(before))

@@ -138,22 +138,22 @@ def read_plan(folder: Path) -> RunPlan:
             line = file.readline()
     except (FileNotFoundError, NotADirectoryError) as error:
         raise UsageError(
-            "there is no run to go on with", file=path, remedy="name the folder of one"
+            "there is no run to resume", file=path, remedy="name the folder of a run"
         ) from error
     except OSError as error:
-        raise UsageError(f"can't go on with this: {error.strerror}", file=path) from error
+        raise UsageError(f"can't resume this run: {error.strerror}", file=path) from error
     if not line.endswith(b"\n"):
-        raise UsageError("this run did not get to begin", file=path, remedy="run it anew")
+        raise UsageError("this run never began", file=path, remedy="start it again")
     from shaderlab.model import store
 
     try:
         first = json.loads(line)
     except ValueError as error:
         raise UsageError(
-            "the first line is damaged, which says what was to be run",
+            "the first line, which holds the plan of the run, is damaged",
             file=path,
             line=1,
-            remedy="run it anew",
+            remedy="start it again",
         ) from error
     return store.parse(first, RunPlan, path)
 
@@ -188,5 +188,5 @@ def _lock(file: IO[bytes], folder: Path) -> None:
         raise UsageError(
             "another run is writing to this folder",
             file=folder,
-            remedy="give each its own with --report, or wait",
+            remedy="give each run a folder with --report, or wait",
         ) from error

@@ -1,4 +1,4 @@
-"""`shaderlab list`: the cases there are."""
+"""`shaderlab list`: list cases by chapter."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ from shaderlab.model.options import Limits
 
 @click.command("list")
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
-@click.option("--chapter", type=int, metavar="N", help="Only chapter N.")
+@click.option("--chapter", type=int, metavar="N", help="List only chapter N.")
 @JSON
 def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None) -> int:
-    """List cases by chapter: those that come with shaderlab, or those of your own in files and
-    folders, which worker processes load.
+    """List cases by chapter: those that ship with shaderlab, or your own in files and folders,
+    which
+    worker processes load.
 
     \b
     Examples:
@@ -30,7 +31,7 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
       shaderlab list --chapter 5
       shaderlab list --json - | jq -r '.[].id'
 
-    Exit code: 0 all of them can be loaded, 1 one can't, 2 wrong usage.
+    Exit code: 0 all cases load, 1 one does not, 2 wrong usage.
     """
     found = _loaded(targets) if targets else _shipped()
     cases = [case for case in found if case.error is None]

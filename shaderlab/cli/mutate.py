@@ -35,29 +35,37 @@ if TYPE_CHECKING:
 
 @click.command("mutate")
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
-@click.option("--all", "every", is_flag=True, help="Every case that comes with shaderlab.")
-@click.option("--variant", "variants", multiple=True, metavar="V", help="Judge by this one only.")
+@click.option("--all", "every", is_flag=True, help="Mutate every case that ships with shaderlab.")
+@click.option(
+    "--variant",
+    "variants",
+    multiple=True,
+    metavar="V",
+    help="Judge by this variant only; may be repeated.",
+)
 @click.option(
     "--state/--no-state", default=True, show_default=True,
     help="Mutate fixed-function state too: depth, stencil, blending, culling.",
 )  # fmt: skip
 @click.option(
     "--api", is_flag=True,
-    help="Mutate the calls of OpenGL that drawing takes, in place of shaders and state.",
+    help="Mutate OpenGL calls instead of shaders and state.",
 )  # fmt: skip
 @click.option(
     "--limit", type=click.IntRange(0), default=0, metavar="N",
-    help="At most N mutants a case, drawn at random. 0, the default, is all.",
+    help="Judge at most N random mutants per case; 0, the default, judges all.",
 )  # fmt: skip
-@click.option("--seed", type=int, default=0, metavar="N", help="Which ones --limit draws.")
+@click.option(
+    "--seed", type=int, default=0, metavar="N", help="The seed of the sample that --limit takes."
+)
 @click.option(
     "--locate", is_flag=True,
-    help="Say which statement each killed mutant of a fragment shader is traced to.",
+    help="Name the statement that each killed fragment shader mutant is traced to.",
 )  # fmt: skip
-@limits_option("Seconds after which a mutant that does not end counts as killed.", seconds=20.0)
+@limits_option("Count a mutant as killed after S seconds.", seconds=20.0)
 @jobs_option()
 @JSON
-@report_option("Add the results to the run in DIR, and to its page.")
+@report_option("Add the results to the run in DIR and to its page.")
 @click.option(
     "--fail-under", type=click.FloatRange(0, 100), metavar="PERCENT",
     help="Exit with 1 if the score is lower.",
@@ -77,33 +85,33 @@ def command(
     folder: str | None,
     fail_under: float | None,
 ) -> int:
-    """Measure how much a case notices: make realistic mistakes in its shaders, one at a time, and
+    """Measure how much a case notices: plant realistic mistakes in its shaders, one at a time, and
     judge each by the case's own expectations.
 
-    A mutant is one place in one program. It is killed if an expectation fails, and has survived if
-    an output differs and all pass: because no expectation reads it, or on no input of the case.
-    Of equivalent ones the compiler makes the same program; "no difference" is found in others, on
-    wide random inputs too. These do not count.
+    A mutant changes one place in one program. It is killed if an expectation fails. It survives if
+    an output differs and all expectations pass: none reads that output, or none on these inputs.
+    Equivalent mutants, which compile to the same program, and mutants that make no difference even
+    on wide random inputs do not count.
 
-    Of a file of tests that load GLSL functions (glsl.load) the mutants are those of the functions
-    that the tests ask for, and a failing test kills.
+    In a file of tests that load GLSL functions (glsl.load), the mutants are those of the functions
+    that the tests use, and a failing test kills.
 
-    With --api a mutant is one call of OpenGL dropped, given another argument, repeated or put off.
-    One that changes no pixel counts where the case has a gl_calls about such calls.
+    With --api a mutant drops, repeats or delays one OpenGL call, or changes an argument. A mutant
+    that changes no pixel counts if the case has a gl_calls expectation about such calls.
 
     \b
     Examples:
-      shaderlab mutate spotlight                  which mistakes would get by
-      shaderlab mutate --all --json scores.json   all cases
-      shaderlab mutate mesh-class --api           calls of OpenGL in place of shaders
-      shaderlab mutate ./my_case.py --limit 100   a sample
-      shaderlab mutate tests/test_lighting.py     which tests of functions notice
+      shaderlab mutate spotlight                  mutate one case
+      shaderlab mutate --all --json scores.json   mutate all cases
+      shaderlab mutate mesh-class --api           mutate OpenGL calls
+      shaderlab mutate ./my_case.py --limit 100   judge a sample
+      shaderlab mutate tests/test_lighting.py     mutate the functions of tests
       shaderlab mutate gamma --report reports/latest
 
-    Ctrl-C ends it with what is known of the cases that are done.
+    Ctrl-C ends it with the results of the cases that are complete.
 
-    Exit code: 0 measured, 1 a case fails as it is or --fail-under is not reached, 2 wrong usage,
-    130 interrupted.
+    Exit code: 0 measured, 1 a case fails unmutated or the score is below --fail-under, 2 wrong
+    usage, 130 interrupted.
     """
     from shaderlab.cli.showing import Show
     from shaderlab.mutation import MutationPlan, MutationRun, results_to_json, score

@@ -19,14 +19,14 @@ from shaderlab.settings import settings_of
     "-o",
     "--output",
     type=click.Path(path_type=Path),
-    help="The test file; by default tests/test_NAME.py of the project, or test_NAME.py here.",
+    help="The test file; by default tests/test_NAME.py in the project, or test_NAME.py here.",
 )
 def command(shader: Path, output: Path | None) -> int:
-    """Write a test file for SHADER that passes: for each function its arguments with a likely range
-    of each, one law that holds there, and one figure to fill in. A file that is there is left as it
-    is.
+    """Write a passing test file for SHADER: for each function, its arguments with likely ranges,
+    one
+    law that holds there, and one figure to fill in. An existing file is left alone.
 
-    Exit code: 0 written, 2 there is such a file, or no function.
+    Exit code: 0 written, 2 the file exists, or the shader has no function.
     """
     from shaderlab.functions.first_tests import first_tests
     from shaderlab.functions.library import load
@@ -37,12 +37,12 @@ def command(shader: Path, output: Path | None) -> int:
         tests = root / "tests" if root is not None and (root / "tests").is_dir() else Path()
         output = tests / f"test_{shader.name.replace('.', '_').removesuffix('_glsl')}.py"
     if output.exists():
-        raise UsageError("there is such a file already", file=output, remedy="name another: -o")
+        raise UsageError("this file exists already", file=output, remedy="name another: -o")
     base = root if root is not None else output.absolute().parent
     path = Path(os.path.relpath(shader.absolute(), base)).as_posix()
     text = first_tests(library, path)
     if "\ndef test_" not in text:
-        raise UsageError("has no function that can be tested", file=shader)
+        raise UsageError("no function in this file can be tested", file=shader)
     write_output(text, str(output))
     click.echo(f"{output}: {text.count('def test_')} tests; run them with pytest")
     return OK

@@ -32,7 +32,7 @@ INCLUDE = click.option(
     multiple=True,
     type=click.Path(path_type=Path, exists=True, file_okay=False, resolve_path=True),
     metavar="DIR",
-    help='Another folder in which shaders are found by name, and by #include "…".',
+    help='Also search DIR for shaders and for #include "…"; may be repeated.',
 )
 TARGET = click.option(
     "--target",
@@ -41,23 +41,23 @@ TARGET = click.option(
     multiple=True,
     metavar="T",
     callback=lambda context, option, names: _check_targets(names),
-    help="Compile for this target only; may be repeated: glsl, opengl, vulkan, vulkan-strict.",
+    help="Compile for this target only (glsl, opengl, vulkan, vulkan-strict); may be repeated.",
 )
 JSON = click.option(
-    "--json", "json_file", metavar="FILE", help="Write results as JSON; - for stdout."
+    "--json", "json_file", metavar="FILE", help="Write results as JSON; - writes to stdout."
 )
 SCHEDULER = click.option(
     "--scheduler",
     metavar="ADDRESS",
-    help="Run on the Dask cluster of this scheduler, such as tcp://host:8786, in place of -j.",
+    help="Run on the Dask cluster of this scheduler, such as tcp://host:8786, instead of -j.",
 )
 DRIVER = click.option(
     "--driver",
     metavar="NAME",
     callback=lambda context, option, name: name if name is None else check_driver(name),
-    help="llvmpipe, softpipe, llvmpipe-spirv (which gets SPIR-V modules), or default for the "
-    "machine's own OpenGL; lavapipe, swiftshader, or vulkan for the machine's own Vulkan; "
-    "webgl2 for a headless Chromium's.  [default: llvmpipe]",
+    help="OpenGL: llvmpipe, softpipe, llvmpipe-spirv (loads SPIR-V modules) or default (the "
+    "machine's own driver); Vulkan: lavapipe, swiftshader or vulkan (the machine's own); webgl2 "
+    "for headless Chromium.  [default: llvmpipe]",
 )
 
 
@@ -72,12 +72,12 @@ def _check_targets(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def report_option(help: str) -> Callable[[Command], Command]:
-    """`--report DIR`, the folder of a run."""
+    """Add `--report DIR`, the folder of a run."""
     return click.option("--report", "folder", metavar="DIR", help=help)
 
 
 def jobs_option(default: str = WORDS) -> Callable[[Command], Command]:
-    """`--jobs N`, given as `workers`; None where the number is left to the lab."""
+    """Add `--jobs N`, given as `workers`; None leaves the number to the lab."""
     return click.option(
         "-j",
         "--jobs",
@@ -87,7 +87,7 @@ def jobs_option(default: str = WORDS) -> Callable[[Command], Command]:
         show_default=default,
         envvar="SHADERLAB_JOBS",
         metavar="N",
-        help="Run in N worker processes; 0 for none, which isolates and limits nothing.",
+        help="Run in N worker processes; 0 runs in-process, without isolation or limits.",
     )
 
 
@@ -108,7 +108,7 @@ def collect(kind: type[Any], parameter: str) -> Callable[[Command], Command]:
 
 
 def limits_option(help: str, seconds: float = Limits.seconds) -> Callable[[Command], Command]:
-    """`--timeout S` and `--memory GB`, given as `limits`."""
+    """Add `--timeout S` and `--memory GB`, given as `limits`."""
     timeout = click.option(
         "--timeout",
         "seconds",
@@ -170,11 +170,11 @@ def running_options(what: str) -> Callable[[Command], Command]:
 def make_executor(
     driver: str | None, limits: Limits, workers: int | None, scheduler: str | None = None
 ) -> Executor:
-    """What runs the jobs of a command. Raises UsageError."""
+    """Return what runs the jobs of a command. Raises UsageError."""
     if scheduler is None:
         return make_local_executor(driver, limits, workers)
     if workers == 0:
-        raise UsageError("--scheduler does not go with -j 0")
+        raise UsageError("--scheduler can't be combined with -j 0")
     from shaderlab.cli.cluster import DaskExecutor
 
     return DaskExecutor(scheduler, driver, limits)
@@ -183,7 +183,7 @@ def make_executor(
 def make_local_executor(
     driver: str | None, limits: Limits, workers: int | None, early: bool = True
 ) -> LocalExecutor:
-    """An executor on this machine: in this process for 0 workers."""
+    """Return an executor on this machine: in this process for 0 workers."""
     from shaderlab.engine.executors import InProcessExecutor, ProcessExecutor
 
     if workers == 0:
@@ -201,26 +201,28 @@ def _parse_range(word: str) -> tuple[str, str]:
 RANGES = click.option(
     "--range", "ranges", multiple=True, metavar="NAME=A:B",
     callback=lambda context, option, words: dict(map(_parse_range, words)),
-    help="An input lies between A and B; NAME=unit: it has length 1. May be repeated.",
+    help="Take an input from A to B; NAME=unit makes it a unit vector. May be repeated.",
 )  # fmt: skip
 
 
 def resolve_shader(
     path: Path, includes: Sequence[Path], then: Callable[[Path], Path] | None = None
 ) -> ShaderOfFile:
-    """A shader file with the folders that it includes from; `then` says where it and those are.
+    """Return a shader file with the folders that it includes from.
+
+    `then` maps paths to those of an earlier revision.
 
     Raises:
         UsageError: there is no such file, or it is a folder.
     """
     if path.is_dir():
-        raise UsageError("this is a folder: name a shader file", file=path)
+        raise UsageError("this is a folder; name a shader file", file=path)
     (found,) = resolve_shaders([path], includes, then)
     return found
 
 
 def has_functions_only(shader: ShaderOfFile, stage: str | None) -> bool:
-    """Whether a file has functions for others to include, and neither a stage nor a `main`."""
+    """Return whether a file only has functions for others to include: no stage, no `main`."""
     path = Path(shader.file.path)
     if stage is not None or path.suffix in EXTENSIONS or not path.is_file():
         return False
@@ -231,7 +233,7 @@ def has_functions_only(shader: ShaderOfFile, stage: str | None) -> bool:
 def resolve_shaders(
     paths: Sequence[Path], includes: Sequence[Path], then: Callable[[Path], Path] | None = None
 ) -> list[ShaderOfFile]:
-    """The shader files at paths, and in folders among them; as `shader_of_file`."""
+    """Return the shader files at these paths and in these folders, as `resolve_shader` does."""
     from shaderlab.analysis.requests import ShaderOfFile
     from shaderlab.compiler.shader_files import find_shaders
     from shaderlab.engine.discovery import data_folder

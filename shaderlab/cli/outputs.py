@@ -97,7 +97,7 @@ def find_latest(parent: Path = REPORTS) -> Path:
     runs = sorted(path.parent for path in parent.glob("*/run.json"))
     if not runs:
         raise UsageError(
-            f"there is no run in {parent}/", remedy="make one with: shaderlab run --all"
+            f"there is no run in {parent}/", remedy="start one with: shaderlab run --all"
         )
     return runs[-1]
 
@@ -231,9 +231,9 @@ def require_no_foreign_page(folder: Path) -> None:
         if is_run_list(page):
             return
         raise UsageError(
-            "this page is no report of shaderlab, and a report would replace it",
+            "this page is not a shaderlab report, and a report would replace it",
             file=page,
-            remedy="name a folder of its own with --report, or remove the page",
+            remedy="name another folder with --report, or remove the page",
         )
 
 

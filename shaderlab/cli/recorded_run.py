@@ -93,7 +93,7 @@ def report_damaged_lines(folder: Path, lines: Iterable[int]) -> None:
     """Say of each damaged line of a journal that its record is made again."""
     for line in lines:
         place = display_path(folder / FILE_NAME, line)
-        click.echo(f"shaderlab: {place}: this record is damaged; it is made again", err=True)
+        click.echo(f"shaderlab: {place}: this record is damaged; its job runs again", err=True)
 
 
 def run_jobs(
@@ -213,7 +213,7 @@ def finish(
     unwritten = report_problems(problems)
     if not recorded.complete:
         folder = display_path(recorded.folder)
-        show.console.print(f"go on with: shaderlab {command} --resume {folder}")
+        show.console.print(f"resume with: shaderlab {command} --resume {folder}")
         return INTERRUPTED
     if problems:
         return verdict or unwritten

@@ -1,4 +1,4 @@
-"""`shaderlab report`: makes a run's pages again, alone or against an earlier run."""
+"""`shaderlab report`: rebuild the pages of a run, alone or against an earlier run."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from shaderlab.files import display_path
     "--against",
     "earlier",
     metavar="RUN_FOLDER",
-    help="Show what changed since another run; written to against.html.",
+    help="Show what changed since another run, in against.html.",
 )
 @click.option(
     "--single-file",
     metavar="FILE",
-    help="Also write the report as one file that needs no other, for mailing.",
+    help="Also write the report as one self-contained file, for mailing.",
 )
 @output_options
 @click.option("--open", "open_report", is_flag=True, help="Open it in a browser.")
@@ -41,11 +41,11 @@ def command(
     outputs: Mapping[str, str],
     open_report: bool,
 ) -> int:
-    """Make the pages of a run again, from the run.json in its folder.
+    """Rebuild the pages of a run from the run.json in its folder.
 
     \b
     Examples:
-      shaderlab report                              the latest run
+      shaderlab report                              rebuild the latest run
       shaderlab report reports/20260101-120000 --open
       shaderlab report --against reports/20260101-120000
       shaderlab report --single-file to-mail.html
@@ -85,6 +85,6 @@ def _run_folder(folder: Path) -> Path:
         raise UsageError(
             "there is no run.json in this folder",
             file=folder,
-            remedy="name a folder that `shaderlab run` made, such as reports/latest",
+            remedy="name the folder of a run, such as reports/latest",
         )
     return folder

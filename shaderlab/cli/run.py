@@ -52,15 +52,15 @@ class RunArguments:
             running.driver is not None or self.resume is not None or running.workers == 0
         ):
             raise UsageError(
-                "--drivers goes with neither --driver, --resume nor -j 0",
-                remedy="--resume knows the drivers of its run" if self.resume is not None else None,
+                "--drivers can't be combined with --driver, --resume or -j 0",
+                remedy="--resume uses the drivers of its run" if self.resume is not None else None,
             )
         if self.coverage and running.scheduler is not None:
-            raise UsageError("--coverage is measured on this machine: leave out --scheduler")
+            raise UsageError("--coverage runs on this machine: leave out --scheduler")
         if self.resume is not None and (
             self.targets or self.every or self.variants or running.folder
         ):
-            raise UsageError("--resume runs what was asked for then: name nothing else")
+            raise UsageError("--resume takes no cases or options of a new run")
 
     @property
     def run_options(self) -> RunOptions:
@@ -80,29 +80,35 @@ class RunArguments:
 
 @click.command("run")
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
-@click.option("--all", "every", is_flag=True, help="Every case that comes with shaderlab.")
-@click.option("--variant", "variants", multiple=True, metavar="V", help="Only this variant.")
+@click.option("--all", "every", is_flag=True, help="Run every case that ships with shaderlab.")
+@click.option(
+    "--variant",
+    "variants",
+    multiple=True,
+    metavar="V",
+    help="Run only this variant; may be repeated.",
+)
 @click.option(
     "--size",
     type=click.IntRange(1, 4096),
     default=RunOptions.size,
     show_default=True,
     metavar="N",
-    help="Judge N × N pixels, where a case does not set a size itself.",
+    help="Judge N × N pixels where a case sets no size.",
 )
 @click.option(
     "--shader",
     "shaders",
     multiple=True,
     metavar="NAME=FILE",
-    help="Judge FILE in place of the shader called NAME: its path, or the end of it.",
+    help="Use FILE instead of the shader NAME (its path, or the end of it).",
 )
 @click.option(
     "--rename",
     "renamed",
     multiple=True,
     metavar="NAME=OTHER",
-    help="Call NAME in the files of --shader OTHER, as the case does.",
+    help="Rename NAME in the files of --shader to OTHER, the name in the case.",
 )
 @output_options
 @running_options("variant")
@@ -110,66 +116,66 @@ class RunArguments:
     "--drivers",
     metavar="A,B,…",
     callback=lambda context, option, names: _parse_drivers(names),
-    help="Run on each of these drivers, and show where they disagree and why.",
+    help="Run on each of these drivers, and show where they disagree.",
 )
 @click.option(
     "--resume",
     is_flag=False,
     flag_value="",
     metavar="[FOLDER]",
-    help="Go on with the run in FOLDER (the last one) that did not get to its end.",
+    help="Resume the unfinished run in FOLDER; by default the latest run.",
 )
 @click.option(
-    "--pictures/--no-pictures", default=True, help="Draw pictures for the report, or only judge."
+    "--pictures/--no-pictures", default=True, help="Render pictures for the report, or only judge."
 )
 @click.option(
     "--coverage",
     is_flag=True,
-    help="Also list what the judged pixels never exercise: branches, terms, clamps.",
+    help="List the branches, terms and clamps that the judged pixels never exercise.",
 )
 @click.option(
     "--gl-calls",
     is_flag=True,
-    help="Also list the calls of OpenGL that each pass takes, here and on the page.",
+    help="List the OpenGL calls of each pass, here and in the report.",
 )
 @click.option(
     "--modules/--no-modules",
     default=None,
-    help="Judge every pixel of every draw by its own shader too, or none.  [default: some of each "
-    "program]",
+    help="Check every pixel of every draw against its own shader as well, or none.  [default: a "
+    "sample of each program]",
 )
-@click.option("--profile", is_flag=True, help="Show where the time went.")
+@click.option("--profile", is_flag=True, help="Show the time of each phase.")
 @click.option("--open", "open_report", is_flag=True, help="Open the report in a browser.")
 @collect(RunArguments, "arguments")
 def command(arguments: RunArguments) -> int:
-    """Run cases: compile, draw, judge every pixel, and write a report.
+    """Run cases: compile, render, judge every pixel, and write a report.
 
-    A case is named by its id, by its id and a variant, or by its file; a folder stands for all
+    Name a case by its id, by its id and a variant, or by its file; a folder stands for all
     case files below it.
 
     \b
     Examples:
       shaderlab run attenuation spotlight
-      shaderlab run 'attenuation[50]'               one variant
-      shaderlab run --all --json out.json           for other programs
-      shaderlab run ./my_case.py --open             a case of your own
+      shaderlab run 'attenuation[50]'               run one variant
+      shaderlab run --all --json out.json           write results for other programs
+      shaderlab run ./my_case.py --open             run a case of your own
       shaderlab run gamma --shader gamma.frag=mine.frag
       shaderlab run --all --drivers llvmpipe,softpipe
-      shaderlab run spotlight --coverage            what its inputs never exercise
-      shaderlab run mesh-class --gl-calls           what a driver gets
-      shaderlab run --resume                        after Ctrl-C or a power cut
+      shaderlab run spotlight --coverage            list what its inputs never exercise
+      shaderlab run mesh-class --gl-calls           list the OpenGL calls
+      shaderlab run --resume                        resume after Ctrl-C or a power cut
       shaderlab run --all --scheduler tcp://host:8786
 
-    Each variant runs in a worker process. One that crashes or takes too long is a "crash" or
-    "timeout" of that variant, and everything else is run.
+    Each variant runs in a worker process. If it crashes or takes too long, that variant is a
+    "crash" or a "timeout", and all others still run.
 
-    With --scheduler (pip install 'shaderlab[cluster]') the processes are on the workers of a Dask
-    cluster, which need the same versions and nothing else: a case of your own is sent with
-    everything below its folder, records and pictures come back into the run's folder here.
+    With --scheduler (pip install 'shaderlab[cluster]') the processes run on the workers of a Dask
+    cluster. These need the same package versions and nothing else: a case of your own is sent with
+    everything below its folder, and records and pictures come back to the run's folder here.
 
     Exit code: 0 all passed, 1 something failed, 2 wrong usage. A case that needs a feature which
-    this driver lacks is "unsupported", which is no failure. Checks of OpenGL's own
-    calls are not asked where another API draws; how many they are is said.
+    the driver lacks is "unsupported", not a failure. Checks of OpenGL calls are skipped on drivers
+    of another API; the number skipped is reported.
     """
     arguments.check()
     running, plan, done = arguments.running, None, None
@@ -255,5 +261,5 @@ def _parse_drivers(names: str | None) -> tuple[str, ...]:
         return ()
     found = tuple(check_driver(name.strip()) for name in names.split(","))
     if len(set(found)) != len(found) or len(found) < 2:
-        raise UsageError(f"--drivers {names}: name two or more, each once")
+        raise UsageError(f"--drivers {names}: name two or more drivers, each once")
     return found

@@ -51,7 +51,7 @@ def select_jobs(
             so.
     """
     if not targets and not every:
-        raise UsageError("nothing to run", remedy="name cases or case files, or say --all")
+        raise UsageError("nothing to run", remedy="name cases or case files, or use --all")
     wanted = [(file, variant) for target in targets for file, variant in resolve_target(target)]
     shipped = list(shipped_cases()) if every else []
     files = list(dict.fromkeys([*shipped, *(file for file, _ in wanted)]))

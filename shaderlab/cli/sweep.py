@@ -68,22 +68,24 @@ class SweepArguments:
 @click.argument("target", required=False, metavar="ID | ID[VARIANT] | FILE.py")
 @click.option(
     "--param", "params", multiple=True, metavar="NAME=VALUES",
-    help="A uniform or ramp and its values: A:B:N, A:B:Nlog or A,B,C. Several span a grid.",
+    help="Sweep a uniform or ramp over A:B:N, A:B:Nlog or A,B,C; several make a grid.",
 )  # fmt: skip
 @click.option(
-    "--table", metavar="FILE", help=f"Write the table here: .csv or .parquet.  [default: {TABLE}]"
+    "--table",
+    metavar="FILE",
+    help=f"Write the table to FILE: .csv or .parquet.  [default: {TABLE}]",
 )
 @running_options("point")
 @click.option("--resume", metavar="FOLDER", help="Resume the unfinished sweep in FOLDER.")
-@click.option("--pictures/--no-pictures", default=False, help="Draw pictures of each point.")
+@click.option("--pictures/--no-pictures", default=False, help="Render pictures of each point.")
 @collect(SweepArguments, "arguments")
 def command(arguments: SweepArguments) -> int:
-    """Run one case at every point of a grid of parameters, and see how close results come to the
-    limits of their bands.
+    """Run one case at every point of a grid of parameters, and show how close results come to
+    the limits of their bands.
 
-    NAME is a uniform, a member of a uniform block or a ramp, by the name that the case gives it (a
-    ramp then has one value on the whole screen), or `size`: the side of the judged frame in pixels.
-    All other inputs are those of the variant, by default the first. VALUES are
+    NAME is a uniform, a member of a uniform block or a ramp, as the case names it (a swept ramp has
+    one value on the whole screen), or `size`, the side of the judged frame in pixels. All other
+    inputs are those of the variant, by default the first. VALUES are
 
     \b
       0:1:11          11 values from 0 to 1, evenly spaced
@@ -96,10 +98,10 @@ def command(arguments: SweepArguments) -> int:
       shaderlab sweep 'blinn-phong[shininess 8]' --param shininess=1:1024:11log --table s.parquet
       shaderlab sweep attenuation --param light.quadratic=0:2:40 --scheduler tcp://host:8786
 
-    The table has a row for each point: the parameters, the status, the largest distance in half
-    band widths (inside up to 1) and in ULP, how many values are outside and how many were judged,
-    the share of bands that allow any value, and the seconds of each phase. Only formulas are
-    judged: a case's figures hold for its own inputs only.
+    The table has a row per point: the parameters, the status, the largest distance in half band
+    widths (up to 1 is inside) and in ULP, the number of values outside and of those judged, the
+    share of bands that allow any value, and the seconds of each phase. Only formulas are judged,
+    because a case's figures hold for its own inputs alone.
 
     Exit code: 0 every point passed, 1 one did not, 2 wrong usage.
     """
@@ -139,7 +141,7 @@ def command(arguments: SweepArguments) -> int:
 def _resume(arguments: SweepArguments) -> RunPlan:
     """Return the plan of the sweep that is resumed. Raises UsageError."""
     if arguments.target or arguments.params:
-        raise UsageError("--resume takes neither a case nor parameters: the sweep has its own")
+        raise UsageError("--resume takes neither a case nor parameters; the sweep has its own")
     plan, _ = load_plan(arguments.resume or "", arguments.running.limits)
     if plan.grid is None:
         raise UsageError(
@@ -154,21 +156,21 @@ def _parse_parameters(arguments: SweepArguments) -> tuple[Parameter, ...]:
         raise UsageError("no case to sweep", remedy="name a case; `shaderlab list` shows all")
     if arguments.resume is None and not arguments.params:
         raise UsageError(
-            "no parameter to sweep", remedy="such as --param light.linear=0.01:1:50log"
+            "no parameter to sweep", remedy="add one, such as --param light.linear=0.01:1:50log"
         )
     return parse_parameters(arguments.params)
 
 
 AT_ONCE = 4096
-"""So many points are given to an executor, which keeps all that it is given."""
+"""The number of points given to an executor at once, which keeps all of them."""
 MOST_SAID = 40
-"""So many points that do not pass are named as they come; the table has all."""
+"""The number of failing points named during the run; the table has all."""
 
 
 def run_points(
     executor: Executor, plan: RunPlan, show: Show, *, resume: bool
 ) -> tuple[RecordedRun, SweepTable]:
-    """Run all points of a sweep, and write each to the journal; with `resume`, those that it lacks.
+    """Run all points of a sweep and write each to the journal; with `resume`, the missing ones.
 
     An interrupt ends it early: what was finished by then is in the journal and in the table. The
     run has the records of the points that the table lists.
@@ -209,7 +211,7 @@ def run_points(
 
 
 def summarise_points(recorded: RecordedRun, table: SweepTable, file: Path) -> RecordedRun:
-    """The run with what all points were, where it has not the records of all; `file` has them."""
+    """Add a summary of all points to a run that lists only some of them; `file` has them all."""
     if len(recorded.run.records) == sum(table.statuses.values()):
         return recorded
     where = file.resolve()

@@ -47,9 +47,12 @@ _SHOWN = 4
 @TARGET
 @DRIVER
 @jobs_option()
-@limits_option("Give one variant up after S seconds.")
+@limits_option("Stop a variant that takes longer than S seconds.")
 @click.option(
-    "--open", "open_report", is_flag=True, help="Show the report in a browser; it reloads itself."
+    "--open",
+    "open_report",
+    is_flag=True,
+    help="Show the report in a browser, where it reloads by itself.",
 )
 def command(
     targets: tuple[str, ...],
@@ -60,24 +63,24 @@ def command(
     limits: Limits,
     open_report: bool,
 ) -> int:
-    """Judge cases and tests of GLSL functions, then again those that depend on a file whenever it
-    is saved: a shader or what it includes, a case or test file or a module that it imports, an
-    image. Without a name that is everything below this folder.
+    """Run cases and tests of GLSL functions, then rerun those that depend on a file whenever it is
+    saved: a shader or an included file, a case or test file or a module that it imports, an
+    image. Without arguments, watch everything below this folder.
 
-    Workers stay warm, with their device open. Where [tool.shaderlab] changes, it starts anew.
-    Ctrl-C ends it.
+    Workers stay warm, with their device open. A change to [tool.shaderlab] restarts the command.
+    Press Ctrl-C to end it.
 
     \b
     Examples:
-      shaderlab watch                     all cases and tests below this folder
+      shaderlab watch                     watch all cases and tests below this folder
       shaderlab watch tests/test_light.py
-      shaderlab watch my_case.py --open   with the report in a browser
-      shaderlab watch 'attenuation[50]'   one variant
+      shaderlab watch my_case.py --open   show the report in a browser
+      shaderlab watch 'attenuation[50]'   watch one variant
 
     Exit code: 0 ended by Ctrl-C, 2 wrong usage.
     """
     if workers == 0:
-        raise UsageError("watch needs workers: leave out -j 0")
+        raise UsageError("watch needs workers; leave out -j 0")
     options = RunOptions(
         pictures=False, include=includes, targets=compile_targets, driver=driver, limits=limits
     )
@@ -177,7 +180,7 @@ class _Watch:
         self._contents.learn(self._wanted.settings())
         self._judge(self._session.follow(case_files, test_files), time.perf_counter())
         while True:
-            self._show.console.print("watching; Ctrl-C ends it", style="dim")
+            self._show.console.print("watching; press Ctrl-C to end", style="dim")
             waiting: set[Path] = set()
             began = 0.0
             while not waiting:
@@ -203,7 +206,7 @@ class _Watch:
             click.echo(f"shaderlab: {error}", err=True)
             return False
         if changed:
-            self._show.console.print("\nthe settings changed: starting anew", style="bold")
+            self._show.console.print("\nthe settings changed: restarting", style="bold")
         return changed
 
     def _after(self, changed: Collection[Path]) -> set[Path]:

@@ -44,7 +44,7 @@ LOADS = 8
 a worker little longer than sending it."""
 TURNS = 4
 """Each of as many workers as there may be gets files so often, lest one waits for another's."""
-WORDS = f"one for every {VARIANTS_EACH} variants, as cores allow, at most {MOST}"
+WORDS = f"one per {VARIANTS_EACH} variants, at most one per core and {MOST} in all"
 
 
 def count_cores() -> int:

@@ -203,7 +203,7 @@ def test_the_command(tmp_path: Path) -> None:
     shown = CliRunner().invoke(command, [*words, "--pixel", "11,8"], standalone_mode=False)
     assert shown.exception is None and shown.return_value == 0, shown.output
     assert "pixel (11, 8), counted from the lower left" in shown.output
-    assert "lit.frag:12" in shown.output and "ULP are lost at" in shown.output
+    assert "lit.frag:12" in shown.output and "ULP lost at" in shown.output
 
     file = tmp_path / "steps.json"
     shown = CliRunner().invoke(command, [*words, "--json", str(file)], standalone_mode=False)

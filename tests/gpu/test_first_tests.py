@@ -89,12 +89,12 @@ def test_nothing_is_written_over(project: Path) -> None:
     file = project / "tests" / "test_sea.py"
     file.write_text("mine")
     result = new("shaders/sea.glsl")
-    assert result.exit_code == 2 and "there is such a file already" in result.output
+    assert result.exit_code == 2 and "this file exists already" in result.output
     assert file.read_text() == "mine"
 
 
 def test_a_shader_without_functions_gets_no_file(project: Path) -> None:
     (project / "only.frag").write_text("#version 330\nvoid main() { }\n")
     result = new("only.frag", "-o", "first.py")
-    assert result.exit_code == 2 and "has no function that can be tested" in result.output
+    assert result.exit_code == 2 and "no function in this file can be tested" in result.output
     assert not (project / "first.py").exists()

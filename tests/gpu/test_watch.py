@@ -187,7 +187,7 @@ def test_a_terminal_shows_verdicts_until_ctrl_c(project: Path) -> None:
         settings.write_text("[tool.shaderlab]\nshaders = 1\n")
         assert "pyproject.toml" in until("shaderlab: ")
         settings.write_text('[tool.shaderlab]\nshaders = ["tests"]\n[tool.other]\n')
-        until("the settings changed: starting anew")
+        until("the settings changed: restarting")
         assert "lamp.frag" in said()
         watch.send_signal(signal.SIGINT)
         assert watch.wait(20) == 0

@@ -82,7 +82,7 @@ def test_what_is_different_without_an_extra_is_said(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(importlib.metadata, "version", version)
     code, output = doctor()
     assert code == 0, output
-    assert "– images " in output and "files can't be read" in output
+    assert "– images " in output and "image files can't be loaded" in output
     assert "→ pip install 'shaderlab[images]'" in output
 
 

@@ -58,7 +58,7 @@ def test_a_damaged_line_costs_its_own_record(tmp_path: Path, passing: Record) ->
         journal.add(passing)
     assert read_journal(tmp_path) == (PLAN, [passing, passing], [3, 4, 5])
     (tmp_path / FILE_NAME).write_text("{" + (tmp_path / FILE_NAME).read_text("latin-1"))
-    with pytest.raises(UsageError, match=r"records.jsonl:1: the first line is damaged"):
+    with pytest.raises(UsageError, match=r"records.jsonl:1: the first line, which holds"):
         read_journal(tmp_path)
 
 
@@ -79,10 +79,10 @@ def test_only_one_run_writes_to_a_journal(tmp_path: Path) -> None:
 
 
 def test_what_is_no_journal_is_said_so(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="no run to go on with"):
+    with pytest.raises(UsageError, match="no run to resume"):
         read_journal(tmp_path)
     (tmp_path / FILE_NAME).write_text('{"started"')
-    with pytest.raises(UsageError, match="did not get to begin"):
+    with pytest.raises(UsageError, match="this run never began"):
         read_journal(tmp_path)
     (tmp_path / FILE_NAME).write_text(json.dumps({"other": 1}) + "\n")
     with pytest.raises(ShaderlabError, match="no run of this version"):

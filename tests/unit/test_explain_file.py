@@ -47,7 +47,7 @@ def test_each_line_is_explained_on_inputs_within_their_ranges(shader: Path) -> N
     ]  # fmt: skip
     assert 100.0 <= data["inputs"]["far"][0] <= 1000.0
     assert output.startswith("with far = ")
-    assert "ULP are lost at" in output and "a.frag:7: small" in output
+    assert "ULP lost at" in output and "a.frag:7: small" in output
 
 
 def test_ranges_are_given(shader: Path) -> None:

@@ -187,7 +187,7 @@ def test_the_page_of_many_points_lists_the_worst_and_says_so(
     fake_lab(widths(passing, {2: 3.0, 4: 5.0, 6: 4.0, 7: 0.9}))
     assert call(*swept, "later", "--table", tmp_path / "else.csv").exit_code == 1
     assert call("report", "later", "--against", "out").exit_code == 0
-    assert "2 points of a sweep are listed in one of the two runs only" in words(
+    assert "2 points of a sweep are listed in only one of the two runs" in words(
         Path("later/against.html")
     )
     assert str(tmp_path / "else.csv") in words(next(Path("later/cases").iterdir()))

@@ -56,7 +56,7 @@ def test_what_was_named_or_is_not_a_run_of_the_labs_is_never_removed(tmp_path: P
 
 def test_a_page_of_anothers_is_not_replaced(tmp_path: Path) -> None:
     (tmp_path / "index.html").write_text("mine")
-    with pytest.raises(UsageError, match="no report of shaderlab") as caught:
+    with pytest.raises(UsageError, match="not a shaderlab report") as caught:
         make_report_folder(tmp_path)
     assert caught.value.file == str(tmp_path / "index.html")
     (tmp_path / "run.json").write_text("{}")
