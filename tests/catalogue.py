@@ -29,6 +29,6 @@ def judged_only(case_id: str) -> Case:
     scene = next(case.scenes())
     kept = tuple(p for p in case.passes if p.name not in FOR_PEOPLE)
     expect = [
-        e for e in case.expect if not FOR_PEOPLE & {read.pass_name for read in e.reads(scene)}
+        e for e in case.expect if not FOR_PEOPLE & {read.pass_name for read in e.find_reads(scene)}
     ]
     return replace(case, passes=kept, expect=expect, picture="")

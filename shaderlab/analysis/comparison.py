@@ -427,7 +427,7 @@ class SameAs(DrawExpectation):
         if not self.outputs or isinstance(self.outputs, str):
             raise CaseError(f"same_as {self.approved!r}: outputs is a sequence of names")
 
-    def reads(self, scene: Scene) -> Iterable[Read]:
+    def find_reads(self, scene: Scene) -> Iterable[Read]:
         pass_name, draw = self.key(scene)
         for output in self.outputs:
             yield Read(pass_name, output, draw=draw)

@@ -246,7 +246,7 @@ class RecordBuilder:
         judged = zip(self._scene.expect, self._outcomes, strict=False)
         for expectation, outcome in judged if self.drawn else ():
             if outcome.status != "pass":
-                for read in expectation.reads(self._scene):
+                for read in expectation.find_reads(self._scene):
                     failed.setdefault((read.pass_name, read.output), []).append(outcome.name)
         for key, image in self.drawn.items():
             height, width = image.values.shape[:2]

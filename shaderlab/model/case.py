@@ -221,7 +221,7 @@ class Scene:
             if output is not None:
                 found.setdefault(output.pass_name, set()).add(output.name)
         for expectation in self.expect:
-            for read in expectation.reads(self):
+            for read in expectation.find_reads(self):
                 found.setdefault(read.pass_name, set()).add(read.output)
         return found
 

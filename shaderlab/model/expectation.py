@@ -114,7 +114,7 @@ class Expectation(Checked, ABC):
         """Its name if the case gives none."""
         return self.kind
 
-    def reads(self, scene: Scene) -> Iterable[Read]:
+    def find_reads(self, scene: Scene) -> Iterable[Read]:
         """The outputs that it judges, told from names alone; one that does not exist is no error
         here."""
         return ()

@@ -64,7 +64,7 @@ def entering(vertex: str) -> set[str]:
 
 def unread_before_geometry(scene: Scene) -> Iterator[str]:
     """Vertex shaders before a geometry shader of which something is read in no pass."""
-    read = {(read.pass_name, read.output) for e in scene.expect for read in e.reads(scene)}
+    read = {(read.pass_name, read.output) for e in scene.expect for read in e.find_reads(scene)}
     drawn = {(d.vertex, one.name) for one in scene.passes for d in one.draws if d.geometry}
     for vertex in sorted({vertex for vertex, _ in drawn if vertex}):
         missing = entering(vertex) - {o for p, o in read if (vertex, p) in drawn}

@@ -259,7 +259,7 @@ def test_what_a_measure_reads_is_known_before_it_is_run() -> None:
 
     expectation = measure("m", several, reads={"other": "far.depth"}, at_most=1.0)
     scene = next(Case(title="T", passes=passes(), expect=[expectation]).scenes())
-    read = {(r.pass_name, r.output) for r in expectation.reads(scene)}
+    read = {(r.pass_name, r.output) for r in expectation.find_reads(scene)}
     assert {("near", "lit"), ("far", "lit"), ("far", "depth")} <= read
 
 

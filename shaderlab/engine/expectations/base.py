@@ -114,12 +114,12 @@ class OutputExpectation(Expectation):
         """The output's name inside its pass."""
         return scene.split_output(self.output)[1]
 
-    def reads(self, scene: Scene) -> Iterable[Read]:
+    def find_reads(self, scene: Scene) -> Iterable[Read]:
         pass_name, draw = self.key(scene)
         yield Read(pass_name, self.own_name(scene), draw=draw)
 
     def passes(self, scene: Scene) -> frozenset[str]:
-        return frozenset(read.pass_name for read in self.reads(scene))
+        return frozenset(read.pass_name for read in self.find_reads(scene))
 
     def judges_vertices(self, scene: Scene, programs: Programs) -> bool:
         key, name = self.key(scene), self.own_name(scene)
@@ -201,7 +201,7 @@ def unread_outputs(scene: Scene, programs: Programs) -> tuple[str, ...]:
 def all_reads(scene: Scene) -> Iterator[Read]:
     """What expectations read, and what the passes that they read got from earlier ones."""
     used: dict[str, set[str]] = {}
-    direct = [read for expectation in scene.expect for read in expectation.reads(scene)]
+    direct = [read for expectation in scene.expect for read in expectation.find_reads(scene)]
     for read in direct:
         used.setdefault(read.pass_name, set()).add(read.output)
         yield read

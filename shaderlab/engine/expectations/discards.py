@@ -63,7 +63,7 @@ class DiscardCheck:
     def _draws_of(self, expectation: Expectation) -> Iterator[CapturedFragments]:
         if not any(self._draws.values()):
             return
-        reads = tuple(expectation.reads(self._scene))
+        reads = tuple(expectation.find_reads(self._scene))
         for name in dict.fromkeys(read.pass_name for read in reads):
             draws = self._programs.get(name, ())
             kept = {"depth", "stencil"}.union(*(draw.interface.outputs for draw in draws))

@@ -269,7 +269,7 @@ class Coverage(DrawExpectation):
 
     pixels: int
 
-    def reads(self, scene: Scene) -> Iterable[Read]:
+    def find_reads(self, scene: Scene) -> Iterable[Read]:
         yield Read(self.key(scene)[0], "coverage")
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:

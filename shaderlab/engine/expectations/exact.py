@@ -38,13 +38,13 @@ class Exact(OutputExpectation):
     _: KW_ONLY
     pictured: bool = True
 
-    def reads(self, scene: Scene) -> Iterable[Read]:
+    def find_reads(self, scene: Scene) -> Iterable[Read]:
         yield Read(self.key(scene)[0], self.own_name(scene))
         if isinstance(self.equals, Output):
             yield Read(self.equals.pass_name, self.equals.name)
 
     def passes(self, scene: Scene) -> frozenset[str]:
-        return frozenset(read.pass_name for read in self.reads(scene))
+        return frozenset(read.pass_name for read in self.find_reads(scene))
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         if isinstance(self.equals, Output):

@@ -54,9 +54,9 @@ class Value(ReferenceExpectation):
         if self.digits < 0:
             raise CaseError(f"value of {self.output!r}: digits must not be negative")
 
-    def reads(self, scene: Scene) -> Iterable[Read]:
+    def find_reads(self, scene: Scene) -> Iterable[Read]:
         pixel = self.at if isinstance(self.at, Pixel) else None
-        for read in super().reads(scene):
+        for read in super().find_reads(scene):
             yield replace(read, pixel=pixel)
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:

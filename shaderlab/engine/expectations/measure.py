@@ -11,8 +11,8 @@ import math
 import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from dataclasses import KW_ONLY, dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from shaderlab.engine.expectations.needs import find_image
 from shaderlab.engine.judging.references import locate_error, parameter_name, source_of
 from shaderlab.errors import CaseError, FormulaError, ShaderlabError, nearest
 from shaderlab.model.case import Scene
-from shaderlab.model.checked import checked_arguments
+from shaderlab.model.checked import Checked
 from shaderlab.model.expectation import Judgement, Read
 from shaderlab.model.frame import Array, Bindings, Frame
 from shaderlab.model.phases import phase
@@ -38,44 +38,6 @@ class Bound:
     high: float = math.inf
     digits: int | None = None
 
-    @classmethod
-    def of(
-        cls,
-        label: str,
-        *,
-        equals: float | None = None,
-        digits: int | None = None,
-        at_most: float | None = None,
-        at_least: float | None = None,
-        between: tuple[float, float] | None = None,
-    ) -> Self | None:
-        """Return the bound that a case gives for the measure `label`; None where it gives none.
-
-        It says so in one of three ways: the figure rounds to `equals` at so many `digits`; it is
-        `at_most` so much, or `at_least`, or both; or it lies `between` two ends.
-
-        Raises:
-            CaseError: it says two things, or holds no number, or all.
-        """
-        ways = [(equals, digits), (at_most, at_least), (between,)]
-        given = sum(any(part is not None for part in way) for way in ways)
-        if given > 1:
-            raise CaseError(f"measure {label!r}: give equals, or between, or at_most and at_least")
-        if (equals is None) != (digits is None):
-            raise CaseError(f"measure {label!r}: equals and digits go together")
-        if not given:
-            return None
-        if equals is not None and digits is not None:
-            half = 0.5 * 10.0**-digits * (1.0 + 1e-6)
-            return cls(low=equals - half, high=equals + half, digits=digits)
-        low, high = between or (
-            -math.inf if at_least is None else at_least,
-            math.inf if at_most is None else at_most,
-        )
-        if not low <= high or (math.isinf(low) and math.isinf(high)):
-            raise CaseError(f"measure {label!r}: {low} … {high} bounds no figure")
-        return cls(low=float(low), high=float(high))
-
     def __contains__(self, figure: float) -> bool:
         return math.isfinite(figure) and self.low <= figure <= self.high
 
@@ -90,44 +52,49 @@ class Bound:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reading:
-    """One row of a measure. `x` is its place along the curve, None where its label is a word."""
+class Bounded(Checked):
+    """What has a figure with a bound, given in one of three ways: the figure rounds to `equals` at
+    so many `digits`; it is `at_most` so much, or `at_least`, or both; or it lies `between` two
+    ends."""
 
-    label: str
-    x: float | None = None
-    bound: Bound | None = None
-    reads: Mapping[str, str] = field(default_factory=dict)
-    given: Mapping[str, UniformValue] = field(default_factory=dict)
-    series: str = ""
-    note: str = ""
+    label: str | float
+    equals: float | None = None
+    digits: int | None = None
+    at_most: float | None = None
+    at_least: float | None = None
+    between: tuple[float, float] | None = None
 
-    def row(self, figure: float) -> Row:
-        """The line of a table that shows a measured figure."""
-        digits = None if self.bound is None else self.bound.digits
-        more = 6 if digits is None else digits + 3
-        return Row(
-            label=f"{self.series}, {self.label}" if self.series else self.label,
-            expected="–" if self.bound is None else str(self.bound),
-            measured=f"{figure:.{more}g}" if digits is None else f"{figure:.{min(more, 9)}f}",
-            ok=math.isfinite(figure) if self.bound is None else figure in self.bound,
-            note=self.note,
+    @property
+    def bound(self) -> Bound | None:
+        """The bound; None where none is given.
+
+        Raises:
+            CaseError: two are given, or one that holds no number, or all.
+        """
+        ways = [(self.equals, self.digits), (self.at_most, self.at_least), (self.between,)]
+        given = sum(any(part is not None for part in way) for way in ways)
+        what = f"measure {self.label!r}"
+        if given > 1:
+            raise CaseError(f"{what}: give equals, or between, or at_most and at_least")
+        if (self.equals is None) != (self.digits is None):
+            raise CaseError(f"{what}: equals and digits go together")
+        if not given:
+            return None
+        if self.equals is not None and self.digits is not None:
+            half = 0.5 * 10.0**-self.digits * (1.0 + 1e-6)
+            low, high = self.equals - half, self.equals + half
+            return Bound(low=low, high=high, digits=self.digits)
+        low, high = self.between or (
+            -math.inf if self.at_least is None else self.at_least,
+            math.inf if self.at_most is None else self.at_most,
         )
+        if not low <= high or (math.isinf(low) and math.isinf(high)):
+            raise CaseError(f"{what}: {low} … {high} bounds no figure")
+        return Bound(low=float(low), high=float(high))
 
 
-@checked_arguments
-def reading(
-    label: str | float,
-    *,
-    reads: Mapping[str, str] | None = None,
-    given: Mapping[str, UniformValue] | None = None,
-    series: str = "",
-    note: str = "",
-    equals: float | None = None,
-    digits: int | None = None,
-    at_most: float | None = None,
-    at_least: float | None = None,
-    between: tuple[float, float] | None = None,
-) -> Reading:
+@dataclass(frozen=True)
+class Reading(Bounded):
     """One row of a `measure`: what it reads and is given, and where the figure must lie.
 
     Args:
@@ -143,46 +110,39 @@ def reading(
     Raises:
         CaseError: bounds that say two things, or hold no number.
     """
-    numeric = isinstance(label, int | float)
-    return Reading(
-        label=f"{label:g}" if numeric else str(label),
-        x=float(label) if numeric else None,
-        bound=Bound.of(
-            str(label),
-            equals=equals,
-            digits=digits,
-            at_most=at_most,
-            at_least=at_least,
-            between=between,
-        ),
-        reads=reads or {},
-        given=given or {},
-        series=series,
-        note=note,
-    )
 
+    label: str | float
+    _: KW_ONLY
+    reads: Mapping[str, str] = field(default_factory=dict)
+    given: Mapping[str, UniformValue] = field(default_factory=dict)
+    series: str = ""
+    note: str = ""
 
-def check_readings(label: str, rows: Sequence[Reading]) -> None:
-    """Raise CaseError for rows of the measure `label` that could not fail, or can't be told
-    apart."""
-    if all(row.bound is None for row in rows):
-        raise CaseError(
-            f"measure {label!r} has no bound, so it could not fail",
-            remedy="give equals with digits, at_most, at_least or between",
+    def __post_init__(self) -> None:
+        _ = self.bound  # raises where it is wrong
+
+    @property
+    def x(self) -> float | None:
+        """Its place along the curve; None where its label is a word."""
+        return None if isinstance(self.label, str) else float(self.label)
+
+    @property
+    def word(self) -> str:
+        """Its label as a word."""
+        return self.label if isinstance(self.label, str) else f"{self.label:g}"
+
+    def row(self, figure: float) -> Row:
+        """The line of a table that shows a measured figure."""
+        bound = self.bound
+        digits = None if bound is None else bound.digits
+        more = 6 if digits is None else digits + 3
+        return Row(
+            label=f"{self.series}, {self.word}" if self.series else self.word,
+            expected="–" if bound is None else str(bound),
+            measured=f"{figure:.{more}g}" if digits is None else f"{figure:.{min(more, 9)}f}",
+            ok=math.isfinite(figure) if bound is None else figure in bound,
+            note=self.note,
         )
-    names = [(row.series, row.label) for row in rows]
-    for series, name in names:
-        if names.count((series, name)) > 1:
-            where = f" of series {series!r}" if series else ""
-            raise CaseError(f"measure {label!r}: two readings{where} are called {name!r}")
-    for row in rows:
-        for parameter in row.reads.keys() & row.given.keys():
-            raise CaseError(f"measure {label!r}: {parameter!r} is both read and given")
-        if len({*row.reads.values()}) < len(row.reads):
-            raise CaseError(
-                f"measure {label!r}: two parameters read one output, which is then compared with "
-                "itself"
-            )
 
 
 _INDEXED = re.compile(r"\[\d+\]")
@@ -190,21 +150,92 @@ _INDEXED = re.compile(r"\[\d+\]")
 Statistic = Callable[..., Any]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Measure(DrawExpectation):
-    """A statistic computed from the frame, each of its readings within its bound."""
+@dataclass(frozen=True)
+class Measure(DrawExpectation, Bounded):
+    """A figure that `statistic` computes from the frame lies within its bound.
+
+    The parameters of `statistic` are found by name: outputs of any pass as float64 arrays
+    (height, width, components), `FragColor` of the last pass or `shadow_depth` for
+    "shadow.depth"; uniforms and textures of a draw; what `reads` and `given` say; and
+    `subpixel_step`, the grid that corners are moved to before they are rasterised, in pixels, for
+    figures that grow with it: 1/256 on llvmpipe, 1/16 where a driver has the least allowed.
+
+    Args:
+        label: how tables and outcomes call it.
+        statistic: a Python function that returns one number; NumPy may be used.
+        readings: rows, from `reading`; without them there is one, with `label` for its name.
+        reads: outputs by parameter, in every row that does not say otherwise.
+        given: constants by parameter, likewise.
+        pass_name, draw: whose uniforms and textures are meant; the last draw of the last pass.
+        x_label, y_label: what the axes of the curve say, where labels of rows are numbers.
+        log_x, log_y: logarithmic axes.
+        own_types: outputs come in the types that they were read back in, read-only, where a copy of
+            a large picture in float64 would take too much memory.
+        note: a remark in the table, where there is one row.
+        equals, digits, at_most, at_least, between: the bound of the rows that have none, as in
+            `reading`.
+
+    Raises:
+        CaseError: there is no bound at all, or two rows are alike.
+    """
 
     kind = "measure"
 
+    label: str
     statistic: Statistic
-    readings: tuple[Reading, ...]
+    _: KW_ONLY
+    readings: Sequence[Reading] = ()
+    reads: Mapping[str, str] = field(default_factory=dict)
+    given: Mapping[str, UniformValue] = field(default_factory=dict)
     x_label: str = ""
     y_label: str = ""
     log_x: bool = False
     log_y: bool = False
     own_types: bool = False
+    note: str = ""
 
-    def reads(self, scene: Scene) -> Iterable[Read]:
+    @property
+    def default_name(self) -> str:
+        return self.label
+
+    def __post_init__(self) -> None:
+        common = {each.name: getattr(self, each.name) for each in fields(Bounded)}
+        del common["label"]
+        readings = self.readings if len(self.readings) else (Reading(self.label, note=self.note),)
+        rows = tuple(
+            replace(
+                row,
+                reads={**self.reads, **row.reads},
+                given={**self.given, **row.given},
+                **({} if row.bound else common),
+            )
+            for row in readings
+        )
+        object.__setattr__(self, "readings", rows)
+        self._check_readings()
+
+    def _check_readings(self) -> None:
+        """Raise CaseError for rows that could not fail, or can't be told apart."""
+        if all(row.bound is None for row in self.readings):
+            raise CaseError(
+                f"measure {self.label!r} has no bound, so it could not fail",
+                remedy="give equals with digits, at_most, at_least or between",
+            )
+        names = [(row.series, row.word) for row in self.readings]
+        for series, name in names:
+            if names.count((series, name)) > 1:
+                where = f" of series {series!r}" if series else ""
+                raise CaseError(f"measure {self.label!r}: two readings{where} are called {name!r}")
+        for row in self.readings:
+            for parameter in row.reads.keys() & row.given.keys():
+                raise CaseError(f"measure {self.label!r}: {parameter!r} is both read and given")
+            if len({*row.reads.values()}) < len(row.reads):
+                raise CaseError(
+                    f"measure {self.label!r}: two parameters read one output, which is then "
+                    "compared with itself"
+                )
+
+    def find_reads(self, scene: Scene) -> Iterable[Read]:
         """The outputs that its parameters may mean.
 
         Where a parameter could also mean a uniform, or an output of either of two passes, all of
@@ -225,7 +256,7 @@ class Measure(DrawExpectation):
                         yield Read(description.name, parameter.removeprefix(head))
 
     def passes(self, scene: Scene) -> frozenset[str]:
-        return super().passes(scene) | {read.pass_name for read in self.reads(scene)}
+        return super().passes(scene) | {read.pass_name for read in self.find_reads(scene)}
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         known = self._find_known(scene, frame)
@@ -363,86 +394,11 @@ class Measure(DrawExpectation):
         return Plot(
             title=self.name,
             x_label=self.x_label,
-            y_label=self.y_label,
+            y_label=self.y_label or self.label,
             points=points,
             log_x=self.log_x,
             log_y=self.log_y,
         )
-
-
-@checked_arguments
-def measure(
-    label: str,
-    statistic: Statistic,
-    *,
-    readings: Sequence[Reading] = (),
-    reads: Mapping[str, str] | None = None,
-    given: Mapping[str, UniformValue] | None = None,
-    pass_name: str | None = None,
-    draw: int = -1,
-    x_label: str = "",
-    y_label: str = "",
-    log_x: bool = False,
-    log_y: bool = False,
-    own_types: bool = False,
-    note: str = "",
-    equals: float | None = None,
-    digits: int | None = None,
-    at_most: float | None = None,
-    at_least: float | None = None,
-    between: tuple[float, float] | None = None,
-) -> Measure:
-    """A figure that `statistic` computes from the frame lies within its bound.
-
-    The parameters of `statistic` are found by name: outputs of any pass as float64 arrays
-    (height, width, components), `FragColor` of the last pass or `shadow_depth` for
-    "shadow.depth"; uniforms and textures of a draw; what `reads` and `given` say; and
-    `subpixel_step`, the grid that corners are moved to before they are rasterised, in pixels, for
-    figures that grow with it: 1/256 on llvmpipe, 1/16 where a driver has the least allowed.
-
-    Args:
-        label: how tables and outcomes call it.
-        statistic: a Python function that returns one number; NumPy may be used.
-        readings: rows, from `reading`; without them there is one, with `label` for its name.
-        reads: outputs by parameter, in every row that does not say otherwise.
-        given: constants by parameter, likewise.
-        pass_name, draw: whose uniforms and textures are meant; the last draw of the last pass.
-        x_label, y_label: what the axes of the curve say, where labels of rows are numbers.
-        log_x, log_y: logarithmic axes.
-        own_types: outputs come in the types that they were read back in, read-only, where a copy of
-            a large picture in float64 would take too much memory.
-        note: a remark in the table, where there is one row.
-        equals, digits, at_most, at_least, between: the bound of the rows that have none, as in
-            `reading`.
-
-    Raises:
-        CaseError: there is no bound at all, or two rows are alike.
-    """
-    common = Bound.of(
-        label, equals=equals, digits=digits, at_most=at_most, at_least=at_least, between=between
-    )
-    rows = tuple(
-        replace(
-            row,
-            bound=row.bound or common,
-            reads={**(reads or {}), **row.reads},
-            given={**(given or {}), **row.given},
-        )
-        for row in readings or (reading(label, note=note),)
-    )
-    check_readings(label, rows)
-    return Measure(
-        name=label,
-        statistic=statistic,
-        readings=rows,
-        pass_name=pass_name,
-        draw=draw,
-        x_label=x_label,
-        y_label=y_label or label,
-        log_x=log_x,
-        log_y=log_y,
-        own_types=own_types,
-    )
 
 
 def _draw_values(bindings: Bindings) -> dict[str, Array]:
@@ -459,3 +415,7 @@ def _draw_values(bindings: Bindings) -> dict[str, Array]:
     known |= {name: np.stack(values) for name, values in lists.items()}
     known |= {parameter_name(n): texels.values for n, texels in bindings.textures.items()}
     return known
+
+
+measure = Measure
+reading = Reading

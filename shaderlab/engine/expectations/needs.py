@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from shaderlab.drivers import Session
 from shaderlab.drivers.programs import storage
 from shaderlab.drivers.programs.bind import convert_inputs, convert_value, declared_uniforms
 from shaderlab.drivers.programs.prepare import PreparedDraw
@@ -109,9 +110,8 @@ class Probe(TypedNeed[Samples]):
             return self._answer(context)
 
     def _answer(self, context: Context) -> Samples:
-        expectation, session, steps = self._expectation, context.session, self._steps
-        scene = session.scene
-        key = expectation.key(scene)
+        session, steps = context.session, self._steps
+        key = self._expectation.key(session.scene)
         draw, bindings = session.programs[key[0]][key[1]], context.bindings[key]
         if draw.draw.compute:
             raise UnsupportedError(
@@ -119,56 +119,63 @@ class Probe(TypedNeed[Samples]):
                 remedy="judge what it leaves in its buffers: formula, exact, measure, or "
                 "value(…, at=Pixel(element, 0))",
             )
-        of_vertex = expectation.is_of_vertex(scene, session.programs)
+        of_vertex = self._expectation.is_of_vertex(session.scene, session.programs)
         variables = draw.interface.attributes if of_vertex else draw.interface.varyings
         inputs = {variable.name: variable for variable in array_elements(variables.values())}
-        for word in steps[0]:
-            if word not in inputs and word not in bindings.uniforms:
-                raise CaseError(
-                    f"{expectation.output}: {word!r} is not an input of "
-                    f"{' + '.join(draw.draw.shaders)}",
-                    remedy=nearest(word, [*inputs, *bindings.uniforms]),
-                )
         uniforms = [name for name in steps[0] if name not in inputs]
-
-        def bound(step: Mapping[str, Any]) -> Bindings:
-            return _replace_uniforms(bindings, draw, {n: step[n] for n in uniforms})
-
-        def run(runs: Sequence[Bindings], given: Mapping[str, Array]) -> list[Samples]:
-            if not of_vertex:
-                return session.probe(key, "fragment", runs, given)
-            found = session.probe(key, "vertex", runs, given)
-            if expectation.own_name(scene) not in found[0].outputs:
-                raise UnsupportedError(
-                    f"running {draw.draw.geometry or draw.draw.tess_evaluation} on given inputs: "
-                    "it takes whole primitives",
-                    remedy="judge what it makes of the mesh (formula), with a mesh that has these "
-                    "inputs",
+        for name in uniforms:
+            if name not in bindings.uniforms:
+                raise CaseError(
+                    f"{self._expectation.output}: {name!r} is not an input of "
+                    f"{' + '.join(draw.draw.shaders)}",
+                    remedy=nearest(name, [*inputs, *bindings.uniforms]),
                 )
-            return found
-
-        def samples(some: Sequence[Mapping[str, Any]], given: Bindings, got: Samples) -> Samples:
-            exact = {n: _repeat(given.uniforms[n], len(some)) for n in uniforms}
-            decimal = {n: _repeat(given.decimal[n], len(some)) for n in uniforms}
-            for n in (name for name in steps[0] if name not in uniforms):
-                decimal[n] = np.array([np.atleast_1d(np.asarray(s[n], np.float64)) for s in some])
-            return replace(got, inputs={**got.inputs, **exact}, decimal=decimal)
-
-        if not uniforms:
-            given = [convert_inputs(inputs, step) for step in steps]
-            joined = {n: np.concatenate([g[n] for g in given]) for n in given[0]}
-            changed = bound(steps[0])
-            return samples(steps, changed, run([changed], joined)[0])
-        changes = [bound(step) for step in steps]
+        groups = [[step] for step in steps] if uniforms else [steps]
+        changes = [
+            _replace_uniforms(bindings, draw, {name: group[0][name] for name in uniforms})
+            for group in groups
+        ]
         if len(uniforms) == len(steps[0]):
-            found = run(changes, {})
+            found = self._run(session, of_vertex, changes, {})
         else:
-            found = [
-                run([change], convert_inputs(inputs, step))[0]
-                for change, step in zip(changes, steps, strict=True)
-            ]
-        each = zip(steps, changes, found, strict=True)
-        return _join([samples([step], change, got) for step, change, got in each])
+            found = []
+            for group, change in zip(groups, changes, strict=True):
+                each = [convert_inputs(inputs, step) for step in group]
+                given = {name: np.concatenate([one[name] for one in each]) for name in each[0]}
+                found += self._run(session, of_vertex, [change], given)
+        parts = zip(groups, changes, found, strict=True)
+        return _join([_add_inputs(got, group, change, uniforms) for group, change, got in parts])
+
+    def _run(
+        self,
+        session: Session,
+        of_vertex: bool,
+        runs: Sequence[Bindings],
+        given: Mapping[str, Array],
+    ) -> list[Samples]:
+        key = self._expectation.key(session.scene)
+        found = session.probe(key, "vertex" if of_vertex else "fragment", runs, given)
+        if of_vertex and self._expectation.own_name(session.scene) not in found[0].outputs:
+            draw = session.programs[key[0]][key[1]].draw
+            raise UnsupportedError(
+                f"running {draw.geometry or draw.tess_evaluation} on given inputs: "
+                "it takes whole primitives",
+                remedy="judge what it makes of the mesh (formula), with a mesh that has these "
+                "inputs",
+            )
+        return found
+
+
+def _add_inputs(
+    got: Samples, steps: Sequence[Mapping[str, Any]], given: Bindings, uniforms: Sequence[str]
+) -> Samples:
+    """The samples with the uniforms among their inputs, and all inputs as the case writes them."""
+    count = len(steps)
+    exact = {name: np.repeat(given.uniforms[name][None], count, axis=0) for name in uniforms}
+    decimal = {name: np.repeat(given.decimal[name][None], count, axis=0) for name in uniforms}
+    for name in (name for name in steps[0] if name not in exact):
+        decimal[name] = np.array([np.atleast_1d(np.asarray(s[name], np.float64)) for s in steps])
+    return replace(got, inputs={**got.inputs, **exact}, decimal=decimal)
 
 
 def _same_stages(one: PreparedDraw, other: PreparedDraw) -> bool:
@@ -186,11 +193,10 @@ def _replace_uniforms(
     return replace(bindings, uniforms=exact, decimal=decimal)
 
 
-def _repeat(value: Array, count: int) -> Array:
-    return np.repeat(value[None], count, axis=0)
-
-
 def _join(parts: Sequence[Samples]) -> Samples:
+    if len(parts) == 1:
+        return parts[0]
+
     def join(group: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
         return {name: np.concatenate([part[name] for part in group]) for name in group[0]}
 
