@@ -1,6 +1,6 @@
-"""What the lab asks of a graphics API, and the drivers that answer.
+"""The graphics APIs that scenes are drawn by: the protocol, and the drivers that implement it.
 
-A backend is a module that this one names by driver and imports when it is asked for.
+Each driver's package is imported when a device of it is opened.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ _INDEX_BYTES = 4 << 20
 
 @contextmanager
 def set_variables(wanted: Mapping[str, str]) -> Iterator[None]:
-    """Set environment variables for a while."""
+    """Set environment variables, and restore them afterwards."""
     before = {name: os.environ.get(name) for name in wanted}
     os.environ.update(wanted)
     try:
@@ -131,8 +131,8 @@ def set_variables(wanted: Mapping[str, str]) -> Iterator[None]:
 
 
 def mesa_variables() -> dict[str, str]:
-    """What keeps Mesa from using its cache of shaders on a disk that is full: it maps a file there,
-    and the kernel ends a process that writes to a page of it which finds no room (SIGBUS)."""
+    """Return what keeps Mesa from caching shaders on a full disk: it maps a file there, and the
+    kernel ends a process that writes to a page of it for which there is no space (SIGBUS)."""
     given = os.environ.get("MESA_SHADER_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
     with suppress(OSError, RuntimeError):  # no home
         folder = Path(given) if given else Path.home() / ".cache"

@@ -1,4 +1,4 @@
-"""What the lab asks of a graphics API: a device, and sessions on it that draw one scene each."""
+"""The protocol of a driver: a device, and sessions on it that draw one scene each."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ QUERIES: Mapping[str, str] = {
     "trace": "calls of OpenGL",
     "call": "calls of OpenGL",
 }
-"""What a session can be asked, and how errors name it.
+"""The queries of a session, and how errors name them.
 
 | query | arguments | answer |
 |---|---|---|
@@ -188,7 +188,7 @@ class Backend(ABC):
     def edited_session(
         self, scene: Scene, programs: Programs, size: Size, edit: CallEdit | None
     ) -> AbstractContextManager[Session]:
-        """As `session`, in a context of its own, with one call of the drawing made otherwise.
+        """Open a session as `session` does, in a separate context, with one call changed.
 
         It holds for `draw` and for what `trace` tells of that; None changes no call. What the lab
         reads and captures is not touched.
@@ -196,7 +196,7 @@ class Backend(ABC):
         Raises:
             ShaderlabError: drawing the scene takes no such call.
         """
-        raise UnsupportedError("changing calls of OpenGL: this backend can't")
+        raise UnsupportedError("changing calls of OpenGL: this driver can't")
 
     def release_caches(self) -> None:  # noqa: B027
         """Free what is kept for scenes to come: programs, and what was captured."""
@@ -220,7 +220,7 @@ class Backend(ABC):
         Raises:
             UnsupportedError: there are no storage buffers.
         """
-        raise UnsupportedError("storage buffers: this backend has none")
+        raise UnsupportedError("storage buffers: this driver has none")
 
     def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
         """Run an evaluation's passes.
@@ -235,7 +235,7 @@ class Backend(ABC):
             ShaderError: the driver refuses a shader.
             CaseError: a texture does not fit its sampler.
         """
-        raise UnsupportedError("calling functions: this backend can't")
+        raise UnsupportedError("calling functions: this driver can't")
 
     @abstractmethod
     def close(self) -> None:

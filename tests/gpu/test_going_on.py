@@ -71,10 +71,10 @@ def test_draws_go_on_where_the_pass_before_stopped(folder: Path) -> None:
     [
         ((adds("a", 1.0), adds("b", 1.0, onto="a"), reads("c", "a")), "pass 'a' was drawn over"),
         ((adds("a", 1.0), reads("b", "a", onto="a")), "reads 'image' from the target it draws"),
-        ((adds("b", 1.0, onto="a"),), "goes on in 'a', which is no earlier pass"),
+        ((adds("b", 1.0, onto="a"),), "continues 'a', which is no earlier pass"),
         (
             (adds("a", 1.0), adds("b", 1.0, onto="a", target=Target(size=(8, 8)))),
-            "goes on in 'a', but its target differs",
+            "continues 'a', but its target differs",
         ),
     ],
 )

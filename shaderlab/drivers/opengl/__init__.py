@@ -2,7 +2,7 @@
 
 Mesa and PyOpenGL read how to open a driver from the environment. It is changed only while they
 do, and put back. A process that is the lab's alone is prepared for good. Nothing here imports a
-graphics API before a device is asked for.
+graphics API before a device is opened.
 """
 
 from __future__ import annotations
@@ -38,13 +38,12 @@ def prepare_process(driver: str) -> None:
 
 
 def preload() -> None:
-    """Import what `open_backend` needs, PyOpenGL without its checks; for a process that nobody else
-    uses and that forks others."""
+    """Import what `open_backend` needs, PyOpenGL without its checks, in a process that nobody else
+    uses."""
     _turn_checks_off()
-    from . import backend, device
-    from .device import gl_constant
+    from . import backend
 
-    _ = backend, device, gl_constant("sample_shading")  # the newest name that each draw takes
+    _ = backend
 
 
 def _turn_checks_off() -> None:

@@ -1,4 +1,4 @@
-"""OpenGL behind the protocol of `shaderlab.drivers`: the backend, and what its sessions answer."""
+"""OpenGL behind the protocol of `shaderlab.drivers`: the backend, and its sessions' queries."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _STATISTICS = "GL_ARB_pipeline_statistics_query"
 
 
 def count_events(drawing: Drawing, key: PassDraw, counter: str) -> int:
-    """What one draw makes the driver count, its pass drawn once more.
+    """Count what one draw makes the driver count; its pass is drawn once more.
 
     Raises:
         UnsupportedError: the driver does not count this.
@@ -69,7 +69,7 @@ def count_events(drawing: Drawing, key: PassDraw, counter: str) -> int:
 
 
 def time_pass(drawing: Drawing, pass_name: str, repeats: int) -> Timing:
-    """How long a pass takes to draw, from its first call until the driver has finished.
+    """Time how long a pass takes to draw, from its first call until the driver has finished.
 
     Programs, buffers and targets are made beforehand. The first time through, when drivers compile,
     does not count.
@@ -101,7 +101,7 @@ def time_pass(drawing: Drawing, pass_name: str, repeats: int) -> Timing:
 
 
 def read_attributes(drawing: Drawing, key: PassDraw) -> Mapping[str, AttributeReading]:
-    """Where OpenGL reads each attribute of a draw of a mesh."""
+    """Read where OpenGL finds each attribute of a draw of a mesh."""
     draw = drawing.programs[key[0]][key[1]]
     if draw.draw.mesh is None:
         return {}
@@ -111,15 +111,15 @@ def read_attributes(drawing: Drawing, key: PassDraw) -> Mapping[str, AttributeRe
 
 
 def read_blocks(drawing: Drawing, key: PassDraw) -> dict[str, BlockReading]:
-    """Where the driver has the members of each uniform or storage block of a draw's program."""
+    """Read where the driver has the members of each uniform or storage block of a draw."""
     draw = drawing.programs[key[0]][key[1]]
     program = drawing.linker.link(draw.texts)
     return {name: read_block(program, block) for name, block in draw.interface.blocks.items()}
 
 
 def find_locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
-    """Where the driver put each uniform that a draw's program declares, samplers too; −1 for one
-    that it left out."""
+    """Find where the driver put each uniform that a draw's program declares, samplers too; −1 for
+    one that it left out."""
     draw = drawing.programs[key[0]][key[1]]
     program = drawing.linker.link(draw.texts)
     return {

@@ -119,7 +119,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
 
 
 def _read_smaller(texture: DeviceTexture, format: str, values: Array) -> tuple[Array, ...]:
-    """The levels below the first, as the device has them."""
+    """Read the levels below the first, as the device has them."""
     count = values.shape[0] if values.ndim == 4 else 1
     height, width = values.shape[-3:-1]
     sizes = level_sizes(width, height)[1:]
@@ -130,7 +130,7 @@ def _read_smaller(texture: DeviceTexture, format: str, values: Array) -> tuple[A
 
 
 def _new_sampler(sampling: Sampling) -> int:
-    """A sampler object. Source: OpenGL 4.5 core profile, table 8.15."""
+    """Make a sampler object. Source: OpenGL 4.5 core profile, table 8.15."""
     name = int(GL.glGenSamplers(1))
     compare = GL.GL_NONE if sampling.compare is None else GL.GL_COMPARE_REF_TO_TEXTURE
     along_r = [(GL.GL_TEXTURE_WRAP_R, gl_constant(word)) for word in sampling.wrap[2:]]
@@ -154,8 +154,8 @@ def _new_sampler(sampling: Sampling) -> int:
 def bind_images(
     device: Device, program: Any, images: Mapping[str, Texels], stack: ExitStack
 ) -> dict[str, DeviceTexture]:
-    """Textures of what the images hold, each bound to a unit of its own; those without any effect
-    are left out.
+    """Make textures of what the images hold, each bound to a separate unit, without those that have
+    no effect.
 
     Args:
         device: where they are.
@@ -189,7 +189,7 @@ def bind_images(
 def read_images(
     textures: Mapping[str, DeviceTexture], before: Mapping[str, Texels]
 ) -> dict[str, Image]:
-    """What the images hold now, as outputs; of one without any effect what it held before."""
+    """Read what the images hold now, as outputs; of one without any effect what it held before."""
     left = {}
     for name, image in before.items():
         if name in textures:

@@ -68,7 +68,7 @@ class VertexArray:
 
 
 def make_vertex_array(device: Device, program: Any, mesh: Mesh | None) -> VertexArray:
-    """A vertex array of `mesh` for `program`, or one of three vertices without attributes.
+    """Make a vertex array of `mesh` for `program`, or one of three vertices without attributes.
 
     Raises:
         DriverError: a buffer can't be mapped.
@@ -91,7 +91,7 @@ def make_vertex_array(device: Device, program: Any, mesh: Mesh | None) -> Vertex
 
 
 def read_layout(program: Any, vao: VertexArray, mesh: Mesh) -> dict[str, AttributeReading]:
-    """What OpenGL itself says of each attribute's place; those without effect are left out."""
+    """Read where OpenGL itself finds each attribute; those without effect are left out."""
     names = [buffer.glo for buffer in vao.buffers]
     found = {}
     GL.glBindVertexArray(vao.made.glo)
@@ -118,7 +118,7 @@ def read_layout(program: Any, vao: VertexArray, mesh: Mesh) -> dict[str, Attribu
 
 
 def _fill_buffer(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> DeviceBuffer:
-    """One buffer with these pieces, made and written as the mesh asks for."""
+    """Make a buffer with these pieces, written in the way that the mesh names."""
     whole = b"".join(piece for _, piece in parts)
     buffer = DeviceBuffer(device)
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffer.glo)

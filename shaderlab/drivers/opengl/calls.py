@@ -1,5 +1,5 @@
 """OpenGL's functions and constants by name, and calls of them as a case writes them,
-in a context of their own.
+in a separate context.
 
 The C functions are called as they are (PyOpenGL's raw prototypes): its convenient wrappers look at
 some arguments themselves, and would answer in the driver's place.
@@ -36,7 +36,7 @@ from .drawing import drain_errors
 
 
 def prototype(name: str) -> Any:
-    """A C function by its name, with its argument names and types. Raises CaseError."""
+    """Find a C function by its name, with its argument names and types. Raises CaseError."""
     if name not in prototypes():
         raise CaseError(f"OpenGL has no function {name!r}", remedy=nearest(name, prototypes()))
     return prototypes()[name]
@@ -64,7 +64,7 @@ def constants() -> Mapping[str, int]:
 
 
 def constant(words: str) -> int:
-    """The number of a constant, or of several joined by "|".
+    """Find the number of a constant, or of several joined by "|".
 
     Raises:
         CaseError: OpenGL has no such constant.
@@ -81,7 +81,7 @@ def constant(words: str) -> int:
 
 
 def name_of(number: int, like: str) -> str:
-    """The name of a number among those that begin as another one does, or ""."""
+    """Find the name of a number that begins most like another name, or ""."""
     found = [name for name, value in constants().items() if value == number]
 
     def alike(name: str) -> tuple[int, int]:
@@ -92,8 +92,8 @@ def name_of(number: int, like: str) -> str:
 
 @contextmanager
 def fresh_context(device: Device) -> Iterator[Any]:
-    """A context of its own (glcontext's), current for a while, which takes with it what was made in
-    it. The device's is untouched, and current again afterwards."""
+    """Open a separate context (glcontext's), current for a while, which takes with it what was made
+    in it. The device's is untouched, and current again afterwards."""
     import glcontext
 
     names = {"glversion": REQUIRED_VERSION, "mode": "standalone", **LIBRARIES}
@@ -124,7 +124,7 @@ _ROOM = 4096  # numbers that a call may write
 def answer(
     device: Device, calls: Sequence[Call], returns: Sequence[int | float | str], texts: Texts
 ) -> Reply:
-    """Make some calls in a context of their own, up to the first that raises an error.
+    """Make some calls in a separate context, up to the first that raises an error.
 
     Returns:
         what the API answered to that one, or to the last; `returns` are the values expected of it.
@@ -196,7 +196,7 @@ class _Maker:
             ) from error
 
     def _resolve(self, call: Call, argument: Any, kind: Any) -> Any:
-        """An argument as the C function takes it."""
+        """Convert an argument to what the C function takes."""
         if isinstance(argument, Object):
             return self._object(argument)
         if isinstance(argument, Program):
@@ -238,7 +238,7 @@ class _Maker:
 
 
 def _convert_argument(call: Call, argument: Any, kind: Any) -> Any:
-    """A number, text, array or null pointer for a parameter of this C type."""
+    """Convert a number, text, array or null pointer for a parameter of this C type."""
     if isinstance(argument, int) and _is_address(kind):
         return ctypes.c_void_p(argument)  # an offset into the buffer that is bound
     if argument is None or isinstance(argument, bytes | int | float):

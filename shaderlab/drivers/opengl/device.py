@@ -31,12 +31,12 @@ with environment():
     from OpenGL.raw.GL.VERSION import GL_1_0 as GL_1_0, GL_1_2 as GL_1_2, GL_1_3 as GL_1_3
 
 ERROR_CHECKER = _errors._error_checker
-"""What PyOpenGL asks for errors after each call, or None in a process without such checks."""
+"""What PyOpenGL checks errors with after each call, or None in a process without such checks."""
 
 
 @functools.cache
 def gl_constant(word: str) -> int:
-    """The number of a constant by its name as `shaderlab.model` has it: in lower case, bare.
+    """Find the number of a constant by its name as `shaderlab.model` has it: in lower case, bare.
 
     >>> hex(gl_constant("one_minus_src_alpha"))
     '0x303'
@@ -85,7 +85,7 @@ class Device:
 
     @cached_property
     def any_program(self) -> Any:
-        """A program without any inputs, for what moderngl makes for a program of its own only."""
+        """A program without any inputs, for what moderngl makes only for one of its programs."""
         return self.context.program(vertex_shader=_NOTHING)
 
     @property
@@ -167,7 +167,7 @@ def open_device(driver: str) -> Device:
 
     Raises:
         DriverError: there is no EGL, no driver, or none that offers OpenGL 3.3, or SPIR-V where
-            that is asked for.
+            the driver's name says so.
     """
     # Any: mistyped in moderngl's stubs.
     options: Any = {"standalone": True, "backend": "egl", **LIBRARIES}

@@ -155,7 +155,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
         return program, vao
 
     def _link(self, draw: PreparedDraw, texts: Mapping[str, str]) -> Any:
-        """A draw's program, its stages having these texts."""
+        """Link a draw's program with these texts."""
         require_glsl(self.device, draw)
         try:
             return self.linker.link(texts)
@@ -165,7 +165,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
             ) from error
 
     def _vertex_array(self, program: Any, mesh: Mesh | None) -> VertexArray:
-        """The vertex array of a mesh for a program, made once and kept."""
+        """Return the vertex array of a mesh for a program, made once and kept."""
         key = (id(program), id(mesh))
         if key not in self._arrays:
             made = make_vertex_array(self.device, program, mesh)
@@ -204,7 +204,7 @@ def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
 
 
 def drain_errors() -> tuple[int, ...]:
-    """All GL errors raised since the last call, oldest first."""
+    """Return all GL errors raised since the last call, oldest first."""
     errors: list[int] = []
     while (code := GL.glGetError()) != GL.GL_NO_ERROR and len(errors) < 16:
         errors.append(int(code))
@@ -338,7 +338,7 @@ class Evaluator:
         return context.framebuffer([context.texture(size, lanes, dtype="u4") for _ in range(words)])
 
 
-# What every OpenGL 3.3 driver can write of one vertex at once.
+# What every OpenGL 3.3 driver can write of one vertex in one draw.
 MAX_COMPONENTS = 64
 UNDEFINED = np.uint32(0xFFFFFFFF)
 """The bits of an output that nothing writes: NaN in floats, −1 and the largest number in others."""
@@ -353,7 +353,7 @@ def capture_outputs(
     count: int | None,
 ) -> dict[VaryingPart, Array]:
     """As `PassSession.capture_outputs`, by transform feedback; without a `count` the
-    driver is asked first.
+    vertices are counted first.
 
     Raises:
         DriverError: the driver writes down fewer vertices than it says there are.
@@ -379,8 +379,8 @@ def capture_outputs(
 def _find_written(
     drawing: Drawing, texts: Mapping[str, str], parts: Sequence[VaryingPart]
 ) -> set[str]:
-    """The names of those outputs that the program has. A driver may drop one that is declared and
-    never written, and then refuses to capture it.
+    """Return the names of those outputs that the program has. A driver may drop one that is
+    declared and never written, and then refuses to capture it.
 
     Raises:
         ShaderError: it refuses the program as well if nothing is captured.
@@ -404,7 +404,7 @@ def _is_linked(drawing: Drawing, texts: Mapping[str, str], name: str) -> bool:
 
 
 def _group_parts(parts: Sequence[VaryingPart]) -> list[list[VaryingPart]]:
-    """The pieces in groups that are captured at once; a matrix stays together."""
+    """Divide the parts into groups that one draw captures; a matrix stays together."""
     groups: list[list[VaryingPart]] = [[]]
     room = MAX_COMPONENTS
     for name in dict.fromkeys(piece.name for piece in parts):
@@ -419,7 +419,7 @@ def _group_parts(parts: Sequence[VaryingPart]) -> list[list[VaryingPart]]:
 
 
 def _feedback_mode(program: Any, texts: Mapping[str, str]) -> int:
-    """The primitives that come out of the last stage; strips as the single ones of them."""
+    """Return the primitives that come out of the last stage, those of a strip one by one."""
     if "tess_evaluation" in texts:
         return gl_constant(stages.patch_primitive(texts["tess_evaluation"]))
     return int(program.geometry_output or GL.GL_POINTS)

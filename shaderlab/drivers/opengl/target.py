@@ -206,7 +206,7 @@ class RenderTarget(Attachments):
         return Image(values, word)
 
     def read_samples(self, name: str) -> Array:
-        """All samples of a colour attachment: (samples, height, width, components)."""
+        """Read all samples of a colour attachment: (samples, height, width, components)."""
         kind = COLOR[self.colors[name]]
         found = read_samples(
             self._device, self.texture(name, sampled=True), self.size, self.samples
@@ -214,7 +214,7 @@ class RenderTarget(Attachments):
         return found[..., : kind.components]
 
     def _texture(self, word: str, samples: int = 0) -> Any:
-        # moderngl's own word for the type of a component; sRGB is another format of the same.
+        # moderngl's word for the type of a component; sRGB is another format of the same.
         dtype = np.dtype(COLOR[word].numpy).str[1:].replace("u1", "f1")
         internal = {"internal_format": gl_constant(word)} if word == "srgb8_alpha8" else {}
         texture = self._device.context.texture(
@@ -236,7 +236,7 @@ class RenderTarget(Attachments):
             raise self._explain_incomplete(str(error)) from error
 
     def _explain_incomplete(self, said: str) -> Exception:
-        """Why the framebuffer is not complete: memory, most of the time."""
+        """Explain why the framebuffer is not complete: memory, most of the time."""
         size = self.size[0] * self.size[1] * max(self._target.samples, 1)
         kinds = [COLOR[word] for word in self.colors.values()]
         wanted = size * sum(kind.components * np.dtype(kind.numpy).itemsize for kind in kinds)
@@ -257,7 +257,7 @@ void main() { color = texelFetch(image, ivec2(gl_FragCoord.xy), number); }
 def read_samples(
     device: Device, texture: DeviceTexture, size: tuple[int, int], samples: int
 ) -> Array:
-    """All samples of a float or normalised texture, as float32 (samples, height, width, 4).
+    """Read all samples of a float or normalised texture, as float32 (samples, height, width, 4).
 
     Raises:
         UnsupportedError: the driver can't fetch single samples.

@@ -1,8 +1,8 @@
 """A context whose calls of OpenGL are written down: moderngl's, and those made through PyOpenGL.
 
-moderngl asks its context for each function's address, and gets one that writes the call down and
-passes it on. PyOpenGL's functions are replaced while calls are recorded, and put back. What is
-written down is what the driver gets: an edit of one call (`edited_calls`) comes before that.
+moderngl takes each function's address from its context, which hands out one that writes the call
+down and passes it on. PyOpenGL's functions are replaced while calls are recorded, and put back.
+What is written down is what the driver gets: an edit of one call comes before that.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from .drawing import Drawing
 from .linking import Linker
 
 _NUMBERS: Mapping[str, Any] = {"f": ctypes.c_float, "i": ctypes.c_int, "ui": ctypes.c_uint}
-# What only asks, or waits: it changes nothing that is drawn.
+# Queries and waits, which change nothing that is drawn.
 _SILENT = ("glGet", "glIs", "glCheck", "glFinish", "glFlush", "glReadPixels", "glReadBuffer")
 
 
@@ -52,7 +52,7 @@ class Recorded:
 
 
 class CallRecorder:
-    """Stands for a context of glcontext when moderngl asks for one.
+    """Stands for the context of glcontext that moderngl uses.
 
     Args:
         context: the real one.
@@ -92,7 +92,7 @@ class CallRecorder:
         self._editor.require_made()
 
     def load_opengl_function(self, name: str) -> int:
-        """The address of a function that records its calls; 0 where the driver has none."""
+        """Return the address of a function that records its calls; 0 where the driver has none."""
         address = int(self._context.load_opengl_function(name) or 0)
         known = prototypes().get(name)
         if not address or known is None or _is_silent(name):
@@ -130,7 +130,7 @@ class CallRecorder:
 
 @cache
 def _list_functions() -> Sequence[tuple[ModuleType, str]]:
-    """The functions to record, in the modules from which the lab imports them."""
+    """List the functions to record, in the modules from which the lab imports them."""
     return [
         (module, name)
         for module in (GL, GL_1_0, GL_1_2, GL_1_3)
@@ -173,7 +173,7 @@ def _has_address(arguments: tuple[Any, ...]) -> bool:
 
 
 def _copy_values(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-    """The arguments of a glUniform…v function with the values themselves for their address."""
+    """Replace the address that a glUniform…v function takes by the values there."""
     found = VECTOR.fullmatch(name)
     if found is None or not isinstance(arguments[-1], int):
         return arguments
@@ -219,7 +219,7 @@ _LONGEST = 40
 
 
 def format_argument(function: str, name: str, value: Any) -> str:
-    """The argument of a function for its parameter `name` as text."""
+    """Format the argument of a function for its parameter `name`."""
     constant = getattr(value, "name", None)
     if isinstance(constant, str):  # PyOpenGL's constants know their own names
         return constant
@@ -262,7 +262,7 @@ def _format_number(function: str, name: str, value: int) -> str:
 
 
 def find_constant(function: str, name: str, value: int) -> str:
-    """The constant that a parameter's number stands for; "" for none."""
+    """Find the constant that a parameter's number stands for; "" for none."""
     if name in ("buffer", "texture") and function not in ("glClearBufferfv", "glActiveTexture"):
         return ""  # an object's number
     known = _constants_by_number().get(value, ())
@@ -283,7 +283,7 @@ def _constants_by_number() -> Mapping[int, Sequence[str]]:
 
 
 def _format_bits(function: str, value: int) -> str:
-    """The bits of a mask by name."""
+    """Format the bits of a mask by their names."""
     like = "GL_MAP_" if function.startswith("glMap") else "GL_"
     found: dict[int, str] = {}
     for word, number in constants().items():
@@ -400,7 +400,7 @@ class StateTracker:
         return bool(tests) and any(self._state.get(("cap", t)) != ("glEnable",) for t in tests)
 
     def _place(self, function: str, arguments: Mapping[str, str]) -> tuple[str, ...]:
-        """What a call of this function sets."""
+        """Return what a call of this function sets."""
         key = (function, *(arguments[name] for name in _PLACES.get(function, ())))
         within = _WITHIN.get(key) or _WITHIN.get(key[:1])
         return key if within is None else (*key, *self._state.get(within, ("0",)))
@@ -453,7 +453,7 @@ _BINDINGS: Sequence[tuple[str, Callable[[int], None]]] = (
 
 
 class Editor:
-    """Counts calls, and makes the one that an edit is about in its own way.
+    """Counts calls, and changes the one that an edit is about.
 
     Args:
         edit: what becomes of which call; None for nothing.
@@ -526,7 +526,7 @@ class Editor:
 
 @contextmanager
 def _use_bindings(bindings: list[int]) -> Iterator[None]:
-    """These bindings for a while."""
+    """Set bindings, and restore them afterwards."""
     before = _read_bindings()
     for (_, bind), number in zip(_BINDINGS, bindings, strict=True):
         bind(number)
@@ -548,7 +548,7 @@ class _Address(int):
 
 
 def _copy_arguments(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Arguments that are good after the call too: of contents that an address leads to, a copy."""
+    """Copy what addresses among the arguments lead to, so that they stay valid after the call."""
     place, size = len(arguments) - 1, 0
     if name in _SIZED:
         place, from_place = _SIZED[name]
@@ -578,7 +578,7 @@ _WORDED = ("_FILTER", "_MODE", "_FUNC", "WRAP_S", "WRAP_T", "WRAP_R")
 
 @contextmanager
 def open_recording_device(device: Device, edit: CallEdit | None = None) -> Iterator[Device]:
-    """A device in a context of its own, whose calls are recorded while a scene is drawn on it.
+    """Open a device in a separate context, whose calls are recorded while a scene is drawn on it.
 
     Args:
         device: gives the driver.
@@ -595,7 +595,7 @@ def open_recording_device(device: Device, edit: CallEdit | None = None) -> Itera
 
 def trace(session: Drawing) -> Sequence[TracedCall]:
     """As `Session.trace`: what was recorded when the scene was drawn, or else it is drawn once
-    more, in a context of its own."""
+    more, in a separate context."""
     recorder = session.device.recorder
     if recorder is None:
         with open_recording_device(session.device) as device, ExitStack() as stack:
@@ -610,7 +610,7 @@ def trace(session: Drawing) -> Sequence[TracedCall]:
 
 
 def _program_files(calls: Sequence[Recorded], session: Drawing) -> dict[str, str]:
-    """The programs that draws use, by their fragment shader's file."""
+    """Name the programs that draws use by their fragment shader's file."""
 
     def file_of(name: str, index: int) -> str:
         return Path(session.programs[name][index].draw.shaders[-1]).name

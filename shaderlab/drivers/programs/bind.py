@@ -313,7 +313,7 @@ def _block_values(draw: Draw, interface: Interface) -> dict[str, Any]:
         if block.array is not None:
             raise UnsupportedError(
                 f"{program}: {name} is an array of uniform blocks",
-                remedy="give each block a name of its own, or make its members arrays",
+                remedy="declare each block separately, or make its members arrays",
             )
         if name not in draw.blocks:
             raise CaseError(
@@ -354,7 +354,7 @@ class SharedLayouts:
                 raise CaseError(
                     f"one UniformBuffer serves the blocks {first.name} and {block.name}, "
                     f"but {name} does not lie at the same place in both",
-                    remedy="declare both blocks alike, or give each a UniformBuffer of its own",
+                    remedy="declare both blocks alike, or give each a separate UniformBuffer",
                 )
 
 

@@ -127,7 +127,7 @@ class PassCapture:
         self._together: dict[int, _Captured] = {}
 
     def fragments(self, index: int) -> Fragments:
-        """What one draw's fragment shader got.
+        """Return what one draw's fragment shader got.
 
         The pass's other draws run as well and wipe out what they cover, so `covered` is what is
         seen of the draw in the end. A shader that may keep fragments out is captured a second time
@@ -168,7 +168,7 @@ class PassCapture:
         return self._capture_alone(index)
 
     def _capture_together(self, draws: Mapping[int, Sequence[VaryingPart]]) -> dict[int, _Captured]:
-        """Several draws with the pieces of their inputs, captured by one redraw."""
+        """Capture several draws, with the parts of their inputs, by one redraw."""
         made = {
             index: stages.capture_fragment(
                 self._draws[index].text("fragment") or "", parts, numbered=True
@@ -189,7 +189,7 @@ class PassCapture:
         }
 
     def _capture_alone(self, index: int, *, keep_all: bool = False) -> _Captured:
-        """One draw, captured among others that only say that they are seen."""
+        """Capture one draw, among others that only mark where they are seen."""
         draw = self._draws[index]
         text, outputs = draw.text("fragment") or "", draw.interface.outputs
         parts = stages.fragment_input_parts(text, draw.interface.varyings.values())
@@ -206,7 +206,7 @@ class PassCapture:
         return _Captured(images[stages.COORD], values)
 
     def _with_blanks(self, texts: Mapping[int, str]) -> list[str]:
-        """These texts, and for the other draws such that only say that a draw is seen."""
+        """Add texts for the other draws, which only mark where they are seen."""
         return [
             texts[index] if index in texts else _write_blank(draw)
             for index, draw in enumerate(self._draws)
@@ -245,8 +245,8 @@ _NUMBER = f"float {stages.NUMBER};"
 
 
 def _group_draws(draws: Sequence[PreparedDraw], index: int) -> dict[int, Sequence[VaryingPart]]:
-    """The draws that can be captured at once with a draw, itself among them, each with the pieces
-    of its inputs; none where it can only be captured alone."""
+    """Find the draws that one redraw can capture together with a draw, itself among them, each with
+    the parts of its inputs; none where it can only be captured alone."""
     found: dict[int, Sequence[VaryingPart]] = {}
     types: list[str] = []  # of the attachments
     for other in (index, *(k for k in range(len(draws)) if k != index)):
@@ -264,7 +264,7 @@ def _group_draws(draws: Sequence[PreparedDraw], index: int) -> dict[int, Sequenc
 
 
 def _parts_that_fit(draw: PreparedDraw) -> Sequence[VaryingPart] | None:
-    """The pieces of all inputs of a draw, where they fit beside outputs, place and number."""
+    """Return the parts of all inputs of a draw if they fit beside outputs, place and number."""
     outputs = draw.interface.outputs
     try:
         parts = stages.fragment_input_parts(
@@ -277,7 +277,7 @@ def _parts_that_fit(draw: PreparedDraw) -> Sequence[VaryingPart] | None:
 
 
 def _write_blank(draw: PreparedDraw) -> str:
-    """The draw's fragment shader, 1/w written as −1: another draw is seen."""
+    """Write a draw's fragment shader that marks where it is seen: by −1 for 1/w."""
     crowded = len(draw.interface.outputs) + 1 > stages.MOST_OUTPUTS
     unwanted = draw.interface.outputs if crowded else None
     text, _ = stages.capture_fragment(draw.text("fragment") or "", (), unwanted)
@@ -287,12 +287,12 @@ def _write_blank(draw: PreparedDraw) -> str:
 
 
 def _attachment_formats(captured: Mapping[VaryingPart, str]) -> dict[str, str]:
-    """The attachments of captured pieces: format by name."""
+    """Return the attachments of captured parts: format by name."""
     return {name: textures.output_format(stages.attachment_type(p)) for p, name in captured.items()}
 
 
 def _attachment_reader(images: Mapping[str, Array]) -> Callable[[str, int], Array]:
-    """Gives the first components of an attachment by its name, the same array each time."""
+    """Return a reader of an attachment's first components, which gives the same array each time."""
     return functools.cache(lambda name, count: leading(images[name], count))
 
 
@@ -388,7 +388,7 @@ is how many come out, or None where that is not known."""
 
 
 def capture_vertices(draw: PreparedDraw, bindings: Bindings, capture: CaptureOutputs) -> Samples:
-    """Every vertex that a draw of a mesh hands to rasterisation.
+    """Capture every vertex that a draw of a mesh hands to rasterisation.
 
     Without a geometry shader each stored vertex is run once an instance, whatever the primitive;
     with one the mesh is drawn as it is, and every vertex that is emitted is captured.
@@ -503,12 +503,12 @@ def _capture_tessellated(
 
 
 def _rename_entering(given: Samples) -> Samples:
-    """What a vertex stage gave, named as a geometry stage names it."""
+    """Name what a vertex stage gave as a geometry stage names it."""
     return replace(given, outputs={entering_name(n): v for n, v in given.outputs.items()})
 
 
 def _corner_name(name: str, corner: int) -> str:
-    """A vertex stage's output as a geometry shader has it of one vertex of its primitive."""
+    """Name a vertex stage's output as a geometry shader does for one vertex of its primitive."""
     if name.startswith("gl_"):
         return f"gl_in[{corner}].{name}"
     return re.sub(r"^\w+", rf"\g<0>[{corner}]", name)

@@ -44,7 +44,7 @@ class PreparedDraw:
             raise ShaderError(
                 "the program can be compiled, but not drawn: it is no GLSL for OpenGL",
                 file=self.authored[0].path,
-                remedy="shaderlab compile asks the compilers alone",
+                remedy="`shaderlab compile` compiles without rendering",
             )
         return self.compiled.interface
 
@@ -144,8 +144,8 @@ class Preparer:
         )
 
     def _with_domain(self, draw: Draw, authored: tuple[Source, ...]) -> tuple[Source, ...]:
-        """The stages with one that lays the domain over the screen, or the authored ones alone if
-        what they declare is not known."""
+        """Add the vertex stage that lays the domain over the screen, unless it is unknown what the
+        authored stages declare."""
         # One target is enough to read what the files of a program declare.
         interface = self._compile(authored, ("glsl", "opengl")).interface
         if interface is None:
@@ -180,7 +180,7 @@ def _check_patches(draw: Draw) -> None:
 
 
 def output_types(draws: Iterable[PreparedDraw]) -> dict[str, str]:
-    """The GLSL type of each fragment output of a pass, in the order of their locations."""
+    """Return the GLSL type of each fragment output of a pass, in the order of their locations."""
     return {
         variable.name: variable.type
         for draw in draws
@@ -191,7 +191,7 @@ def output_types(draws: Iterable[PreparedDraw]) -> dict[str, str]:
 
 
 def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[str, str]:
-    """The pass's colour attachments: format by output name.
+    """Return the pass's colour attachments: format by output name.
 
     Raises:
         CaseError: the target names an output that none of its programs writes.
@@ -211,7 +211,7 @@ def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[s
 
 
 def describe_draw(key: PassDraw, draw: PreparedDraw) -> str:
-    """A draw in words: what is to blame if the driver goes down with it."""
+    """Describe a draw: what is to blame if the driver crashes in it."""
     what = "dispatch" if draw.draw.compute else f"draw {key[1]}"
     return f"{what} of pass {key[0]!r}, program {' + '.join(draw.draw.shaders)}"
 
@@ -236,13 +236,13 @@ def check_continues(
     before = description.onto
     if before not in earlier:
         raise CaseError(
-            f"pass {description.name!r} goes on in {before!r}, which is no earlier pass",
+            f"pass {description.name!r} continues {before!r}, which is no earlier pass",
             remedy=nearest(before, earlier),
         )
     same = scene.find_pass(before).target == description.target
     if not same or earlier[before] != colors:
         raise CaseError(
-            f"pass {description.name!r} goes on in {before!r}, but its target differs",
+            f"pass {description.name!r} continues {before!r}, but its target differs",
             remedy="give both the same Target and shaders with the same outputs",
         )
 
@@ -288,6 +288,6 @@ def check_reads(scene: Scene, description: Pass, draw: Draw, earlier: Iterable[s
 
 
 def _find_owner(scene: Scene, name: str) -> str:
-    """The pass whose target a pass draws into: its own, or that of the one it goes on from."""
+    """Find the pass whose target a pass draws into: itself, or the one that it continues."""
     before = scene.find_pass(name).onto
     return _find_owner(scene, before) if before else name

@@ -220,7 +220,7 @@ _BUILT_IN = {"gl_FrontFacing": "float", "gl_PointCoord": "vec2", "gl_PrimitiveID
 
 
 def end_of_directives(text: str) -> int:
-    """Where a text goes on behind its last #version or #extension."""
+    """Find where a text's last #version or #extension ends."""
     return max((found.end() for found in _DIRECTIVE.finditer(text)), default=0)
 
 
@@ -233,7 +233,7 @@ def fragment_input_parts(text: str, inputs: Iterable[Variable]) -> list[VaryingP
 
 
 def fills_outputs(outputs: Sized) -> bool:
-    """Whether there is no room beside a fragment shader's outputs for a place and an input."""
+    """Whether a fragment shader has so many outputs that a place and an input do not fit beside."""
     return len(outputs) + 2 > MOST_OUTPUTS
 
 
@@ -275,10 +275,10 @@ def capture_fragment(
     calls: bool = False,
     numbered: bool = False,
 ) -> tuple[str, dict[VaryingPart, str]]:
-    """A fragment shader, unchanged but for a new ending that writes what it got.
+    """Write a fragment shader, unchanged but for a new ending that writes what it got.
 
     The author's main is renamed; then gl_FragCoord goes to shaderlab_coord and each piece to an
-    output of its own. It is called where it may keep fragments out, so that `discard` and depth
+    output of its own. It is called where it may drop fragments, so that `discard` and depth
     writes happen as before, and where a caller wants what it writes.
 
     Args:
@@ -311,7 +311,7 @@ def capture_fragment(
 
 
 def capture_vertex(text: str, group: Sequence[VaryingPart]) -> tuple[str, dict[VaryingPart, str]]:
-    """A vertex shader that also writes some of its outputs, each to an output of its own.
+    """Write a vertex shader that also writes some of its outputs, each to a separate output.
 
     Returns:
         Its text, and the output of each piece, of the type `attachment_type`.
@@ -342,7 +342,7 @@ def clip_points(text: str, size: float | None) -> str:
 
 
 def pass_instance_on(text: str) -> str:
-    """A vertex shader that also tells a geometry shader which instance it is of."""
+    """Write a vertex shader that also passes a geometry shader the number of its instance."""
     return replace_main(
         text, [f"flat out int {PREFIX}instance;"], [f"    {PREFIX}instance = gl_InstanceID;"]
     )
@@ -356,7 +356,7 @@ def emits_points(texts: Mapping[str, str]) -> bool:
 def replace_main(
     text: str, declared: Sequence[str], written: Sequence[str], *, calls: bool = True
 ) -> str:
-    """The author's main renamed, and one that calls it (or not) and goes on with `written`."""
+    """Rename the author's main, and add one that calls it (or not) and continues with `written`."""
     version = VERSION.search(text)
     head, rest = ("", text) if version is None else (version.group(0), text[version.end() :])
     body = ["void main() {", *([f"    {PREFIX}main();"] if calls else []), *written, "}", ""]
@@ -373,8 +373,8 @@ EMITTED = {
 
 
 def count_emitted(text: str) -> str:
-    """A geometry shader whose vertices also say which instance and primitive they were made of,
-    and which of its vertices they are, counted from 0. It feeds on `pass_instance_on`."""
+    """Write a geometry shader whose vertices also say which instance and primitive they were made
+    of, and which of its vertices they are, counted from 0. It feeds on `pass_instance_on`."""
     instance, primitive, index = EMITTED.values()
     declared = [
         f"flat in int {PREFIX}instance[];",
@@ -390,7 +390,7 @@ def count_emitted(text: str) -> str:
 
 
 def _wrap_emit(text: str, written: Sequence[str], declared: Sequence[str]) -> str:
-    """A geometry shader that does something more as it emits each vertex."""
+    """Make a geometry shader do more as it emits each vertex."""
     added = [
         *declared,
         f"void {PREFIX}emit() {{",
@@ -408,7 +408,7 @@ def _wrap_emit(text: str, written: Sequence[str], declared: Sequence[str]) -> st
 
 
 def _demote_output(text: str, variable: Variable) -> str:
-    """The shader with one of its outputs made a plain variable."""
+    """Make one of a shader's outputs a plain variable."""
     name = re.escape(variable.name)
     pattern = rf"(?:layout\s*\([^)]*\)\s*)?\bout\s+((?:(?:high|medium|low)p\s+)?\w+\s+{name}\b)"
     changed, count = re.subn(pattern, r"\1", text)
@@ -437,7 +437,7 @@ def _attachment_value(piece: VaryingPart, shader: GlslDeclarations) -> str:
 BLOCK = PREFIX + "Stored"
 """The storage block: of each vertex a word, 1 where it came out, and the words of its pieces."""
 PER_INSTANCE = PREFIX + "per_instance"
-"""The uniform that says how many vertices an instance has room for (int)."""
+"""The uniform that holds how many vertices are stored for an instance at most (int)."""
 _EXTENSIONS = ("GL_ARB_shader_storage_buffer_object", "GL_ARB_shader_bit_encoding")
 _EMITTED = "    EmitVertex();\n}\n#define EmitVertex"
 _WORDS = {"f": "floatBitsToUint({})", "v": "floatBitsToUint({})", "i": "uint({})", "u": "{}"}
@@ -453,7 +453,7 @@ def count_words(parts: Sequence[VaryingPart]) -> int:
 def store_outputs(
     texts: Mapping[str, str], parts: Sequence[VaryingPart], most: int
 ) -> dict[str, str]:
-    """A program whose last stage before rasterisation stores these pieces of each vertex.
+    """Write a program whose last stage before rasterisation stores these pieces of each vertex.
 
     A vertex stage stores vertex v of instance i in place i · PER_INSTANCE + v. A geometry stage, as
     `stages.count_emitted` makes it, stores vertex k of primitive p in place
@@ -571,7 +571,7 @@ def control_outputs(interface: Interface) -> Iterator[VaryingPart]:
 
 
 def group_inputs(interface: Interface) -> Iterator[list[VaryingPart]]:
-    """All that an evaluation shader gets, in groups that are passed on at once: where it is in
+    """Divide what an evaluation shader gets into groups that one draw passes on: where it is in
     which patch, and what the control stage made of that."""
     group = [VaryingPart("gl_TessCoord", "", "vec3"), VaryingPart("gl_PrimitiveID", "", "int")]
     room = _ROOM - 4
@@ -588,7 +588,7 @@ def group_inputs(interface: Interface) -> Iterator[list[VaryingPart]]:
 def copy_inputs(
     text: str, group: Sequence[VaryingPart]
 ) -> tuple[str, Mapping[VaryingPart, VaryingPart]]:
-    """An evaluation shader that also passes on some of its inputs, and the output that each is."""
+    """Write an evaluation shader that also passes some inputs on; returns the outputs, too."""
     shader = GlslDeclarations(text)
     copies = {
         piece: VaryingPart(f"{PREFIX}in{number}", "", piece.type)
@@ -601,7 +601,7 @@ def copy_inputs(
 
 
 def write_domain_stage(text: str, inputs: Iterable[Variable]) -> str:
-    """A vertex stage for one screen-filling triangle, feeding `inputs` as linear ramps.
+    """Write a vertex stage for one screen-filling triangle, feeding `inputs` as linear ramps.
 
     Each input takes three uniforms: shaderlab_NAME_origin, _dx and _dy; those of members of a
     block or a struct are members of one themselves (shaderlab_VS_OUT.FragPos_origin).
@@ -651,8 +651,8 @@ def write_domain_stage(text: str, inputs: Iterable[Variable]) -> str:
 def write_probe_stage(
     text: str, inputs: tuple[Variable, ...]
 ) -> tuple[str, Mapping[VaryingPart, str]]:
-    """A vertex stage that puts vertex i on pixel i of a row-by-row target, feeding `inputs` from
-    attributes: a point has one vertex, so nothing is interpolated.
+    """Write a vertex stage that puts vertex i on pixel i of a row-by-row target, feeding `inputs`
+    from attributes: a point has one vertex, so nothing is interpolated.
 
     Returns:
         Its text, and the attribute of each piece.

@@ -177,7 +177,7 @@ def load_blocks(source: CompressedTexture, folder: Path) -> Blocks:
     """The blocks of a texture, from its file or as it gives them.
 
     Raises:
-        CaseError: a level has another number of bytes than its size asks for.
+        CaseError: a level has another number of bytes than its size takes.
         AssetError: the file can't be read; see `read_dds`.
     """
     if source.file is not None:
