@@ -48,7 +48,7 @@ class Executables:
 
 
 def locate(command: str | None) -> Executables:
-    """Finds the commands.
+    """Find the commands.
 
     Args:
         command: a glslangValidator by its path or name. By default the wheels, the PATH and the
@@ -133,7 +133,7 @@ class Commands:
     def _glslang(
         self, flags: Sequence[str], sources: Sequence[Source]
     ) -> tuple[int, str, Mapping[str, bytes]]:
-        """Runs glslangValidator on the sources: its exit status, output, and modules by stage."""
+        """Run glslangValidator on the sources: its exit status, output, and modules by stage."""
         names = _names(sources)
         with tempfile.TemporaryDirectory(prefix=_STEM) as name:
             folder = Path(name)
@@ -154,7 +154,8 @@ def _names(sources: Sequence[Source]) -> list[str]:
 
 
 def _sections(output: str, names: Sequence[str]) -> list[str]:
-    """The command's output for each file, which starts with the file's name on its own line."""
+    """Return the command's output for each file, which starts with the file's name on its own
+    line."""
     parts = re.split(rf"^({_STEM}\d+\.\w+)\n", output, flags=re.M)[1:]
     by_name = dict(zip(parts[::2], parts[1::2], strict=True))
     texts = [by_name.get(name, "").strip() for name in names]
@@ -162,7 +163,7 @@ def _sections(output: str, names: Sequence[str]) -> list[str]:
 
 
 def _split(section: str) -> tuple[str, str]:
-    """A section's messages with a line in the text, and those without."""
+    """Return a section's messages with a line in the text, and those without."""
     starts = [match.start() for match in _ENTRY.finditer(section)]
     ends = [*starts[1:], len(section)]
     entries = [section[start:end] for start, end in zip(starts, ends, strict=False)]
@@ -178,7 +179,7 @@ def _run(
     stdin: bytes = b"",
     seconds: float | None = None,
 ) -> tuple[int, str]:
-    """Runs a command; returns its exit status, and standard output and error together.
+    """Run a command; returns its exit status, and standard output and error together.
 
     Raises:
         CompilerDiedError: it crashed or took longer than `seconds`.

@@ -53,7 +53,7 @@ class Compiled:
         return self._reflect() if self._reflect else None
 
     def only(self, targets: Sequence[str]) -> Compiled:
-        """The program with some of its targets only, and the same interface."""
+        """Return the program with some of its targets only, and the same interface."""
         return replace(
             self,
             verdicts=tuple(verdict for verdict in self.verdicts if verdict.target in targets),
@@ -62,7 +62,7 @@ class Compiled:
         )
 
     def require(self) -> None:
-        """Raises unless every target accepts the program.
+        """Raise unless every target accepts the program.
 
         Raises:
             ShaderError: the first error of the first target that refuses it.
@@ -88,14 +88,14 @@ Compile = Callable[[Sequence[Source], Sequence[str]], Compiled]
 def compile_program(
     stages: Sequence[Source], targets: Sequence[str] = TARGETS, *, engine: Engine | None = None
 ) -> Compiled:
-    """Compiles and links one program's stages for each target.
+    """Compile and links one program's stages for each target.
 
     Vulkan allows no samplers in uniform structs, so they are lifted out for "vulkan", and an
     "info" diagnostic says so.
 
-    Plain GLSL is asked whatever the targets are: a SPIR-V target that refuses a program in the
-    same lines gets plain GLSL's messages, and stages that can't be linked go no further. What a
-    target says depends on no other target that is asked for.
+    Plain GLSL is compiled whatever the targets are: a SPIR-V target that rejects the same lines
+    gets plain GLSL's messages, and stages that can't be linked go no further. A target's verdict
+    does not depend on the other targets.
 
     Args:
         stages: at least one source, in any order; at most one for each stage.
@@ -146,15 +146,15 @@ def compile_program(
 
 
 def _links_as_plain(stages: Sequence[Source], opengl: Result) -> bool:
-    """Whether stages that link for OpenGL without a message link as plain GLSL, too: the rules are
-    the same, and parsing them once less saves a fifth of the time to compile them."""
+    """Return whether stages that link for OpenGL without a message link as plain GLSL, too: the
+    rules are the same, and parsing them once less saves a fifth of the time to compile them."""
     return opengl.linked and not any("GL_SPIRV" in stage.code for stage in stages)
 
 
 def _compile_refused(
     sources: Sequence[Source], target: str, plain: Result, engine: Engine
 ) -> Result:
-    """What a SPIR-V target says of stages that plain GLSL refuses: it may know more words.
+    """Return what a SPIR-V target says of stages that plain GLSL refuses: it may know more words.
 
     Args:
         sources: the stages.
@@ -181,7 +181,7 @@ def _lines(result: Result) -> set[tuple[str | None, int | None]]:
 
 
 def order_stages(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:
-    """The sources in pipeline order. Raises ShaderError as `compile_program` does."""
+    """Return the sources in pipeline order. Raises ShaderError as `compile_program` does."""
     for target in targets:
         if target not in ALL_TARGETS:
             raise ShaderError(
@@ -199,7 +199,7 @@ def order_stages(stages: Sequence[Source], targets: Sequence[str]) -> list[Sourc
         raise ShaderError(
             f"a compute stage can't be linked with a {ordered[0].stage} stage",
             file=ordered[-1].path,
-            remedy="make it a program of its own",
+            remedy="compile it as a separate program",
         )
     return ordered
 
@@ -209,8 +209,8 @@ _INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*[\"<]([^\">]+)[\">]", re.MULT
 
 
 def add_include_notes(verdict: Verdict, sources: Sequence[Source]) -> Verdict:
-    """The verdict with a note for each name that an included file lacks, at the `#include` that the
-    declaration has to precede."""
+    """Return the verdict with a note for each name that an included file lacks, at the `#include`
+    that the declaration has to precede."""
     notes: dict[Diagnostic, None] = {}
     for diagnostic in verdict.diagnostics:
         if diagnostic.severity == "error" and diagnostic.message.endswith(_MISSING):
@@ -260,7 +260,7 @@ class Result:
         return not has_errors(self.diagnostics)
 
     def verdict(self, target: str) -> Verdict:
-        """The result as plain data."""
+        """Return the result as plain data."""
         return Verdict(
             target=target,
             ok=self.ok,
@@ -272,7 +272,7 @@ class Result:
 
 
 def check_stages(sources: Sequence[Source], engine: Engine) -> Result:
-    """Checks each stage by itself, as plain GLSL."""
+    """Check each stage by itself, as plain GLSL."""
     deadly = tuple(d for d in (find_crash(source, engine) for source in sources) if d)
     if deadly:
         return Result(deadly, deadly=True)
@@ -287,14 +287,14 @@ def check_stages(sources: Sequence[Source], engine: Engine) -> Result:
 
 
 def link_stages(plain: Result, sources: Sequence[Source], engine: Engine) -> Result:
-    """Links stages that `check_stages` accepted, as plain GLSL."""
+    """Link stages that `check_stages` accepted, as plain GLSL."""
     linked = engine.link(sources, "glsl")
     new = [d for d in _parse_logs(linked, sources) if d not in plain.diagnostics]
     return Result((*plain.diagnostics, *new), plain.log + linked.log)
 
 
 def compile_spirv(sources: Sequence[Source], target: str, engine: Engine) -> Result:
-    """Links the stages, makes SPIR-V for a target and validates it."""
+    """Link the stages, makes SPIR-V for a target and validates it."""
     old = tuple(d for d in (check_version(source, target) for source in sources) if d)
     if old:
         return Result(old)
@@ -351,8 +351,8 @@ def _parse_logs(linked: Linked, sources: Sequence[Source]) -> tuple[Diagnostic, 
 def _require_error(
     diagnostics: tuple[Diagnostic, ...], ok: bool, source: Source
 ) -> tuple[Diagnostic, ...]:
-    """The diagnostics, with an error added if the compiler failed without reporting one."""
+    """Return the diagnostics, with an error added if the compiler failed without reporting one."""
     if ok or has_errors(diagnostics):
         return diagnostics
-    message = "the compiler rejects the shader and does not say why"
+    message = "the compiler rejects the shader without a message"
     return (*diagnostics, source.diagnostic(message))

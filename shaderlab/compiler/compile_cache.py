@@ -66,7 +66,7 @@ class Store:
         self._share = limit // _FOLDERS
 
     def get(self, key: str) -> bytes | None:
-        """The content stored under a hexadecimal key, or None."""
+        """Return the content stored under a hexadecimal key, or None."""
         path = self._path(key)
         try:
             with open(open_regular(path), "rb") as file:
@@ -97,7 +97,7 @@ class Store:
                 self._trim(folder)
 
     def usage(self) -> Usage:
-        """What is stored now; looks at every file."""
+        """Return what is stored now; looks at every file."""
         sizes: list[int] = []
         with suppress(OSError):
             for folder in list(os.scandir(self.folder)):
@@ -126,7 +126,7 @@ class Store:
 
 
 def _files(folder: str) -> Iterator[tuple[float, int, str]]:
-    """A folder's files: when each was last used, the bytes of disk it takes, its path."""
+    """Yield a folder's files: when each was last used, the bytes of disk it takes, its path."""
     with os.scandir(folder) as entries:
         for entry in entries:
             with suppress(FileNotFoundError):  # another process was faster
@@ -149,7 +149,7 @@ _CLOCK_TICK = 2.0  # seconds; coarser than any file system's clock
 
 
 def cache_folder() -> Path | None:
-    """The cache's folder below `shaderlab.files.cache_root`; None if there is none."""
+    """Return the cache's folder below `shaderlab.files.cache_root`; None if there is none."""
     root = cache_root()
     return None if root is None else root / "compiled"
 
@@ -252,7 +252,7 @@ class CompileCache:
 
 
 def program_key(ordered: Sequence[Source], targets: Sequence[str], compilers: str) -> str:
-    """A digest of each stage's text with its includes, of the names and lines that messages
+    """Return a digest of each stage's text with its includes, of the names and lines that messages
     quote, of the targets and of the compilers."""
     stages = [
         [s.stage, s.name, s.path, s.text, s.stripped, s.lines.spans, s.parts] for s in ordered
@@ -266,7 +266,7 @@ _SHARED = ("errors.py", "files.py", *_MODEL)
 
 
 def compilers_digest(store: Store) -> str | None:
-    """A digest of the compilers' libraries and of the lab's code around them.
+    """Return a digest of the compilers' libraries and of the lab's code around them.
 
     None if it is unknown: there are no libraries, or a file has only just been written.
     """
@@ -321,12 +321,12 @@ class Entry:
 
 
 def encode(entry: Entry) -> bytes:
-    """The entry as deflated JSON: each value of `_KINDS` with its kind's name."""
+    """Return the entry as deflated JSON: each value of `_KINDS` with its kind's name."""
     return zlib.compress(json.dumps(entry, default=_to_plain).encode("ascii"), 1)
 
 
 def decode(data: bytes) -> Entry:
-    """The entry again. Builds plain data only; nothing in `data` is executed.
+    """Return the entry again. Builds plain data only; nothing in `data` is executed.
 
     Raises:
         ValueError: the bytes are not an entry.

@@ -27,7 +27,7 @@ _BRANCHES = frozenset(["if", "else", "for", "while", "do", "switch", "?"])
 
 
 def find_crash(source: Source, engine: Engine) -> Diagnostic | None:
-    """An error if the text would crash the compiler, or None."""
+    """Return an error if the text would crash the compiler, or None."""
     code = source.code
     if "define" in code and not all(map(_HARMLESS.match, _DEFINE.findall(code))):
         code = engine.preprocess(source) or code  # a few macros can expand to many operators
@@ -54,8 +54,8 @@ def check_version(source: Source, target: str) -> Diagnostic | None:
 
 
 def _find_crashing_block(code: str) -> tuple[str, str, int] | None:
-    """A block that crashes glslang 13: its name is reused for an array with an initialiser, or a
-    member has a built-in's name. The token, the message and the line."""
+    """Return a block that crashes glslang 13: its name is reused for an array with an initialiser,
+    or a member has a built-in's name. The token, the message and the line."""
     for block in _BLOCK.finditer(code):
         name, start = block[1], block.end()
         again = re.compile(rf"\b{name}\s*(\[[^\]]*\]\s*)+=").search(code, start)
@@ -82,8 +82,8 @@ def _find_deep_nesting(code: str) -> tuple[str, str, int] | None:
 
 
 def _is_small(code: str) -> bool:
-    """Whether the whole text has no more operators and brackets than one statement may have. Going
-    through the tokens of every text would take a tenth of the time to compile it."""
+    """Return whether the whole text has no more operators and brackets than one statement may have.
+    Going through the tokens of every text would take a tenth of the time to compile it."""
     branches = sum(map(code.count, ("{", "(", "[", "?", "if", "else", "for", "while", "do")))
     return branches <= MAX_NESTING and sum(map(code.count, _OPERATORS)) <= MAX_OPERATORS
 
@@ -127,5 +127,5 @@ class _Bracket:
 
 
 def _opens_list(token: str, before: str) -> bool:
-    """Whether commas after the bracket separate arguments or elements, not operands."""
+    """Return whether commas after the bracket separate arguments or elements, not operands."""
     return before[-1].isalnum() or before in "]_" if token == "(" else before in "=,({"

@@ -24,7 +24,7 @@ _LAYOUT = re.compile(r"\blayout\s*\([^)]*\)")
 
 
 def parse_stage_log(log: str, source: Source) -> tuple[Diagnostic, ...]:
-    """The diagnostics in one stage's log, without duplicates, in the log's order."""
+    """Return the diagnostics in one stage's log, without duplicates, in the log's order."""
     found: dict[Diagnostic, None] = {}
     for severity, rest in _entries(log):
         placed = _PLACED.match(rest)
@@ -44,7 +44,7 @@ def parse_stage_log(log: str, source: Source) -> tuple[Diagnostic, ...]:
 
 
 def parse_link_log(log: str, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
-    """The diagnostics in a link's log.
+    """Return the diagnostics in a link's log.
 
     The log has no lines. A message that quotes a declaration, such as `" vec3 normal"`, gets the
     file and line of that declaration in the last stage that has it.
@@ -68,14 +68,14 @@ def describe_invalid(message: str, source: Source) -> Diagnostic:
         token = named.group(1)
         at = find_line(rf"\bstruct\s+{re.escape(token)}\b", source)
         text = (
-            f"'{token}' : Vulkan has no samplers inside structs; declare the sampler as a uniform "
-            f"of its own [{text}]"
+            f"'{token}' : Vulkan has no samplers inside structs; declare the sampler as a "
+            f"separate uniform [{text}]"
         )
     return source.diagnostic(f"invalid SPIR-V: {text}", at, token=token)
 
 
 def find_declaration(source: Source, name: str, kind: str = "") -> tuple[int, str] | None:
-    """A global name's declaration: its line in `source.text`, counted from 1, and its text.
+    """Return a global name's declaration: its line in `source.text`, counted from 1, and its text.
 
     Args:
         name: the declared name, without array brackets.
@@ -94,12 +94,12 @@ def find_declaration(source: Source, name: str, kind: str = "") -> tuple[int, st
 
 
 def has_errors(diagnostics: Sequence[Diagnostic]) -> bool:
-    """Whether any of them is an error."""
+    """Return whether any of them is an error."""
     return bool(diagnostics) and any(d.severity == "error" for d in diagnostics)
 
 
 def _entries(log: str) -> Iterator[tuple[Severity, str]]:
-    """Each message with the indented lines that continue it."""
+    """Yield each message with the indented lines that continue it."""
     severity: Severity = "error"
     rows: list[str] = []
     for row in [*log.split("\n"), "NOTE: "]:
@@ -115,13 +115,13 @@ def _entries(log: str) -> Iterator[tuple[Severity, str]]:
 
 
 def find_line(pattern: str, source: Source) -> int | None:
-    """The line, counted from 1, where the source's code first has the pattern."""
+    """Return the line, counted from 1, where the source's code first has the pattern."""
     match = re.search(pattern, source.code, re.MULTILINE)
     return None if match is None else source.code.count("\n", 0, match.start()) + 1
 
 
 def _find_declaration(message: str, sources: Sequence[Source]) -> tuple[Source, int | None, str]:
-    """The declaration that a link message is about: its source, line and name."""
+    """Return the declaration that a link message is about: its source, line and name."""
     shown = re.findall(r'"[^"]*?(\w+)(?:\[[^"]*)?"', message)
     listed = re.findall(r"^\s+(\w+)[(:]", message, re.MULTILINE)
     for name in [*reversed(shown), *listed]:
@@ -151,7 +151,7 @@ _FORMS = (
 
 
 def parse_driver_log(log: str, source: Source, *, ok: bool) -> tuple[Diagnostic, ...]:
-    """A driver's log as diagnostics at the author's lines; includes an error unless `ok`."""
+    """Return a driver's log as diagnostics at the author's lines; includes an error unless `ok`."""
     found: dict[Diagnostic, None] = {}
     for row in filter(None, map(str.strip, log.split("\n"))):
         match = next(filter(None, (form.match(row) for form in _FORMS)), None)
@@ -162,13 +162,13 @@ def parse_driver_log(log: str, source: Source, *, ok: bool) -> tuple[Diagnostic,
             at, message = int(match["line"] or 0) or None, match["message"]
         found[source.diagnostic(message, at, severity=severity)] = None
     if not ok and not any(d.severity == "error" for d in found):
-        message = "the driver refuses it" + ("" if found else " and does not say why")
+        message = "the driver rejects it" + ("" if found else " without a message")
         return (source.diagnostic(message), *found)
     return tuple(found)
 
 
 def mark_disagreement(verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
-    """The verdicts, with the driver's status "disagrees" if plain GLSL's verdict differs.
+    """Return the verdicts, with the driver's status "disagrees" if plain GLSL's verdict differs.
 
     The first diagnostic says so. It is a warning, since the side that refuses the program has
     reported its errors already.

@@ -23,7 +23,7 @@ _DECLARATOR = re.compile(r"\s*(?P<name>\w+)\s*(?P<array>\[[^\]]*\])?\s*")
 def lift_samplers(
     sources: Sequence[Source], engine: Engine
 ) -> tuple[Sequence[Source], tuple[Diagnostic, ...]]:
-    """The stages with samplers lifted out of uniform structs, and a note on each struct.
+    """Return the stages with samplers lifted out of uniform structs, and a note on each struct.
 
     If there is nothing to lift, or it can't be done, the stages are unchanged.
     """
@@ -73,7 +73,7 @@ def _lift(source: Source) -> tuple[Source, list[Diagnostic]]:
 
 
 def _declarators(names: str) -> list[tuple[str, str]]:
-    """The declared names, each with its array suffix or ""."""
+    """Return the declared names, each with its array suffix or ""."""
     return [(found["name"], found["array"] or "") for found in _DECLARATOR.finditer(names)]
 
 
@@ -83,10 +83,10 @@ _SAMPLER = re.compile(r"\buniform\s+(sampler2D|samplerCube)\s+(\w+)")
 
 
 def find_below_highp(source: Source) -> str:
-    """The first thing that a driver may read or compute at 16 bits or fewer, as a sentence that
-    begins with its place; "" if there is none, as in all of desktop GLSL.
+    """Return the first thing that a driver may read or compute at 16 bits or fewer, as a sentence
+    that begins with its place; "" if there is none, as in all of desktop GLSL.
 
-    What is said nowhere is lowp for a `sampler2D` and a `samplerCube` (GLSL ES 3.00, §4.5.4).
+    Without a declaration a `sampler2D` and a `samplerCube` are lowp (GLSL ES 3.00, §4.5.4).
     """
     code = source.code
     if not _ES.match(code):
@@ -117,8 +117,8 @@ _IDS = {"gl_VertexID": "gl_VertexIndex", "gl_InstanceID": "gl_InstanceIndex"}
 
 
 def apply_own_rules(source: Source) -> Source:
-    """The stage without what only relaxed rules allow: plain globals for uniforms outside blocks,
-    Vulkan's names of the indices. No line moves."""
+    """Return the stage without what only relaxed rules allow: plain globals for uniforms outside
+    blocks, Vulkan's names of the indices. No line moves."""
 
     def blank(match: re.Match[str]) -> str:
         if _OPAQUE_TYPE.match(match["type"]):
@@ -132,8 +132,8 @@ def apply_own_rules(source: Source) -> Source:
 
 
 def raise_version(source: Source) -> Source:
-    """The stage in the oldest version that has all its words and can become SPIR-V for OpenGL, from
-    which its interface is read: GLSL 3.30 for 1.40 and 1.50, ES 3.10 for ES 3.00."""
+    """Return the stage in the oldest version that has all its words and can become SPIR-V for
+    OpenGL, from which its interface is read: GLSL 3.30 for 1.40 and 1.50, ES 3.10 for ES 3.00."""
     version, profile = source.version
     if (version, profile) == (300, "es"):
         newer = "310 es"

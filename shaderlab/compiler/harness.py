@@ -39,7 +39,7 @@ class Workers(Protocol):
     """A pool of processes, such as `shaderlab.workers.pool.WorkerPool(WORK)`."""
 
     def run(self, items: Iterable[Any]) -> Iterator[Any]:
-        """The jobs' results as they complete; see `shaderlab.workers.pool.ItemResult`."""
+        """Yield the jobs' results as they complete; see `shaderlab.workers.pool.ItemResult`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +55,7 @@ class CompileOptions:
         seconds: time limit for one file, enforced by worker processes and by the "process" engine;
             a library in this process can't be stopped.
         driver: the function that returns a driver's verdict on a program, as "module:function".
-        driver_name: the driver that it is asked for, and what its verdicts' target is called then.
+        driver_name: the driver to use, and what its verdicts' target is called.
         keep: whether to return SPIR-V modules.
 
     Raises:
@@ -125,7 +125,7 @@ def compile_glsl(
     workers: Workers | None = None,
     **options: Any,
 ) -> Iterator[FileResult]:
-    """Compiles shader files and yields one result for each, sorted by path.
+    """Compile shader files and yields one result for each, sorted by path.
 
     Results are yielded as they are made, so ten thousand files take no more memory than ten.
 
@@ -195,7 +195,7 @@ def work(jobs: Iterable[CompileJob]) -> Iterator[FileResult]:
 
 
 def time_limit(engine: str | None, seconds: float) -> float:
-    """The time limit for a process that compiles a file which may take so many seconds.
+    """Return the time limit for a process that compiles a file which may take so many seconds.
 
     Each of an engine's commands has a time limit of its own, and a file takes several.
     """
@@ -206,7 +206,7 @@ def time_limit(engine: str | None, seconds: float) -> float:
 
 
 def _report_death(job: CompileJob, status: str, message: str) -> FileResult:
-    """The result of a job whose compiler crashed or timed out."""
+    """Return the result of a job whose compiler crashed or timed out."""
     if status == "crash":
         return _report_failure(job, f"crash: the compiler crashed: {message}", status="crash")
     return _report_failure(job, f"timeout: the compiler took too long: {message}", status="timeout")
@@ -219,7 +219,7 @@ def _report_failure(
     line: int | None = None,
     status: Literal["", "crash", "timeout"] = "",
 ) -> FileResult:
-    """The same error as every target's verdict."""
+    """Return the same error as every target's verdict."""
     error = Diagnostic(file=file or job.path, line=line, severity="error", message=message)
     try:
         stage = " + ".join(job.options.stage or stage_of(one.name, "") for one in job.files)

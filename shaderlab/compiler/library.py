@@ -292,7 +292,8 @@ def disassemble_stages(modules: Mapping[str, bytes]) -> str:
 
 @functools.cache
 def _context(env: str) -> int:
-    """A context for the environment. It is never written to, so all calls and threads share it."""
+    """Return a context for the environment. It is never written to, so all calls and threads share
+    it."""
     context: int = spirv_tools().spvContextCreate(_ENVIRONMENTS[env])
     return context
 

@@ -51,7 +51,7 @@ class _Use:
 
 
 def match_locations(modules: Mapping[str, bytes], sources: Sequence[Source]) -> dict[str, bytes]:
-    """The modules with numbers that agree between stages.
+    """Return the modules with numbers that agree between stages.
 
     Each input gets the location of the previous stage's output of that name, and each uniform,
     sampler and block gets one location and one binding in all stages. Numbers that the author
@@ -76,7 +76,7 @@ def match_locations(modules: Mapping[str, bytes], sources: Sequence[Source]) -> 
 def find_unwritten_inputs(
     sources: Sequence[Source], modules: Mapping[str, bytes]
 ) -> tuple[Diagnostic, ...]:
-    """An error for each input that a stage uses and the previous stage does not declare, or
+    """Return an error for each input that a stage uses and the previous stage does not declare, or
     declares with another type at the location that the author gave to both."""
     found = []
     by_stage = {source.stage: source for source in sources}
@@ -105,12 +105,12 @@ def find_unwritten_inputs(
 
 
 def _strip_indices(name: str) -> str:
-    """A name without array indices, which geometry and tessellation stages add by vertex."""
+    """Return a name without array indices, which geometry and tessellation stages add by vertex."""
     return "".join(part.partition("]")[2] if i else part for i, part in enumerate(name.split("[")))
 
 
 def _find_locations(module: Module, storage: int) -> dict[str, tuple[int, int]]:
-    """A storage class's variables that have a location, by interface name: the index of the
+    """Return a storage class's variables that have a location, by interface name: the index of the
     location's word, and how many locations the variable takes."""
     return {
         interface_name(module, id_): (
@@ -125,7 +125,7 @@ def _find_locations(module: Module, storage: int) -> dict[str, tuple[int, int]]:
 def _move_inputs(
     writer: Module, reader: Module, writer_words: Sequence[int], reader_words: list[int]
 ) -> None:
-    """Moves the reader's inputs to the locations of their outputs, and others out of their way."""
+    """Move the reader's inputs to the locations of their outputs, and others out of their way."""
     outputs, inputs = (
         _find_locations(writer, StorageClass.Output),
         _find_locations(reader, StorageClass.Input),
@@ -161,7 +161,8 @@ def _namespaces(parsed: Mapping[str, Module]) -> Iterator[Mapping[str, Sequence[
 
 
 def _numbers(module: Module, id_: int, storage: int) -> Iterator[tuple[object, str, int]]:
-    """The numbers that a variable takes: their range's key, the author's qualifier, how many."""
+    """Yield the numbers that a variable takes: their range's key, the author's qualifier, how
+    many."""
     if storage not in _NUMBERED:
         return
     pointee = module.variables[id_][0]
@@ -184,7 +185,7 @@ def _numbers(module: Module, id_: int, storage: int) -> Iterator[tuple[object, s
 def _renumber(
     uses_by_name: Mapping[str, Sequence[_Use]], words: _Words, sources: Sequence[Source]
 ) -> None:
-    """Renumbers the names of a range if two stages disagree about them."""
+    """Renumber the names of a range if two stages disagree about them."""
     if _agree(uses_by_name, words):
         return
     fixed = {name for name, uses in uses_by_name.items() if _is_authors(name, uses, sources)}
@@ -202,7 +203,7 @@ def _renumber(
 
 
 def _agree(uses_by_name: Mapping[str, Sequence[_Use]], words: _Words) -> bool:
-    """Whether each name has one number in all stages, and each number one name."""
+    """Return whether each name has one number in all stages, and each number one name."""
     owner: dict[int, str] = {}
     return all(
         len({words[use.stage][use.word] for use in uses}) == 1
@@ -212,7 +213,7 @@ def _agree(uses_by_name: Mapping[str, Sequence[_Use]], words: _Words) -> bool:
 
 
 def _is_authors(name: str, uses: Sequence[_Use], sources: Sequence[Source]) -> bool:
-    """Whether the author wrote the name's number in one of the stages that use it."""
+    """Return whether the author wrote the name's number in one of the stages that use it."""
     stages, qualifier = {use.stage for use in uses}, uses[0].qualifier
     may = [s for s in sources if s.stage in stages and name and qualifier in s.code]
     return any(
@@ -228,7 +229,7 @@ Target = tuple[int, int | None]
 
 
 def add_feedback(data: bytes, sizes: Mapping[str, int]) -> bytes:
-    """A module of the last stage before rasterisation, decorated so that it captures.
+    """Return a module of the last stage before rasterisation, decorated so that it captures.
 
     Args:
         data: the module.
@@ -267,7 +268,7 @@ def add_feedback(data: bytes, sizes: Mapping[str, int]) -> bytes:
 
 
 def _outputs(module: Module) -> Iterator[tuple[Target, tuple[str, ...]]]:
-    """Each output variable, or member of a block of outputs, with the names of its parts."""
+    """Yield each output variable, or member of a block of outputs, with the names of its parts."""
     for pointee, storage in module.variables.values():
         element = unwrap(module, pointee)[1]
         if storage == StorageClass.Output and Decoration.BuiltIn in module.member(element, 0):
@@ -297,7 +298,8 @@ def _decorate(target: Target, kind: int, value: int) -> Sequence[int]:
 
 
 def _insert(module: Module, decorations: Sequence[int]) -> bytes:
-    """The module with a capability, an execution mode and decorations, each in its section."""
+    """Return the module with a capability, an execution mode and decorations, each in its
+    section."""
     words = list(module.words)
     mode_at = decorate_at = 0
     at = 5

@@ -38,7 +38,7 @@ class Leaf:
 
 
 def stage_variables(module: Module, storage: int) -> Iterator[Variable]:
-    """A stage's inputs or outputs, flattened, without built-ins."""
+    """Yield a stage's inputs or outputs, flattened, without built-ins."""
     paths = used_paths(module)
     for id_ in own_variables(module, storage):
         pointee, _ = module.variables[id_]
@@ -59,7 +59,7 @@ def stage_variables(module: Module, storage: int) -> Iterator[Variable]:
 
 
 def leaves(module: Module, type_: int, name: str, path: Path = ()) -> Iterator[Leaf]:
-    """The parts of a variable that have names, in declaration order."""
+    """Yield the parts of a variable that have names, in declaration order."""
     lengths, element = unwrap(module, type_)
     is_struct = module.types[element].op == Op.TypeStruct
     if len(lengths) > 1 or (lengths and is_struct):
@@ -76,7 +76,7 @@ def leaves(module: Module, type_: int, name: str, path: Path = ()) -> Iterator[L
 
 
 def own_variables(module: Module, storage: int) -> Iterator[int]:
-    """The ids of a storage class's variables, without built-ins."""
+    """Yield the ids of a storage class's variables, without built-ins."""
     for id_, (pointee, its) in module.variables.items():
         if its != storage or module.decorated(id_, Decoration.BuiltIn) is not None:
             continue
@@ -113,7 +113,7 @@ def _variable(
 
 
 def uniform_variables(module: Module) -> Iterator[Variable]:
-    """The uniforms outside blocks, flattened; includes atomic counters."""
+    """Yield the uniforms outside blocks, flattened; includes atomic counters."""
     paths = used_paths(module)
     for storage in (StorageClass.UniformConstant, StorageClass.AtomicCounter):
         for id_ in own_variables(module, storage):
@@ -134,7 +134,7 @@ def uniform_variables(module: Module) -> Iterator[Variable]:
 
 @functools.lru_cache(maxsize=8)  # called once for each storage class
 def used_paths(module: Module) -> Mapping[int, set[Path]]:
-    """The paths by which a module's functions refer to each variable."""
+    """Return the paths by which a module's functions refer to each variable."""
     paths: dict[int, set[Path]] = {}
     chains: dict[int, tuple[int, Path]] = {}
     for instruction in module.body:
@@ -152,12 +152,13 @@ def used_paths(module: Module) -> Mapping[int, set[Path]]:
 
 
 def is_used(paths: Iterable[Path], part: Path) -> bool:
-    """Whether one of the paths leads to the part, into it, or to something that contains it."""
+    """Return whether one of the paths leads to the part, into it, or to something that contains
+    it."""
     return any(all(a in (ANY, b) for a, b in zip(path, part, strict=False)) for path in paths)
 
 
 def _pointers(instruction: Instruction) -> tuple[int, ...]:
-    """The operands that an instruction may read or write memory through."""
+    """Return the operands that an instruction may read or write memory through."""
     op, words = instruction.op, instruction.words
     if op in (Op.Load, Op.ImageTexelPointer, Op.CopyObject, Op.ArrayLength):
         return words[2:3]
@@ -291,7 +292,7 @@ _FORMATS_reflection = {"int": "<i", "uint": "<I", "float": "<f", "double": "<d"}
 
 
 def reflect(modules: Mapping[str, bytes]) -> Interface:
-    """A program's interface.
+    """Return a program's interface.
 
     Args:
         modules: by stage, made for OpenGL.
@@ -329,7 +330,7 @@ def reflect(modules: Mapping[str, bytes]) -> Interface:
 
 
 def _blocks(module: Module) -> Iterator[Block]:
-    """The module's uniform and storage blocks."""
+    """Yield the module's uniform and storage blocks."""
     paths = used_paths(module)
     for storage in (StorageClass.Uniform, StorageClass.StorageBuffer, StorageClass.PushConstant):
         for id_ in own_variables(module, storage):

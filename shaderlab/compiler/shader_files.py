@@ -45,7 +45,7 @@ MAX_BYTES = 4 << 20
 
 
 def read_shader(path: str | Path) -> str:
-    """The file's text with "\\n" line ends and no byte order mark.
+    """Return the file's text with "\\n" line ends and no byte order mark.
 
     Raises:
         ShaderError: no such file, no regular file, unreadable, too large, empty, or not UTF-8.
@@ -114,7 +114,7 @@ def normalise(text: str, path: str | Path) -> str:
 
 
 def strip_comments(text: str) -> str:
-    """The text with its comments blanked out; all other characters stay in place."""
+    """Return the text with its comments blanked out; all other characters stay in place."""
     if "//" not in text and "/*" not in text:
         return text
     return _COMMENT.sub(_blank, text)
@@ -128,7 +128,7 @@ def _blank(match: re.Match[str]) -> str:
 
 
 def version_of(code: str) -> tuple[int, str] | None:
-    """The `#version` of comment-free text as (330, "core"), or None if it has none."""
+    """Return the `#version` of comment-free text as (330, "core"), or None if it has none."""
     for match in _VERSION.finditer(code):
         if not code[code.rfind("\n", 0, match.start()) + 1 : match.start()].strip():
             return int(match.group(1)), match.group(2)
@@ -136,7 +136,7 @@ def version_of(code: str) -> tuple[int, str] | None:
 
 
 def stage_of(name: str, text: str, path: str | None = None) -> str:
-    """The stage that a file's extension or its `#pragma shader_stage(…)` names.
+    """Return the stage that a file's extension or its `#pragma shader_stage(…)` names.
 
     Raises:
         ShaderError: there is neither, or the pragma names no stage.
@@ -222,7 +222,7 @@ class Roots:
         return file
 
     def has(self, name: str) -> bool:
-        """Whether there is a shader of that name, and it can be read."""
+        """Return whether there is a shader of that name, and it can be read."""
         try:
             return self.find(normalise_name(name)) is not None
         except (OutsideError, ShaderError):
@@ -253,13 +253,13 @@ class Roots:
         return None
 
     def nearest(self, name: str) -> str:
-        """A remedy for a misspelt name: like ones of shaders that are not too deep in the roots, of
-        which one may be somebody's home folder."""
+        """Return a remedy for a misspelt name: like ones of shaders that are not too deep in the
+        roots, of which one may be somebody's home folder."""
         return nearest(name, self.names(_MOST_FILES))
 
     def names(self, most: int | None = None) -> tuple[str, ...]:
-        """All overridden names and all shader files below the roots, each by its shortest name, as
-        `load` and `#include` take them; those of the first root first.
+        """Return all overridden names and all shader files below the roots, each by its shortest
+        name, as `load` and `#include` take them; those of the first root first.
 
         Args:
             most: files that are looked at below a root, of any kind, the least deep first.
@@ -289,7 +289,8 @@ class Roots:
         return found
 
     def _places(self, name: str) -> list[tuple[str, str]]:
-        """Where a normalised name may be, in search order: paths, and their names inside roots."""
+        """Return where a normalised name may be, in search order: paths, and their names inside
+        roots."""
         if not name.startswith("../"):
             return [(str(folder / name), name) for folder in self.folders]
         roots = [os.path.join(os.path.abspath(folder), "") for folder in self.folders]
@@ -310,7 +311,7 @@ class Roots:
 
 
 def _resolve_folder(path: str) -> str:
-    """A file's path without symbolic links in its folder."""
+    """Return a file's path without symbolic links in its folder."""
     parent, name = os.path.split(path)
     return os.path.join(os.path.realpath(parent), name)
 
@@ -344,7 +345,7 @@ def normalise_name(name: str, folder: str = "") -> str:
 
 
 def is_shader(name: str) -> bool:
-    """Whether a file's name is a shader's, or an included one's."""
+    """Return whether a file's name is a shader's, or an included one's."""
     return _SHADER_SUFFIXES.fullmatch(os.path.splitext(name)[1]) is not None
 
 
@@ -411,7 +412,7 @@ def _locate(file: str, folder: str, roots: Sequence[tuple[str, str]]) -> ShaderF
 
 
 def _walk(folder: str) -> Iterator[str]:
-    """The files below a folder, those of a folder before those of the folders in it."""
+    """Yield the files below a folder, those of a folder before those of the folders in it."""
     waiting = deque([folder])
     while waiting:
         where = waiting.popleft()

@@ -60,7 +60,7 @@ class LineMap:
 
     @classmethod
     def of(cls, spans: Iterable[tuple[str, int, int]]) -> LineMap:
-        """The map of these runs, joined where one continues another."""
+        """Return the map of these runs, joined where one continues another."""
         joined: list[tuple[str, int, int]] = []
         for file, line, count in spans:
             if joined and joined[-1][0] == file and sum(joined[-1][1:]) == line:
@@ -82,7 +82,7 @@ class LineMap:
 
 
 def expand(file: File, roots: Roots, defines: Mapping[str, str]) -> Expansion:
-    """The file's text with every `#include` replaced by the included file's text.
+    """Return the file's text with every `#include` replaced by the included file's text.
 
     Args:
         file: the main file.
@@ -170,7 +170,7 @@ class Expansion:
         self.spans += [(*place, 1)] * len(rows)
 
     def _find_included(self, rest: str, trail: _Trail) -> File:
-        """The file that the text after `#include` names."""
+        """Return the file that the text after `#include` names."""
         self._includes += 1
         if self._includes > MAX_INCLUDES:
             remedy = "include files that are needed in many places once, from the main file"
@@ -208,7 +208,8 @@ class Expansion:
 
 
 def _once_macro(file: File, code: str) -> str | None:
-    """A macro's name for a file with `#pragma once`; two underscores in a row are reserved."""
+    """Return a macro's name for a file with `#pragma once`; two underscores in a row are
+    reserved."""
     if not _ONCE.search(code):
         return None
     return "SHADERLAB_ONCE_" + "".join(
@@ -259,7 +260,7 @@ class Source:
         return version_of(self.code) or (110, "")
 
     def place(self, line: int) -> tuple[str, int]:
-        """The author's file and line for a line of `text` (both counted from 1)."""
+        """Return the author's file and line for a line of `text` (both counted from 1)."""
         if not self.lines:
             return self.path, line
         return self.lines[min(max(line, 1), len(self.lines)) - 1]
@@ -267,7 +268,8 @@ class Source:
     def diagnostic(
         self, message: str, at: int | None = None, *, severity: Severity = "error", token: str = ""
     ) -> Diagnostic:
-        """A message about a line of `text` (counted from 1), or about the file as a whole."""
+        """Return a message about a line of `text` (counted from 1), or about the file as a
+        whole."""
         file, line = (self.path, None) if at is None else self.place(at)
         return Diagnostic(file=file, line=line, severity=severity, message=message, token=token)
 
@@ -298,7 +300,7 @@ class Shaders(Roots):
                 raise ShaderError(f"can't define {word!r}: it is not a GLSL name")
 
     def load(self, name: str, stage: str | None = None) -> Source:
-        """The named shader with its includes expanded.
+        """Return the named shader with its includes expanded.
 
         Args:
             name: the shader's path inside the roots.
@@ -313,7 +315,7 @@ class Shaders(Roots):
         return self._source(file, name, stage or stage_of(name, file.text, file.path))
 
     def from_text(self, text: str, stage: str, name: str) -> Source:
-        """A shader that is not a file, such as a generated stage; it may include files.
+        """Return a shader that is not a file, such as a generated stage; it may include files.
 
         Raises:
             ShaderError: the stage is unknown, or the text or one of its includes can't be used.

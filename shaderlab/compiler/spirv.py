@@ -192,22 +192,22 @@ class Module:
     body: list[Instruction] = field(default_factory=list)
 
     def decorated(self, id_: int, decoration: int) -> tuple[int, ...] | None:
-        """A decoration's literals (empty if it has none), or None if it is absent."""
+        """Return a decoration's literals (empty if it has none), or None if it is absent."""
         return self.decorations.get(id_, {}).get(decoration)
 
     def number(self, id_: int, decoration: int) -> int | None:
-        """A decoration's first literal, or None if it is absent."""
+        """Return a decoration's first literal, or None if it is absent."""
         literals = self.decorated(id_, decoration)
         return literals[0] if literals else None
 
     def member(self, id_: int, index: int) -> Mapping[int, tuple[int, ...]]:
-        """The decorations of a struct's member."""
+        """Return the decorations of a struct's member."""
         return self.member_decorations.get((id_, index), {})
 
 
 @functools.lru_cache(maxsize=8)  # matching, checking and reflecting stages parse them in turn
 def parse(data: bytes) -> Module:
-    """The declarations of a module.
+    """Return the declarations of a module.
 
     Raises:
         ShaderError: the bytes are not a SPIR-V module in this machine's byte order.
@@ -283,7 +283,7 @@ _DIMENSIONS = {0: "1D", 1: "2D", 2: "3D", 3: "Cube", 4: "2DRect", 5: "Buffer"}
 
 
 def type_name(module: Module, id_: int) -> str:
-    """The GLSL name of a type: "vec3", "mat4x3", "sampler2DShadow", a struct's own name.
+    """Return the GLSL name of a type: "vec3", "mat4x3", "sampler2DShadow", a struct's own name.
 
     Arrays give their element's name; see `unwrap`.
     """
@@ -309,7 +309,8 @@ def type_name(module: Module, id_: int) -> str:
 
 
 def unwrap(module: Module, id_: int) -> tuple[tuple[int, ...], int]:
-    """An array type's lengths, outermost first (0 if known at run time only), and its element."""
+    """Return an array type's lengths, outermost first (0 if known at run time only), and its
+    element."""
     lengths = []
     while module.types[id_].op in (Op.TypeArray, Op.TypeRuntimeArray):
         instruction = module.types[id_]
@@ -320,7 +321,7 @@ def unwrap(module: Module, id_: int) -> tuple[tuple[int, ...], int]:
 
 
 def component_count(module: Module, id_: int) -> int:
-    """The numbers in one element of the type; 0 for structs and opaque types."""
+    """Return the numbers in one element of the type; 0 for structs and opaque types."""
     _, element = unwrap(module, id_)
     op, words = module.types[element].op, module.types[element].words
     if op in (Op.TypeBool, Op.TypeInt, Op.TypeFloat):
@@ -333,7 +334,7 @@ def component_count(module: Module, id_: int) -> int:
 
 
 def slots(module: Module, id_: int) -> int:
-    """The locations that a varying of the type takes between shader stages."""
+    """Return the locations that a varying of the type takes between shader stages."""
     lengths, element = unwrap(module, id_)
     op, words = module.types[element].op, module.types[element].words
     if op == Op.TypeStruct:
@@ -348,7 +349,8 @@ def slots(module: Module, id_: int) -> int:
 
 
 def leaves_count(module: Module, id_: int) -> int:
-    """The locations that a uniform of the type takes: one for each number, vector or matrix."""
+    """Return the locations that a uniform of the type takes: one for each number, vector or
+    matrix."""
     lengths, element = unwrap(module, id_)
     count = 1
     if module.types[element].op == Op.TypeStruct:
@@ -357,12 +359,12 @@ def leaves_count(module: Module, id_: int) -> int:
 
 
 def elements_of(lengths: Iterable[int]) -> int:
-    """The elements of an array of arrays; a length known at run time only counts as one."""
+    """Return the elements of an array of arrays; a length known at run time only counts as one."""
     return math.prod(max(length, 1) for length in lengths)
 
 
 def image_format(module: Module, id_: int) -> str:
-    """The format that an image's layout names, "" for none and for what is no image."""
+    """Return the format that an image's layout names, "" for none and for what is no image."""
     instruction = module.types[unwrap(module, id_)[1]]
     return _FORMATS[instruction.words[6]] if instruction.op == Op.TypeImage else ""
 
@@ -400,7 +402,7 @@ def _image(module: Module, id_: int, kind: str) -> str:
 
 
 def instruction_count(module: bytes) -> int:
-    """The number of a module's instructions.
+    """Return the number of a module's instructions.
 
     Raises:
         ShaderError: the bytes are not a SPIR-V module.
@@ -420,7 +422,7 @@ def instruction_count(module: bytes) -> int:
 
 
 def interface_name(module: Module, id_: int) -> str:
-    """The name that a variable has in all stages: its block's, or its own."""
+    """Return the name that a variable has in all stages: its block's, or its own."""
     element = unwrap(module, module.variables[id_][0])[1]
     blocks = (Decoration.Block, Decoration.BufferBlock)
     is_block = any(module.decorated(element, block) is not None for block in blocks)

@@ -134,7 +134,7 @@ class Syntax:
         return self._tree.root_node
 
     def of(self, node: Node) -> str:
-        """The text of one node."""
+        """Return the text of one node."""
         return self._between(node.start_byte, node.end_byte)
 
     @cached_property
@@ -264,7 +264,7 @@ class Syntax:
         return tuple(member for each in fields for member in self._declared(each))
 
     def _declared(self, node: Node) -> tuple[Declarator, ...]:
-        """The variables, members or the parameter of a declaration with a type."""
+        """Return the variables, members or the parameter of a declaration with a type."""
         type_ = field(node, "type")
         prefix = self._between(self._start(node), type_.start_byte)
         qualifiers = frozenset(_WORD.findall(prefix))
@@ -289,17 +289,18 @@ class Syntax:
         return Declarator(name.strip(), specifier, qualifiers, initialiser)
 
     def _lengths(self, type_: Node, end: int) -> tuple[str, ...]:
-        """The lengths between a type and its name, which begins at the byte `end`."""
+        """Return the lengths between a type and its name, which begins at the byte `end`."""
         between = self._between(type_.end_byte, end)
         return tuple(each.strip() for each in _LENGTH.findall(between))
 
     def _uses(self, start: int, end: int, own: set[str]) -> frozenset[str]:
-        """The names in a range of bytes but for members, and those in `own` unless called."""
+        """Return the names in a range of bytes but for members, and those in `own` unless
+        called."""
         uses = _USE.findall(self._between(start, end))
         return frozenset(n for dot, n, called in uses if not dot and (called or n not in own))
 
     def _start(self, node: Node) -> int:
-        """Where a declaration begins, with the qualifiers that were blanked out."""
+        """Return where a declaration begins, with the qualifiers that were blanked out."""
         before = self.bytes[max(node.start_byte - 64, 0) : node.start_byte]
         blanked = _BLANKED_QUALIFIERS.search(before)
         return node.start_byte - (len(blanked.group()) if blanked else 0)
@@ -308,7 +309,7 @@ class Syntax:
         return self.bytes[start:end].decode(errors="replace")
 
     def _placed(self, start: int, end: int, **fields: Any) -> GlslDeclaration:
-        """A declaration whose place is given in bytes."""
+        """Return a declaration whose place is given in bytes."""
         line = self.bytes.count(b"\n", 0, start) + 1
         if len(self.bytes) != len(self.text):
             start, end = (len(self._between(0, at)) for at in (start, end))
@@ -324,7 +325,7 @@ def _blank(match: re.Match[bytes]) -> bytes:
 
 
 def _top_level(node: Node) -> Iterator[Node]:
-    """The declarations below a node, in all branches of its `#if`s."""
+    """Yield the declarations below a node, in all branches of its `#if`s."""
     for child in node.children:
         if child.type in _BRANCHES:
             yield from _top_level(child)
@@ -365,7 +366,7 @@ def walk(node: Node) -> Iterator[Node]:
 
 
 def name_of(definition: Node) -> Node:
-    """The identifier that a function definition, declarator or parameter declares."""
+    """Return the identifier that a function definition, declarator or parameter declares."""
     node = definition
     while (inner := node.child_by_field_name("declarator")) is not None:
         node = inner
@@ -373,21 +374,21 @@ def name_of(definition: Node) -> Node:
 
 
 def operator_of(node: Node) -> Node:
-    """The operator token of an expression."""
+    """Return the operator token of an expression."""
     found = node.child_by_field_name("operator")
     assert found is not None
     return found
 
 
 def field(node: Node, name: str) -> Node:
-    """A child that the grammar always gives."""
+    """Return a child that the grammar always gives."""
     found = node.child_by_field_name(name)
     assert found is not None, f"{node.type} without {name}"
     return found
 
 
 def arguments_of(call: Node) -> list[Node]:
-    """The arguments of a call or constructor."""
+    """Return the arguments of a call or constructor."""
     return [n for n in field(call, "arguments").named_children if n.type != "comment"]
 
 

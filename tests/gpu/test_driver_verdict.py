@@ -116,8 +116,8 @@ def test_a_disagreement_is_reported_in_both_directions() -> None:
         ("0(3) : error C1008: undefined variable\n", 3, "error", "C1008: undefined variable"),
         ("ERROR: 0:4: 'x' : undeclared\n", 4, "error", "'x' : undeclared"),
         ("error: no stage writes n\n", None, "error", "no stage writes n"),
-        ("something else\n", None, "error", "the driver refuses it"),
-        ("", None, "error", "the driver refuses it and does not say why"),
+        ("something else\n", None, "error", "the driver rejects it"),
+        ("", None, "error", "the driver rejects it without a message"),
     ],
 )
 def test_logs_of_several_drivers_are_parsed(

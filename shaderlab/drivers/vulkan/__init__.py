@@ -49,7 +49,7 @@ def prepare_process(driver: str) -> None:
 
 @contextmanager
 def environment(driver: str) -> Iterator[None]:
-    """The environment in which the loader finds this driver, for a while.
+    """Return the environment in which the loader finds this driver, for a while.
 
     Raises:
         DriverError: the driver is not installed; says how to get it.
@@ -84,7 +84,7 @@ _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-sta
 
 
 def manifest_of(driver: str) -> Path | None:
-    """The manifest of a software driver; None for "vulkan", whose drivers the loader finds.
+    """Return the manifest of a software driver; None for "vulkan", whose drivers the loader finds.
 
     Raises:
         DriverError: the driver is not installed; says how to get it.
@@ -98,7 +98,7 @@ def manifest_of(driver: str) -> Path | None:
 
 
 def _folders() -> Iterator[Path]:
-    """Where drivers are registered, and then where browsers that bring one are."""
+    """Yield where drivers are registered, and then where browsers that bring one are."""
     data = os.environ.get("XDG_DATA_DIRS") or "/usr/local/share:/usr/share"
     config = os.environ.get("XDG_CONFIG_DIRS") or "/etc/xdg"
     for parent in (*config.split(":"), *data.split(":")):

@@ -80,7 +80,7 @@ _FORMATS = {"f": "SFLOAT", "i": "SINT", "u": "UINT"}
 
 
 def layout_of(mesh: Mesh | None, declared: Mapping[str, Variable]) -> VertexLayout:
-    """The layout of a mesh, made for a vertex stage that declares these inputs."""
+    """Return the layout of a mesh, made for a vertex stage that declares these inputs."""
     if mesh is None:
         return VertexLayout()
     streams: list[tuple[int, int, int, int]] = []
@@ -131,7 +131,7 @@ class VertexBuffers:
 def upload(
     resources: Resources, mesh: Mesh | None, declared: Mapping[str, Variable]
 ) -> VertexBuffers:
-    """The buffers of a mesh, or three vertices without attributes."""
+    """Return the buffers of a mesh, or three vertices without attributes."""
     if mesh is None:
         return VertexBuffers((), None, 3)
     parts = _convert_integers(mesh, declared).parts()
@@ -147,7 +147,7 @@ def upload(
 def read_layout(
     layout: VertexLayout, declared: Mapping[str, Variable]
 ) -> dict[str, AttributeReading]:
-    """Where a pipeline of this layout reads each attribute."""
+    """Return where a pipeline of this layout reads each attribute."""
     streams = {location: layout.streams[number] for location, number, _, _ in layout.attributes}
     found = {}
     for name, variable in declared.items():
@@ -160,7 +160,8 @@ def read_layout(
 
 
 def _convert_integers(mesh: Mesh, declared: Mapping[str, Variable]) -> Mesh:
-    """The mesh with integers made floats where the shader reads floats, as OpenGL converts them."""
+    """Return the mesh with integers made floats where the shader reads floats, as OpenGL converts
+    them."""
 
     def fitting(given: Mapping[str, Array]) -> dict[str, Array]:
         return {
@@ -201,8 +202,8 @@ def new_set(
     buffers: Mapping[str, Any],
     images: Mapping[str, BoundImage],
 ) -> Any:
-    """A set with these buffers by the names of their blocks, and textures by their samplers' names
-    as in OpenGL; NULL if there is nothing to bind."""
+    """Return a set with these buffers by the names of their blocks, and textures by their samplers'
+    names as in OpenGL; NULL if there is nothing to bind."""
     if not bindings:
         return NULL
     structs = Structs()
@@ -248,7 +249,7 @@ def block_buffers(
     values: Mapping[str, Array],
     stored: Mapping[str, Buffer] = _NONE,
 ) -> dict[str, Any]:
-    """A buffer's handle for each block.
+    """Return a buffer's handle for each block.
 
     Args:
         own: what the buffers are released with.
@@ -273,7 +274,8 @@ def block_buffers(
 
 
 def _pack_block(block: Block, values: Mapping[str, Array]) -> bytes:
-    """A block's bytes; what a struct got for the samplers that were lifted out of it is 0."""
+    """Return a block's bytes; what a struct got for the samplers that were lifted out of it is
+    0."""
     given = dict(values)
     for member in block.members.values():
         if block.name == DEFAULT_BLOCK and member.name not in given:
@@ -337,7 +339,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         return self._resources.device
 
     def bind(self, variable: Variable, source: TextureSource) -> BoundImage:
-        """The view and the sampler of a texture that `texels` has looked at."""
+        """Return the view and the sampler of a texture that `texels` has looked at."""
         found = self.find(source, self.kind(source, variable))
         if any(word != "nearest" for word in source.filter):
             choose_format(self._device, found.format, "sampled_image_filter_linear")
@@ -466,7 +468,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         return found[0] if image.kind == "2D" else found
 
     def _smaller(self, image: DeviceImage, channels: int = 4) -> tuple[Array, ...]:
-        """The levels below the first, as the device has them."""
+        """Return the levels below the first, as the device has them."""
         levels = range(1, image.levels)
         return tuple(self._read(image, level)[..., :channels] for level in levels)
 

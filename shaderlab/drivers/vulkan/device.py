@@ -33,7 +33,7 @@ NULL = ffi.NULL
 
 
 def constant(name: str) -> int:
-    """A constant by its name without "VK_"."""
+    """Return a constant by its name without "VK_"."""
     return int(getattr(vulkan, f"VK_{name}"))
 
 
@@ -55,7 +55,7 @@ def check(result: int, what: str) -> None:
 
 
 def result_name(result: int) -> str:
-    """A result code's name."""
+    """Return a result code's name."""
     error = vulkan.exception_codes.get(result)
     return error.__name__ if error is not None else f"VkResult {result}"
 
@@ -82,7 +82,7 @@ class Structs:
         return made
 
     def array(self, kind: str, values: Sequence[Any]) -> Any:
-        """A C array, such as `array("VkBuffer", [a, b])`; NULL for no values."""
+        """Return a C array, such as `array("VkBuffer", [a, b])`; NULL for no values."""
         return self._value(ffi.typeof(f"{kind} *"), list(values))
 
     def _value(self, kind: Any, value: Any) -> Any:
@@ -170,7 +170,7 @@ class Device:
     _structs: Structs = field(repr=False, compare=False)
 
     def create(self, kind: str, info: Any) -> Any:
-        """A new object of a kind such as "Buffer", from its Vk…CreateInfo."""
+        """Make a new object of a kind such as "Buffer", from its Vk…CreateInfo."""
         return _create_object(f"vkCreate{kind}", f"Vk{kind}", self.handle, info)
 
     def destroy(self, kind: str, handle: Any) -> None:
@@ -266,7 +266,7 @@ def _make_device(driver: str, instance: Any, structs: Structs) -> Device:
 
 
 def list_sample_counts(limits: Any) -> list[int]:
-    """How many samples a pixel may have, in colours and depth alike."""
+    """Return how many samples a pixel may have, in colours and depth alike."""
     both = limits.framebufferColorSampleCounts & limits.framebufferDepthSampleCounts
     return [count for count in (1, 2, 4, 8, 16, 32, 64) if both & count]
 
@@ -288,7 +288,7 @@ def _choose_physical(driver: str, instance: Any) -> Any:
 
 
 def _read_properties(physical: Any, structs: Structs) -> tuple[Any, Any]:
-    """The device's properties and its driver's."""
+    """Return the device's properties and its driver's."""
     about = structs("PhysicalDeviceDriverProperties")
     found = structs("PhysicalDeviceProperties2", pNext=about)
     lib.vkGetPhysicalDeviceProperties2(physical, found)
@@ -304,7 +304,8 @@ def _list_extensions(physical: Any) -> set[str]:
 
 
 def _chain_features(used: list[str], structs: Structs) -> tuple[Any, list[Any]]:
-    """The structures of features beside the core's, linked: the first one, and all of them."""
+    """Return the structures of features beside the core's, linked: the first one, and all of
+    them."""
     last, made = NULL, []
     names = [({**_NEEDED, **_USED}[name][0]) for name in used]
     for name in (*_CORE, *names):
@@ -314,7 +315,7 @@ def _chain_features(used: list[str], structs: Structs) -> tuple[Any, list[Any]]:
 
 
 def _list_enabled(group: Any) -> list[str]:
-    """The features of a structure that are there."""
+    """Return the features of a structure that are there."""
     known = [word for word, kind in ffi.typeof(group).fields if kind.type.cname == "uint32_t"]
     return [word for word in known if getattr(group, word)]
 
@@ -374,7 +375,7 @@ class Resources:
                 self.device.destroy(kind, handle)
 
     def create(self, kind: str, info: Any) -> Any:
-        """A new object, such as `create("Sampler", info)`."""
+        """Make a new object, such as `create("Sampler", info)`."""
         handle = self.device.create(kind, info)
         return self.own(kind, handle)
 
@@ -384,7 +385,7 @@ class Resources:
         return handle
 
     def buffer(self, usage: str, data: bytes | Array | None = None, *, size: int = 0) -> Buffer:
-        """A buffer of `size` zeros, or of `data`, for a usage such as "uniform_buffer"."""
+        """Return a buffer of `size` zeros, or of `data`, for a usage such as "uniform_buffer"."""
         given = np.frombuffer(b"" if data is None else data, np.uint8)
         length = max(size, given.nbytes, 16)
         structs = Structs()

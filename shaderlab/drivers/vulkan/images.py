@@ -73,7 +73,7 @@ def new_image(
     levels: int = 1,
     samples: int = 1,
 ) -> DeviceImage:
-    """An image without contents, for uses such as "color_attachment" and "sampled".
+    """Return an image without contents, for uses such as "color_attachment" and "sampled".
 
     Raises:
         UnsupportedError: it is too large for the device.
@@ -104,8 +104,8 @@ def new_image(
 def new_view(
     resources: Resources, image: DeviceImage, *, sampled: bool = False, as_word: str = ""
 ) -> Any:
-    """A view of an image; one that is `sampled` has all its levels, and of depth and stencil the
-    depth alone. `as_word` is another format of the same texels."""
+    """Return a view of an image; one that is `sampled` has all its levels, and of depth and stencil
+    the depth alone. `as_word` is another format of the same texels."""
     word = as_word or image.word
     aspect = aspects(word)
     if sampled and aspect & DEPTH_ASPECT:
@@ -136,7 +136,8 @@ def write(device: Device, image: DeviceImage, levels: Sequence[Array | bytes]) -
 
 
 def read(device: Device, image: DeviceImage, level: int = 0, *, stencil: bool = False) -> Array:
-    """A level of an image: (layers, height, width, channels); `stencil`: its stencil, in bytes."""
+    """Return a level of an image: (layers, height, width, channels); `stencil`: its stencil, in
+    bytes."""
     width, height = image.sizes[level]
     shape = (image.layers, height, width)
     aspect = STENCIL_ASPECT if stencil else aspects(image.word) & ~STENCIL_ASPECT
@@ -221,14 +222,14 @@ COLOR_ASPECT, DEPTH_ASPECT, STENCIL_ASPECT = (
 
 
 def vulkan_format(word: str) -> int:
-    """The VkFormat of a format; one of three channels has a fourth, since few devices draw to
-    three."""
+    """Return the VkFormat of a format; one of three channels has a fourth, since few devices draw
+    to three."""
     return constant(f"FORMAT_{_SPELT[word]}")
 
 
 def choose_format(device: Device, word: str, *uses: str) -> str:
-    """The format that a device keeps an image of a format in: the same, or, for 24 bits of depth
-    where it has none, 32.
+    """Return the format that a device keeps an image of a format in: the same, or, for 24 bits of
+    depth where it has none, 32.
 
     Args:
         device: where the image is to be.
@@ -246,7 +247,7 @@ def choose_format(device: Device, word: str, *uses: str) -> str:
 
 
 def find_missing_uses(device: Device, word: str, *uses: str) -> list[str]:
-    """Those of the uses that a device does not offer for a format, in optimal tiling."""
+    """Return those of the uses that a device does not offer for a format, in optimal tiling."""
     found = ffi.new("VkFormatProperties *")
     lib.vkGetPhysicalDeviceFormatProperties(device.physical, vulkan_format(word), found)
     have = found.optimalTilingFeatures
@@ -254,7 +255,7 @@ def find_missing_uses(device: Device, word: str, *uses: str) -> list[str]:
 
 
 def aspects(word: str) -> int:
-    """The aspects that an image of a format has."""
+    """Return the aspects that an image of a format has."""
     if word not in DEPTH:
         return COLOR_ASPECT
     return DEPTH_ASPECT | (STENCIL_ASPECT if DEPTH[word].stencil else 0)
@@ -278,7 +279,8 @@ def pack_texels(word: str, values: Array) -> Array:
 
 
 def unpack_texels(word: str, data: Array, shape: tuple[int, ...]) -> Array:
-    """The texels that the bytes of a buffer are, (*shape, channels); the inverse of `packed`."""
+    """Return the texels that the bytes of a buffer are, (*shape, channels); the inverse of
+    `packed`."""
     if word in DEPTH:
         return _decode_depths(word, data).reshape(*shape, 1)
     kind = format_of(word)
@@ -288,7 +290,7 @@ def unpack_texels(word: str, data: Array, shape: tuple[int, ...]) -> Array:
 
 
 def texel_bytes(word: str) -> int:
-    """How many bytes a texel takes in a buffer."""
+    """Return how many bytes a texel takes in a buffer."""
     if word in DEPTH:
         return 2 if word == "depth16" else 4
     kind = format_of(word)
@@ -370,7 +372,8 @@ class RenderTarget(Attachments):
         self._resources.release()
 
     def formats(self, locations: Mapping[int, str], *, srgb: bool = False) -> dict[int, str]:
-        """The attachments' formats by the locations of the outputs that are drawn to them."""
+        """Return the attachments' formats by the locations of the outputs that are drawn to
+        them."""
         plain = {"srgb8_alpha8": "srgb8_alpha8" if srgb else "rgba8"}
         return {at: plain.get(self.colors[n], self.colors[n]) for at, n in locations.items()}
 
@@ -447,7 +450,7 @@ class RenderTarget(Attachments):
         return np.array(_PLACES[self.samples], np.float32) / 16
 
     def drawn_image(self, name: str) -> DeviceImage:
-        """A colour attachment with all of its samples."""
+        """Return a colour attachment with all of its samples."""
         return self._drawn[name]
 
     def read(self, name: str) -> Image:
@@ -462,8 +465,8 @@ class RenderTarget(Attachments):
 
 
 def _samples(device: Device, asked: int) -> int:
-    """How many samples a pixel gets: as many as are asked for, or as OpenGL has it, the next number
-    above that the device offers."""
+    """Return how many samples a pixel gets: as many as are asked for, or as OpenGL has it, the next
+    number above that the device offers."""
     offered = list_sample_counts(device.limits)
     found = [count for count in offered if count >= asked]
     if not found:

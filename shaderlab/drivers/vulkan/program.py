@@ -82,13 +82,13 @@ _POINT = re.compile(r"\bgl_PointCoord\b")
 
 
 def adapt_fragment(text: str) -> str:
-    """A fragment shader's text as Vulkan is to get it; it may have a uniform HEIGHT more."""
+    """Return a fragment shader's text as Vulkan is to get it; it may have a uniform HEIGHT more."""
     text = _POINT.sub("vec2(gl_PointCoord.x, 1.0 - gl_PointCoord.y)", text)
     return assign_locations(apply_coord_layout(text))
 
 
 def compile_modules(sources: Sequence[Source]) -> Mapping[str, bytes]:
-    """A program's modules by stage.
+    """Return a program's modules by stage.
 
     Raises:
         ShaderError: it is no GLSL.
@@ -133,7 +133,7 @@ class Binding:
 
 
 def find_bindings(modules: Mapping[str, bytes]) -> dict[str, Binding]:
-    """All bindings of a program by the names of blocks and of samplers.
+    """Return all bindings of a program by the names of blocks and of samplers.
 
     Raises:
         UnsupportedError: a binding is in another set than the first, or is of another kind.
@@ -164,8 +164,8 @@ def _bound_variables(module: Module) -> Iterator[tuple[str, int, int]]:
 
 
 def sampler_place(name: str, bindings: Mapping[str, Binding]) -> tuple[Binding, int] | None:
-    """The binding and the element of it that a sampler is, by its name in GLSL for OpenGL; None if
-    the modules leave it out. One out of a struct was lifted out of it."""
+    """Return the binding and the element of it that a sampler is, by its name in GLSL for OpenGL;
+    None if the modules leave it out. One out of a struct was lifted out of it."""
     lifted = _MEMBER.fullmatch(name)
     if lifted is not None:
         owner, first, member, second = (part or "" for part in lifted.groups())
@@ -176,7 +176,7 @@ def sampler_place(name: str, bindings: Mapping[str, Binding]) -> tuple[Binding, 
 
 
 def new_set_layout(resources: Resources, bindings: Mapping[str, Binding]) -> Any:
-    """The layout of the set that has all of a program's bindings."""
+    """Return the layout of the set that has all of a program's bindings."""
     structs = Structs()
     each = [
         structs(
@@ -195,7 +195,7 @@ class VertexLayout:
 
     Attributes:
         streams: for each attribute, the number of its buffer, where it begins there and its stride,
-            in bytes, and 1 if it goes on once an instance. Each is a binding of its own, since
+            in bytes, and 1 if it goes on once an instance. Each has a separate binding, since
             attributes that follow one another in a buffer have strides of their own.
         attributes: of each vector that is read, its location, its stream, its VkFormat and its
             offset from the stream's beginning.
@@ -207,7 +207,7 @@ class VertexLayout:
     topology: int = PRIMITIVES.index("triangles")
 
     def input_state(self, structs: Structs) -> Any:
-        """The structure that tells a pipeline."""
+        """Return the structure that tells a pipeline."""
         return structs(
             "PipelineVertexInputStateCreateInfo",
             vertexBindingDescriptionCount=len(self.streams),
@@ -276,7 +276,7 @@ class Program:
         self._resources.release()
 
     def locations(self, names: Mapping[str, Any]) -> dict[int, str]:
-        """Where the program writes those of its outputs that have these names."""
+        """Return where the program writes those of its outputs that have these names."""
         return {
             variable.location: name
             for name, variable in self.outputs.items()
@@ -340,7 +340,7 @@ class Linker(ProgramCache[Program]):
     device: Device
 
     def link(self, texts: Mapping[str, str], known: Sequence[Source] = ()) -> Program:
-        """The program of these stages.
+        """Return the program of these stages.
 
         Args:
             texts: by stage.
@@ -372,28 +372,28 @@ _BRESENHAM = constant("LINE_RASTERIZATION_MODE_BRESENHAM_EXT")
 
 
 def pipeline_state(state: State) -> State:
-    """What of a state a pipeline is made with; the rest is set when it draws."""
+    """Return what of a state a pipeline is made with; the rest is set when it draws."""
     return replace(
         state, cell=None, viewport=None, scissor=None, depth_range=(0.0, 1.0), point_size=None
     )
 
 
 def viewport(state: State, size: tuple[int, int]) -> tuple[Rectangle, Rectangle]:
-    """A draw's viewport and scissor in pixels of a target of `size`."""
+    """Return a draw's viewport and scissor in pixels of a target of `size`."""
     whole = (0, 0, *size)
     cell = None if state.cell is None else state.cell.rectangle(size)
     return cell or state.viewport or whole, _clip(cell or state.scissor or whole, size)
 
 
 def _clip(box: Rectangle, size: tuple[int, int]) -> Rectangle:
-    """The part of a rectangle that lies on the target: Vulkan takes no negative corners."""
+    """Return the part of a rectangle that lies on the target: Vulkan takes no negative corners."""
     left, low = max(box[0], 0), max(box[1], 0)
     right, top = min(box[0] + box[2], size[0]), min(box[1] + box[3], size[1])
     return left, low, max(right - left, 0), max(top - low, 0)
 
 
 def rasterisation_state(structs: Structs, device: Device, state: State) -> Any:
-    """Which faces are drawn, which vertex flat values come from, and how lines are drawn."""
+    """Return which faces are drawn, which vertex flat values come from, and how lines are drawn."""
     chain = structs(
         "PipelineRasterizationProvokingVertexStateCreateInfoEXT", provokingVertexMode=_LAST_VERTEX
     )
@@ -412,7 +412,7 @@ def rasterisation_state(structs: Structs, device: Device, state: State) -> Any:
 
 
 def multisample_state(structs: Structs, device: Device, state: State, samples: int) -> Any:
-    """How samples are covered and shaded. Raises UnsupportedError."""
+    """Return how samples are covered and shaded. Raises UnsupportedError."""
     if samples > 1 and not state.multisample:
         raise UnsupportedError("multisample=False: Vulkan covers the samples of a target always")
     if state.sample_shading is not None and "sampleRateShading" not in device.features:
@@ -426,7 +426,7 @@ def multisample_state(structs: Structs, device: Device, state: State, samples: i
 
 
 def depth_stencil_state(structs: Structs, state: State) -> Any:
-    """The tests of depth and stencil."""
+    """Return the tests of depth and stencil."""
     depth = state.depth or Depth()
     front = state.stencil or Stencil()
     return structs(
@@ -448,7 +448,8 @@ def _stencil(structs: Structs, stencil: Stencil) -> Any:
 
 
 def blend_state(structs: Structs, state: State, formats: Mapping[int, str], count: int) -> Any:
-    """How colours are mixed into attachments, whose formats are by the locations of outputs."""
+    """Return how colours are mixed into attachments, whose formats are by the locations of
+    outputs."""
     blend = state.blend or Blend()
     mask = sum(1 << channel for channel, on in enumerate(state.color_mask) if on)
     words = {

@@ -138,7 +138,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         fixed_state: State | None = None,
         stored: Mapping[str, Buffer] | None = None,
     ) -> Ready:
-        """All that a draw takes, on the device; `own` are what is released after it.
+        """Return all that a draw takes, on the device; `own` are what is released after it.
 
         Args:
             texts, fixed_state: as in `render`.
@@ -162,7 +162,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         )  # fmt: skip
 
     def program(self, draw: PreparedDraw, texts: Mapping[str, str]) -> Program:
-        """The program of a draw, its stages having these texts."""
+        """Return the program of a draw, its stages having these texts."""
         own = dict(texts)
         if "fragment" in own:
             own["fragment"] = adapt_fragment(own["fragment"])
@@ -228,7 +228,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
             return stages.unpack_outputs(parts, buffer.bytes[: 4 * words].copy().view(np.uint32))
 
     def _count(self, key: PassDraw, counter: str) -> int:
-        """What one draw makes the device count, its pass drawn once more.
+        """Return what one draw makes the device count, its pass drawn once more.
 
         Raises:
             UnsupportedError: the device does not count this.
@@ -257,7 +257,8 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
             return int(found[0])
 
     def _time(self, pass_name: str, repeats: int) -> Timing:
-        """How long a pass takes to draw, from its first command until the device has finished.
+        """Return how long a pass takes to draw, from its first command until the device has
+        finished.
 
         Pipelines, buffers and targets are made beforehand. The first time through, when drivers
         compile, does not count.

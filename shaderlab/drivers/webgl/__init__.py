@@ -26,11 +26,11 @@ def open_backend(driver: str) -> WebGLBackend:
 
 
 def prepare_process(driver: str) -> None:
-    """Nothing is needed: a browser has processes of its own."""
+    """Do nothing: a browser runs in separate processes."""
 
 
 def preload() -> None:
-    """Import what drives a browser, for processes that are forked from this one."""
+    """Import what drives a browser before a device is opened."""
     from . import session
 
     assert session

@@ -64,22 +64,22 @@ class Calls:
         return functools.partial(self._add, name, 0)
 
     def new(self, name: str, *given: Any) -> Object:
-        """The object that a method returns."""
+        """Return the object that a method returns."""
         made = self.number()
         self._add(name, made.number, *given)
         return made
 
     def number(self) -> Object:
-        """A number for an object that a call makes."""
+        """Return a number for an object that a call makes."""
         self._last += 1
         return Object(self._last)
 
     def ask(self, name: str, *given: Any) -> Any:
-        """What a method returns, all calls before it having been played."""
+        """Return what a method returns, all calls before it having been played."""
         return self.ask_all([(name, *given)])[0]
 
     def ask_all(self, questions: Sequence[tuple[Any, ...]]) -> list[Any]:
-        """What each of some methods, with its arguments, returns.
+        """Return what each of some methods, with its arguments, returns.
 
         Raises:
             DeviceLostError: the context is lost.
@@ -99,8 +99,8 @@ class Calls:
         return replies
 
     def ask_later(self, then: Callable[[Any], object], name: str, *given: Any) -> None:
-        """Have `then` called with what a method returns, once something is asked for. Each question
-        takes the way to the browser and back, and a pass may have hundreds of draws."""
+        """Call `then` with what a method returns when the next `ask` gets its reply: each `ask` is
+        a round trip to the browser, and a pass may have hundreds of draws."""
         self._add(name, -1, *given)
         self._waiting.append(then)
 
@@ -129,7 +129,7 @@ def _ignore(_: object) -> None: ...
 
 
 def decode(data: str, kind: Any) -> Array:
-    """The numbers of a type that a method of the player returned."""
+    """Return the numbers of a type that a method of the player returned."""
     return np.frombuffer(base64.b64decode(data), kind).copy()
 
 
@@ -141,7 +141,7 @@ class Objects:
         self._made: list[tuple[str, Object]] = []
 
     def new(self, kind: str, *given: Any) -> Object:
-        """A new object of a kind such as "Texture"."""
+        """Make a new object of a kind such as "Texture"."""
         made = self.gl.new(f"create{kind}", *given)
         self._made.append((kind, made))
         return made
@@ -190,7 +190,7 @@ class Browser:
 
     def __init__(self) -> None:
         self._path = _find_chromium()
-        # In a thread of its own: the caller may run an event loop itself, as a notebook does.
+        # In a separate thread: the caller may run an event loop itself, as a notebook does.
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
@@ -206,7 +206,7 @@ class Browser:
     _guard: subprocess.Popen[bytes] | None = None
 
     def play(self, text: str) -> str:
-        """What the player answers.
+        """Return what the player answers.
 
         Raises:
             DeviceLostError: the browser is gone, or gives no answer in time.
@@ -270,19 +270,19 @@ class Browser:
 
 
 def _start_guard(browser: int) -> subprocess.Popen[bytes]:
-    """A process that kills a browser and its processes, which are a group of their own, when this
-    one lets go of it or is gone. A shader that does not end would outlive both."""
+    """Return a process that kills a browser and its processes, which are a group of their own, when
+    this one lets go of it or is gone. A shader that does not end would outlive both."""
     command = ("sh", "-c", 'read -r _; kill -9 "-$0" 2>/dev/null', str(browser))
     return subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
 
 
 def _find_chromium() -> str:
-    """The browser's command. Raises DriverError if there is none."""
+    """Return the browser's command. Raises DriverError if there is none."""
     found = os.environ.get("SHADERLAB_CHROMIUM") or next(
         filter(None, map(shutil.which, _NAMES)), None
     )
     if found is None:
-        raise DriverError("no Chromium, whose WebGL2 this is", remedy=_INSTALL)
+        raise DriverError("no Chromium, which this driver draws in", remedy=_INSTALL)
     return found
 
 
@@ -305,7 +305,7 @@ _INSTALL_SPIRV_CROSS = (
 
 
 def find_cross_compiler() -> str:
-    """The command of SPIRV-Cross. Raises DriverError if it is not there."""
+    """Return the command of SPIRV-Cross. Raises DriverError if it is not there."""
     found = shutil.which("spirv-cross")
     if found is None:
         raise DriverError(
@@ -340,7 +340,7 @@ class Device:
             raise UnsupportedError(f"{what}: this browser has no {extension}")
 
     def samples_offered(self, format: int) -> list[int]:
-        """How many samples a pixel of a format may have besides one, fewest first."""
+        """Return how many samples a pixel of a format may have besides one, fewest first."""
         return sorted(self.gl.ask("samples", format))
 
     def close(self) -> None:

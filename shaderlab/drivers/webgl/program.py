@@ -44,7 +44,7 @@ class Translated:
 def translate(
     texts: Mapping[str, str], known: Sequence[Source] = (), *, keep_names: bool = False
 ) -> Translated:
-    """A program in ESSL.
+    """Return a program in ESSL.
 
     What one stage hands to the other goes by its location: of blocks and structs ESSL has none
     there, and SPIRV-Cross names their members by the instance, which stages name as they like.
@@ -138,7 +138,7 @@ class Program:
         return True
 
     def outputs(self, names: Mapping[str, object]) -> dict[int, str]:
-        """Where the program writes those of its outputs that have these names."""
+        """Return where the program writes those of its outputs that have these names."""
         return {
             variable.location: name
             for name, variable in self.interface.outputs.items()
@@ -162,7 +162,7 @@ class Linker(ProgramCache[Program]):
         *,
         feedback: Sequence[str] = (),
     ) -> Program:
-        """The program of these stages.
+        """Return the program of these stages.
 
         Args:
             texts: by stage.
@@ -218,7 +218,7 @@ def find_refusal(
 
 
 def _first_error(said: str | None) -> str:
-    """The first error of a log, without its line, which is one of a text that nobody wrote."""
+    """Return the first error of a log, without its line, which counts in generated text."""
     lines = [line.strip("\0 ") for line in (said or "").splitlines()]
     errors = [line for line in lines if line.startswith("ERROR")] or [x for x in lines if x]
     return re.sub(r"^ERROR: \d+:\d+: ", "", errors[0]) if errors else "it does not say why"

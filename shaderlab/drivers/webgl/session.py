@@ -63,7 +63,7 @@ class VertexArray:
             gl.drawArraysInstanced(mode, 0, self.count, instances)
 
     def readings(self, gl: Calls) -> dict[str, AttributeReading]:
-        """What WebGL2 itself says of each attribute's place."""
+        """Return what WebGL2 itself says of each attribute's place."""
         gl.bindVertexArray(self.handle)
         found = {}
         for name, (at, buffer) in self.locations.items():
@@ -79,8 +79,8 @@ class VertexArray:
 
 
 def vertex_array(own: Objects, mesh: Mesh | None, declared: Mapping[str, Variable]) -> VertexArray:
-    """A vertex array of a mesh for a vertex stage that declares these inputs, or one of three
-    vertices without attributes."""
+    """Return a vertex array of a mesh for a vertex stage that declares these inputs, or one of
+    three vertices without attributes."""
     gl, made = own.gl, own.new("VertexArray")
     gl.bindVertexArray(made)
     if mesh is None:
@@ -268,7 +268,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
     def _feed_back(
         self, draw: PreparedDraw, program: Program, bindings: Bindings, size: int
     ) -> Array:
-        """The floats, of so many bytes, that a draw's vertices leave in a buffer.
+        """Return the floats, of so many bytes, that a draw's vertices leave in a buffer.
 
         Raises:
             DriverError: a call that this takes raises an error.
@@ -337,8 +337,8 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
         return found
 
     def _time(self, pass_name: str, repeats: int) -> Timing:
-        """How long a pass takes to draw, with all that this takes in Python and on the way to the
-        browser. The first time through, when the browser compiles, does not count."""
+        """Return how long a pass takes to draw, with all that this takes in Python and on the way
+        to the browser. The first time through, when the browser compiles, does not count."""
         prepared = self.programs[pass_name]
         seconds, vertices = [], 0
         for draw in prepared:

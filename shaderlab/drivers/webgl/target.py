@@ -175,8 +175,8 @@ class RenderTarget(Attachments):
             gl.framebufferTexture2D(gl.FRAMEBUFFER, place, gl.TEXTURE_2D, image, 0)
 
     def _sample_count(self) -> int:
-        """How many samples a pixel gets: as many as are asked for, or as OpenGL has it, the next
-        number above that the device offers for all formats."""
+        """Return how many samples a pixel gets: as many as are asked for, or as OpenGL has it, the
+        next number above that the device offers for all formats."""
         asked = self._target.samples
         if not asked:
             return 1
@@ -210,8 +210,8 @@ void main() {
 
 
 def measure_sample_positions(device: Device, samples: int) -> Array:
-    """The places of a pixel's samples, (samples, 2), from its lower left corner, by a shader that
-    says it of one sample after the other. Source: Khronos, OES_sample_variables.
+    """Return the places of a pixel's samples, (samples, 2), from its lower left corner, by a shader
+    that says it of one sample after the other. Source: Khronos, OES_sample_variables.
 
     Raises:
         UnsupportedError: the browser does not say.

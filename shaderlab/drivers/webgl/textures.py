@@ -61,7 +61,7 @@ class Stored:
 
 
 def texture_format(word: str) -> Stored:
-    """The constants of a colour or depth format."""
+    """Return the constants of a colour or depth format."""
     if word in _DEPTHS:
         internal, kind = _DEPTHS[word]
         return Stored(internal, "DEPTH_STENCIL" if "stencil" in word else "DEPTH_COMPONENT", kind)
@@ -88,8 +88,8 @@ def round_depths(word: str, values: Array) -> Array:
 
 
 def reading_format(word: str) -> tuple[str, str, str]:
-    """The format and the type in which texels of an attachment are read, and the array they go
-    into: in fours, floats whatever their size."""
+    """Return the format and the type in which texels of an attachment are read, and the array they
+    go into: in fours, floats whatever their size."""
     found = format_of(word)
     if found.numpy is np.uint8:
         return "RGBA", "UNSIGNED_BYTE", "Uint8Array"
@@ -137,7 +137,7 @@ _STENCIL_BITS = 8
 def read_attached(
     device: Device, texture: Object, word: str, size: Size, *, level: int = 0, face: str = "2D"
 ) -> Array:
-    """A level of a texture that can be drawn to: (height, width, channels).
+    """Return a level of a texture that can be drawn to: (height, width, channels).
 
     Args:
         device: where it is.
@@ -157,7 +157,7 @@ def read_attached(
 
 
 def read_pixels(device: Device, word: str, size: Size) -> Array:
-    """The first attachment of the framebuffer that is bound, (height, width, channels).
+    """Return the first attachment of the framebuffer that is bound, (height, width, channels).
 
     Raises:
         DriverError: it can't be read.
@@ -173,7 +173,8 @@ def read_pixels(device: Device, word: str, size: Size) -> Array:
 
 
 def fetch_texels(device: Device, texture: Object, size: Size, level: int = 0) -> Array:
-    """A level of a texture of floats or depths, as shaders get it: (height, width, 4) floats."""
+    """Return a level of a texture of floats or depths, as shaders get it: (height, width, 4)
+    floats."""
     gl = device.gl
     with Objects(gl) as own:
         program = use_own_program(device, _FETCH)
@@ -194,7 +195,7 @@ def fetch_texels(device: Device, texture: Object, size: Size, level: int = 0) ->
 
 
 def read_stencil(device: Device, attachment: Mapping[str, Object], size: Size) -> Array:
-    """What a stencil buffer holds, (height, width, 1) bytes.
+    """Return what a stencil buffer holds, (height, width, 1) bytes.
 
     Args:
         device: where it is.
@@ -224,7 +225,7 @@ def read_stencil(device: Device, attachment: Mapping[str, Object], size: Size) -
 
 
 def use_own_program(device: Device, fragment: str) -> Object:
-    """A program of the lab's, in use, that draws one triangle over the target; made once."""
+    """Return a program of the lab's, in use, that draws one triangle over the target; made once."""
     gl = device.gl
     if fragment not in device.own_programs:
         program = gl.new("createProgram")
@@ -416,7 +417,7 @@ class BoundTextures(SceneTextures[Any]):
         gl.generateMipmap(getattr(gl, texture.target))
 
     def _smaller(self, texture: DeviceTexture) -> tuple[Array, ...]:
-        """The levels below the first, as the device has them."""
+        """Return the levels below the first, as the device has them."""
         if texture.kind == "2DArray":
             raise UnsupportedError("mipmaps=True of a texture array: WebGL2 can't read its levels")
         sizes = level_sizes(*texture.size)
