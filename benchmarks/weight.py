@@ -68,8 +68,7 @@ def main() -> None:
         print(f"{lines:8,} lines of {kind}")
     print(f"{total:8,} lines in all")
     print(f"{len(list(_files('.py'))):8,} Python files")
-    names = [path for path in PACKAGE.iterdir() if path.name != "__pycache__"]
-    names = [path for path in names if path.suffix != ".so"]
+    names = {file.relative_to(PACKAGE).parts[0] for file in _files()}
     print(f"{len(names):8,} names at the top")
     for title, found in (
         (f"functions over {MAX_LINES} lines", sorted(_long_functions())),
@@ -88,7 +87,11 @@ def main() -> None:
 
 
 def _files(*suffixes: str) -> Iterator[Path]:
-    return (file for file in sorted(PACKAGE.rglob("*")) if file.suffix in suffixes)
+    """All files of the package with one of these suffixes, or with any if there is none."""
+    for file in sorted(PACKAGE.rglob("*")):
+        if file.is_file() and "__pycache__" not in file.parts:
+            if not suffixes or file.suffix in suffixes:
+                yield file
 
 
 def _count_lines(file: Path) -> int:
