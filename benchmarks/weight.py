@@ -89,9 +89,9 @@ def main() -> None:
 def _files(*suffixes: str) -> Iterator[Path]:
     """All files of the package with one of these suffixes, or with any if there is none."""
     for file in sorted(PACKAGE.rglob("*")):
-        if file.is_file() and "__pycache__" not in file.parts:
-            if not suffixes or file.suffix in suffixes:
-                yield file
+        wanted = not suffixes or file.suffix in suffixes
+        if wanted and file.is_file() and "__pycache__" not in file.parts:
+            yield file
 
 
 def _count_lines(file: Path) -> int:
