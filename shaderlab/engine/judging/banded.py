@@ -183,7 +183,7 @@ class Banded(Placed):
         if not self.measured.size:
             return None
         i, c = self.furthest()
-        reference = self.reference[i]
+        reference = self.band.values_at(np.array([i]))[0]
         self._require_inside(i, reference)
         names = [name for names in self.band.parameters.values() for name in names]
         return Worst(

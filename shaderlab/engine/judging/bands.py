@@ -86,7 +86,15 @@ class ReferenceBand:
                 self.evaluate_exact(rows, values[rows])
         return values
 
-    def evaluate_exact(self, rows: slice, into: Array) -> None:
+    def values_at(self, rows: Array) -> Array:
+        """As `values`, of some rows; where no row depends on another, these alone are evaluated."""
+        if PLACE in self.parameters or "values" in self.__dict__:
+            return self.values[rows]
+        found = np.empty((len(rows), self.low.shape[1]))
+        self.evaluate_exact(rows, found)
+        return found
+
+    def evaluate_exact(self, rows: slice | Array, into: Array) -> None:
         """Evaluate the formula in float64 for some rows. Raises FormulaError."""
         part = self.inputs.part(rows)
         found = evaluate(
@@ -104,8 +112,10 @@ class ReferenceBand:
         if step > 1 and PLACE in self.parameters:
             starts = range(0, count, count // 8)
             return np.concatenate([self.values[n : n + SAMPLED // 8] for n in starts])
+        if step == 1:
+            return self.values
         # An odd step meets all columns of a frame whose width is a power of two.
-        return self.values[:: step - (1 - step % 2) if step > 1 else 1]
+        return self.values_at(np.arange(0, count, step - (1 - step % 2)))
 
     @cached_property
     def informative_share(self) -> float:
