@@ -5,7 +5,7 @@
     print(*audit.lines(), sep="; ")
 
 A hazard is shown by an invocation: in float32 an instruction's operands are ones for which GLSL
-defines no result there, and an output depends on what the instruction gives.
+defines no result there, and an output depends on its result.
 """
 
 from __future__ import annotations
@@ -391,7 +391,7 @@ def audit_program(
         batches = merge_batches(captured, program, _MAX_CAPTURED)
         examples = [e for batch in batches for e in _captured_examples(program, batch)]
         tried = sum(batch.count for batch in batches)
-        words = dict.fromkeys(inputs, "as the case gives it")
+        words = dict.fromkeys(inputs, "as in the case")
     else:
         if program.workgroup_size > 1:
             inputs = _workgroup_inputs(inputs)
@@ -435,7 +435,7 @@ def _workgroup_inputs(inputs: Mapping[str, Input]) -> dict[str, Input]:
 def _hazards(
     program: Program, example: Counterexample, inputs: Mapping[str, Input]
 ) -> Sequence[Hazard]:
-    """The hazard about an instruction; none where no output depends on what it gives."""
+    """The hazard about an instruction; none where no output depends on its result."""
     place, one = example.place, example.watched
     outputs = find_dependents(program, example.batch, example.row, place)
     if not outputs and place.kind != INDEX.kind:

@@ -1,4 +1,4 @@
-"""Batches of invocations: of a scene's draws or made up, joined, run, and shown."""
+"""Batches of invocations: captured from a scene's draws or generated, joined, run, shown."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class InputBatch:
         return InputBatch(each, self.bindings, len(rows))
 
     def rows_with(self, rows: Array, program: Program) -> Array:
-        """Some rows, and where the program asks for derivatives those of their quads."""
+        """Some rows, and where the program uses derivatives those of their quads."""
         places = self.each.get("gl_FragCoord")
         if places is None or not asks_for_neighbours(program, self.bindings):
             return rows

@@ -218,7 +218,7 @@ class Check:
         bad: of the margin, where it does.
         words: of one component's operands, what happens.
         crosses: whether the margin has a sign, and 0 alone is bad.
-        possible: why it is no hazard by itself: GLSL says what happens, or devices mostly do.
+        possible: why it is no hazard by itself: GLSL or most devices define the result.
     """
 
     kind: str

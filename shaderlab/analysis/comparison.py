@@ -66,9 +66,9 @@ class Plan:
 
     Attributes:
         ranges: "a..b", "a:b" or "unit" for inputs, by name.
-        rounds: how many sets of inputs are made up, or captured ones varied.
-        count: invocations in each that is made up.
-        accuracy: whether bands are asked how accurate both are.
+        rounds: how many batches of inputs are generated, or captured ones varied.
+        count: invocations in each that is generated.
+        accuracy: whether to compare the accuracy of both by their bands.
     """
 
     ranges: Mapping[str, str] = field(default_factory=dict)
@@ -96,7 +96,7 @@ def compare_programs(
         old, new: the programs.
         plan: how they are compared.
         captured: inputs that a scene gave the old one. They are taken as they are, and varied;
-            without any, inputs are made up.
+            without any, inputs are generated.
 
     Raises:
         NotInterpretedError: one does what the interpreter does not know, or does not end.
@@ -218,7 +218,7 @@ class _Comparison:
         return any(self._compare(one, name, other).different.any() for one in sets)
 
     def _compare(self, one: _Set, name: str, other: str) -> Compared:
-        """How an output compares on a set of inputs; asked once."""
+        """How an output compares on a batch; computed once."""
         if (name, other) not in one.compared:
             first_difference = compare(one.old, one.new, name, other)
             names = (name, other)
@@ -325,7 +325,7 @@ class _Comparison:
             if n in self.inputs and self.inputs[n].whole and domains[n].source == "assumed"
         }
         if whole and any(map(_works_on_bits, self.programs)):
-            # Where a loop goes on for as long as such a number says, nothing is said.
+            # A loop over such a number may be too long to run: no condition then.
             with contextlib.suppress(NotInterpretedError):
                 yield self._run(self.make({**domains, **whole}, self.plan.rounds))
 
@@ -402,7 +402,7 @@ class ComparedWith(Need):
 @dataclass(frozen=True)
 class SameAs(DrawExpectation):
     """A draw's fragment shader, or its vertex shader, computes the same mathematics as `approved`,
-    a shader that somebody looked at and found right: on all inputs that it got in the scene, and on
+    a shader that was reviewed: on all inputs that it got in the scene, and on
     others like them.
 
     Args:

@@ -32,7 +32,7 @@ class Hazard:
         kind: of hazard, such as "division by 0".
         message: what happens there, in words.
         evident: whether the inputs below do it, in float32, and an output depends on it; else it
-            is possible: `message` says what it takes.
+            is possible: `message` states the condition.
         inputs: an invocation at which it happens, by name.
         outputs: what that invocation writes, by the names of the outputs that depend on it.
         calls: the lines of the calls that lead there, the outermost first.
@@ -77,7 +77,7 @@ class Audit:
         tried: how many invocations were run.
         inputs: what each input was given, in words, by name.
         refused: why nothing can be said of it, if so.
-        spreads: how far devices may differ at each output, if that was asked for.
+        spreads: how far devices may differ at each output, if that was measured.
     """
 
     file: str
@@ -133,7 +133,7 @@ _DISCARDED = "discard"
 
 @dataclass(frozen=True)
 class _Replacing:
-    """A `Watch` that gives an instruction another result, or leaves it as it is with None. Other
+    """A `Watch` that replaces an instruction's result, or leaves it as it is with None. Other
     results that are no number although all operands are become one: they would hide what depends
     on this one."""
 
@@ -223,8 +223,8 @@ def _differs(name: str, runs: Sequence[Mapping[str, Array]]) -> bool:
 def reached_by_0(
     program: Program, batch: InputBatch, row: int, place: Place, number: float
 ) -> bool:
-    """Whether an instruction is run where a number is 0 that is nearly so at an invocation; not so
-    if a condition is before it, such as `x != 0.0`."""
+    """Whether an instruction is run where a number that is nearly 0 at an invocation is 0; false
+    behind a condition, such as `x != 0.0`."""
     some, own = batch.alone(row, program)
     watch = _Zeroing(place, number)
     written_outputs(program, some, own, watch)

@@ -1,4 +1,4 @@
-"""What a program reads from outside, and what its author says about it."""
+"""What a program reads, which values each input may have, and samples of those."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _elements(lengths: tuple[int, ...], name: str) -> Iterator[str]:
 
 
 def declared_ranges(program: Program) -> dict[str, str]:
-    """What `// range:` says of each name declared in its line: "0..50", "unit"."""
+    """The `// range:` of each name declared in its line: "0..50", "unit"."""
     found: dict[str, str] = {}
     text = "" if program.source is None else program.source.text
     for line in text.splitlines():
@@ -85,9 +85,9 @@ def declared_ranges(program: Program) -> dict[str, str]:
             continue
         code, _, _ = line.partition("//")
         pair = _RANGE.search(line)
-        says = "unit" if _UNIT.search(line) else f"{pair[1]}..{pair[2]}" if pair else ""
-        if says:
-            found.update((name, says) for name in _DECLARED.findall(code))
+        text = "unit" if _UNIT.search(line) else f"{pair[1]}..{pair[2]}" if pair else ""
+        if text:
+            found.update((name, text) for name in _DECLARED.findall(code))
     return found
 
 
@@ -101,7 +101,7 @@ class InputDomain:
     Attributes:
         kind: numbers between `low` and `high`, vectors of length 1, matrices that turn, those that
             turn, scale and move, those of a perspective, or textures.
-        source: who says so: "given" by --range, "declared" in a comment, "learned" of captures,
+        source: "given" by --range, "declared" in a comment, "learned" from captures,
             or "assumed".
         above: the name of an input than which this one is not less.
     """
@@ -142,7 +142,7 @@ class InputDomain:
 
     @property
     def relaxed(self) -> InputDomain | None:
-        """The role without its assumption; None where somebody said it, or nothing is assumed."""
+        """The domain without its assumption; None if it is none, or can't be dropped."""
         if self.source in ("given", "declared") or self.kind in ("projection", "texture"):
             return None
         if self.source == "learned":
@@ -179,7 +179,7 @@ _PLACES = frozenset(
     {"position", "positions", "pos", "eye", "target", "origin", "world", "center", "uv", "coord",
      "coords", "st"}
 )  # fmt: skip
-_UNIT_roles = frozenset(
+_DIRECTIONS = frozenset(
     {"normal", "dir", "direction", "halfway", "tangent", "bitangent", "axis", "up", "forward"}
 )
 _ORDERS = (
@@ -202,8 +202,8 @@ def domains_of(
 
     Args:
         inputs: what the programs read.
-        declared: "a..b", "a:b" or "unit" by a variable's own name, as its author says.
-        given: the same by whole name, of all elements of an array or of one; goes before.
+        declared: "a..b", "a:b" or "unit" by a variable's own name, from comments.
+        ranges: the same by whole name, of all elements of an array or of one; these win.
 
     Raises:
         UsageError: what is given is no range.
@@ -277,7 +277,7 @@ def words_of(name: str) -> list[str]:
 
 def is_direction(name: str) -> bool:
     """Whether a name is one of a vector whose length is 1, as a rule."""
-    return bool(_UNIT_roles & set(words_of(name)[-2:]))
+    return bool(_DIRECTIONS & set(words_of(name)[-2:]))
 
 
 def is_place(name: str) -> bool:

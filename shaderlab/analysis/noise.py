@@ -133,7 +133,7 @@ def _pool(size: float) -> Array:
 
 COPIES = 3
 """Runs with noise, besides the one without."""
-_FEW, _SURE = 200, 12  # so few invocations are asked again, with so many runs
+_FEW, _SURE = 200, 12  # so few invocations are run again, so many times
 _FAR = 2.0**20  # pixels between two runs
 TIMES = 16.0
 """How many times the spread two outputs may lie apart."""
@@ -156,7 +156,7 @@ class Compared:
 
     Attributes:
         different: where it is another one.
-        judged: where that can be told: what noise decides, and what neither program draws or
+        judged: where it can be decided: what noise dominates, and what neither program draws or
             defines, is left out.
         apart: how far the two are apart, infinite where only one is there.
         why: "value", "coverage" or "definedness" of the first that differs; "" if none does.

@@ -370,7 +370,7 @@ class SpreadOf(Need):
 @dataclass(frozen=True)
 class Portable(OutputExpectation):
     """Devices differ by no more than `codes` codes of 8 bits at an output of a fragment shader, on
-    what a draw gives it.
+    what a draw passes to it.
 
     At "highp" that is what the precision rules allow two conforming devices. At "mediump" it is
     what sampled devices of 16 bits are off: what the shader declares as mediump is computed so,

@@ -1,6 +1,7 @@
-"""Values that nobody stored: what is read before it is written, and outputs that are not written.
+"""Undefined behaviour beyond single instructions: uninitialised reads and outputs, divergent
+derivatives, races between invocations.
 
-The program is run twice, each time with another value in all that nothing was stored to.
+For uninitialised values the program is run twice, each time with another value in all of them.
 """
 
 from __future__ import annotations
@@ -172,7 +173,7 @@ def _read(
     output: str,
     inputs: Mapping[str, Input],
 ) -> Hazard:
-    """The hazard of a variable's value that nobody stored: at the first line that loads it."""
+    """The hazard of an uninitialised variable: at the first line that loads it."""
     some, own = batch.alone(row, program)
     size = program.workgroup_size
     rows = slice(own * size, (own + 1) * size)
@@ -260,9 +261,9 @@ def divergent(
 
     Args:
         program: a fragment stage.
-        given: whole quads; those that were made up become smooth, and uniform where they should.
+        batch: whole quads; generated inputs become smooth, and uniforms uniform.
         inputs: what it reads.
-        made_up: whether nobody knows which textures have mipmaps: then those are possible ones.
+        made_up: whether inputs are generated: it is unknown which textures have mipmaps.
     """
     ops = {one.op for one in program.definitions.values()}
     if program.stage != "fragment" or not ops & {*_DERIVATIVES, *_SAMPLES}:
@@ -394,7 +395,7 @@ class _Accesses:
 
 
 def _mark(table: Array, place: tuple[Array, Array], members: Array) -> None:
-    """Note who came to each element of each workgroup."""
+    """Note which invocation accessed each element of each workgroup."""
     before = table[place]
     table[place] = members
     alone = ((before == _NOBODY) | (before == members)) & (table[place] == members)

@@ -44,7 +44,7 @@ def judge_function(function: Function, law: Law | CallLaw | Reference, call: Cal
     """
     outputs = call.signature.outputs
     if not outputs:
-        raise CallError(f"{function.__name__} gives nothing", remedy="check what it should write")
+        raise CallError(f"{function.__name__} returns nothing", remedy="check what it should write")
     got = function.evaluate(call)
     found = split_result(outputs, got)
     kept: Array = np.ones(call.batch, np.bool_)
@@ -57,8 +57,8 @@ def judge_function(function: Function, law: Law | CallLaw | Reference, call: Cal
     if not isinstance(got, np.ndarray | np.generic):
         names = ", ".join(part.name for part in found)
         raise CallError(
-            f"{law.title} is a law of one value; {function.__name__} gives {names}",
-            remedy="check a reference that gives them all, or call it, and compare what it gives",
+            f"{law.title} is a law of one value; {function.__name__} returns {names}",
+            remedy="check a reference that returns them all, or call it and compare its results",
         )
     return [_judge_law(function, law, call, found[0], kept)]
 
@@ -201,7 +201,7 @@ class Part:
         return found.astype(np.float32) if found.dtype == bool else found
 
     def of(self, reference: Reference) -> Reference:
-        """This part of what a reference gives, as a reference with the same parameters."""
+        """This part of a reference's result, as a reference with the same parameters."""
         plain = self.type.kind != "bool" and not self.type.dims and len(self.type.shape) < 2
         if plain and not self.steps:
             return reference
@@ -290,7 +290,7 @@ def _flatten(value: Any, kind: Type) -> Any:
     if tuple(shape[-2:]) != kind.base_shape:
         raise FormulaError(
             f"gives shape {shape} for a {kind}",
-            remedy=f"build it of its columns, or give an array (…, {rows} rows, {columns} columns)",
+            remedy=f"build it of its columns, or return an array (…, {rows}, {columns})",
         )
     return stack([value[..., row, :] for row in range(rows)], -1)
 
@@ -303,7 +303,9 @@ def _flatten_array(value: Any, kind: Type) -> Any:
             return value
         axis = -1 - len(inner)
         if not inner or len(shape) < -axis or shape[axis] != count:
-            raise FormulaError(f"gives shape {shape} for {kind}", remedy=f"give a list of {count}")
+            raise FormulaError(
+                f"gives shape {shape} for {kind}", remedy=f"return a list of {count}"
+            )
         value = [value[(..., n, *[slice(None)] * len(inner))] for n in range(count)]
     if len(value) != count:
         raise FormulaError(f"gives {len(value)} elements for {kind}")

@@ -34,11 +34,11 @@ class Domain(ABC):
 
     @abstractmethod
     def simpler(self, value: Any) -> list[Any]:
-        """Simpler values than one of its own, the simplest first; for one number, or for a whole
-        vector where its numbers depend on each other."""
+        """Values of the domain that are simpler than one, the simplest first; for one number, or
+        for a whole vector where its numbers depend on each other."""
 
     by_component = True
-    """Whether each number of a vector is a value of its own."""
+    """Whether each number of a vector is a value by itself."""
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ class Region:
 
 class SharedMemory:
     """Memory that the calling process and a worker share, so that arrays are not sent. It has no
-    name and no limit of its own: the worker opens this process's file descriptor. It grows as
+    name and no size limit: the worker opens this process's file descriptor. It grows as
     needed; what was in it is lost then."""
 
     def __init__(self) -> None:
@@ -231,7 +231,7 @@ def use_worker(worker: Worker) -> Iterator[None]:
 
 
 def get_caller() -> Caller:
-    """What makes calls: inside `called_in` its worker, else this process's own."""
+    """What makes calls: inside `use_worker` its worker, else this process's own."""
     return _CALLER.get() or _process_caller()
 
 
@@ -268,7 +268,7 @@ def evaluate(source: Source, folder: str, call: Call) -> Any:
         call: the function and its arguments.
 
     Raises:
-        ShaderError, CaseError, CallError: as `shaderlab.functions.calling.Caller.evaluate`.
+        ShaderError, CaseError, CallError: as `Caller.evaluate`.
     """
     signature, count = call.signature, math.prod(call.batch)
     one_each = signature.per_pixel or count <= _FEW
@@ -363,13 +363,13 @@ class _Run:
 
 
 def glsl_versions(source: Source) -> tuple[int, ...]:
-    """The versions of GLSL that a file may be compiled as: its own if it says one of the desktop's,
+    """The versions of GLSL that a file may be compiled as: its own if that is a desktop version,
     else a late one, or an early one where it has names that later ones took."""
     number, profile = source.version
     if profile == "es":
         return (_NEWEST,)
-    says = any(version_of(strip_comments(text)) for _, text in source.parts)
-    return (max(number, _OLDEST),) if says else (_NEWEST, _OLDEST)
+    has_own = any(version_of(strip_comments(text)) for _, text in source.parts)
+    return (max(number, _OLDEST),) if has_own else (_NEWEST, _OLDEST)
 
 
 @lru_cache(maxsize=256)

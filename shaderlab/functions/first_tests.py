@@ -42,7 +42,7 @@ def first_tests(library: Library, path: str) -> str:
     """A test file's text for all functions of a library.
 
     Each function gets one property over a range of each argument, the strongest of a few that holds
-    there, and one figure: what it gives today, to be replaced by what it should give.
+    there, and one figure: what it returns today, to be replaced by what it should return.
 
     Args:
         library: the functions.
@@ -73,7 +73,7 @@ def first_tests(library: Library, path: str) -> str:
 def _tests(function: Function, signature: Signature, name: str, called: str) -> Iterator[str]:
     yield f"# {signature}"
     inputs = (*signature.given, *(g for g in signature.globals if not g.optional))
-    reason = signature.obstacle or ("" if signature.outputs else "it gives nothing")
+    reason = signature.obstacle or ("" if signature.outputs else "it returns nothing")
     try:
         texts = {i.name: _domain(i) for i in inputs}
         if reason:
@@ -93,7 +93,7 @@ def _tests(function: Function, signature: Signature, name: str, called: str) -> 
     arguments = ", ".join(f"{n}={text}" for n, text in shown.items())
     yield f"def test_{name}_at_one_place():"
     yield f"    y = {called}({arguments})"
-    yield "    # What it gives today: put in what it should give."
+    yield "    # What it returns today: put in what it should return."
     yield from (f"    {line}" for line in _figures(value))
 
 

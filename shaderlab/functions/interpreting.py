@@ -57,7 +57,7 @@ def find_entry_points(
     Args:
         source: the file, with a `#version`.
         preprocessed: its text after the preprocessor, line for line.
-        versions: to try, where the file says none.
+        versions: to try, where the file has none.
 
     Raises:
         ShaderError: its brackets do not match.
@@ -72,7 +72,7 @@ def find_entry_points(
             if place[0] == own_file:
                 made = _entry_source(source, signature, place, taken)
                 sources: tuple[Source, ...] = (made,)
-                if len(versions) > 1:  # a file that says its version keeps it
+                if len(versions) > 1:  # a file with a version keeps it
                     sources = tuple(as_version(made, number) for number in versions)
                 found.append(EntryPoint(signature, sources))
     return sorted(found, key=lambda one: one.signature.line)
@@ -128,7 +128,7 @@ def _main_lines(signature: Signature, taken: Collection[str]) -> Iterator[str]:
 
 
 def _leaves(target: str, label: str, kind: Type) -> Iterator[tuple[str, str, Type]]:
-    """The numbers, vectors and matrices of a value, each with a name of its own."""
+    """The numbers, vectors and matrices of a value, each with its name."""
     if kind.dims:
         for n in range(kind.dims[0]):
             yield from _leaves(f"{target}[{n}]", f"{label}_{n}", kind.element)
@@ -264,7 +264,7 @@ def _program(function: EntryPoint) -> Program:
     """The function's shader, of the first version of GLSL that takes it.
 
     Raises:
-        ShaderError: none takes it; what the first one says.
+        ShaderError: none takes it; the first error.
     """
     errors = []
     for source in function.sources:

@@ -55,7 +55,7 @@ class Kernel:
 
     @property
     def result_words(self) -> int:
-        """How many words a call gives; one more than its outputs' where it may discard."""
+        """How many words a call returns; one more than its outputs' where it may discard."""
         words = sum(kind.words for _, kind in self.signature.outputs)
         return words + self.signature.discards
 

@@ -48,7 +48,7 @@ class Inverse(Close, CallLaw):
         x = np.asarray(_argument(function, call, self.argument))
         back = np.asarray(self.other(got))
         x = np.broadcast_to(x, back.shape)
-        trivial = "it gives its argument" if back.size and np.array_equal(got, x) else ""
+        trivial = "it returns its argument" if back.size and np.array_equal(got, x) else ""
         return self.compare(back, x, trivial)
 
 
@@ -62,7 +62,7 @@ class Idempotent(Close, CallLaw):
         name = self.argument or call.signature.given[0].name
         again = np.asarray(function.call_again(call, {name: got}))
         x = _argument(function, call, name)
-        trivial = "it gives its argument" if np.array_equal(np.asarray(got), x) else ""
+        trivial = "it returns its argument" if np.array_equal(np.asarray(got), x) else ""
         return self.compare(again, got, trivial)
 
 
@@ -99,7 +99,7 @@ class Table(Close, CallLaw):
         measured, expected = np.asarray(got), np.asarray(self.values)
         if expected.shape != measured.shape:
             raise CallError(
-                f"table: has shape {expected.shape}, the function gives {measured.shape}"
+                f"table: has shape {expected.shape}, the function returns {measured.shape}"
             )
         close: Close = self
         if self.digits is not None:

@@ -33,7 +33,7 @@ class Loads:
     Attributes:
         texts: what to take in place of a text, includes expanded.
         sources: what was loaded, as its author wrote it, by that text.
-        used: the names of the functions that were asked for, by that text.
+        used: the names of the functions that were looked up, by that text.
         called_outside: the paths of sources whose functions are called outside of tests.
     """
 
@@ -49,7 +49,7 @@ class Loads:
         return source if text is None else replace(source, text=text, stripped=None)
 
     def use(self, source: Source, name: str) -> None:
-        """A function of a source was asked for."""
+        """Note that a function of a source was looked up."""
         self.used.setdefault(source.text, set()).add(name)
 
 
@@ -81,7 +81,7 @@ class Function:
     (…, rows, columns). Uniforms and other globals that it reads are given by their names. With
     `out` parameters it returns a named tuple of all that it writes.
 
-    Where it asks for its pixel's neighbours (`dFdx`), those are its neighbours along the arguments'
+    Where it uses derivatives (`dFdx`), a pixel's neighbours are its neighbours along the arguments'
     last two axes. What it discards is masked.
     """
 
@@ -154,7 +154,7 @@ class Function:
             arguments, named: as in a call.
 
         Raises:
-            AssertionError: it does not hold; says where.
+            AssertionError: it does not hold; the message shows where.
             CallError, ShaderError: as in a call; or the reference takes other arguments.
         """
         __tracebackhide__ = True
@@ -218,7 +218,7 @@ def load(
             (`shaderlab.settings.Settings.shader_folders`), or in the working folder; or GLSL
             itself, which has a brace.
         defines: macros to put after its `#version`.
-        given: values of uniforms and other globals that calls don't give themselves.
+        given: values of uniforms and other globals, where a call has none.
 
     Raises:
         ShaderError: there is no such file, or it or one of its includes can't be read.

@@ -83,7 +83,7 @@ def format_arguments(values: Values) -> Iterator[str]:
 
 
 def format_number(value: Any) -> str:
-    """The shortest text that gives the same float32, integer or boolean."""
+    """The shortest text with the same float32, integer or boolean."""
     return str(value) if np.asarray(value).dtype.kind != "f" else shortest(value)
 
 
@@ -151,13 +151,13 @@ class Search:
         if len(others) > 1 and not outputs.issuperset(others):
             raise CallError(
                 f"{self._test.__name__} has parameters {', '.join(others)}, of which only one can "
-                f"be what {self._function.__name__} gives",
+                f"be the result of {self._function.__name__}",
                 remedy=f"{self._function.__name__} takes {', '.join(sorted(inputs))}",
             )
         return others
 
     def run(self, batch: Batch) -> None:
-        """Try a batch. Raises what the test raises for its simplest counterexample."""
+        """Try a batch. Raises what the test raises for its smallest counterexample."""
         __tracebackhide__ = True
         if batch.seed is None:
             values = {n: np.asarray(v)[None] for n, v in flatten(dict(batch.values))}
@@ -290,7 +290,7 @@ class Search:
             return self._test(**arguments)
 
     def _arguments(self, values: Values) -> dict[str, Any]:
-        """What the test gets for some values: those that it asks for, and the result."""
+        """What the test gets for some values: those among its parameters, and the result."""
         fixed = {n: d for n, d in flatten(self._domains) if not isinstance(d, Domain)}
         named = nest({**fixed, **values})
         result = self._function(**named)
@@ -312,7 +312,7 @@ DRAWS = 10
 def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
     """A test of a property: `@glsl.given(lighting.fresnel, cosine=glsl.floats(0, 1))`.
 
-    The test gets the arguments by their names, and by any other name what the function gives for
+    The test gets the arguments by their names, and by any other name what the function returns for
     them; with `out` parameters that is a mapping, or each of them by its own name. It asserts on
     arrays, or on single numbers, or returns where the property holds.
 

@@ -39,7 +39,7 @@ _NOTES: ContextVar[Notes | None] = ContextVar("_NOTES", default=None)
 
 
 def current_notes() -> Notes | None:
-    """The notes of the test that runs; None where nobody wants any."""
+    """The notes of the test that runs; None if none are taken."""
     return _NOTES.get()
 
 
@@ -92,7 +92,7 @@ def record_of_test(
             line=line,
         )
         outcomes = (own,)
-    is_told = any(outcome.status != "pass" for outcome in outcomes)
+    is_explained = any(outcome.status != "pass" for outcome in outcomes)
     return Record(
         id=stem,
         variant=name,
@@ -102,7 +102,7 @@ def record_of_test(
         formula="",
         file=shown,
         status=status,
-        message="" if is_told else message,
+        message="" if is_explained else message,
         seconds=seconds,
         programs=tuple(_programs(found)),
         expectations=tuple(

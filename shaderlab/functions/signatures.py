@@ -154,7 +154,7 @@ class Declarations:
         return [one for one in self.all if one.start in found]
 
     def type_of(self, written: TypeSpecifier) -> Type:
-        """The type that is written so. Raises LookupError, which says what is not known."""
+        """The type that is written so. Raises LookupError, whose message names what is unknown."""
         dims = []
         for length in written.lengths:
             value = _constant(length, self.constants)
@@ -308,12 +308,12 @@ class Signature:
 
     @property
     def given(self) -> tuple[Input, ...]:
-        """The parameters that a caller gives."""
+        """The parameters that a caller passes."""
         return tuple(p for p in self.parameters if p.direction != "out")
 
     @property
     def outputs(self) -> tuple[tuple[str, Type], ...]:
-        """What a call gives, by name: the result, then what is written to parameters."""
+        """What a call returns, by name: the result, then what is written to parameters."""
         outs = tuple((p.name, p.type) for p in self.parameters if p.direction != "in")
         name = "result" if all(p.name != "result" for p in self.parameters) else "returned"
         return outs if self.result.name == "void" else ((name, self.result), *outs)
@@ -443,7 +443,7 @@ def _redeclares(one: GlslDeclaration) -> bool:
 
 
 def _variables_to_give(needed: list[GlslDeclaration]) -> Iterator[Declarator]:
-    """The variables that somebody else sets; what GLSL declares itself may be declared again."""
+    """The variables that the application or other stages set, but for redeclared built-in ones."""
     for one in needed:
         if not one.qualifiers & _GIVEN or _redeclares(one):
             continue

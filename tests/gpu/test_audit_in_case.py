@@ -64,7 +64,7 @@ def test_a_case_s_own_inputs_decide(tmp_path: Path) -> None:
     status, output = audited(write(tmp_path, -0.5))
     assert status == 1
     assert "wave.frag:7: sqrt of a negative number" in output
-    assert "shift: as the case gives it" in output
+    assert "shift: as in the case" in output
 
 
 def judged(lab: SceneRunner, folder: Path, scale: float, expectation: portable) -> Outcome:

@@ -1,4 +1,4 @@
-"""What a handler of an instruction is, and the most usual one."""
+"""Handlers of arithmetic: on floats, integers, conditions and composites."""
 
 from __future__ import annotations
 
@@ -293,7 +293,7 @@ def derivative(run: Run, function: str, value: Any) -> Any:
     """A derivative of a value by its name in GLSL.
 
     Raises:
-        FormulaError: nobody knows where the pixels are.
+        FormulaError: the pixels' places are unknown.
     """
     if value.shape[0] == 1:
         return run.arithmetic.call("subtract", value, value)
@@ -409,7 +409,7 @@ def call_integers(
 
 def settle(run: Run, value: Integer, state: PathState) -> Integer:
     """The integer without what it may be for invocations that are not here: one number, so that
-    the value counts as known where it is so for all that are."""
+    the value counts as known where it is known for those that are."""
     if run.arithmetic.rules is None:
         rounded: Integer = run.arithmetic.rounded(value)
         return rounded

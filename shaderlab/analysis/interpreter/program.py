@@ -1,4 +1,4 @@
-"""SPIR-V's types as the interpreter sees them."""
+"""SPIR-V modules as the interpreter sees them: types, instructions, functions, programs."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Type:
 
 
 class Types(dict[int, Type]):
-    """A module's types by id, each made when it is first asked for; a pointer's id gives the type
+    """A module's types by id, each made when it is first needed; a pointer's id gives the type
     of the pointer, see `Program.variables` for what variables hold.
 
     Raises:

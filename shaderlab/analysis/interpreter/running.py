@@ -102,7 +102,7 @@ def width(band: Band, row: int, scale: float = 0.0) -> float:
 def precision_loss(event: Stored, row: int) -> float:
     """How many ULP wider the band is that one invocation stores than the widest that it read."""
     reads = [value for value in event.reads if is_vector(value)]
-    # 1 - x that may be 0 has no size of its own: what it is made of has.
+    # The size of 1 - x near 0 means nothing: that of what was read does.
     scale = max((_size(value, row) for value in reads), default=0.0)
     own = width(event.value, row)
     if not np.isfinite(own):
@@ -221,16 +221,16 @@ def _nothing(run: Run, id_: int) -> Value:
 
 
 MAX_LOOP_ITERATIONS = 4096
-"""Of a loop each time that it is entered, unless a caller says otherwise."""
+"""The default limit for a loop, each time that it is entered."""
 MAX_BLOCKS = 200_000
-"""How many blocks a program may run, likewise."""
+"""The default limit for the blocks that a program runs."""
 _MAX_STATES = 8  # that wait at one block before they are joined
 _MOST_PARTS = 256  # parts of values that are remembered
 
 
 Watch = Callable[["Run", Instruction, PathState, Value], Value]
-"""Is told of each instruction that was run, the last of a block left out, and of its result; gives
-the result that counts."""
+"""Called after each instruction but the last of a block, with its result; returns the result that
+counts."""
 
 
 @dataclass(eq=False)
@@ -286,7 +286,7 @@ class Run:
         results = self.results
         try:
             return [results[id_] for id_ in ids]
-        except KeyError:  # a constant that is asked for the first time
+        except KeyError:  # a constant's first use
             return [self.value(id_) for id_ in ids]
 
     def part(self, value: Value, index: int) -> Value:
@@ -297,7 +297,7 @@ class Run:
         return self.cache_part(value, index, lambda: component(value, index))
 
     def cache_part(self, value: Value, how: Any, make: Callable[[], Value]) -> Value:
-        """What `make` gives, or gave for this very value before."""
+        """The result of `make`, cached by the value's identity."""
         key = (id(value), how)
         known = self._parts.get(key)
         if known is None:

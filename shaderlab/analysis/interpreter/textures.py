@@ -261,7 +261,7 @@ def _fetch(run: Run, at: Instruction, state: PathState) -> Any:
     found = sampling.texelFetch(sampler, inside, number.lo.flat[0])
     if not (outside & state.mask).any():
         return run.arithmetic.rounded(found)
-    # What lies outside is undefined; a robust device gives 0.
+    # What lies outside is undefined; a robust device returns 0.
     if isinstance(found, Band):
         return found.derive(found.lo, found.hi, anything=outside[:, None])
     if isinstance(found, Integer):

@@ -1,4 +1,4 @@
-"""Values of every GLSL type: made, taken apart, changed in parts, chosen between.
+"""Values of every GLSL type: how they are built, taken apart, changed in parts, selected.
 
 A float is an arithmetic's, an integer an `Integer`, a condition a `TriBool`, each shaped
 (count or 1, components); a matrix is (count or 1, rows, columns); structs and arrays are tuples;
