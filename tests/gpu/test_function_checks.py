@@ -256,10 +256,10 @@ def test_a_wrong_one_fails_and_says_where(
     ("name", "law", "arguments", "says"),
     [
         ("fades", srgb_encode, (D, *LAMP), "srgb_encode takes linear; fades gets d, c, l, q"),
-        ("sphere", glsl.bounded(0.0), SPHERE, "a law of one value; sphere gives t, normal, met"),
+        ("sphere", glsl.bounded(0.0), SPHERE, "a law of one value; sphere returns t, normal, met"),
         ("fades", glsl.monotone("x"), (D, *LAMP), "gets no numbers named 'x'"),
         ("less", glsl.monotone("a"), (np.zeros((2, 2)), X[:2]), "give it values along an axis"),
-        ("squared", glsl.table([1.0]), (X,), "has shape (1,), the function gives (41,)"),
+        ("squared", glsl.table([1.0]), (X,), "has shape (1,), the function returns (41,)"),
     ],
 )
 def test_a_check_that_makes_no_sense_is_refused(
