@@ -32,7 +32,7 @@ def quad(size: float = 1.0) -> Geometry:
     corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
     positions = np.column_stack([corners * size, np.zeros(4)])
     normals = np.tile([0.0, 0.0, 1.0], (4, 1))
-    return made(positions, normals, [0, 1, 2, 0, 2, 3], aTexCoords=corners + 0.5)
+    return make_geometry(positions, normals, [0, 1, 2, 0, 2, 3], aTexCoords=corners + 0.5)
 
 
 def plane(size: float = 2.0, repeat: float = 1.0) -> Geometry:
@@ -44,7 +44,9 @@ def plane(size: float = 2.0, repeat: float = 1.0) -> Geometry:
     x, y, _ = flat["aPos"].T
     positions = np.column_stack([x, np.zeros(4), -y])
     normals = np.tile([0.0, 1.0, 0.0], (4, 1))
-    return made(positions, normals, [0, 1, 2, 0, 2, 3], aTexCoords=flat["aTexCoords"] * repeat)
+    return make_geometry(
+        positions, normals, [0, 1, 2, 0, 2, 3], aTexCoords=flat["aTexCoords"] * repeat
+    )
 
 
 def cube(size: float = 1.0) -> Geometry:
@@ -54,7 +56,7 @@ def cube(size: float = 1.0) -> Geometry:
     (24, 36)
     """
     positions, normals, texture, indices = _unit_cube()
-    return made(positions * size, normals, indices, aTexCoords=texture)
+    return make_geometry(positions * size, normals, indices, aTexCoords=texture)
 
 
 @cache
@@ -100,7 +102,7 @@ def sphere(radius: float = 1.0, segments: int = 48, rings: int = 24) -> Geometry
     south, north = triangles[0, :, 1], triangles[-1, :, 0]
     middle = triangles[1:-1].reshape(-1, 3)
     indices = np.concatenate([south, middle, north]).ravel()
-    return made(normals * radius, normals, indices, aTexCoords=np.column_stack([s, t]))
+    return make_geometry(normals * radius, normals, indices, aTexCoords=np.column_stack([s, t]))
 
 
 def ellipsoid(
@@ -119,7 +121,7 @@ def ellipsoid(
     globe = sphere(1.0, segments, rings)
     unit = globe["attributes"]["aNormal"].astype(float)
     texture = globe["attributes"]["aTexCoords"]
-    return made(unit * axes, unit / axes, globe["indices"], aTexCoords=texture)
+    return make_geometry(unit * axes, unit / axes, globe["indices"], aTexCoords=texture)
 
 
 def torus(radius: float = 0.7, tube: float = 0.3, segments: int = 64, sides: int = 32) -> Geometry:
@@ -135,7 +137,7 @@ def torus(radius: float = 0.7, tube: float = 0.3, segments: int = 64, sides: int
     normals[:, 1] = np.sin(across)
     positions = outward * radius + normals * tube
     indices = _grid_triangles(segments, sides).ravel()
-    return made(positions, normals, indices, aTexCoords=np.column_stack([s, t]))
+    return make_geometry(positions, normals, indices, aTexCoords=np.column_stack([s, t]))
 
 
 def moved(geometry: Geometry, matrix: Array) -> Geometry:
@@ -152,7 +154,7 @@ def moved(geometry: Geometry, matrix: Array) -> Geometry:
     others = dict(geometry["attributes"])
     positions = others.pop("aPos").astype(float) @ linear.T + np.asarray(matrix, float)[:3, 3]
     normals = others.pop("aNormal").astype(float) @ np.linalg.inv(linear)
-    return made(positions, normals, geometry["indices"], **others)
+    return make_geometry(positions, normals, geometry["indices"], **others)
 
 
 def joined(*geometries: Geometry) -> Geometry:
@@ -186,7 +188,7 @@ def _grid_triangles(columns: int, rows: int) -> Array:
     return np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], axis=1)
 
 
-def made(positions: Any, normals: Any, indices: Any, **others: Any) -> Geometry:
+def make_geometry(positions: Any, normals: Any, indices: Any, **others: Any) -> Geometry:
     """A mesh of these arrays; normals need not be of unit length."""
     normals = np.asarray(normals, float)
     normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)

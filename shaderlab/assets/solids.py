@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.assets.meshes import Geometry, cube, joined, made, moved
+from shaderlab.assets.meshes import Geometry, cube, joined, make_geometry, moved
 
 Array = npt.NDArray[Any]
 Color = Sequence[float]
@@ -82,10 +82,10 @@ def lathe(profile: Sequence[tuple[float, float]], segments: int = 32) -> Geometr
         triangles = [(a, b, c if r1 > 0.0 else d)] if r0 > 0.0 else []
         triangles += [(a, c, d)] if r1 > 0.0 else []
         indices = np.concatenate([np.stack(t, -1) for t in triangles]).ravel()
-        # Rounded before `made` normalises them: pictures depend on the last bit.
+        # Rounded before `make_geometry` normalises them: pictures depend on the last bit.
         normals = np.tile(normal, (2, 1)).astype(np.float32)
         empty = np.zeros((len(normals), 2))
-        bands.append(made(np.concatenate(ring), normals, indices, aTexCoords=empty))
+        bands.append(make_geometry(np.concatenate(ring), normals, indices, aTexCoords=empty))
     return joined(*bands)
 
 

@@ -163,10 +163,10 @@ def scale(a: BandT, scale: BandT) -> BandT:
     nan = None
     if not is_finite(lo, hi):
         nan = _zero_times_infinity(a.lo, a.hi, scale.lo, scale.lo)
-    return a.derive(lo, hi, scale, nan=nan, terms=_scaled_terms(a, np.abs(scale.lo)))
+    return a.derive(lo, hi, scale, nan=nan, terms=_scale_terms(a, np.abs(scale.lo)))
 
 
-def _scaled_terms(a: Bounds, factor: Float64Array) -> Terms | None:
+def _scale_terms(a: Bounds, factor: Float64Array) -> Terms | None:
     terms = a.terms
     if terms is None:
         scaled = a.abs_sum * factor
@@ -190,18 +190,20 @@ def square(a: BandT) -> BandT:
     """a · a for one and the same value: never negative, and no compiler expands (b + c)²."""
     if a.lo is a.hi:
         product = a.lo * a.lo
-        return a.derive(product, product, terms=_squared(a, product) if a.rules.rearrange else None)
+        return a.derive(
+            product, product, terms=_square_terms(a, product) if a.rules.rearrange else None
+        )
     low, high = a.lo * a.lo, a.hi * a.hi
     straddles = (a.lo < 0.0) & (a.hi > 0.0)
     lo, hi = np.where(straddles, 0.0, np.minimum(low, high)), np.maximum(low, high)
     if not a.rules.rearrange:
         return a.derive(lo, hi)
-    terms = _squared(a, hi)
+    terms = _square_terms(a, hi)
     step = 0.0 if a.is_plain else terms.step()
     return a.derive(np.maximum(lo - step, 0.0), hi + step, terms=terms)
 
 
-def _squared(a: Bounds, product: Float64Array) -> Terms:
+def _square_terms(a: Bounds, product: Float64Array) -> Terms:
     mag = np.minimum(product, LARGEST)
     return Terms.of(mag, lambda: np.maximum(flush_gain_of(a.abs_sum, a.terms) ** 2, 1.0), a.terms)
 

@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from shaderlab.bands import arithmetic, formats
-from shaderlab.bands.bounds import NO, NOWHERE, Bounds, Terms
+from shaderlab.bands.bounds import NO, NOWHERE, Bounds, Swizzled, Terms
 from shaderlab.bands.compiled import use_bands
 from shaderlab.bands.exact import absolute_value, equal, less, negate, not_less, union
 from shaderlab.bands.rounding import Float64Array, Rules, round_outward
-from shaderlab.bands.swizzles import Swizzled
 from shaderlab.bands.tri_bool import TriBool
 from shaderlab.errors import FormulaError
 

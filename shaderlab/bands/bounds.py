@@ -1,4 +1,5 @@
-"""Values between two bounds, and what a band holds besides: rules, flags and terms.
+"""Values between two bounds, their components by GLSL's names (`v.xyz`, `color.rgb`, `uv.st`), and
+what a band holds besides: rules, flags and terms.
 
 What a value is a sum of matters, because a compiler that turns a·b + a·c into a·(b + c), or back,
 rounds at the size of the terms, not of their sum. And it may multiply two small factors first,
@@ -10,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -25,6 +27,55 @@ from shaderlab.bands.rounding import (
     round_outward,
     ulp,
 )
+
+# The letters that name components in GLSL.
+SETS = ("xyzw", "rgba", "stpq")
+
+
+@lru_cache(maxsize=256)
+def components(names: str, size: int) -> list[int] | None:
+    """The components that GLSL's letters name, of one set and of `size`; None for other words."""
+    for letters in SETS:
+        if names and set(names) <= set(letters[:size]):
+            return [letters.index(name) for name in names]
+    return None
+
+
+class Swizzled:
+    """A value whose components have GLSL's names: read-only, any order, repeated or not."""
+
+    __slots__ = ()
+
+    def __getattr__(self: Any, names: str) -> Any:
+        # Words that can't be a swizzle don't ask for the shape, which may be what is missing.
+        found = None if components(names, 4) is None else components(names, self.shape[-1])
+        if found is None:
+            raise AttributeError(self._without(names))
+        return self[..., found]
+
+    def _without(self: Any, names: str) -> str:
+        """What to say of a word that is no swizzle of this value."""
+        if components(names, 4) is None:
+            return f"{type(self).__name__} has no attribute {names!r}"
+        size = self.shape[-1] if self.shape else 1
+        kind = f"a vec{size} has" if size > 1 else "a float has"
+        return f"{kind} no .{names}"
+
+
+class Vector(Swizzled, np.ndarray):
+    """A float64 array whose last axis is a vector's components.
+
+    >>> np.array([1.0, 2.0, 3.0]).view(Vector).zx.tolist()
+    [3.0, 1.0]
+    """
+
+
+def as_vector(result: Any, *values: Any) -> Any:
+    """The result of a function that forgets it, as a `Vector` if one of its values is one."""
+    if isinstance(result, np.ndarray) and any(isinstance(value, Vector) for value in values):
+        return result.view(Vector)
+    return result
+
 
 # Above this size no product of two terms is a denormal, and how terms were made is forgotten.
 TINY = 2.0**-60
@@ -77,28 +128,28 @@ class Terms:
         """What one rounding among these terms may change."""
         size: Float64Array = RELATIVE_STEP * self.abs_sum
         if self.flush_gain is not None or self.least < TINY:
-            size = np.maximum(size, self._flushed())
+            size = np.maximum(size, self._flush_error())
         return size if self.least > 0.0 else np.where(self.abs_sum > 0.0, size, 0.0)
 
     def safe(self) -> Flags:
         """Where the sum of these terms, settled, keeps its sign in any order: not among
         denormals, where flushing one of two terms of opposite signs may leave the other's."""
-        found: Flags = (RELATIVE_STEP * self.abs_sum >= self._flushed()) | (self.abs_sum == 0.0)
+        found: Flags = (RELATIVE_STEP * self.abs_sum >= self._flush_error()) | (self.abs_sum == 0.0)
         return found
 
-    def _flushed(self) -> Float64Array | float:
+    def _flush_error(self) -> Float64Array | float:
         """What flushed products may change, all terms together."""
         if self.flush_gain is None:
             return SMALLEST_NORMAL
         return SMALLEST_NORMAL * self.count * self.flush_gain
 
-    def map_arrays(self, moved: Callable[[Any], Any]) -> Terms:
-        """The same terms, their arrays rearranged by `moved`."""
+    def map_arrays(self, rearrange: Callable[[Any], Any]) -> Terms:
+        """The same terms, their arrays rearranged by `rearrange`."""
         return Terms(
-            moved(self.abs_sum),
-            None if self.slack is None else moved(self.slack),
+            rearrange(self.abs_sum),
+            None if self.slack is None else rearrange(self.slack),
             self.count,
-            None if self.flush_gain is None else moved(self.flush_gain),
+            None if self.flush_gain is None else rearrange(self.flush_gain),
         )
 
 
@@ -312,14 +363,14 @@ class Bounds(Interval):
     def map_arrays(self, function: Callable[[Any], Any]) -> Self:
         """The same values rearranged by `function`, such as indexing or a transposition."""
 
-        def moved(array: Any) -> Any:
+        def rearrange(array: Any) -> Any:
             same = array.shape == shape
             return function(array if same else np.broadcast_to(array, shape))
 
         shape = self.shape
-        lo = moved(self.lo)
-        hi = lo if self.lo is self.hi else moved(self.hi)
-        terms = None if self.terms is None else self.terms.map_arrays(moved)
+        lo = rearrange(self.lo)
+        hi = lo if self.lo is self.hi else rearrange(self.hi)
+        terms = None if self.terms is None else self.terms.map_arrays(rearrange)
         return type(self)(lo, hi, self.rules, self._map_flags(function), terms)
 
 

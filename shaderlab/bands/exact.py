@@ -41,15 +41,15 @@ def round_either_way(a: BandT) -> BandT:
 
 def minimum_of(a: BandT, b: BandT) -> BandT:
     """min(a, b); where one may be NaN either operand may come out."""
-    return _chosen(np.minimum(a.lo, b.lo), np.minimum(a.hi, b.hi), a, b)
+    return _hold_nan(np.minimum(a.lo, b.lo), np.minimum(a.hi, b.hi), a, b)
 
 
 def maximum_of(a: BandT, b: BandT) -> BandT:
     """max(a, b); where one may be NaN either operand may come out."""
-    return _chosen(np.maximum(a.lo, b.lo), np.maximum(a.hi, b.hi), a, b)
+    return _hold_nan(np.maximum(a.lo, b.lo), np.maximum(a.hi, b.hi), a, b)
 
 
-def _chosen(lo: Float64Array, hi: Float64Array, a: BandT, b: BandT) -> BandT:
+def _hold_nan(lo: Float64Array, hi: Float64Array, a: BandT, b: BandT) -> BandT:
     for maybe_nan, other in ((a, b), (b, a)):
         if maybe_nan.may_be_nan.ndim and maybe_nan.may_be_nan.any():
             lo = np.where(maybe_nan.may_be_nan, np.minimum(lo, other.lo), lo)
@@ -70,7 +70,7 @@ def less(a: Bounds, b: Bounds) -> TriBool:
     """a < b, of the settled bounds: a compiler may move a term to the other side."""
     a_lo, a_hi = a.apply_slack()
     b_lo, b_hi = b.apply_slack()
-    return _known(a_hi < b_lo, a_lo >= b_hi, a, b)
+    return _decide(a_hi < b_lo, a_lo >= b_hi, a, b)
 
 
 def not_less(a: Bounds, b: Bounds) -> TriBool:
@@ -83,10 +83,10 @@ def equal(a: Bounds, b: Bounds) -> TriBool:
     a_lo, a_hi = a.apply_slack()
     b_lo, b_hi = b.apply_slack()
     same = (a_lo == b_lo) & (a_hi == b_hi) & (a_lo == a_hi)
-    return _known(same, (a_hi < b_lo) | (b_hi < a_lo), a, b)
+    return _decide(same, (a_hi < b_lo) | (b_hi < a_lo), a, b)
 
 
-def _known(true: Flags, false: Flags, a: Bounds, b: Bounds) -> TriBool:
+def _decide(true: Flags, false: Flags, a: Bounds, b: Bounds) -> TriBool:
     """An answer where neither of the bands compared may be NaN."""
     if a.may_be_nan.ndim or b.may_be_nan.ndim:
         known = ~(a.may_be_nan | b.may_be_nan)

@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.bands.band import REFLECTED, WHOLE, Band
+from shaderlab.bands.bounds import Swizzled, Vector
 from shaderlab.bands.rounding import Flags, Rules
-from shaderlab.bands.swizzles import Swizzled, Vector
 from shaderlab.bands.tri_bool import TriBool
 from shaderlab.errors import FormulaError
 
@@ -117,7 +117,7 @@ def _make_operators(name: str) -> tuple[Any, Any]:
         hi = None if hi is None or (a.known and b.known) else hi
         return a.derive(lo, hi, b, anything=undefined, unsigned=unsigned)
 
-    def applied(self: Integer, other: Any, left: bool) -> Any:
+    def apply(self: Integer, other: Any, left: bool) -> Any:
         lifted = self.lift(other)
         if lifted is not None:
             return of(self, lifted) if left else of(lifted, self)
@@ -126,7 +126,7 @@ def _make_operators(name: str) -> tuple[Any, Any]:
         number = self.to_float()
         return floating(number, other) if left else floating(other, number)
 
-    return lambda a, b: applied(a, b, True), lambda a, b: applied(a, b, False)
+    return lambda a, b: apply(a, b, True), lambda a, b: apply(a, b, False)
 
 
 def _less(a: Integer, b: Integer) -> tuple[Flags, Flags]:

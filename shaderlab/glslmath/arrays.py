@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Band, Integer, Literal
+from shaderlab.bands.bounds import SETS, as_vector, components
 from shaderlab.bands.exact import concatenate, join
 from shaderlab.bands.rounding import SMALLEST_NORMAL
-from shaderlab.bands.swizzles import SETS, as_vector, components
 from shaderlab.errors import FormulaError
 
 from .choice import equal, where
@@ -154,7 +154,7 @@ def modf(x: Value) -> tuple[Value, Value]:
     (-0.75, -1.0)
     """
 
-    def banded(x: Band) -> Band:
+    def on_bands(x: Band) -> Band:
         low, high = np.trunc(x.lo), np.trunc(x.hi)
         # Across an integer the fraction may be anything of its sign.
         crosses = low != high
@@ -162,7 +162,7 @@ def modf(x: Value) -> tuple[Value, Value]:
         hi = np.where(crosses, 1.0 * (x.hi > 0.0), x.hi - high)
         return mark_undefined(x.derive(lo, hi), np.isinf(x.lo) | np.isinf(x.hi))
 
-    return apply(lambda x: x - np.trunc(x), banded, x), trunc(x)
+    return apply(lambda x: x - np.trunc(x), on_bands, x), trunc(x)
 
 
 def frexp(x: Value) -> tuple[Value, Integer]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from shaderlab.bands import Band, Integer, TriBool, exact
-from shaderlab.bands.swizzles import as_vector
+from shaderlab.bands.bounds import as_vector
 from shaderlab.bands.tri_bool import as_tri_bool
 from shaderlab.glslmath import integer
 from shaderlab.glslmath.dispatch import Condition, Value, apply, as_bands, as_integers, as_number

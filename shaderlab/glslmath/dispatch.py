@@ -54,16 +54,18 @@ def as_integers(*values: Value) -> list[Integer] | None:
     return None
 
 
-def apply(plain: Callable[..., Any], banded: Callable[..., Band | TriBool], *values: Value) -> Any:
-    """`banded` of the values as bands if one is a band, else `plain` of them as float64.
+def apply(
+    plain: Callable[..., Any], on_bands: Callable[..., Band | TriBool], *values: Value
+) -> Any:
+    """`on_bands` of the values as bands if one is a band, else `plain` of them as float64.
 
     Of literals it is both: a compiler may compute them, in float64 or as the device does.
     """
     for value in values:
         if isinstance(value, Band):
-            return banded(*[o if o is value else value.lift(o) for o in values])
+            return on_bands(*[o if o is value else value.lift(o) for o in values])
     lifted = as_bands(*values)
-    band = None if lifted is None else banded(*lifted)
+    band = None if lifted is None else on_bands(*lifted)
     if band is not None and not all(isinstance(value, int | float) for value in values):
         return band
     with np.errstate(all="ignore"):

@@ -156,10 +156,10 @@ def roundEven(x: Value) -> Value:
 def fract(x: Value) -> Value:
     """x - floor(x), in [0, 1]."""
 
-    def banded(a: Band) -> Band:
+    def on_bands(a: Band) -> Band:
         return clamp(a - floor(a), 0.0, 1.0)  # type: ignore[no-any-return]
 
-    return apply(lambda a: a - np.floor(a), banded, x)
+    return apply(lambda a: a - np.floor(a), on_bands, x)
 
 
 def mod(x: Value, y: Value) -> Value:
@@ -169,11 +169,11 @@ def mod(x: Value, y: Value) -> Value:
     2.0
     """
 
-    def banded(x: Band, y: Band) -> Band:
+    def on_bands(x: Band, y: Band) -> Band:
         result = x - y * floor(x / y)
         return mark_undefined(result, (y.lo <= 0.0) & (y.hi >= 0.0))
 
-    return apply(lambda x, y: x - y * np.floor(x / y), banded, x, y)
+    return apply(lambda x, y: x - y * np.floor(x / y), on_bands, x, y)
 
 
 def min(x: Value, y: Value) -> Value:
@@ -214,11 +214,11 @@ def mix(x: Value, y: Value, a: Value) -> Value:
     if isinstance(a, TriBool | bool | np.bool_) or getattr(a, "dtype", None) == np.bool_:
         return where(a, y, x)
 
-    def banded(x: Band, y: Band, a: Band) -> Band:
+    def on_bands(x: Band, y: Band, a: Band) -> Band:
         found = exact.union(x * (1.0 - a) + y * a, x + (y - x) * a)
         return functions.cut_to_ends(found, x, y, a)
 
-    return apply(lambda x, y, a: x * (1.0 - a) + y * a, banded, x, y, a)
+    return apply(lambda x, y, a: x * (1.0 - a) + y * a, on_bands, x, y, a)
 
 
 def step(edge: Value, x: Value) -> Value:
@@ -241,14 +241,14 @@ def smoothstep(edge0: Value, edge1: Value, x: Value) -> Value:
     def curve(t: Value) -> Value:
         return t * t * (3.0 - 2.0 * t)
 
-    def banded(edge0: Band, edge1: Band, x: Band) -> Band:
+    def on_bands(edge0: Band, edge1: Band, x: Band) -> Band:
         t = share(edge0, edge1, x)
         # Of exactly 0 and 1 all products and sums of the curve are exact, in any order.
         ends = (t.lo == t.hi) & ((t.lo == 0.0) | (t.lo == 1.0))
         risen = exact.select(TriBool(ends, ~ends, t.rules), t.without_terms(), curve(t))
         return mark_undefined(risen, edge0.hi >= edge1.lo)
 
-    return apply(lambda *given: curve(share(*given)), banded, edge0, edge1, x)
+    return apply(lambda *given: curve(share(*given)), on_bands, edge0, edge1, x)
 
 
 def fma(a: Value, b: Value, c: Value) -> Value:
@@ -299,10 +299,10 @@ def acosh(x: Value) -> Value:
     '1.316958'
     """
 
-    def banded(x: Band) -> Band:
+    def on_bands(x: Band) -> Band:
         return mark_undefined(log(x + sqrt(x * x - 1.0)), x.lo < 1.0)
 
-    return apply(np.arccosh, banded, x)
+    return apply(np.arccosh, on_bands, x)
 
 
 def atanh(x: Value) -> Value:
@@ -312,8 +312,8 @@ def atanh(x: Value) -> Value:
     '0.549306'
     """
 
-    def banded(x: Band) -> Band:
+    def on_bands(x: Band) -> Band:
         found = log((1.0 + x) / (1.0 - x)) * 0.5
         return mark_undefined(found, (x.lo <= -1.0) | (x.hi >= 1.0))
 
-    return apply(np.arctanh, banded, x)
+    return apply(np.arctanh, on_bands, x)

@@ -61,12 +61,12 @@ def normalize(v: Value) -> Value:
     def plain(v: Value) -> Value:
         return v / length(v)
 
-    def banded(v: Band) -> Band:
+    def on_bands(v: Band) -> Band:
         if v.direction is None:
             v.direction = direction(v.without_terms())
         return v.direction.copy_independent()
 
-    return apply(plain, banded, v)
+    return apply(plain, on_bands, v)
 
 
 def direction(v: Band) -> Band:

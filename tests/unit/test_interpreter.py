@@ -130,7 +130,7 @@ def test_floats_are_what_the_formula_gives(glsl: str) -> None:
 
 
 def sampling_vector() -> Any:
-    from shaderlab.bands.swizzles import Vector
+    from shaderlab.bands.bounds import Vector
 
     return Vector
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from shaderlab.bands import Band, Integer, Rules
 from shaderlab.bands.band import WHOLE
-from shaderlab.bands.swizzles import Vector
+from shaderlab.bands.bounds import Vector
 from shaderlab.bands.tri_bool import TriBool
 from shaderlab.errors import FormulaError, ShaderlabError, nearest
 from shaderlab.glslmath.arrays import Elements

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Band, Integer
-from shaderlab.bands.swizzles import Vector
+from shaderlab.bands.bounds import Vector
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath.derivatives import difference
 from shaderlab.model.frame import Array

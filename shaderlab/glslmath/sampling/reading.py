@@ -83,7 +83,6 @@ _CODES = np.arange(256.0) / 255.0
 _GIVE = np.where((_CODES == 0.0) | (_CODES == 1.0), 0.0, CODE_PRECISION * _CODES)
 _LOWEST, _HIGHEST = _CODES - _GIVE, _CODES + _GIVE
 
-EDGE = "clamp_to_edge"
 _MIRRORED = {"greater": "less", "gequal": "lequal"}
 
 
