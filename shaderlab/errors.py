@@ -107,7 +107,7 @@ def in_file(file: str) -> Iterator[None]:
 
 
 @contextmanager
-def extra(name: str, what: str, file: str | Path | None = None) -> Iterator[None]:
+def require_extra(name: str, what: str, file: str | Path | None = None) -> Iterator[None]:
     """Around the import of a package that comes with an extra.
 
     Args:
@@ -125,10 +125,10 @@ def extra(name: str, what: str, file: str | Path | None = None) -> Iterator[None
         raise UsageError(f"{what} needs {error.name or error}", file=file, remedy=remedy) from error
 
 
-def nearest(word: str, choices: Iterable[str]) -> str:
+def suggest(word: str, choices: Iterable[str]) -> str:
     """A remedy for a misspelt word: the right spellings nearest to it, or all there are.
 
-    >>> nearest("uniform", ["uniforms", "textures"])
+    >>> suggest("uniform", ["uniforms", "textures"])
     'did you mean uniforms?'
     """
     import difflib  # few commands have such a word

@@ -46,7 +46,7 @@ def cache_root() -> Path | None:
 
 
 @contextmanager
-def replacing(path: str | Path) -> Iterator[Path]:
+def replace_file(path: str | Path) -> Iterator[Path]:
     """A path in the same folder to write to, which replaces `path` when the block ends.
 
     If the block raises, what it wrote is removed and a file that was there stays. The name is
@@ -103,7 +103,7 @@ def read_regular(path: str | Path, size: int = -1) -> bytes:
         return file.read(size)
 
 
-def memory_file() -> BinaryIO:
+def open_memory_file() -> BinaryIO:
     """A file without a name that takes no room on any disk; where the system has none, one of the
     folder for temporary files."""
     if hasattr(os, "memfd_create"):
@@ -113,7 +113,7 @@ def memory_file() -> BinaryIO:
     return cast(BinaryIO, tempfile.TemporaryFile())
 
 
-def hold_standard_descriptors() -> None:
+def reserve_standard_descriptors() -> None:
     """Keep the numbers of standard streams that are closed from being given to files."""
     for number in range(3):
         try:
@@ -128,7 +128,7 @@ def write_bytes(path: str | Path, data: bytes) -> None:
     Raises:
         OSError: it can't be written.
     """
-    with replacing(path) as draft:
+    with replace_file(path) as draft:
         draft.write_bytes(data)
 
 
@@ -153,7 +153,7 @@ def write_named(path: str | Path, data: Contents, *, append: bool = False) -> No
     Raises:
         OSError: it can't be written, or is a block device.
     """
-    target, descriptor = _followed(Path(path))
+    target, descriptor = _follow_links(Path(path))
     if descriptor is not None:
         _write_to(os.dup(descriptor), data)
         return
@@ -161,8 +161,8 @@ def write_named(path: str | Path, data: Contents, *, append: bool = False) -> No
         there = os.stat(target)
     except FileNotFoundError:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(target) as draft, draft.open("wb") as file:
-            _put(file, data)
+        with replace_file(target) as draft, draft.open("wb") as file:
+            _write_contents(file, data)
         return
     if stat.S_ISBLK(there.st_mode):
         raise OSError(errno.EINVAL, "this is a disk, not a file")
@@ -174,7 +174,7 @@ def write_named(path: str | Path, data: Contents, *, append: bool = False) -> No
         _write_over(target, there, data)
 
 
-def _followed(path: Path) -> tuple[Path, int | None]:
+def _follow_links(path: Path) -> tuple[Path, int | None]:
     """Where symbolic links lead, and which of this process's descriptors that stands for.
 
     The links of /proc's descriptors are not followed: they may lead to what has no name, and a
@@ -193,9 +193,9 @@ def _followed(path: Path) -> tuple[Path, int | None]:
 def _write_over(target: Path, there: os.stat_result, data: Contents) -> None:
     """Replace a regular file, or else overwrite it."""
     try:
-        with replacing(target) as draft:
+        with replace_file(target) as draft:
             with draft.open("wb") as new:
-                _put(new, data)
+                _write_contents(new, data)
             with suppress(OSError):  # root's file would lock out the one whose file it was
                 os.chown(draft, there.st_uid, there.st_gid)
             os.chmod(draft, stat.S_IMODE(there.st_mode))
@@ -203,16 +203,16 @@ def _write_over(target: Path, there: os.stat_result, data: Contents) -> None:
         if error.errno not in _HELD:
             raise
         with os.fdopen(os.open(target, os.O_WRONLY), "wb") as file:
-            _put(file, data)
+            _write_contents(file, data)
             file.truncate()
 
 
 def _write_to(descriptor: int, data: Contents) -> None:
     with os.fdopen(descriptor, "wb") as file:
-        _put(file, data)
+        _write_contents(file, data)
 
 
-def _put(file: BinaryIO, data: Contents) -> None:
+def _write_contents(file: BinaryIO, data: Contents) -> None:
     if isinstance(data, bytes):
         file.write(data)
     else:
@@ -231,7 +231,7 @@ def write_text(path: str | Path, text: str | Iterable[str]) -> None:
     target = Path(path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(target) as draft, draft.open("wb") as file:
+        with replace_file(target) as draft, draft.open("wb") as file:
             pieces = iter((text,) if isinstance(text, str) else text)
             while some := list(islice(pieces, _PIECES_PER_WRITE)):
                 file.write("".join(some).encode("utf-8", errors="replace"))

@@ -205,10 +205,10 @@ def _workers(config: pytest.Config) -> int | None:
 
 
 def _settings(config: pytest.Config) -> Settings:
-    from shaderlab.settings import settings_of
+    from shaderlab.settings import load_settings
 
     try:
-        return settings_of(config.rootpath)
+        return load_settings(config.rootpath)
     except ShaderlabError as error:
         raise pytest.UsageError(str(error)) from None
 

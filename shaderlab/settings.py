@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from shaderlab.errors import UsageError, nearest
+from shaderlab.errors import UsageError, suggest
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits
 
@@ -75,7 +75,7 @@ class Settings:
         return tuple(path for path in dict.fromkeys(found) if path.is_dir())
 
 
-def settings_of(folder: str | Path) -> Settings:
+def load_settings(folder: str | Path) -> Settings:
     """The settings of the project that a folder belongs to.
 
     Raises:
@@ -87,13 +87,13 @@ def settings_of(folder: str | Path) -> Settings:
         return Settings()
 
 
-def settings_changed(folder: str | Path) -> bool:
+def have_settings_changed(folder: str | Path) -> bool:
     """Whether the settings of a folder's project are others by now than `settings_of` gives.
 
     Raises:
         UsageError: as `settings_of`, of their file as it is now.
     """
-    return _settings.__wrapped__(os.path.abspath(folder)) != settings_of(folder)
+    return _settings.__wrapped__(os.path.abspath(folder)) != load_settings(folder)
 
 
 @cache
@@ -101,15 +101,15 @@ def _settings(folder: str) -> Settings:
     here = Path(folder)
     for root in (here, *here.parents):
         file = root / FILE
-        table = _table(file) if file.is_file() else None
+        table = _read_table(file) if file.is_file() else None
         if table is not None:
-            return _checked(table, file)
+            return _parse_table(table, file)
         if (root / ".git").exists():
             return Settings(root=root)
     return Settings()
 
 
-def _table(file: Path) -> Mapping[str, Any] | None:
+def _read_table(file: Path) -> Mapping[str, Any] | None:
     """The table of a pyproject.toml; None if it has none."""
     import tomllib  # few folders have one
 
@@ -125,12 +125,12 @@ def _table(file: Path) -> Mapping[str, Any] | None:
     return table
 
 
-def _checked(table: Mapping[str, Any], file: Path) -> Settings:
+def _parse_table(table: Mapping[str, Any], file: Path) -> Settings:
     found: dict[str, Any] = {}
     for name, value in table.items():
         if name not in _KEYS:
             raise UsageError(
-                f"[tool.{TABLE}] has no setting {name!r}", file=file, remedy=nearest(name, _KEYS)
+                f"[tool.{TABLE}] has no setting {name!r}", file=file, remedy=suggest(name, _KEYS)
             )
         try:
             found[name] = _KEYS[name](value, file.parent)
@@ -139,11 +139,11 @@ def _checked(table: Mapping[str, Any], file: Path) -> Settings:
     return Settings(root=file.parent, **found)
 
 
-def _folders(value: Any, root: Path) -> tuple[Path, ...]:
-    return tuple(_folder(word, root) for word in _words(value, root))
+def _parse_folders(value: Any, root: Path) -> tuple[Path, ...]:
+    return tuple(_parse_folder(word, root) for word in _parse_words(value, root))
 
 
-def _folder(word: str, root: Path) -> Path:
+def _parse_folder(word: str, root: Path) -> Path:
     path = Path(os.path.normpath(root / word))
     if not path.is_dir():
         raise ValueError(f"there is no folder {word!r} here")
@@ -154,74 +154,74 @@ def _folder(word: str, root: Path) -> Path:
     return path
 
 
-def _words(value: Any, root: Path) -> tuple[str, ...]:
+def _parse_words(value: Any, root: Path) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
         raise ValueError(f'write a list of words, such as ["shaders"], not {value!r}')
     return tuple(value)
 
 
-def _targets(value: Any, root: Path) -> tuple[str, ...]:
+def _parse_targets(value: Any, root: Path) -> tuple[str, ...]:
     from shaderlab.compiler.engines import ALL_TARGETS
 
-    words = _words(value, root)
+    words = _parse_words(value, root)
     for word in words:
         if word not in ALL_TARGETS:
-            raise ValueError(f"there is no target {word!r}; {nearest(word, ALL_TARGETS)}")
+            raise ValueError(f"there is no target {word!r}; {suggest(word, ALL_TARGETS)}")
     if not words:
         raise ValueError(f"name one or more of {', '.join(ALL_TARGETS)}")
     return words
 
 
-def _driver(value: Any, root: Path) -> str:
+def _parse_driver(value: Any, root: Path) -> str:
     from shaderlab.drivers import DRIVERS
 
     if value not in DRIVERS:
-        raise ValueError(f"there is no driver {value!r}; {nearest(str(value), DRIVERS)}")
+        raise ValueError(f"there is no driver {value!r}; {suggest(str(value), DRIVERS)}")
     return str(value)
 
 
-def _number(value: Any, root: Path) -> float:
+def _parse_number(value: Any, root: Path) -> float:
     if not isinstance(value, int | float) or isinstance(value, bool) or not value > 0:
         raise ValueError(f"write a number above 0, not {value!r}")
     return float(value)
 
 
-def _amount(value: Any, root: Path) -> float:
-    """As `_number`, or 0 for any amount."""
-    return 0.0 if value == 0 and value is not False else _number(value, root)
+def _parse_amount(value: Any, root: Path) -> float:
+    """As `_parse_number`, or 0 for any amount."""
+    return 0.0 if value == 0 and value is not False else _parse_number(value, root)
 
 
-def _count(value: Any, root: Path) -> int:
+def _parse_count(value: Any, root: Path) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or value < 0:
         raise ValueError(f"write a whole number, 0 for all, not {value!r}")
     return value
 
 
 _KEYS: Mapping[str, Callable[[Any, Path], Any]] = {
-    "shaders": _folders,
-    "include": _folders,
-    "targets": _targets,
-    "driver": _driver,
-    "timeout": _number,
-    "memory": _amount,
-    "keep": _count,
+    "shaders": _parse_folders,
+    "include": _parse_folders,
+    "targets": _parse_targets,
+    "driver": _parse_driver,
+    "timeout": _parse_number,
+    "memory": _parse_amount,
+    "keep": _parse_count,
 }
 
 
-def defaults(settings: Settings) -> dict[str, dict[str, Any]]:
+def option_defaults(settings: Settings) -> dict[str, dict[str, Any]]:
     """Defaults of the commands' options, by command and by the parameter's name."""
-    limits = dict(_given(seconds=settings.timeout, gigabytes=settings.memory))
-    running = {**limits, **dict(_given(driver=settings.driver))}
+    limits = dict(_drop_missing(seconds=settings.timeout, gigabytes=settings.memory))
+    running = {**limits, **dict(_drop_missing(driver=settings.driver))}
     return {
         "run": running,
         "sweep": running,
         "watch": running,
-        "mutate": dict(_given(gigabytes=settings.memory)),
+        "mutate": dict(_drop_missing(gigabytes=settings.memory)),
         "compile": dict(
-            _given(compile_targets=settings.targets or None, gigabytes=settings.memory)
+            _drop_missing(compile_targets=settings.targets or None, gigabytes=settings.memory)
         ),
     }
 
 
-def _given(**values: Any) -> Iterator[tuple[str, Any]]:
+def _drop_missing(**values: Any) -> Iterator[tuple[str, Any]]:
     return ((name, value) for name, value in values.items() if value is not None)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.errors import AssetError, extra, nearest
+from shaderlab.errors import AssetError, require_extra, suggest
 
 Array = npt.NDArray[Any]
 
@@ -32,11 +32,11 @@ def compressed(image: Array, format: str) -> bytes:
     >>> len(compressed(np.zeros((8, 8, 4)), "bc1"))
     32
     """
-    with extra("course", "compressing texels"):
+    with require_extra("course", "compressing texels"):
         import etcpak
 
     if format not in _BY:
-        raise AssetError(f"nothing compresses {format!r}", remedy=nearest(format, _BY))
+        raise AssetError(f"nothing compresses {format!r}", remedy=suggest(format, _BY))
     height, width = image.shape[:2]
     if height % 4 or width % 4:
         raise AssetError(f"{width} × {height} texels are no blocks of 4 × 4")
@@ -58,7 +58,7 @@ def decoded_blocks(blocks: bytes, format: str, size: tuple[int, int]) -> Any:
     >>> decoded_blocks(bytes(8), "bc1", (4, 4))[0, 0].tolist()
     [0, 0, 0, 255]
     """
-    with extra("course", "decoding compressed texels"):
+    with require_extra("course", "decoding compressed texels"):
         import texture2ddecoder
 
     function = {

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.errors import extra
+from shaderlab.errors import require_extra
 
 
 def delta_e_2000(one: Any, other: Any) -> npt.NDArray[np.float64]:
@@ -30,7 +30,7 @@ def delta_e_2000(one: Any, other: Any) -> npt.NDArray[np.float64]:
     # colour-science changes how NumPy prints, and says what it was installed without.
     with np.printoptions(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        with extra("course", "ΔE 2000"):
+        with require_extra("course", "ΔE 2000"):
             import colour
 
         labs = [
@@ -53,7 +53,7 @@ def srgb_by_colour_science(linear: Any) -> Any:
     # It announces which optional parts of it are not installed, and changes how NumPy prints.
     with warnings.catch_warnings(), np.printoptions():
         warnings.simplefilter("ignore")
-        with extra("course", "the comparison with colour-science"):
+        with require_extra("course", "the comparison with colour-science"):
             from colour.models import eotf_inverse_sRGB
 
     return eotf_inverse_sRGB(np.asarray(linear))

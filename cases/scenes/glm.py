@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.errors import extra
+from shaderlab.errors import require_extra
 
 
 def _glm() -> Any:
-    with extra("course", "the comparison with GLM"):
+    with require_extra("course", "the comparison with GLM"):
         from pyglm import glm
     return glm
 

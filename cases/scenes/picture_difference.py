@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.errors import extra
+from shaderlab.errors import require_extra
 
 Array = npt.NDArray[Any]
 
@@ -40,7 +40,7 @@ def flip(reference: Array, test: Array) -> float:
     >>> flip(np.zeros((4, 4, 3)), np.zeros((4, 4, 3)))
     0.0
     """
-    with extra("course", "FLIP"):
+    with require_extra("course", "FLIP"):
         from flip_evaluator import evaluate
 
     one, other = (np.ascontiguousarray(_colors(p), np.float32) for p in (reference, test))

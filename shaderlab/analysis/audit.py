@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from shaderlab.errors import UsageError, nearest
+from shaderlab.errors import UsageError, suggest
 from shaderlab.model.frame import Array, Bindings, Texels
 
 from .batches import InputBatch, join_batches, merge_batches, run_batch
@@ -386,7 +386,7 @@ def audit_program(
     plan = plan or Plan()
     inputs = inputs_of(program)
     for name in unknown_names(list(plan.ranges), inputs):
-        raise UsageError(f"the shader does not read {name!r}", remedy=nearest(name, inputs))
+        raise UsageError(f"the shader does not read {name!r}", remedy=suggest(name, inputs))
     if captured:
         batches = merge_batches(captured, program, _MAX_CAPTURED)
         examples = [e for batch in batches for e in _captured_examples(program, batch)]

@@ -23,7 +23,7 @@ import numpy as np
 from shaderlab.compiler.spirv import Op
 from shaderlab.engine.expectations.base import Context, DrawExpectation
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
-from shaderlab.errors import CaseError, NotInterpretedError, UsageError, nearest
+from shaderlab.errors import CaseError, NotInterpretedError, UsageError, suggest
 from shaderlab.files import display_path
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs, Read
@@ -109,7 +109,7 @@ def compare_programs(
     mine, theirs = inputs_of(old), inputs_of(new)
     inputs = {**mine, **theirs}
     for name in unknown_names(list(plan.ranges), inputs):
-        raise UsageError(f"no shader reads {name!r}", remedy=nearest(name, inputs))
+        raise UsageError(f"no shader reads {name!r}", remedy=suggest(name, inputs))
     for name in mine.keys() & theirs.keys():
         if mine[name].type != theirs[name].type:
             raise UsageError(
@@ -442,7 +442,7 @@ class SameAs(DrawExpectation):
         for name in self.outputs:
             if name not in known:
                 raise CaseError(
-                    f"same_as: there is no output {name!r}", remedy=nearest(name, known)
+                    f"same_as: there is no output {name!r}", remedy=suggest(name, known)
                 )
             words = str(known[name]).partition(": ")[2]
             rows.append(

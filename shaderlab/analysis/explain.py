@@ -21,7 +21,7 @@ from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import CapturedFragments, subject_of
 from shaderlab.engine.judging.banded import format_value
 from shaderlab.engine.judging.references import Inputs, evaluate
-from shaderlab.errors import ShaderlabError, UsageError, nearest
+from shaderlab.errors import ShaderlabError, UsageError, suggest
 from shaderlab.files import display_path
 from shaderlab.model.frame import Array, PassDraw
 from shaderlab.model.records import Explanation, Outcome, Step
@@ -207,7 +207,7 @@ def explain_file(
     """
     inputs = inputs_of(program)
     for name in unknown_names(list(ranges), inputs):
-        raise UsageError(f"the shader does not read {name!r}", remedy=nearest(name, inputs))
+        raise UsageError(f"the shader does not read {name!r}", remedy=suggest(name, inputs))
     made_up = sample_inputs(
         inputs, domains_of(inputs.values(), declared_ranges(program), ranges), most, 0
     )

@@ -13,7 +13,7 @@ from shaderlab.bands.rounding import ulp
 from shaderlab.compiler.spirv import Decoration, Op
 from shaderlab.engine.expectations.base import Context, OutputExpectation
 from shaderlab.engine.expectations.needs import CapturedFragments
-from shaderlab.errors import CaseError, FormulaError, NotInterpretedError, nearest
+from shaderlab.errors import CaseError, FormulaError, NotInterpretedError, suggest
 from shaderlab.files import display_path
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs
@@ -406,7 +406,7 @@ class Portable(OutputExpectation):
         name = self.own_name(scene)
         if name not in known:
             raise CaseError(
-                f"portable: there is no figure for output {name!r}", remedy=nearest(name, known)
+                f"portable: there is no figure for output {name!r}", remedy=suggest(name, known)
             )
         one = known[name]
         message = ""

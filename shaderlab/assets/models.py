@@ -25,7 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.assets.meshes import Geometry
-from shaderlab.errors import AssetError, extra, nearest
+from shaderlab.errors import AssetError, require_extra, suggest
 
 Array = npt.NDArray[Any]
 
@@ -81,7 +81,7 @@ def load_obj(path: str | Path) -> tuple[Part, ...]:
     """
     source = Path(path)
     text, names = _check_text(source)
-    with extra("models", "an OBJ file", source):
+    with require_extra("models", "an OBJ file", source):
         import trimesh
 
     resolver = trimesh.resolvers.FilePathResolver(str(source.resolve()))
@@ -175,7 +175,7 @@ def _check_text(source: Path) -> tuple[str, list[str]]:
                 current = rest.strip()
                 if current not in known:
                     message = f"no material library defines {current!r}"
-                    raise AssetError(message, remedy=nearest(current, known))
+                    raise AssetError(message, remedy=suggest(current, known))
         rows.append(row)
     if not faces:
         raise AssetError("has no faces", file=source, remedy=_EXPORT)
@@ -327,7 +327,7 @@ def load_pcd(path: str | Path, *, drop_invalid: bool = False) -> Cloud:
     with _add_place(source):
         header = _parse_header(data)
         _check_size(header, data)
-    with extra("models", "a PCD file", source):
+    with require_extra("models", "a PCD file", source):
         from pypcd4.pypcd4 import PointCloud
 
     try:

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from shaderlab.errors import FormulaError, nearest
+from shaderlab.errors import FormulaError, suggest
 
 from .bounds import Bounds, Interval
 from .rounding import Flags, Float64Array
@@ -108,7 +108,7 @@ def quantise(band: Bounds, fmt: str, tolerance: float | None = None) -> Allowed:
     """
     if fmt not in _FORMATS:
         raise FormulaError(
-            f"no rule for reading back the format {fmt!r}", remedy=nearest(fmt, _FORMATS)
+            f"no rule for reading back the format {fmt!r}", remedy=suggest(fmt, _FORMATS)
         )
     rule, clamps, own_tolerance, unit = _FORMATS[fmt]
     lo, hi = band.lo, band.hi

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shaderlab.bands.compiled import use_kernel
-from shaderlab.errors import FormulaError, nearest
+from shaderlab.errors import FormulaError, suggest
 
 Float64Array = NDArray[np.float64]
 Float32Array = NDArray[np.float32]
@@ -186,5 +186,5 @@ class Rules:
             value = getattr(self, name)
             if value not in choices:
                 raise FormulaError(
-                    f"there are no rules with {name}={value!r}", remedy=nearest(str(value), choices)
+                    f"there are no rules with {name}={value!r}", remedy=suggest(str(value), choices)
                 )

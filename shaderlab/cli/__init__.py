@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from ..errors import ShaderlabError, UsageError, nearest
+from ..errors import ShaderlabError, UsageError, suggest
 
 DEBUG = "SHADERLAB_DEBUG"
 OK = 0
@@ -59,7 +59,7 @@ class Commands(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
-            raise click.UsageError(f"No such command {args[0]!r}; {nearest(args[0], COMMANDS)}")
+            raise click.UsageError(f"No such command {args[0]!r}; {suggest(args[0], COMMANDS)}")
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -134,9 +134,9 @@ def cli(context: click.Context, debug: bool) -> None:
 
     Exit code: 0 all passed, 1 something failed, 2 wrong usage.
     """
-    from ..settings import defaults, settings_of
+    from ..settings import load_settings, option_defaults
 
-    context.default_map = defaults(settings_of(Path()))
+    context.default_map = option_defaults(load_settings(Path()))
 
 
 def main() -> None:

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 from shaderlab.engine.discovery import data_folder, files_below, tree_of
 from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job, make_failed_record
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import display_path, replacing
+from shaderlab.files import display_path, replace_file
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Record
 
@@ -144,7 +144,7 @@ class Bundle:
         """Unpack into a folder below `parent`, unless it is there already; return the folder."""
         folder = parent / self.name
         if not folder.is_dir():
-            with replacing(folder) as draft, zipfile.ZipFile(io.BytesIO(self.data)) as archive:
+            with replace_file(folder) as draft, zipfile.ZipFile(io.BytesIO(self.data)) as archive:
                 archive.extractall(draft)
         return folder
 

@@ -106,12 +106,12 @@ def command(
       shaderlab compile --link lamp.vert lamp.frag --driver llvmpipe --driver lavapipe
     """
     from shaderlab.engine.discovery import data_folder
-    from shaderlab.settings import settings_of
+    from shaderlab.settings import load_settings
 
     shipped = data_folder("shaders").resolve()
     shaders = find_shaders(paths, [shipped], stage=stage)
     folders = dict.fromkeys(path if path.is_dir() else path.parent for path in map(Path, paths))
-    own = [each for folder in folders for each in settings_of(folder).shader_folders(folder)]
+    own = [each for folder in folders for each in load_settings(folder).shader_folders(folder)]
     programs = [shaders] if link else [[shader] for shader in shaders]
     options = CompileOptions(
         targets=compile_targets or TARGETS,

@@ -22,7 +22,7 @@ from shaderlab.cli.options import (
 )
 from shaderlab.cli.outputs import write_json
 from shaderlab.compiler.shader_files import EXTENSIONS
-from shaderlab.errors import ShaderlabError, UsageError, nearest
+from shaderlab.errors import ShaderlabError, UsageError, suggest
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Explanation, Step
 
@@ -112,7 +112,7 @@ def command(
             if variant is not None and variant not in facts.variants:
                 raise UsageError(
                     f"{facts.id} has no variant {variant!r}",
-                    remedy=nearest(variant, facts.variants),
+                    remedy=suggest(variant, facts.variants),
                 )
             options = RunOptions(size=size, driver=driver, include=includes, limits=limits)
             request = ExplainPixel(

@@ -11,7 +11,7 @@ from shaderlab.cli import FAILED, OK
 from shaderlab.cli.options import JSON, make_local_executor
 from shaderlab.cli.selecting import KEPT
 from shaderlab.engine.jobs import CaseInfo
-from shaderlab.errors import UsageError, nearest
+from shaderlab.errors import UsageError, suggest
 from shaderlab.model.options import Limits
 
 
@@ -40,7 +40,7 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
         cases = [case for case in cases if _chapter(case) == str(chapter)]
         if not cases:
             raise UsageError(
-                f"chapter {chapter} has no cases", remedy=nearest(str(chapter), chapters)
+                f"chapter {chapter} has no cases", remedy=suggest(str(chapter), chapters)
             )
     if json_file is not None:
         from shaderlab.cli.outputs import write_json

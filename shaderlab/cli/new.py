@@ -10,7 +10,7 @@ import click
 from shaderlab.cli import OK
 from shaderlab.cli.outputs import write_output
 from shaderlab.errors import UsageError
-from shaderlab.settings import settings_of
+from shaderlab.settings import load_settings
 
 
 @click.command("new")
@@ -32,7 +32,7 @@ def command(shader: Path, output: Path | None) -> int:
     from shaderlab.functions.library import load
 
     library = load(shader.absolute())
-    root = settings_of(shader.absolute().parent).root
+    root = load_settings(shader.absolute().parent).root
     if output is None:
         tests = root / "tests" if root is not None and (root / "tests").is_dir() else Path()
         output = tests / f"test_{shader.name.replace('.', '_').removesuffix('_glsl')}.py"

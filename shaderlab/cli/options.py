@@ -15,7 +15,7 @@ import click
 from shaderlab.compiler.shader_files import EXTENSIONS
 from shaderlab.engine.executors import WORDS
 from shaderlab.engine.jobs import check_driver
-from shaderlab.errors import UsageError, nearest
+from shaderlab.errors import UsageError, suggest
 from shaderlab.model.options import Limits
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def _check_targets(names: tuple[str, ...]) -> tuple[str, ...]:
 
         for name in names:
             if name not in ALL_TARGETS:
-                raise UsageError(f"there is no target {name!r}", remedy=nearest(name, ALL_TARGETS))
+                raise UsageError(f"there is no target {name!r}", remedy=suggest(name, ALL_TARGETS))
     return tuple(dict.fromkeys(names))
 
 
@@ -237,13 +237,13 @@ def resolve_shaders(
     from shaderlab.analysis.requests import ShaderOfFile
     from shaderlab.compiler.shader_files import find_shaders
     from shaderlab.engine.discovery import data_folder
-    from shaderlab.settings import settings_of
+    from shaderlab.settings import load_settings
 
     shipped = data_folder("shaders").resolve()
     found = []
     for path in paths:
         folder = path if path.is_dir() else path.parent
-        own = settings_of(folder).shader_folders(folder)
+        own = load_settings(folder).shader_folders(folder)
         folders = tuple(str(then(f) if then else f) for f in [*includes, *own, shipped])
         files = find_shaders([then(path) if then else path], [shipped])
         found += [ShaderOfFile(file, folders) for file in files]

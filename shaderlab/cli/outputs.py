@@ -25,7 +25,7 @@ import click
 from shaderlab.cli import FAILED, OK, USAGE
 from shaderlab.cli.journal import FILE_NAME
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import NO_ROOM, hold_standard_descriptors, replacing, write_named
+from shaderlab.files import NO_ROOM, replace_file, reserve_standard_descriptors, write_named
 from shaderlab.report.formats import FINDING_FORMATS, FORMATS, Format
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def make_report_folder(folder: Path) -> Path:
 
 def point_latest(folder: Path) -> None:
     """Point `latest` beside `folder` to it, where the file system has symbolic links."""
-    with contextlib.suppress(OSError), replacing(folder.parent / LATEST) as link:
+    with contextlib.suppress(OSError), replace_file(folder.parent / LATEST) as link:
         link.symlink_to(folder.name, target_is_directory=True)
 
 
@@ -322,7 +322,7 @@ def find_lost_output(stream: TextIO) -> str:
 def open_streams() -> None:
     """Make this process's standard streams last, and keep their numbers from being given to
     files where they are closed."""
-    hold_standard_descriptors()
+    reserve_standard_descriptors()
     for name in ("stdout", "stderr"):
         with contextlib.suppress(AttributeError, OSError):  # none, or none of the system's
             setattr(sys, name, open_lasting(getattr(sys, name)))

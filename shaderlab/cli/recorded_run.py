@@ -31,7 +31,7 @@ from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import CodeCoverage, Record, Run
-from shaderlab.settings import settings_of
+from shaderlab.settings import load_settings
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Reporter, Show
@@ -223,7 +223,7 @@ def finish(
 
 
 def _remove_old(parent: Path) -> None:
-    keep = settings_of(Path()).keep
+    keep = load_settings(Path()).keep
     count = remove_old_runs(parent, KEEP if keep is None else keep)
     if count:
         what = "an old run" if count == 1 else f"{count} old runs"

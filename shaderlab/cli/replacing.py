@@ -15,7 +15,7 @@ from shaderlab.compiler.reflection import Interface
 from shaderlab.compiler.shader_files import read_shader, strip_comments
 from shaderlab.compiler.sources import Shaders
 from shaderlab.engine.jobs import Job
-from shaderlab.errors import ShaderError, UsageError, nearest
+from shaderlab.errors import ShaderError, UsageError, suggest
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 
@@ -114,7 +114,7 @@ def _complete_name(name: str, known: Sequence[str]) -> str:
         )
     short = {posixpath.basename(one): one for one in known}
     raise UsageError(
-        f"--shader {name}: there is no such shader", remedy=nearest(name, [*known, *short])
+        f"--shader {name}: there is no such shader", remedy=suggest(name, [*known, *short])
     )
 
 
@@ -143,7 +143,7 @@ def parse_renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]
             declared = [name for code in codes.values() for name in _DECLARED.findall(code)]
             raise UsageError(
                 f"--rename {word}: no file given by --shader has a name {old!r}",
-                remedy=nearest(old, declared) if codes else "give the file: --shader NAME=FILE",
+                remedy=suggest(old, declared) if codes else "give the file: --shader NAME=FILE",
             )
         for file in having:
             if re.search(rf"\b{new}\b", codes[file]):

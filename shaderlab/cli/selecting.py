@@ -27,7 +27,7 @@ from shaderlab.engine.discovery import (
     sort_key,
 )
 from shaderlab.engine.jobs import CaseInfo, Job, make_jobs
-from shaderlab.errors import CaseError, UsageError, nearest
+from shaderlab.errors import CaseError, UsageError, suggest
 from shaderlab.files import cache_root, read_regular, write_bytes
 
 Load = Callable[[Sequence[Path]], list[CaseInfo]]
@@ -151,7 +151,7 @@ def resolve_target(target: str) -> list[tuple[Path, str | None]]:
             return files
         if not path.exists():
             beside = [str(p) for p in path.parent.glob("*.py")] if path.parent.is_dir() else []
-            raise UsageError("there is no such file", file=target, remedy=nearest(target, beside))
+            raise UsageError("there is no such file", file=target, remedy=suggest(target, beside))
         return [(path, None)]
     found = _WITH_VARIANT.fullmatch(target)
     case_id, variant = (found["id"], found["variant"]) if found else (target, None)
@@ -159,7 +159,7 @@ def resolve_target(target: str) -> list[tuple[Path, str | None]]:
         folders = [str(p) for p in Path().iterdir() if p.is_dir() and not p.name.startswith(".")]
         raise UsageError(
             f"there is no case {case_id!r}, and no such folder",
-            remedy=nearest(case_id, [*folders, *known]),
+            remedy=suggest(case_id, [*folders, *known]),
         )
     return [(known[case_id], variant)]
 
@@ -171,7 +171,7 @@ def select_variants(case: CaseInfo, variant: str | None) -> list[Job]:
         return [Job(file=case.file, id=case.id, variant="default", broken=status, trouble=trouble)]
     if variant is not None and variant not in case.variants:
         raise UsageError(
-            f"{case.id} has no variant {variant!r}", remedy=nearest(variant, case.variants)
+            f"{case.id} has no variant {variant!r}", remedy=suggest(variant, case.variants)
         )
     return [job for job in make_jobs(case) if variant in (None, job.variant)]
 
@@ -186,7 +186,7 @@ def _keep_variants(jobs: list[Job], variants: Sequence[str]) -> list[Job]:
     for variant in variants:
         if variant not in names:
             raise UsageError(
-                f"no case among these has a variant {variant!r}", remedy=nearest(variant, names)
+                f"no case among these has a variant {variant!r}", remedy=suggest(variant, names)
             )
     return [job for job in jobs if not variants or job.broken or job.variant in variants]
 

@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import Any
 
 from shaderlab.engine.jobs import CaseInfo, Job, Point
-from shaderlab.errors import UsageError, nearest
+from shaderlab.errors import UsageError, suggest
 from shaderlab.model.phases import PHASES
 from shaderlab.model.records import Plot, PlotPoint, Points, Status
 from shaderlab.report.grouping import PASSABLE, STATUSES
@@ -191,7 +191,7 @@ def _check_parameter(facts: CaseInfo, parameter: Parameter) -> None:
         raise UsageError(
             f"{facts.id} has no uniform or ramp {parameter.name!r}",
             file=facts.file,
-            remedy=nearest(parameter.name, [*single, SIZE]),
+            remedy=suggest(parameter.name, [*single, SIZE]),
         )
     if components != 1:
         raise UsageError(

@@ -28,7 +28,7 @@ from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Record, Run
-from shaderlab.settings import FILE, settings_changed, settings_of
+from shaderlab.settings import FILE, have_settings_changed, load_settings
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
@@ -142,12 +142,12 @@ class _Wanted:
 
     def settings(self) -> set[Path]:
         """The files that the settings of this folder and of the case files come from, or would."""
-        roots = (settings_of(folder).root for folder in self._projects())
+        roots = (load_settings(folder).root for folder in self._projects())
         return {(root or Path.cwd()) / FILE for root in roots}
 
-    def settings_changed(self) -> bool:
+    def have_settings_changed(self) -> bool:
         """Whether settings are others by now. Raises UsageError where they can't be read."""
-        return any([settings_changed(folder) for folder in self._projects()])
+        return any([have_settings_changed(folder) for folder in self._projects()])
 
     def _projects(self) -> set[Path]:
         return {Path(), *(file.parent for file in (*self._variants, *self._tests))}
@@ -201,7 +201,7 @@ class _Watch:
     def _other_settings(self) -> bool:
         """Whether the settings are others; ones that can't be read are none."""
         try:
-            changed = self._wanted.settings_changed()
+            changed = self._wanted.have_settings_changed()
         except UsageError as error:
             click.echo(f"shaderlab: {error}", err=True)
             return False

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from shaderlab.engine.discovery import imported_files, is_project_file
 from shaderlab.engine.executors import LocalExecutor, format_error
 from shaderlab.engine.jobs import CaseInfo, Job, make_failed_record
-from shaderlab.errors import CaseError, ShaderlabError, extra
+from shaderlab.errors import CaseError, ShaderlabError, require_extra
 from shaderlab.files import read_regular
 from shaderlab.functions.evaluation import use_worker
 from shaderlab.functions.library import load
@@ -56,7 +56,7 @@ class Changes:
     """
 
     def __init__(self, folders: Iterable[Path]) -> None:
-        with extra("watch", "shaderlab watch"):
+        with require_extra("watch", "shaderlab watch"):
             import watchfiles
         self._watch = watchfiles.watch
         self._filter = watchfiles.DefaultFilter()

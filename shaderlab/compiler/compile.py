@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-from shaderlab.errors import ShaderError, nearest
+from shaderlab.errors import ShaderError, suggest
 from shaderlab.model.records import Diagnostic, Verdict
 
 from .crash_guard import check_version, find_crash
@@ -185,7 +185,7 @@ def order_stages(stages: Sequence[Source], targets: Sequence[str]) -> list[Sourc
     for target in targets:
         if target not in ALL_TARGETS:
             raise ShaderError(
-                f"no such compile target: {target!r}", remedy=nearest(target, ALL_TARGETS)
+                f"no such compile target: {target!r}", remedy=suggest(target, ALL_TARGETS)
             )
     if not stages:
         raise ShaderError("a program needs at least one stage")

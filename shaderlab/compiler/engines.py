@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
-from shaderlab.errors import ShaderError, nearest
+from shaderlab.errors import ShaderError, suggest
 
 from .sources import Source
 
@@ -156,7 +156,7 @@ def _choose(name: str | None, command: str | None, seconds: float | None) -> Eng
     if name == "process" or (name is None and command):
         return Commands(locate(command), seconds)
     if name is not None:
-        raise ShaderError(f"no such engine: {name!r}", remedy=nearest(name, ENGINES))
+        raise ShaderError(f"no such engine: {name!r}", remedy=suggest(name, ENGINES))
     try:
         return choose("library")
     except ShaderError as error:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from shaderlab.errors import DriverError, ShaderError, nearest
+from shaderlab.errors import DriverError, ShaderError, suggest
 from shaderlab.model.records import Diagnostic, Verdict
 
 from .compile import compile_program
@@ -80,7 +80,7 @@ class CompileOptions:
         ):
             for word in words:
                 if word not in known:
-                    raise ShaderError(f"no such {what}: {word!r}", remedy=nearest(word, known))
+                    raise ShaderError(f"no such {what}: {word!r}", remedy=suggest(word, known))
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from shaderlab.errors import ShaderError, nearest
+from shaderlab.errors import ShaderError, suggest
 
 from .engines import SETTINGS, Checked, Linked, TargetSettings
 from .shader_files import STAGES
@@ -248,7 +248,7 @@ def validate(module: bytes, env: str) -> str | None:
     """
     if env not in _ENVIRONMENTS:
         raise ShaderError(
-            f"no such SPIR-V environment: {env!r}", remedy=nearest(env, _ENVIRONMENTS)
+            f"no such SPIR-V environment: {env!r}", remedy=suggest(env, _ENVIRONMENTS)
         )
     tools = spirv_tools()
     message = c.POINTER(SpirvDiagnostic)()

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from shaderlab.errors import ShaderError, UsageError, nearest
+from shaderlab.errors import ShaderError, UsageError, suggest
 from shaderlab.files import open_regular
 
 STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment", "compute")
@@ -161,7 +161,7 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
             f"#pragma shader_stage({word}) names no stage",
             file=path or name,
             line=line,
-            remedy=nearest(word, STAGES),
+            remedy=suggest(word, STAGES),
         )
     return stage
 
@@ -217,7 +217,7 @@ class Roots:
         if file is None:
             where = ", ".join(str(folder) for folder in self.folders) or "no folder"
             raise ShaderError(
-                f"no shader {name!r} in {where}", file=name, remedy=self.nearest(name)
+                f"no shader {name!r} in {where}", file=name, remedy=self.suggest(name)
             )
         return file
 
@@ -252,10 +252,10 @@ class Roots:
                 return File(known, path, read_shader(path))
         return None
 
-    def nearest(self, name: str) -> str:
+    def suggest(self, name: str) -> str:
         """Return a remedy for a misspelt name: like ones of shaders that are not too deep in the
         roots, of which one may be somebody's home folder."""
-        return nearest(name, self.names(_MOST_FILES))
+        return suggest(name, self.names(_MOST_FILES))
 
     def names(self, most: int | None = None) -> tuple[str, ...]:
         """Return all overridden names and all shader files below the roots, each by its shortest

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from shaderlab.errors import ShaderError, nearest
+from shaderlab.errors import ShaderError, suggest
 from shaderlab.model.records import Diagnostic, Severity
 
 from .shader_files import (
@@ -204,7 +204,7 @@ class Expansion:
                 return File(file.name, file.path, "\n") if open_files else file
         if outside is not None:
             raise _error(f"#include {path!r} {outside}", trail, OUTSIDE_REMEDY)
-        raise _error(f"no file to #include: {path!r}", trail, self._roots.nearest(path))
+        raise _error(f"no file to #include: {path!r}", trail, self._roots.suggest(path))
 
 
 def _once_macro(file: File, code: str) -> str | None:
@@ -325,7 +325,7 @@ class Shaders(Roots):
     def _source(self, file: File, name: str, stage: str) -> Source:
         if stage not in STAGES:
             raise ShaderError(
-                f"no such stage: {stage!r}", file=file.path, remedy=nearest(stage, STAGES)
+                f"no such stage: {stage!r}", file=file.path, remedy=suggest(stage, STAGES)
             )
         out = expand(file, self, self._defines)
         return Source(

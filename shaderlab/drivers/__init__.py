@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from shaderlab.compiler.sources import Source
-from shaderlab.errors import UsageError, nearest
+from shaderlab.errors import UsageError, suggest
 from shaderlab.model.records import Verdict
 
 from .protocol import (
@@ -47,7 +47,7 @@ def known_driver(name: str | None = None) -> str:
     """
     chosen = name or os.environ.get("SHADERLAB_DRIVER") or DRIVERS[0]
     if chosen not in MODULES:
-        raise UsageError(f"unknown driver {chosen!r}", remedy=nearest(chosen, MODULES))
+        raise UsageError(f"unknown driver {chosen!r}", remedy=suggest(chosen, MODULES))
     return chosen
 
 

@@ -16,10 +16,10 @@ from pathlib import Path
 from types import ModuleType
 
 from shaderlab.compiler.sources import Shaders
-from shaderlab.errors import CaseError, ShaderlabError, nearest
+from shaderlab.errors import CaseError, ShaderlabError, suggest
 from shaderlab.files import search_folder
 from shaderlab.model.case import Case
-from shaderlab.settings import settings_of
+from shaderlab.settings import load_settings
 
 from .discovery import TREE_FILE, chapter_title, data_folder, sort_key, tree_of
 
@@ -170,7 +170,7 @@ def _import_hint(error: ImportError, file: Path, tree: Path) -> str | None:
     for other in _FOR_CASES:
         if word.group(1) in _public_names(import_module(other)):
             return f"it is elsewhere: from {other} import {word.group(1)}"
-    return nearest(word.group(1), _public_names(sys.modules[name]))
+    return suggest(word.group(1), _public_names(sys.modules[name]))
 
 
 def _public_names(module: ModuleType) -> list[str]:
@@ -197,5 +197,5 @@ def shaders_of(
     """
     shipped = data_folder("shaders")
     inside = folder.resolve().is_relative_to(data_folder("cases").resolve())
-    own = () if inside else (*settings_of(folder).shader_folders(folder), *include)
+    own = () if inside else (*load_settings(folder).shader_folders(folder), *include)
     return Shaders([*own, shipped], overrides=dict(overrides), renames=renames)

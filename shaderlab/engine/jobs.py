@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-from shaderlab.errors import CaseError, UsageError, nearest
+from shaderlab.errors import CaseError, UsageError, suggest
 from shaderlab.model.options import RunOptions
 
 if TYPE_CHECKING:
@@ -183,5 +183,5 @@ def check_driver(name: str) -> str:
     from shaderlab.drivers import DRIVERS
 
     if name not in DRIVERS:
-        raise UsageError(f"there is no driver {name!r}", remedy=nearest(name, DRIVERS))
+        raise UsageError(f"there is no driver {name!r}", remedy=suggest(name, DRIVERS))
     return name

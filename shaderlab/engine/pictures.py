@@ -18,7 +18,7 @@ import numpy as np
 from shaderlab.compiler.library import disassemble_stages
 from shaderlab.drivers import Backend
 from shaderlab.drivers.programs.prepare import Programs
-from shaderlab.files import replacing, write_bytes
+from shaderlab.files import replace_file, write_bytes
 from shaderlab.model import pictures
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Image
@@ -314,7 +314,7 @@ def save_frames(folder: Path, case_id: str, variant: str, images: Images) -> Non
     """
     folder.mkdir(parents=True, exist_ok=True)
     arrays = {".".join(key): image.values for key, image in images.items()}
-    with replacing(_frames_file(folder, case_id, variant)) as draft, draft.open("wb") as file:
+    with replace_file(_frames_file(folder, case_id, variant)) as draft, draft.open("wb") as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]
 
 

@@ -26,7 +26,7 @@ from shaderlab.errors import (
     DriverError,
     ShaderlabError,
     UnsupportedError,
-    nearest,
+    suggest,
 )
 from shaderlab.model.calls import CallEdit
 from shaderlab.model.case import Scene
@@ -35,7 +35,7 @@ from shaderlab.model.frame import Image
 from shaderlab.model.options import RunOptions
 from shaderlab.model.phases import PhaseTimer, phase
 from shaderlab.model.records import Explanation, Outcome, Record, Verdict
-from shaderlab.settings import settings_of
+from shaderlab.settings import load_settings
 
 from .catalogue import shaders_of
 from .evaluation import FEATURES, Evaluation, SceneCheck
@@ -289,7 +289,7 @@ class SceneRunner:
         targets = (
             self.options.targets
             or tuple(scene.case.targets)
-            or settings_of(folder).targets
+            or load_settings(folder).targets
             or TARGETS
         )
         return {p.name: tuple(preparer.prepare(d, targets) for d in p.draws) for p in scene.passes}
@@ -448,6 +448,6 @@ def _picture_of(scene: Scene, images: Mapping[tuple[str, str], Image]) -> tuple[
         known = [".".join(key) for key in images]
         raise CaseError(
             f"there is no output {scene.case.picture!r} to be the picture",
-            remedy=nearest(scene.case.picture, known),
+            remedy=suggest(scene.case.picture, known),
         )
     return named.pass_name, named.name

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.drivers.programs.textures import texture_contents, texture_kind
-from shaderlab.errors import CallError, nearest
+from shaderlab.errors import CallError, suggest
 from shaderlab.functions.signatures import DTYPES, Input, Signature, Type
 from shaderlab.model.frame import Array, Texels
 from shaderlab.model.textures import CompressedTexture, CubeTexture, Texture, TextureArray
@@ -318,7 +318,7 @@ def _pair(
         if word in values:
             raise CallError(f"{name}: {word} is given twice")
         if word not in known:
-            raise CallError(f"{name} takes no {word!r}", remedy=nearest(word, known))
+            raise CallError(f"{name} takes no {word!r}", remedy=suggest(word, known))
         values[word] = value
     for one in given:
         if one.name not in values:

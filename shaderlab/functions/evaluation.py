@@ -33,7 +33,7 @@ from shaderlab.functions.kernels import LANES, MAX_WORDS, Kernel, local_name
 from shaderlab.functions.signatures import rename
 from shaderlab.model.frame import Array
 from shaderlab.model.options import CALL_LIMITS, RunOptions
-from shaderlab.settings import settings_of
+from shaderlab.settings import load_settings
 
 if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
@@ -221,7 +221,7 @@ _CALLER: ContextVar[Caller | None] = ContextVar("_CALLER", default=None)
 @contextmanager
 def use_worker(worker: Worker) -> Iterator[None]:
     """Inside a worker: calls are made in this process, on its own device."""
-    driver = settings_of(Path.cwd()).driver
+    driver = load_settings(Path.cwd()).driver
     made = worker.keep("caller", driver, lambda: Caller(InProcessExecutor(driver, worker), driver))
     token = _CALLER.set(made)
     try:
@@ -239,7 +239,7 @@ def get_caller() -> Caller:
 def _process_caller() -> Caller:
     """This process's own, started at the first call; SHADERLAB_JOBS=0 calls in this process."""
     executor: LocalExecutor
-    settings = settings_of(Path.cwd())
+    settings = load_settings(Path.cwd())
     if os.environ.get("SHADERLAB_JOBS") == "0":
         executor = InProcessExecutor(settings.driver)
     else:

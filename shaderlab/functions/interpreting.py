@@ -15,7 +15,7 @@ from shaderlab.analysis.inputs import inputs_of, unknown_names
 from shaderlab.analysis.interpreter import Program, load
 from shaderlab.analysis.requests import ShaderOfFile
 from shaderlab.compiler.sources import LineMap, Source
-from shaderlab.errors import ShaderError, ShaderlabError, UsageError, nearest
+from shaderlab.errors import ShaderError, ShaderlabError, UsageError, suggest
 from shaderlab.functions.evaluation import Preprocess, as_version, glsl_versions
 from shaderlab.functions.kernels import local_name
 from shaderlab.functions.library import with_version
@@ -282,7 +282,7 @@ def _check_ranges(ranges: Mapping[str, str], functions: Sequence[EntryPoint]) ->
         with contextlib.suppress(ShaderlabError):
             known |= inputs_of(_program(function)).keys()
     for name in unknown_names(list(ranges), known):
-        raise UsageError(f"no function takes {name!r}", remedy=nearest(name, known))
+        raise UsageError(f"no function takes {name!r}", remedy=suggest(name, known))
 
 
 def _plan_of(plan: Plan, *programs: Program) -> Plan:

@@ -16,14 +16,14 @@ from typing import Any
 from shaderlab.compiler.shader_files import EXTENSIONS, version_of
 from shaderlab.compiler.sources import LineMap, Shaders, Source
 from shaderlab.engine.judging.laws import Law
-from shaderlab.errors import CallError, ShaderError, ShaderlabError, nearest
+from shaderlab.errors import CallError, ShaderError, ShaderlabError, suggest
 from shaderlab.functions import checks
 from shaderlab.functions.call import Call, bind_arguments, replace_arguments
 from shaderlab.functions.evaluation import evaluate, get_caller
 from shaderlab.functions.laws import CallLaw
 from shaderlab.functions.records import Notes, current_notes
 from shaderlab.functions.signatures import Signature, find_signatures, read_declarations
-from shaderlab.settings import settings_of
+from shaderlab.settings import load_settings
 
 
 @dataclass
@@ -260,7 +260,7 @@ class Library:
         found = self._functions.get(name)
         if found is None:
             message = f"{self._source.path} has no function {name!r}"
-            raise AttributeError(f"{message}\n  → {nearest(name, self._functions)}")
+            raise AttributeError(f"{message}\n  → {suggest(name, self._functions)}")
         if (known := current_loads()) is not None:
             known.use(self._written, name)
         return Function(self._read, found, self._folder, self._given)
@@ -300,7 +300,7 @@ def with_version(source: Source) -> Source:
 def _find(path: Path, beside: Path | None) -> Path:
     tried = [Path.cwd()]
     if beside is not None:
-        tried[:0] = settings_of(beside).shader_folders(beside)
+        tried[:0] = load_settings(beside).shader_folders(beside)
     for folder in tried:
         if (folder / path).is_file():
             return Path(os.path.abspath(folder / path))
@@ -310,7 +310,7 @@ def _find(path: Path, beside: Path | None) -> Path:
 
 def _source(path: Path, defines: Mapping[str, str] | None) -> Source:
     """The file with its includes, which are searched for as a case's are."""
-    folders = settings_of(path.parent).shader_folders(path.parent)
+    folders = load_settings(path.parent).shader_folders(path.parent)
     outermost = min((f for f in folders if path.is_relative_to(f)), key=lambda f: len(f.parts))
     shaders = Shaders([outermost, *folders], defines=defines)
     stage = EXTENSIONS.get(path.suffix, "fragment")

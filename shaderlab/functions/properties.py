@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands.rounding import shortest
-from shaderlab.errors import CallError, extra
+from shaderlab.errors import CallError, require_extra
 from shaderlab.files import display_path
 from shaderlab.functions.domains import Domain, hints_of, weights
 from shaderlab.functions.records import current_notes
@@ -327,7 +327,7 @@ def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
     """
 
     def decorate(test: Test) -> Test:
-        with extra("pytest", "glsl.given"):
+        with require_extra("pytest", "glsl.given"):
             import hypothesis
             from hypothesis import strategies
 

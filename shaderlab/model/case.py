@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from shaderlab.errors import CaseError, nearest
+from shaderlab.errors import CaseError, suggest
 from shaderlab.model.checked import Checked
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.scene import Draw, Pass, Ramp, UniformBuffer
@@ -121,7 +121,7 @@ class Case(Checked):
             raise CaseError(
                 f"{self.id} has no variant {variant!r}",
                 file=self.file or None,
-                remedy=nearest(variant, scenes),
+                remedy=suggest(variant, scenes),
             )
         return scenes[variant]
 
@@ -174,7 +174,7 @@ class Scene:
         raise CaseError(
             f"there is no pass {name!r}",
             file=self.case.file or None,
-            remedy=nearest(name, [p.name for p in self.passes]),
+            remedy=suggest(name, [p.name for p in self.passes]),
         )
 
     def split_output(self, name: str) -> tuple[str | None, str]:
@@ -268,7 +268,7 @@ def _apply_changes(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ..
     for name in sorted(variant.changes.keys() - known):
         raise CaseError(
             f"variant {variant.name!r} changes {name!r}, which no draw has",
-            remedy=nearest(name, known),
+            remedy=suggest(name, known),
         )
     return changed
 

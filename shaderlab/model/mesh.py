@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.errors import CaseError, nearest
+from shaderlab.errors import CaseError, suggest
 from shaderlab.model.checked import Checked
 from shaderlab.model.state import check_choice
 
@@ -133,7 +133,7 @@ class Mesh(Checked):
         """The same mesh with these attributes alone, for shaders that read no others."""
         for name in names:
             if name not in self.inputs:
-                raise CaseError(f"Mesh has no {name!r}", remedy=nearest(name, self.inputs))
+                raise CaseError(f"Mesh has no {name!r}", remedy=suggest(name, self.inputs))
         return replace(
             self,
             attributes={n: self.attributes[n] for n in names if n in self.attributes},

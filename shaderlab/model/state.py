@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from shaderlab.errors import CaseError, nearest
+from shaderlab.errors import CaseError, suggest
 from shaderlab.model.checked import Checked
 
 COMPARISONS = (
@@ -62,7 +62,7 @@ def check_choice(owner: str, field: str, word: str, choices: tuple[str, ...]) ->
     if word not in choices:
         raise CaseError(
             f"{owner}: {field} is {word!r}",
-            remedy=nearest(word, choices) if isinstance(word, str) else f"one of {choices}",
+            remedy=suggest(word, choices) if isinstance(word, str) else f"one of {choices}",
         )
 
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from shaderlab.compiler.sources import Source
 from shaderlab.engine.discovery import files_below, is_project_file
-from shaderlab.errors import CaseError, ShaderError, ShaderlabError, extra
+from shaderlab.errors import CaseError, ShaderError, ShaderlabError, require_extra
 from shaderlab.files import display_path
 from shaderlab.functions.domains import Domain, bools, floats, hints_of, ints
 from shaderlab.functions.evaluation import use_worker
@@ -105,7 +105,7 @@ class RunTestFile:
 
     def perform(self, worker: Worker) -> TestFileResult:
         """See `shaderlab.engine.jobs.Request`. Raises UsageError: pytest is not installed."""
-        with extra("pytest", "running tests of functions"):
+        with require_extra("pytest", "running tests of functions"):
             import pytest
 
         linecache.checkcache()

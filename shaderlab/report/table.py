@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import Path
 from typing import BinaryIO
 
-from shaderlab.errors import ShaderlabError, UsageError, extra
+from shaderlab.errors import ShaderlabError, UsageError, require_extra
 from shaderlab.files import write_named
 
 FORMATS = (".csv", ".parquet")
@@ -28,7 +28,7 @@ def check(path: Path) -> None:
             f"a table is {' or '.join(FORMATS)}, not {path.suffix or 'without a suffix'}", file=path
         )
     if path.suffix == ".parquet":
-        with extra("sweep", "a .parquet file"):
+        with require_extra("sweep", "a .parquet file"):
             import pyarrow.parquet  # noqa: F401
 
 

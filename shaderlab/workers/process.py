@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, Literal
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.files import memory_file, sort_search_path
+from shaderlab.files import open_memory_file, sort_search_path
 from shaderlab.model.options import Limits
 
 from .worker import STEP_BYTES
@@ -156,7 +156,7 @@ class WorkerProcess:
         self._socket, theirs = socket.socketpair()
         self._answers = self._socket.makefile("rb")
         # Both live as long as the process, and take no space on a disk that may be full.
-        self._errors, self._steps = memory_file(), memory_file()
+        self._errors, self._steps = open_memory_file(), open_memory_file()
         self._steps.truncate(STEP_BYTES)
         self._streams = (self._answers, self._socket, self._errors, self._steps)
         inherited = [theirs.fileno(), self._steps.fileno()]

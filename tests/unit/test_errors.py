@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 
-from shaderlab.errors import CaseError, ShaderlabError, nearest
+from shaderlab.errors import CaseError, ShaderlabError, suggest
 
 
 def test_an_error_shows_place_message_and_remedy() -> None:
@@ -32,6 +32,6 @@ def test_notes_survive_pickling() -> None:
 
 
 def test_nearest_names_close_words_first_and_all_of_few() -> None:
-    assert nearest("texture", ["textures", "state"]) == "did you mean textures?"
-    assert nearest("zzz", ["textures", "state"]) == "there is: textures, state"
-    assert nearest("zzz", []) == "there are none to choose from"
+    assert suggest("texture", ["textures", "state"]) == "did you mean textures?"
+    assert suggest("zzz", ["textures", "state"]) == "there is: textures, state"
+    assert suggest("zzz", []) == "there are none to choose from"

@@ -14,7 +14,7 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.files import (
     display_path,
     read_regular,
-    replacing,
+    replace_file,
     write_bytes,
     write_named,
     write_text,
@@ -28,7 +28,7 @@ def names(folder: Path) -> list[str]:
 def test_a_block_that_fails_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
     file = tmp_path / "a.txt"
     file.write_text("old")
-    with pytest.raises(KeyError), replacing(file) as draft:
+    with pytest.raises(KeyError), replace_file(file) as draft:
         draft.write_text("half")
         raise KeyError
     assert file.read_text() == "old" and names(tmp_path) == ["a.txt"]
@@ -37,7 +37,7 @@ def test_a_block_that_fails_leaves_the_old_file_and_nothing_else(tmp_path: Path)
 def test_a_folder_appears_whole_and_never_over_another(tmp_path: Path) -> None:
     for fails in (False, True):
         try:
-            with replacing(tmp_path / "folder") as draft:
+            with replace_file(tmp_path / "folder") as draft:
                 draft.mkdir()
                 (draft / str(fails)).write_text("")
         except OSError:
@@ -48,7 +48,7 @@ def test_a_folder_appears_whole_and_never_over_another(tmp_path: Path) -> None:
 def test_a_link_replaces_a_link(tmp_path: Path) -> None:
     for target in ("one", "two"):
         (tmp_path / target).mkdir()
-        with replacing(tmp_path / "latest") as draft:
+        with replace_file(tmp_path / "latest") as draft:
             draft.symlink_to(target)
     assert (tmp_path / "latest").resolve().name == "two"
     assert names(tmp_path) == ["latest", "one", "two"]

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from shaderlab.cli import cli
 from shaderlab.engine.catalogue import shaders_of
 from shaderlab.errors import ShaderError, UsageError
-from shaderlab.settings import Settings, defaults, settings_of
+from shaderlab.settings import Settings, load_settings, option_defaults
 
 Write = Callable[[str], Path]
 FRAGMENT = "#version 330 core\nout vec4 color;\nvoid main() { color = vec4(glow()); }\n"
@@ -41,7 +41,7 @@ def says(game: Path, text: str) -> Settings:
     (game / "pyproject.toml").write_text(text)
     folder = game / "tests" / str(len(text))  # another folder each time: settings are read once
     folder.mkdir(exist_ok=True)
-    return settings_of(folder)
+    return load_settings(folder)
 
 
 @pytest.mark.parametrize("folder", ["tests", "tests/deep", "engine/tests"])
@@ -102,7 +102,7 @@ def test_one_file_is_replaced_by_whichever_name_it_is_called(game: Path) -> None
 def test_the_project_says_where_its_shaders_are(game: Path) -> None:
     settings = says(game, '[tool.shaderlab]\nshaders = ["engine/shaders"]\ninclude = ["shaders"]\n')
     assert settings.root == game and settings.shaders == (game / "engine" / "shaders",)
-    folders = settings_of(game / "tests").shader_folders(game / "tests")
+    folders = load_settings(game / "tests").shader_folders(game / "tests")
     assert folders == (game / "tests", game / "engine" / "shaders", game / "shaders")
     shaders = shaders_of(game / "tests", {})
     assert shaders.load("sun.frag").text and shaders.load("../engine/shaders/sun.frag").text
@@ -118,10 +118,10 @@ def test_all_settings_become_options(game: Path) -> None:
         "keep = 3\n",
     )
     assert settings.keep == 3
-    options = defaults(settings)
+    options = option_defaults(settings)
     assert options["run"] == {"seconds": 5.0, "gigabytes": 0.0, "driver": "softpipe"}
     assert options["compile"] == {"compile_targets": ("glsl",), "gigabytes": 0.0}
-    assert not any(defaults(Settings()).values())
+    assert not any(option_defaults(Settings()).values())
 
 
 @pytest.mark.parametrize(
@@ -177,7 +177,7 @@ def test_init_writes_what_is_missing_and_keeps_what_is_there(
     assert result.exit_code == 0, result.output
     written = Path("pyproject.toml").read_text()
     assert written.startswith(f"{before}\n\n[tool.shaderlab]\n")
-    assert settings_of(game / "engine").shaders == tuple(
+    assert load_settings(game / "engine").shaders == tuple(
         game / name for name in ("engine", "shaders", "tests")
     )
     assert Path(".gitignore").read_text() == "*.o\n/reports/\n"

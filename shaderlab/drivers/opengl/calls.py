@@ -18,7 +18,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from shaderlab.errors import CaseError, DriverError, ShaderError, UnsupportedError, nearest
+from shaderlab.errors import CaseError, DriverError, ShaderError, UnsupportedError, suggest
 from shaderlab.model.calls import Call, Location, Object, Program
 from shaderlab.model.frame import Reply
 
@@ -38,7 +38,7 @@ from .drawing import drain_errors
 def prototype(name: str) -> Any:
     """Find a C function by its name, with its argument names and types. Raises CaseError."""
     if name not in prototypes():
-        raise CaseError(f"OpenGL has no function {name!r}", remedy=nearest(name, prototypes()))
+        raise CaseError(f"OpenGL has no function {name!r}", remedy=suggest(name, prototypes()))
     return prototypes()[name]
 
 
@@ -75,7 +75,7 @@ def constant(words: str) -> int:
     number = 0
     for word in (w.strip() for w in words.split("|")):
         if word not in constants():
-            raise CaseError(f"OpenGL has no constant {word!r}", remedy=nearest(word, constants()))
+            raise CaseError(f"OpenGL has no constant {word!r}", remedy=suggest(word, constants()))
         number |= constants()[word]
     return number
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.compiler.reflection import Block, Interface, Member, Variable
-from shaderlab.errors import CaseError, UnsupportedError, nearest
+from shaderlab.errors import CaseError, UnsupportedError, suggest
 from shaderlab.model.frame import Array, Bindings, Texels
 from shaderlab.model.scene import UNIT_SQUARE, Draw, Ramp, UniformBuffer
 from shaderlab.model.textures import TextureSource
@@ -187,7 +187,7 @@ def complete_inputs(
     count = max((len(v) for v in inputs.values()), default=1)
     for name in inputs:
         if name not in variables:
-            raise CaseError(f"{draw.fragment} reads no {name!r}", remedy=nearest(name, variables))
+            raise CaseError(f"{draw.fragment} reads no {name!r}", remedy=suggest(name, variables))
     complete = {}
     for name, variable in variables.items():
         if name in inputs:
@@ -240,7 +240,7 @@ def compare(
             if name in names:
                 raise CaseError(f"{program}: {name!r} is a {kind}, given as a {what}")
         raise CaseError(
-            f"{program}: there is no {what} {name!r}", remedy=surplus or nearest(name, declared)
+            f"{program}: there is no {what} {name!r}", remedy=surplus or suggest(name, declared)
         )
     missing = [name for name in declared if name not in given]
     if missing:
@@ -306,7 +306,7 @@ def _block_values(draw: Draw, interface: Interface) -> dict[str, Any]:
     blocks = uniform_blocks(interface)
     for name in draw.blocks:
         if name not in blocks:
-            known = nearest(name, blocks) if blocks else "its shaders declare none"
+            known = suggest(name, blocks) if blocks else "its shaders declare none"
             raise CaseError(f"{program}: there is no uniform block {name!r}", remedy=known)
     values: dict[str, Any] = {}
     for name, block in blocks.items():
@@ -325,7 +325,7 @@ def _block_values(draw: Draw, interface: Interface) -> dict[str, Any]:
             if member not in block.members:
                 raise CaseError(
                     f"{program}: the uniform block {name} has no member {member!r}",
-                    remedy=nearest(member, block.members),
+                    remedy=suggest(member, block.members),
                 )
         missing = [f"{m.name} ({m.type})" for m in block.members.values() if m.name not in own]
         if missing:

@@ -10,7 +10,7 @@ from shaderlab.compiler.compile import Compile, Compiled, compile_program
 from shaderlab.compiler.engines import TARGETS
 from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.compiler.sources import Shaders, Source
-from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
+from shaderlab.errors import CaseError, ShaderError, UnsupportedError, suggest
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, PassDraw
 from shaderlab.model.scene import Draw, Pass
@@ -205,7 +205,7 @@ def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[s
             raise CaseError(
                 f"pass {description.name!r}: its target has a colour {name!r}, "
                 f"but its shaders write {', '.join(outputs) or 'nothing'}",
-                remedy=nearest(name, outputs),
+                remedy=suggest(name, outputs),
             )
     return asked
 
@@ -237,7 +237,7 @@ def check_continues(
     if before not in earlier:
         raise CaseError(
             f"pass {description.name!r} continues {before!r}, which is no earlier pass",
-            remedy=nearest(before, earlier),
+            remedy=suggest(before, earlier),
         )
     same = scene.find_pass(before).target == description.target
     if not same or earlier[before] != colors:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.compiler.reflection import Variable
-from shaderlab.errors import AssetError, CaseError, nearest
+from shaderlab.errors import AssetError, CaseError, suggest
 from shaderlab.files import read_regular
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.textures import (
@@ -276,7 +276,7 @@ def find_image(source: Output, images: Images) -> Image:
         known = [f"{p}.{n}" for p, n in images]
         raise CaseError(
             f"no earlier pass gives {source.path}",
-            remedy=nearest(source.path, known),
+            remedy=suggest(source.path, known),
         )
     return images[key]
 

@@ -12,7 +12,7 @@ from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Session
 from shaderlab.drivers.programs.captures import vertex_output_names
 from shaderlab.drivers.programs.prepare import Preparer, describe_draw
-from shaderlab.errors import CaseError, nearest
+from shaderlab.errors import CaseError, suggest
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Programs, Read, TypedNeed
 from shaderlab.model.frame import Bindings, PassDraw
@@ -148,7 +148,7 @@ class OutputExpectation(Expectation):
         known = [] if generated and name != "gl_Position" else vertex_output_names(draw)
         if name not in known:
             outputs = [*draw.outputs, *known]
-            raise CaseError(f"there is no output {name!r}", remedy=nearest(name, outputs))
+            raise CaseError(f"there is no output {name!r}", remedy=suggest(name, outputs))
         if generated:
             raise CaseError(
                 f"{name!r} belongs to the lab's own vertex stage: draw a mesh to judge it"

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from shaderlab.errors import CaseError, nearest
+from shaderlab.errors import CaseError, suggest
 from shaderlab.model.calls import COUNTERS, GL_ERRORS, error_name
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs, Read
@@ -115,7 +115,7 @@ class BlockLayout(DriverAnswer):
     def compare(self, answer: Mapping[str, BlockReading]) -> tuple[list[Row], str]:
         if self.block not in answer:
             raise CaseError(
-                f"there is no uniform block {self.block!r}", remedy=nearest(self.block, answer)
+                f"there is no uniform block {self.block!r}", remedy=suggest(self.block, answer)
             )
         reading = answer[self.block]
         rows = []
@@ -123,7 +123,7 @@ class BlockLayout(DriverAnswer):
             if member not in reading.placed:
                 raise CaseError(
                     f"the block {self.block} has no member {member!r}",
-                    remedy=nearest(member, reading.placed),
+                    remedy=suggest(member, reading.placed),
                 )
             ours, driver = reading.placed[member], reading.offsets.get(member)
             rows.append(
@@ -236,7 +236,7 @@ class InactiveUniforms(DriverAnswer):
             if name not in answer:
                 raise CaseError(
                     f"inactive_uniforms: the program declares no {name!r}",
-                    remedy=nearest(name, answer),
+                    remedy=suggest(name, answer),
                 )
         rows = [
             Row(

@@ -19,7 +19,7 @@ import numpy as np
 from shaderlab.engine.expectations.base import DrawExpectation
 from shaderlab.engine.expectations.needs import find_image
 from shaderlab.engine.judging.references import locate_error, parameter_name, source_of
-from shaderlab.errors import CaseError, FormulaError, ShaderlabError, nearest
+from shaderlab.errors import CaseError, FormulaError, ShaderlabError, suggest
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import Checked
 from shaderlab.model.expectation import Judgement, Read
@@ -336,7 +336,7 @@ class Measure(DrawExpectation, Bounded):
             if name not in parameters:
                 raise CaseError(
                     f"measure {self.name!r}: its function has no parameter {name!r}",
-                    remedy=nearest(name, parameters),
+                    remedy=suggest(name, parameters),
                 )
         for parameter in parameters.values():
             name = parameter.name
@@ -358,7 +358,7 @@ class Measure(DrawExpectation, Bounded):
                 raise CaseError(
                     f"measure {self.name!r}: its function asks for {name!r}, which is neither "
                     "an output nor a uniform nor given",
-                    remedy=nearest(name, choices),
+                    remedy=suggest(name, choices),
                 )
         if not drawn:
             raise CaseError(

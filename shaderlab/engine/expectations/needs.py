@@ -16,7 +16,7 @@ from shaderlab.drivers.programs.prepare import PreparedDraw
 from shaderlab.drivers.programs.stages import array_elements, changes_inputs, may_drop_fragments
 from shaderlab.engine.expectations.base import Context, OutputExpectation
 from shaderlab.engine.judging.references import Inputs
-from shaderlab.errors import CaseError, UnsupportedError, nearest
+from shaderlab.errors import CaseError, UnsupportedError, suggest
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Programs
 from shaderlab.model.frame import (
@@ -128,7 +128,7 @@ class Probe(TypedNeed[Samples]):
                 raise CaseError(
                     f"{self._expectation.output}: {name!r} is not an input of "
                     f"{' + '.join(draw.draw.shaders)}",
-                    remedy=nearest(name, [*inputs, *bindings.uniforms]),
+                    remedy=suggest(name, [*inputs, *bindings.uniforms]),
                 )
         groups = [[step] for step in steps] if uniforms else [steps]
         changes = [
@@ -277,7 +277,7 @@ def find_image(name: str, scene: Scene, frame: Frame) -> Image:
     key = (pass_name or frame.order[-1], own)
     if key not in frame.images:
         known = [f"{p}.{n}" for p, n in frame.images]
-        raise CaseError(f"there is no output {name!r}", remedy=nearest(name, known))
+        raise CaseError(f"there is no output {name!r}", remedy=suggest(name, known))
     return frame.images[key]
 
 

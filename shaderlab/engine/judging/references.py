@@ -21,7 +21,7 @@ from shaderlab.bands import Band, Integer, Rules
 from shaderlab.bands.band import WHOLE
 from shaderlab.bands.bounds import Vector
 from shaderlab.bands.tri_bool import TriBool
-from shaderlab.errors import FormulaError, ShaderlabError, nearest
+from shaderlab.errors import FormulaError, ShaderlabError, suggest
 from shaderlab.glslmath.arrays import Elements
 from shaderlab.glslmath.sampling import Sampler
 from shaderlab.model.frame import Array, Bindings, Texels
@@ -143,7 +143,7 @@ def match_parameters(reference: Reference, inputs: Inputs) -> dict[str, list[str
                 f"{name_of(reference)}() asks for {name!r}, which the shader lacks",
                 file=source_of(reference).file,
                 line=source_of(reference).line,
-                remedy=nearest(name, known),
+                remedy=suggest(name, known),
             )
     return found
 

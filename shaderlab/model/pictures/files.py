@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from shaderlab.errors import AssetError, extra
+from shaderlab.errors import AssetError, require_extra
 from shaderlab.files import write_bytes
 
 from .display import as_pixels, copy_path, enlarge, to_display
@@ -162,7 +162,7 @@ def load(path: str | Path) -> Floats:
     if not source.is_file():
         what = "is a folder, not an image" if source.is_dir() else "there is no such image file"
         raise AssetError(what, file=source, remedy="check the path and its spelling")
-    with extra("images", "reading an image file", source):
+    with require_extra("images", "reading an image file", source):
         import OpenImageIO as oiio
 
     config = oiio.ImageSpec()
