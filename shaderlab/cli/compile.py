@@ -30,7 +30,7 @@ from shaderlab.engine.executors import count_cores
 from shaderlab.engine.jobs import check_driver
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits
-from shaderlab.report.findings import Finding, of_verdicts
+from shaderlab.report.findings import Finding, collect_verdict_findings
 from shaderlab.report.text import format_diagnostic
 from shaderlab.workers.pool import WorkerPool
 
@@ -181,7 +181,7 @@ def _print_results(
             if json_file is not None:
                 entries += as_data(result)
             if outputs:
-                found += of_verdicts(result.verdicts, result.path)
+                found += collect_verdict_findings(result.verdicts, result.path)
     if not quiet:
         for line in tally.lines():
             click.echo(line, err=to_stderr)

@@ -113,18 +113,42 @@ def command(
     Exit code: 0 measured, 1 a case fails unmutated or the score is below --fail-under, 2 wrong
     usage, 130 interrupted.
     """
-    from shaderlab.cli.showing import Show
-    from shaderlab.mutation import MutationPlan, MutationRun, results_to_json, score
+    from shaderlab.mutation import MutationPlan, score
 
     if api and folder is not None:
         raise UsageError(
-            "--api with --report: the page shows mistakes in shaders and state",
+            "--api can't be combined with --report: the page shows mistakes in shaders and state",
             remedy="write those in calls to a file, with --json",
         )
     plan = MutationPlan(
         variants=variants, state=state, api=api, limit=limit, seed=seed, locate=locate
     )
-    shown = Show(to_stderr=json_file == "-")
+    results, stopped = _measure(targets, every, plan, json_file == "-", limits, workers)
+    _write(results, plan, stopped, folder, json_file)
+    if stopped:
+        return INTERRUPTED
+    failed = any(result.message for result in results) or _is_too_low(score(results), fail_under)
+    return FAILED if failed else OK
+
+
+def _is_too_low(reached: float | None, least: float | None) -> bool:
+    """Whether a score is below the least percentage; one of no mutants is."""
+    return least is not None and (reached is None or 100.0 * reached < least)
+
+
+def _measure(
+    targets: Sequence[str],
+    every: bool,
+    plan: MutationPlan,
+    to_stderr: bool,
+    limits: Limits,
+    workers: int | None,
+) -> tuple[list[CaseResult], bool]:
+    """Make, judge and show all mutants; also say whether Ctrl-C stopped it."""
+    from shaderlab.cli.showing import Show
+    from shaderlab.mutation import MutationRun
+
+    shown = Show(to_stderr=to_stderr)
     console = shown.console
     if not console.is_terminal:
         console.width = 120  # a file has no width, and cut numbers are of no use
@@ -132,29 +156,35 @@ def command(
         run = MutationRun(_targets(targets, every, plan, executor), executor)
         stopped = not _judge(run, shown)
     results = run.results(complete=stopped)
-    if locate:
+    if plan.locate:
         _show_traced(console, results)
-    _show(console, results, "calls of OpenGL" if api else "shaders")
-    data = {**results_to_json(results), "api": api, "limit": limit, "seed": seed}
+    _show(console, results, "calls of OpenGL" if plan.api else "shaders")
     if stopped:
-        data["interrupted"] = True
         console.print(
             f"interrupted: {run.judged} of {run.total} mutants were judged; "
             "the cases above are those with all of theirs"
         )
+    return results, stopped
+
+
+def _write(
+    results: Sequence[CaseResult],
+    plan: MutationPlan,
+    stopped: bool,
+    folder: str | None,
+    json_file: str | None,
+) -> None:
+    from shaderlab.mutation import results_to_json
+
+    data = {**results_to_json(results), "api": plan.api, "limit": plan.limit, "seed": plan.seed}
+    if stopped:
+        data["interrupted"] = True
     try:
         if folder is not None:
             _into_report(data, make_report_folder(Path(folder)))
     finally:  # what took so long to measure is written wherever it can be
         if json_file is not None:
             write_json(data, json_file)
-    if stopped:
-        return INTERRUPTED
-    reached = score(results)
-    too_low = fail_under is not None and (reached is None or 100.0 * reached < fail_under)
-    if too_low or any(result.message for result in results):
-        return FAILED
-    return OK
 
 
 def _into_report(data: Mapping[str, Any], folder: Path) -> None:

@@ -49,16 +49,16 @@ class Finding:
     related: tuple[tuple[str, int], ...] = field(default=())
 
 
-def findings_of(run: Run) -> list[Finding]:
+def collect_findings(run: Run) -> list[Finding]:
     """What is wrong in a run: compilers' messages, expectations that do not hold, and variants that
     came to no verdict. What several variants of a case share is one finding."""
     found: dict[tuple[object, ...], tuple[Finding, list[str]]] = {}
     for record in run.records:
-        for finding in _of_record(record):
+        for finding in _record_findings(record):
             key = (finding.rule, finding.file, finding.line, finding.subject)
             found.setdefault(key, (finding, []))[1].append(record.variant)
-    merged = [_of_variants(finding, variants) for finding, variants in found.values()]
-    merged += _of_other_drivers(run)
+    merged = [_name_variants(finding, variants) for finding, variants in found.values()]
+    merged += _driver_findings(run)
     if run.missing:
         message = f"the run was interrupted: {plural(run.missing, 'variant')} not run"
         merged.append(Finding(rule="interrupted", file="", line=0, message=message))
@@ -70,7 +70,7 @@ def findings_of(run: Run) -> list[Finding]:
     return merged
 
 
-def of_verdicts(verdicts: Iterable[Verdict], path: str) -> Iterator[Finding]:
+def collect_verdict_findings(verdicts: Iterable[Verdict], path: str) -> Iterator[Finding]:
     """The errors and warnings of compile targets about one program, each once."""
     targets: dict[Diagnostic, list[str]] = {}
     for verdict in verdicts:
@@ -91,7 +91,7 @@ def of_verdicts(verdicts: Iterable[Verdict], path: str) -> Iterator[Finding]:
         )
 
 
-def repository() -> Path:
+def find_repository() -> Path:
     """The folder that paths are relative to in a review: the checkout of a CI job, or else the
     repository that holds the working folder."""
     given = os.environ.get(WORKSPACE)
@@ -101,7 +101,7 @@ def repository() -> Path:
     return next((folder for folder in (here, *here.parents) if (folder / ".git").exists()), here)
 
 
-def path_in(root: Path, file: str) -> str | None:
+def relative_path(root: Path, file: str) -> str | None:
     """A file's path below a folder, with "/"; None if it is elsewhere."""
     path = Path(os.path.abspath(file))
     for one in (path, path.resolve()):
@@ -110,7 +110,7 @@ def path_in(root: Path, file: str) -> str | None:
     return None
 
 
-class Lines:
+class LineReader:
     """The text of files' lines, each file read once."""
 
     def __init__(self) -> None:
@@ -128,22 +128,22 @@ class Lines:
         return lines[line - 1].strip() if 0 < line <= len(lines) else ""
 
 
-def _of_record(record: Record) -> Iterator[Finding]:
+def _record_findings(record: Record) -> Iterator[Finding]:
     name = format_label(record.id, record.variant)
     if record.status in PASSABLE:
         return
-    refused = [f for p in record.programs for f in of_verdicts(p.verdicts, p.files[0])]
+    refused = [f for p in record.programs for f in collect_verdict_findings(p.verdicts, p.files[0])]
     yield from refused
     shown = {finding.subject for finding in refused if finding.severity == "error"}
     wrong = [outcome for outcome in record.expectations if outcome.status != "pass"]
     for outcome in wrong:
-        yield _of_outcome(record, outcome)
+        yield _outcome_finding(record, outcome)
     if not shown and not wrong:
-        yield _of_end(record, name)
+        yield _ending_finding(record, name)
 
 
-def _of_outcome(record: Record, outcome: Outcome) -> Finding:
-    file, line = record.file, outcome.line or _line_of_case(record.file)
+def _outcome_finding(record: Record, outcome: Outcome) -> Finding:
+    file, line = record.file, outcome.line or _find_case_line(record.file)
     related = [(source.file, source.line) for source in outcome.sources]
     explained = outcome.explanation
     if explained is not None and explained.file and explained.line:
@@ -161,7 +161,7 @@ def _of_outcome(record: Record, outcome: Outcome) -> Finding:
     )
 
 
-def _of_end(record: Record, name: str) -> Finding:
+def _ending_finding(record: Record, name: str) -> Finding:
     """Of a record that no expectation accounts for: its message begins with the place, if known."""
     place = _PLACE.match(record.message)
     file, line, said = record.file, 0, record.message
@@ -170,13 +170,13 @@ def _of_end(record: Record, name: str) -> Finding:
     return Finding(
         rule=record.status if record.status != "fail" else "case",
         file=file,
-        line=line or _line_of_case(file),
+        line=line or _find_case_line(file),
         message=make_printable(f"{name}: {said or STATUS_WORDS[record.status]}"),
         subject=record.id,
     )
 
 
-def _of_other_drivers(run: Run) -> Iterator[Finding]:
+def _driver_findings(run: Run) -> Iterator[Finding]:
     """Scenes that pass on the first driver of several, and fail on another."""
     records: Mapping[tuple[str, str], Record] = {(r.id, r.variant): r for r in run.records}
     for result in run.drivers:
@@ -185,14 +185,14 @@ def _of_other_drivers(run: Run) -> Iterator[Finding]:
             yield Finding(
                 rule="driver",
                 file=record.file,
-                line=_line_of_case(record.file),
+                line=_find_case_line(record.file),
                 message=f"{format_label(result.id, result.variant)}: {STATUS_WORDS[result.status]} "
                 f"on {result.driver}",
                 subject=f"{result.id}[{result.variant}] on {result.driver}",
             )
 
 
-def _of_variants(finding: Finding, variants: Sequence[str]) -> Finding:
+def _name_variants(finding: Finding, variants: Sequence[str]) -> Finding:
     others = list(dict.fromkeys(variants))[1:]
     if not others:
         return finding
@@ -200,7 +200,7 @@ def _of_variants(finding: Finding, variants: Sequence[str]) -> Finding:
     return replace(finding, message=f"{finding.message}\nalso in {shown}")
 
 
-def _line_of_case(file: str) -> int:
+def _find_case_line(file: str) -> int:
     """The line of a case file that has the case; 1 where that is not found."""
     try:
         text = read_regular(file, _MOST_BYTES).decode("utf-8", "replace")

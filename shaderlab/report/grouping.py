@@ -40,7 +40,7 @@ class CaseGroup:
     @property
     def status(self) -> Status:
         """The worst of the variants' statuses."""
-        return worst(record.status for record in self.records)
+        return worst_status(record.status for record in self.records)
 
     @property
     def not_asked(self) -> int:
@@ -87,7 +87,7 @@ class Totals:
 PASSABLE: tuple[Status, ...] = ("unsupported", "pass")
 
 
-def worst(statuses: Iterable[Status]) -> Status:
+def worst_status(statuses: Iterable[Status]) -> Status:
     """The worst of some statuses; "pass" of none."""
     present = set(statuses)
     return next((status for status in STATUSES if status in present), "pass")
@@ -109,7 +109,7 @@ def _place(group: CaseGroup) -> tuple[bool, tuple[int, str], list[int]]:
     return group.chapter == (0, OWN), group.chapter, numbers
 
 
-def total(run: Run, cases: Sequence[CaseGroup]) -> Totals:
+def count_totals(run: Run, cases: Sequence[CaseGroup]) -> Totals:
     """Everything counted once; a program that several variants share is one program."""
     outcomes = [outcome for record in run.records for outcome in record.expectations]
     programs = {

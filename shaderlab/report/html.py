@@ -29,7 +29,7 @@ from shaderlab.report.comparison import (
 )
 from shaderlab.report.grouping import STATUSES
 from shaderlab.report.page import CaseView, Page, build_page, load_mutants
-from shaderlab.report.pictures import Pictures, Repeated
+from shaderlab.report.pictures import Pictures
 from shaderlab.report.sources import collect_words
 
 FILE_NAME = "index.html"
@@ -110,7 +110,6 @@ def write_single(run: Run, folder: str | Path, path: str | Path) -> None:
         policy=rendering.single_policy(),
         style=rendering.style(),
         script=rendering.script(),
-        repeated=Repeated(page.all_pictures()),
         against=None,
         drivers=compare_drivers(run, links),
         links=links,

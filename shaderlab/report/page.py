@@ -40,14 +40,18 @@ from shaderlab.report.charts import (
     lay_out_plot,
     lay_out_worst,
 )
-from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, group_cases, total, worst
+from shaderlab.report.grouping import (
+    PASSABLE,
+    CaseGroup,
+    Totals,
+    count_totals,
+    group_cases,
+)
 from shaderlab.report.pictures import SMALL, Picture, Pictures
 from shaderlab.report.sources import (
     Assembly,
     Compiled,
     Listing,
-    Packed,
-    Shown,
     anchor_of,
     list_assemblies,
     list_programs,
@@ -206,9 +210,8 @@ class VariantView:
 class CaseView:
     """A case with all its variants.
 
-    `page` is its own page in the run's folder, `source` the number in the anchor of the first
-    source or SPIR-V text that no earlier case has. `curves` and `points` are what its charts and
-    plots show.
+    `page` is its own page in the run's folder, `source` the number in the anchor of its first
+    source text. `curves` and `points` are what its charts and plots show.
     """
 
     group: CaseGroup
@@ -273,11 +276,6 @@ class ChapterView:
     anchor: str
     cases: tuple[CaseView, ...]
 
-    @property
-    def status(self) -> Status:
-        """The worst of its cases' statuses."""
-        return worst(case.status for case in self.cases)
-
 
 @dataclass(frozen=True)
 class Page:
@@ -306,15 +304,6 @@ class Page:
             for variant in case.variants
         }
 
-    def all_pictures(self) -> Iterator[Picture]:
-        """Every picture of the overview, of cases and of their passes, as often as it is shown."""
-        for case in self.cases:
-            pictures = (
-                *case.pictures,
-                *(figure for step in case.passes for figure in step.pictures),
-            )
-            yield from filter(None, (case.thumbnail, *(figure.picture for figure in pictures)))
-
     @property
     def failed(self) -> list[tuple[CaseView, VariantView]]:
         """Every variant that did not pass, with its case."""
@@ -330,13 +319,11 @@ def build_page(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | No
     """Lay out a run as a page, with the results of mutation testing if there are any."""
     anchors = Anchors()
     groups = group_cases(run.records)
-    shown: Shown = {}
-    packed: Packed = {}
     known = mutants or {}
     covered = {found.id: found for found in run.code_coverage}
     cases = tuple(
         replace(
-            _case(group, anchors, pictures, shown, packed),
+            _case(group, anchors, pictures),
             mutants=known.get(group.id),
             coverage=covered.get(group.id),
             differences=_driver_differences(run, group.id, pictures),
@@ -351,7 +338,7 @@ def build_page(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | No
         anchor = anchors.new(f"chapter-{number}")
         chapters.append(ChapterView(number, name, anchor, tuple(members)))
     noticed = combine_mutants(known[group.id] for group in groups if group.id in known)
-    return Page(run, total(run, groups), tuple(chapters), cases, noticed)
+    return Page(run, count_totals(run, groups), tuple(chapters), cases, noticed)
 
 
 def _driver_differences(run: Run, case_id: str, pictures: Pictures) -> tuple[DriverDifference, ...]:
@@ -363,13 +350,11 @@ def _driver_differences(run: Run, case_id: str, pictures: Pictures) -> tuple[Dri
     )
 
 
-def _case(
-    group: CaseGroup, anchors: Anchors, pictures: Pictures, shown: Shown, packed: Packed
-) -> CaseView:
+def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures) -> CaseView:
     anchor = anchors.new("case", group.id)
     source = anchors.next_short
     several = len(group.records) > 1
-    glsl, python = list_sources(group, anchors, shown)
+    glsl, python = list_sources(group, anchors)
     figures = tuple(
         (record.variant if several and outcome.rows_per_variant else "", row)
         for record in group.records
@@ -404,7 +389,7 @@ def _case(
         compiled=list_programs(group),
         glsl=glsl,
         python=python,
-        assemblies=list_assemblies(group, anchors, pictures, packed),
+        assemblies=list_assemblies(group, pictures),
         variants=tuple(variants),
         passes=tuple(_steps(group, pictures)),
     )

@@ -9,8 +9,7 @@ from __future__ import annotations
 import base64
 import os
 import struct
-from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -91,29 +90,6 @@ def read_numbers(path: Path, small: bool = False) -> Markup:
 def in_base64(data: bytes) -> Markup:
     """Return bytes in base64, marked as safe: there is nothing to escape."""
     return Markup(base64.b64encode(data).decode("ascii"))
-
-
-class Repeated:
-    """The pictures that a page of one file shows more than once: the first time it is in the page,
-    with an id, and elsewhere drawn from there.
-
-    Args:
-        shown: all pictures that the page shows, each as often as it does.
-    """
-
-    def __init__(self, shown: Iterable[Picture]) -> None:
-        times = Counter(picture.path for picture in shown if not picture.missing)
-        several = (path for path, count in times.items() if count > 1)
-        self._ids = {path: f"picture-{n}" for n, path in enumerate(several, start=1)}
-        self._placed: dict[Path, Picture] = {}
-
-    def id(self, picture: Picture) -> str:
-        """The picture's id on the page, or "" where it is shown once."""
-        return self._ids.get(picture.path, "")
-
-    def first(self, picture: Picture) -> Picture:
-        """The picture as it was shown where it is; that is here if none of its file was yet."""
-        return self._placed.setdefault(picture.path, picture)
 
 
 class Pictures:

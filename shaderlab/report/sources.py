@@ -1,11 +1,11 @@
 """A case's texts for its page: sources with compilers' messages, programs, SPIR-V, and the words
-that it is found by. What several variants or cases share is shown once."""
+that it is found by. What several variants share is shown once."""
 
 from __future__ import annotations
 
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from markupsafe import Markup
 
@@ -28,8 +28,6 @@ class Part:
 class Listing:
     """A source ready to print: `count` lines, counted from `first`, and `messages` by line.
     `variants` says which variants use it, empty for all of them.
-
-    `repeated`: an earlier case has the same listing, under the same anchors.
     """
 
     source: SourceText
@@ -37,7 +35,6 @@ class Listing:
     count: int
     messages: Mapping[int, Sequence[Diagnostic]]
     variants: tuple[str, ...] = ()
-    repeated: bool = False
 
     @property
     def first(self) -> int:
@@ -87,17 +84,10 @@ def anchor_of(texts: Iterable[Listing], file: str, line: int) -> str | None:
     return None
 
 
-# Listings in the page so far, by text and messages.
-Shown = dict[tuple[SourceText, frozenset[Diagnostic]], Listing]
-
-
 def list_sources(
-    group: CaseGroup, anchors: Anchors, shown: Shown
+    group: CaseGroup, anchors: Anchors
 ) -> tuple[tuple[Listing, ...], tuple[Listing, ...]]:
-    """Return each source text once, GLSL and Python apart, with the messages of all compilers.
-
-    A listing that an earlier case has `shown` is used again.
-    """
+    """Return each source text once, GLSL and Python apart, with the messages of all compilers."""
     users: dict[SourceText, list[str]] = {}
     messages: dict[Diagnostic, None] = {}
     judged_by: set[str] = set()
@@ -117,19 +107,13 @@ def list_sources(
     whole = [source for source in users if not any(_contains(other, source) for other in users)]
     texts = []
     for source in sorted(whole, key=lambda source: source.file not in judged_by):
-        about = [m for m in messages if m.file == source.file]
-        key = source, frozenset(about)
-        variants = _unless_all(users[source], group)
-        if key in shown:
-            texts.append(replace(shown[key], variants=variants, repeated=True))
-            continue
         by_line: dict[int, list[Diagnostic]] = {}
-        for message in about:
-            if message.line is not None:
+        for message in messages:
+            if message.file == source.file and message.line is not None:
                 by_line.setdefault(message.line, []).append(message)
+        variants = _unless_all(users[source], group)
         count = _code(source).count("\n")
-        shown[key] = Listing(source, anchors.short(), count, by_line, variants)
-        texts.append(shown[key])
+        texts.append(Listing(source, anchors.short(), count, by_line, variants))
     return (
         tuple(text for text in texts if text.source.language == "glsl"),
         tuple(text for text in texts if text.source.language == "python"),
@@ -175,39 +159,28 @@ def _unless_all(variants: Sequence[str], group: CaseGroup) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Assembly:
-    """One program's modules: the files it is made of, what was compiled for each target, and where
-    the text of all is. `packed` is that text, compressed and in base64, "" where the file has gone;
-    `repeated` says that an earlier case has it, under the same anchor."""
+    """One program's modules: the files it is made of, what was compiled for each target, and the
+    file with the text of all. `packed` is that text, compressed and in base64, "" if the file has
+    gone."""
 
     files: tuple[str, ...]
     verdicts: tuple[Verdict, ...]
     file: str
-    anchor: str
     packed: Markup
-    repeated: bool
 
 
-# Anchors of the cases' SPIR-V texts so far, and the texts, by file.
-Packed = dict[str, tuple[str, Markup]]
-
-
-def list_assemblies(
-    group: CaseGroup, anchors: Anchors, pictures: Pictures, packed: Packed
-) -> tuple[Assembly, ...]:
-    """Return each program's modules once for all variants; a text is packed once for all cases."""
+def list_assemblies(group: CaseGroup, pictures: Pictures) -> tuple[Assembly, ...]:
+    """Return each program's modules once for all variants."""
     by_file: dict[str, Assembly] = {}
     for record in group.records:
         for program in record.programs:
             for file in dict.fromkeys(v.assembly for v in program.verdicts if v.assembly):
                 if file in by_file:
                     continue
-                repeated = file in packed
-                if not repeated:
-                    data = pictures.read(file)
-                    text = in_base64(zlib.compress(data, 6)) if data else Markup()
-                    packed[file] = (anchors.short() if text else "", text)
+                data = pictures.read(file)
+                packed = in_base64(zlib.compress(data, 6)) if data else Markup()
                 verdicts = tuple(v for v in program.verdicts if v.assembly == file)
-                by_file[file] = Assembly(program.files, verdicts, file, *packed[file], repeated)
+                by_file[file] = Assembly(program.files, verdicts, file, packed)
     return tuple(by_file.values())
 
 

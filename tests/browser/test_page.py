@@ -113,7 +113,7 @@ def test_the_filter_finds_words_of_lessons_checks_and_shaders(visit: Visit, lamp
 def finds_what_cases_say(page: Any) -> None:
     for words, found in {
         "become": ["Blending"],  # its lesson
-        "uniform float a": ["A lamp", "Blending"],  # its shader, which stands with an earlier case
+        "uniform float a": ["A lamp", "Blending"],  # a shader that both use
         "fragcolor formula": ["A lamp", "Blending"],  # a check
         "nowhere to be found": [],
     }.items():
@@ -152,8 +152,8 @@ def test_a_cases_page_knows_its_chapter_and_its_neighbours(visit: Visit, lamp: S
     [
         ("blend", "blend"),
         ("case-lamp-bad-fragcolor", "lamp"),
-        ("s1-L3", "lamp"),  # a line of a source that both cases have
-        ("s2", "lamp"),
+        ("s1-L3", "lamp"),  # a line of its first source
+        ("s3", "blend"),
     ],
 )
 def test_links_into_the_whole_report_lead_to_the_cases_page(
@@ -202,17 +202,8 @@ def test_a_curves_points_are_read_by_pointer_and_keys(visit: Visit, lamp: Sample
     assert said.text_content().startswith("distance 2 outside · measured 0.9")
 
 
-def test_a_source_that_was_shown_before_is_copied_when_opened(visit: Visit, lamp: Sample) -> None:
-    page = visit(lamp.single, "#case-blend")
-    listing = page.locator("article", has=page.locator("#case-blend")).locator("[data-copy]")
-    listing.locator("summary").click()
-    assert "FragColor = a;" in listing.locator("pre").text_content()
-
-
 @pytest.mark.parametrize("form", ["single", "site"])
-def test_spirv_is_shown_when_unfolded_also_where_an_earlier_case_has_it(
-    visit: Visit, lamp: Sample, form: str
-) -> None:
+def test_spirv_is_shown_when_unfolded(visit: Visit, lamp: Sample, form: str) -> None:
     single = visit(lamp.single)
     for case in ("lamp", "blend"):
         page = single if form == "single" else visit(lamp.case(case))

@@ -11,7 +11,7 @@ from shaderlab.engine.jobs import DriverInfo
 from shaderlab.model import store
 from shaderlab.model.records import Record
 from shaderlab.pytest_plugin import ReportWriter
-from shaderlab.report.findings import findings_of
+from shaderlab.report.findings import collect_findings
 
 LIGHT = "float half_of(float x) { return 0.5 * x; }\nfloat same(float x) { return x; }\n"
 TESTS = '''\
@@ -87,7 +87,7 @@ def test_cases_and_functions_stand_on_one_page(
     assert [s.files for s in found["test_wrong"].programs] == [("light.glsl",)]
     page = (tests.path / "out" / "cases" / "test-light.html").read_text()
     assert "test_wrong" in page and "half_of" in page and ">Compilers<" not in page
-    places = {(f.rule, f.file, f.line) for f in findings_of(store.load(tests.path / "out"))}
+    places = {(f.rule, f.file, f.line) for f in collect_findings(store.load(tests.path / "out"))}
     assert places >= {("formula", "test_light.py", 14), ("test", "test_light.py", 20)}
 
 

@@ -26,7 +26,7 @@ from shaderlab.model.records import (
     SourceText,
     Verdict,
 )
-from shaderlab.report.findings import WORKSPACE, Finding, findings_of
+from shaderlab.report.findings import WORKSPACE, Finding, collect_findings
 from shaderlab.report.formats import sarif
 from shaderlab.report.formats.annotations import render_findings as annotated
 
@@ -78,7 +78,7 @@ def program(*verdicts: Verdict) -> ProgramRecord:
 
 
 def places(*records: Record, **changes: Any) -> list[tuple[str, str, int]]:
-    return [(f.rule, f.file, f.line) for f in findings_of(run(*records, **changes))]
+    return [(f.rule, f.file, f.line) for f in collect_findings(run(*records, **changes))]
 
 
 def check(log: str) -> dict[str, Any]:
@@ -120,7 +120,7 @@ def test_a_failing_formula_is_at_the_line_that_explains_it_or_where_it_stands() 
     assert places(record(outcome(explanation=explained))) == [("formula", "lamp.frag", 2)]
     assert places(record(outcome())) == [("formula", "lamp.py", 5)]
     assert places(record(outcome(line=0))) == [("formula", "lamp.py", 3)]
-    (found,) = findings_of(run(record(outcome(explanation=explained))))
+    (found,) = collect_findings(run(record(outcome(explanation=explained))))
     assert found.related == (("lamp.py", 5),)
 
 
@@ -138,7 +138,7 @@ def test_a_compilers_message_is_one_finding_whatever_targets_and_variants_have_i
     warned = Diagnostic(file="lamp.frag", line=1, severity="warning", message="hm")
     both = [Verdict(target=t, ok=False, diagnostics=(warned, wrong)) for t in ("glsl", "vulkan")]
     records = [record(variant=v, programs=(program(*both),), status="error") for v in "ab"]
-    found = findings_of(run(*records))
+    found = collect_findings(run(*records))
     assert [(f.rule, f.line, f.severity) for f in found] == [
         ("compile-warning", 1, "warning"),
         ("compile-error", 2, "error"),
@@ -274,5 +274,5 @@ def test_shaders_that_compile_are_no_findings(here: Path) -> None:
 
 def test_a_formula_of_a_function_is_related_to_its_sources() -> None:
     source = SourceText(file="lamp.frag", line=2, language="glsl", text="b")
-    (found,) = findings_of(run(record(outcome(sources=(source, source)))))
+    (found,) = collect_findings(run(record(outcome(sources=(source, source)))))
     assert found.related == (("lamp.frag", 2),)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from shaderlab.model.records import Run, Severity
-from shaderlab.report.findings import Finding, findings_of, path_in, repository
+from shaderlab.report.findings import Finding, collect_findings, find_repository, relative_path
 from shaderlab.report.text import clean
 
 _COMMANDS: Mapping[Severity, str] = {"error": "error", "warning": "warning", "info": "notice"}
@@ -18,7 +18,7 @@ _IN_PROPERTIES = _IN_MESSAGES | str.maketrans({":": "%3A", ",": "%2C"})
 
 def render(run: Run) -> str:
     """A run's findings as annotations."""
-    return render_findings(findings_of(run), "run")
+    return render_findings(collect_findings(run), "run")
 
 
 def render_findings(findings: Iterable[Finding], command: str) -> str:
@@ -28,13 +28,13 @@ def render_findings(findings: Iterable[Finding], command: str) -> str:
         findings: what to show.
         command: what found it: "run", "compile".
     """
-    root = repository()
+    root = find_repository()
     order = list(_COMMANDS)
     lines = []
     for found in sorted(findings, key=lambda found: order.index(found.severity)):
         properties = {"title": f"shaderlab {command}: {found.rule}"}
         if found.file:
-            shown = path_in(root, found.file)
+            shown = relative_path(root, found.file)
             place = {"file": found.file if shown is None else shown}
             place |= {"line": str(found.line)} if found.line else {}
             properties = place | properties

@@ -14,8 +14,8 @@ from shaderlab.report.grouping import (
     STATUS_WORDS,
     STATUSES,
     CaseGroup,
+    count_totals,
     group_cases,
-    total,
 )
 from shaderlab.report.text import (
     clean,
@@ -40,7 +40,7 @@ def render(run: Run) -> str:
     Every string from a shader, a case or a driver is escaped: none of it is markup.
     """
     cases = group_cases(run.records)
-    totals = total(run, cases)
+    totals = count_totals(run, cases)
     bad = totals.bad
     if not cases:
         verdict = "Nothing was run"

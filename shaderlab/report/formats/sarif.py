@@ -11,7 +11,13 @@ from typing import Any
 from urllib.parse import quote
 
 from shaderlab.model.records import Run, Severity
-from shaderlab.report.findings import Finding, Lines, findings_of, path_in, repository
+from shaderlab.report.findings import (
+    Finding,
+    LineReader,
+    collect_findings,
+    find_repository,
+    relative_path,
+)
 from shaderlab.report.text import clean
 
 _LEVELS: Mapping[Severity, str] = {"error": "error", "warning": "warning", "info": "note"}
@@ -34,7 +40,7 @@ _RULES = {
 
 def render(run: Run) -> str:
     """A run's findings as a SARIF log."""
-    return render_findings(findings_of(run), "run", complete=not run.missing)
+    return render_findings(collect_findings(run), "run", complete=not run.missing)
 
 
 def render_findings(findings: Iterable[Finding], command: str, *, complete: bool = True) -> str:
@@ -51,7 +57,7 @@ def render_findings(findings: Iterable[Finding], command: str, *, complete: bool
     """
     found = list(findings)
     rules = sorted({finding.rule for finding in found})
-    root, lines, seen = repository(), Lines(), Counter[str]()
+    root, lines, seen = find_repository(), LineReader(), Counter[str]()
     results = []
     for finding in found:
         words = [finding.rule, _uri(root, finding.file), finding.subject]
@@ -92,7 +98,7 @@ def _result(finding: Finding, rules: list[str], root: Path, digest: str) -> dict
 
 
 def _location(root: Path, file: str, line: int) -> dict[str, Any]:
-    inside = path_in(root, file) is not None
+    inside = relative_path(root, file) is not None
     place: dict[str, Any] = {
         "artifactLocation": {"uri": _uri(root, file)} | ({"uriBaseId": _ROOT} if inside else {})
     }
@@ -104,7 +110,7 @@ def _location(root: Path, file: str, line: int) -> dict[str, Any]:
 def _uri(root: Path, file: str) -> str:
     if not file:
         return ""
-    relative = path_in(root, file)
+    relative = relative_path(root, file)
     if relative is not None:
         return quote(relative.encode("utf-8", "surrogateescape"))
     return Path(file).absolute().as_uri()

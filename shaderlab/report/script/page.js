@@ -164,44 +164,27 @@ function watchFilter(form) {
   // Browsers keep a box's text over a reload.
   update();
 }
-// What is folded away: filled when it is opened, and opened around a link's goal.
-
-/** Calls fill(details) when one is opened whose code is not there yet. */
-function fillOnOpening(selector, fill) {
-  for (const details of document.querySelectorAll(selector)) {
-    details.addEventListener("toggle", () => {
-      if (details.open && !details.querySelector("pre")) fill(details);
-    });
-  }
+// A program's SPIR-V lies in the page deflated; it is shown when its fold is opened.
+for (const details of document.querySelectorAll("details[data-assembly]")) {
+  details.addEventListener("toggle", () => showAssembly(details), { once: true });
 }
 
-// A program's SPIR-V lies in the page deflated.
-fillOnOpening("details[data-assembly]", async (details) => {
-  const packed = document.getElementById(details.dataset.assembly);
-  if (!packed) return;
+async function showAssembly(details) {
   const code = document.createElement("pre");
   code.className = "code";
   code.tabIndex = 0;
   code.setAttribute("role", "group");
   code.setAttribute("aria-label", details.querySelector("summary").textContent.trim());
-  details.append(code);
   try {
-    code.textContent = new TextDecoder().decode(await inflated(packed.content.textContent));
+    const packed = details.querySelector("template").content.textContent;
+    code.textContent = new TextDecoder().decode(await inflated(packed));
+    details.append(code);
   } catch (error) {
-    code.remove();
     console.warn("no assembly here:", error);
   }
-});
+}
 
-// A source that an earlier case shows too stands in the page once.
-fillOnOpening("details[data-copy]", (details) => {
-  const shown = document.getElementById(details.dataset.copy);
-  if (!shown) return;
-  const copy = shown.querySelector("pre").cloneNode(true);
-  // Its lines' anchors are the first one's.
-  for (const row of copy.querySelectorAll("[id]")) row.removeAttribute("id");
-  details.querySelector("p").replaceWith(copy);
-});
+// Links to anchors open what is folded around their target.
 
 /** The page of the case that has an anchor; null where no card of this page leads there. */
 function pageOf(anchor) {
