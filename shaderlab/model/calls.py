@@ -1,8 +1,8 @@
 """Calls of the OpenGL API as data, for what the API itself answers, or which error it raises.
 
-A call is made in a context of its own, in the state in which OpenGL starts, after the passes are
-drawn. Words are resolved when it is made: "GL_TEXTURE_2D" to its number, an `Object` to the name
-of an object that the lab makes and deletes, a `Location` to where a program has a uniform.
+A call is made in a separate context, in OpenGL's initial state, after the passes are drawn. Words
+are resolved when it is made: "GL_TEXTURE_2D" to its number, an `Object` to the name of an object
+that the lab makes and deletes, a `Location` to where a program has a uniform.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class Program(Checked):
 
 @dataclass(frozen=True)
 class Location(Checked):
-    """Where a program has a uniform, −1 if it has no such one in use. The program is made the
+    """The location of a program's uniform, −1 if it is not in use. The program is made the
     current one (glUseProgram) before the first call that names it."""
 
     uniform: str

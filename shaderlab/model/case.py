@@ -33,7 +33,7 @@ class Variant(Checked):
 
     def __post_init__(self) -> None:
         if not self.name or "/" in self.name:
-            raise CaseError(f"Variant: {self.name!r} is no name: it must have letters and no '/'")
+            raise CaseError(f"Variant: {self.name!r} is no name: it must not be empty or hold '/'")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -58,7 +58,7 @@ class Checked:
             cls.__post_init__ = checked  # type: ignore[method-assign]
 
     def __post_init__(self) -> None:
-        """Raise CaseError for the first field that has no value of its type."""
+        """Raise CaseError for the first field whose value has not its type."""
         kind: Any = type(self)
         for name, default, hint in _fields(kind):
             value = self.__dict__[name]

@@ -7,11 +7,10 @@ draw them, asks for what it needs beyond the pictures (`needs`), and judges the 
 
 from __future__ import annotations
 
-import functools
 import os
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
@@ -43,11 +42,11 @@ class Judgement:
 
     `pictures` has "measured" and "reference" (height, width, components) and "distance"
     (height, width: the distance in half band widths, NaN where nothing was judged), or is empty
-    where the judged values are no picture. The numbers behind them are there too: "exact" (the
+    where the judged values are not a picture. The numbers behind them are there too: "exact" (the
     reference, unrounded), "low", "high" and "outside" in the shape of "measured", "covered"
     (height, width), and "unit", the size of one code of a fixed-point format or 0. "measured" and
     "covered" are arrays; the others become arrays, or parts of them (`[ys, xs]`), when they are
-    looked at.
+    used.
 
     `output` is the output that a shader assigns, by its draw and its own name; the report shows
     the line where it does.
@@ -58,22 +57,6 @@ class Judgement:
     curve: Curve | None = None
     plot: Plot | None = None
     output: tuple[PassDraw, str] | None = None
-
-
-class LazyArrays(Mapping[str, Any]):
-    """Arrays that are made when the first of them is looked at: most runs look at none."""
-
-    def __init__(self, make: Callable[[], Mapping[str, Any]]) -> None:
-        self._arrays = functools.cache(make)
-
-    def __getitem__(self, name: str) -> Any:
-        return self._arrays()[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._arrays())
-
-    def __len__(self) -> int:
-        return len(self._arrays())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,8 +98,8 @@ class Expectation(Checked, ABC):
         return self.kind
 
     def find_reads(self, scene: Scene) -> Iterable[Read]:
-        """The outputs that it judges, told from names alone; one that does not exist is no error
-        here."""
+        """The outputs that it judges, found by their names alone; one that does not exist is not an
+        error here."""
         return ()
 
     def passes(self, scene: Scene) -> frozenset[str]:

@@ -47,8 +47,8 @@ def every_component(holds: Array) -> Array:
 
 
 def leading(values: Array, count: int) -> Array:
-    """The first components of each value in an array of their own, (…, components) → (…, count): it
-    holds no more than it needs, and lies in memory in order, as compiled passes take it.
+    """Copy the first components of each value, (…, components) → (…, count): the copy is no larger
+    than needed and contiguous, as the compiled kernels take it.
 
     NumPy takes ten times as long to copy all at once.
 
@@ -265,7 +265,7 @@ class Need(ABC):
 
     def has_same_answer(self, programs: Programs, others: Programs) -> bool:
         """Whether the answer must be the same for the same scene with `others` for its programs.
-        False where that can't be told."""
+        False where that is unknown."""
         return False
 
 
@@ -287,7 +287,7 @@ class Frame:
         sample_positions: where the driver takes a pixel's samples, by pass, for passes that have
             several: (samples, 2), from the pixel's lower left corner, 0…1.
         subpixel_step: the grid that corners are moved to before they are rasterised, in pixels.
-        answers: what else expectations asked for, by their needs: captured inputs, probes,
+        answers: what else expectations need, by their needs: captured inputs, probes,
             counts, layouts, verdicts; read by `answer`.
     """
 

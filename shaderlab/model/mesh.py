@@ -33,7 +33,7 @@ UPLOADS = ("data", "sub_data", "map")
 class Placement:
     """Where one attribute lies: `offset` bytes into its buffer, the next vertex's `stride` bytes
     further on. `buffer` counts the mesh's buffers from 0; `divisor` is 1 for an attribute that
-    goes on once an instance."""
+    advances once per instance."""
 
     buffer: int
     offset: int
@@ -86,7 +86,7 @@ class Mesh(Checked):
             raise CaseError("Mesh: attributes need one common number of vertices, there are none")
         if not self.vertices:
             raise CaseError(
-                "Mesh: there are no vertices", remedy="give each attribute a row a vertex"
+                "Mesh: there are no vertices", remedy="give each attribute a row per vertex"
             )
         instances = _check_arrays("instance_attributes", "instances", self.instance_attributes)
         object.__setattr__(self, "instance_attributes", instances)
@@ -106,8 +106,8 @@ class Mesh(Checked):
 
     @staticmethod
     def later(make: Callable[[], Mesh]) -> Mesh:
-        """A mesh that `make` makes when it is first looked at, such as one read from a file:
-        importing a case need not wait for that."""
+        """A mesh that `make` makes when it is first used, such as one read from a file: importing
+        a case does not have to wait for that."""
         return _Later(make)
 
     def made(self) -> Mesh:
@@ -177,7 +177,7 @@ class Mesh(Checked):
 
 
 class _Later(Mesh):
-    """A mesh made when one of its fields is first asked for, once."""
+    """A mesh made when one of its fields is first read, once."""
 
     def __init__(self, make: Callable[[], Mesh]) -> None:
         object.__setattr__(self, "_make", make)

@@ -1,4 +1,4 @@
-"""How scenes are run, as one value that every room takes and that crosses processes."""
+"""How scenes are run, as one value that every package takes and that crosses processes."""
 
 from __future__ import annotations
 

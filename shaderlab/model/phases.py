@@ -1,6 +1,6 @@
 """What the lab is doing right now, and how long each kind of work took.
 
-Drawing, compiling and judging say what they are doing with `phase`; nobody has to hand a timer
+Drawing, compiling and judging say what they are doing with `phase`; no timer has to be passed
 through every call. A caller that measures opens a `PhaseTimer` around them: it adds up the time of
 each phase, and passes every step on as it begins. If a driver takes the process down with it, the
 last step that was passed on is what it died of.

@@ -560,7 +560,7 @@ class Points:
 
     @property
     def failed(self) -> int:
-        """How many did not pass; lacking a feature of the driver is no failure."""
+        """How many did not pass; a feature that the driver lacks is not a failure."""
         passable = ("pass", "unsupported")
         return sum(n for status, n in self.statuses.items() if status not in passable)
 
@@ -576,7 +576,7 @@ class Run:
     has every scene on every driver, and `disagreements` compares each two of them.
 
     `replaced` are the files that stood in a shader's place, by the shader's name. `missing` is the
-    number of scenes that were asked for and have no record, as the run was interrupted.
+    number of requested scenes that have no record, because the run was interrupted.
     `code_coverage` has an entry for each case that it was measured of.
     """
 

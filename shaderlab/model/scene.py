@@ -160,7 +160,7 @@ class Draw(Checked):
         others = (*self.shaders[:-1], self.mesh, self.domain)
         if any(others) or self.state != State() or self.instances != 1:
             raise CaseError(
-                f"Draw of {self.compute}: a compute shader is a program of its own; it has no "
+                f"Draw of {self.compute}: a compute shader is a whole program; it has no "
                 "other stage, mesh, domain, state or instances"
             )
         if min(self.groups) < 1:
@@ -214,9 +214,9 @@ class Target(Checked):
 class Pass(Checked):
     """A target and the draws into it, in order.
 
-    With `onto` the name of an earlier pass, they go on where that one stopped, in its very target,
-    which is not cleared; `target` must then be the same. What the earlier pass drew is read as the
-    later one's output from then on.
+    With `onto` the name of an earlier pass, they continue where that one stopped, in the same
+    target, which is not cleared; `target` must then be the same. What the earlier pass drew is read
+    as the later one's output from then on.
     """
 
     name: str = "main"
@@ -231,20 +231,20 @@ class Pass(Checked):
         alone = len(self.draws) == 1 and self.target == Target() and not self.onto
         if any(draw.compute for draw in self.draws) and not alone:
             raise CaseError(
-                f"Pass {self.name!r}: a dispatch is a pass of its own, without a target",
+                f"Pass {self.name!r}: a dispatch must be the only draw of its pass, without a target",
                 remedy="one pass for each; a later one reads Output('pass.name')",
             )
         if self.onto and (self.target.depth or self.target.samples):
             raise CaseError(
-                f"Pass {self.name!r} goes on in the target of {self.onto!r}, which has depth, "
-                "stencil or samples: its draws could not be captured alone",
+                f"Pass {self.name!r} continues in the target of {self.onto!r}, which has "
+                "depth, stencil or samples: its draws could not be captured alone",
                 remedy="draw all of it in one pass",
             )
         for index, draw in enumerate(self.draws):
             if draw.state.in_pixels and self.target.size is None:
                 raise CaseError(
                     f"Pass {self.name!r}: draw {index} has a {draw.state.in_pixels} in pixels, "
-                    "but its target has no size of its own",
+                    "but its target has no size",
                     remedy="Target(size=(width, height)), or Cell(…), which fits every size",
                 )
 

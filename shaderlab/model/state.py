@@ -14,43 +14,19 @@ from shaderlab.errors import CaseError, suggest
 from shaderlab.model.checked import Checked
 
 COMPARISONS = (
-    "never",
-    "less",
-    "equal",
-    "lequal",
-    "greater",
-    "notequal",
-    "gequal",
-    "always",
-)
+    "never", "less", "equal", "lequal", "greater", "notequal", "gequal", "always",
+)  # fmt: skip
 STENCIL_OPERATIONS = (
-    "keep",
-    "zero",
-    "replace",
-    "incr",
-    "incr_wrap",
-    "decr",
-    "decr_wrap",
-    "invert",
-)
+    "keep", "zero", "replace", "incr", "incr_wrap", "decr", "decr_wrap", "invert",
+)  # fmt: skip
 BLEND_EQUATIONS = ("add", "subtract", "reverse_subtract", "min", "max")
 BLEND_FACTORS = (
-    "zero",
-    "one",
-    "src_color",
-    "one_minus_src_color",
-    "dst_color",
-    "one_minus_dst_color",
-    "src_alpha",
-    "one_minus_src_alpha",
-    "dst_alpha",
-    "one_minus_dst_alpha",
-    "constant_color",
-    "one_minus_constant_color",
-    "constant_alpha",
-    "one_minus_constant_alpha",
+    "zero", "one",
+    "src_color", "one_minus_src_color", "dst_color", "one_minus_dst_color",
+    "src_alpha", "one_minus_src_alpha", "dst_alpha", "one_minus_dst_alpha",
+    "constant_color", "one_minus_constant_color", "constant_alpha", "one_minus_constant_alpha",
     "src_alpha_saturate",
-)
+)  # fmt: skip
 FACES = ("front", "back", "front_and_back")
 WINDINGS = ("ccw", "cw")
 

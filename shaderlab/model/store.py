@@ -103,7 +103,7 @@ def _parts(value: Any) -> Any:
         return dict(value)
     if hasattr(value, "item"):
         return value.item()  # a number of NumPy's
-    raise TypeError(f"{type(value).__name__} is no plain data")
+    raise TypeError(f"{type(value).__name__} is not plain data")
 
 
 @cache
@@ -144,7 +144,7 @@ def _float(value: object) -> float:
     if value in ("nan", "inf", "-inf"):
         return float(str(value))
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{value!r} is no number")
+        raise ValueError(f"{value!r} is not a number")
     return float(value)
 
 
@@ -159,7 +159,7 @@ def _damaged(path: Path, error: Exception) -> ShaderlabError:
     while isinstance(getattr(first, "exceptions", None), tuple):
         first = first.exceptions[0]  # type: ignore[attr-defined]
     return ShaderlabError(
-        f"this is no run of this version ({type(first).__name__}: {first})",
+        f"this is not a run of this version ({type(first).__name__}: {first})",
         file=path,
         remedy="run the cases again",
     )

@@ -81,7 +81,7 @@ class Sampling(Checked):
             )
         if self.compare is not None and format not in DEPTH_FORMATS:
             raise CaseError(
-                f"{owner}: compare={self.compare!r} compares depths, and {format} is no depth",
+                f"{owner}: compare={self.compare!r} compares depths, but {format} is not a depth format",
                 remedy=f"format= one of {', '.join(DEPTH_FORMATS[:3])}",
             )
 
@@ -188,7 +188,7 @@ class Texture3D(TextureArray):
     def __post_init__(self) -> None:
         if self.mipmaps or self.filter[0] != self.filter[1]:
             raise CaseError(
-                f"Texture3D: mipmaps={self.mipmaps}, filter={self.filter}: the lab knows no levels "
+                f"Texture3D: mipmaps={self.mipmaps}, filter={self.filter}: the lab has no mipmaps "
                 "in three dimensions",
                 remedy='mipmaps=False and one filter, such as filter=("linear", "linear")',
             )

@@ -85,7 +85,7 @@ def test_what_is_no_journal_is_said_so(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="this run never began"):
         read_journal(tmp_path)
     (tmp_path / FILE_NAME).write_text(json.dumps({"other": 1}) + "\n")
-    with pytest.raises(ShaderlabError, match="no run of this version"):
+    with pytest.raises(ShaderlabError, match="not a run of this version"):
         read_journal(tmp_path)
 
 

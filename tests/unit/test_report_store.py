@@ -270,6 +270,6 @@ def test_a_damaged_run_names_the_file(tmp_path: Path, change: object) -> None:
     new = change(old)  # type: ignore[operator]
     assert new != old
     path.write_text(new)
-    with pytest.raises(ShaderlabError, match="no run of this version") as caught:
+    with pytest.raises(ShaderlabError, match="not a run of this version") as caught:
         load(tmp_path)
     assert caught.value.file == str(path)

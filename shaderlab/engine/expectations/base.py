@@ -76,7 +76,7 @@ class DrawExpectation(Expectation):
     draw: int = -1
 
     def key(self, scene: Scene) -> PassDraw:
-        """The pass and draw. Raises CaseError if there is no such one."""
+        """The pass and draw. Raises CaseError if they do not exist."""
         return scene.draw_key(self.pass_name, self.draw)
 
     def passes(self, scene: Scene) -> frozenset[str]:
@@ -214,7 +214,7 @@ def all_reads(scene: Scene) -> Iterator[Read]:
 
 
 def _reads_of_pass(description: Pass, outputs: Iterable[str]) -> Iterator[Read]:
-    """What a pass reads of earlier ones: as textures, in buffers, and where it goes on drawing in
+    """What a pass reads of earlier ones: as textures, in buffers, and where it continues drawing in
     `outputs`."""
     for draw in description.draws:
         for source in draw.outputs_read():

@@ -149,7 +149,7 @@ class Cost(Expectation):
             )
             for (label, number), seconds in best.items()
         )
-        # Each N is as a rule a multiple of the last, and a logarithm has no place for 0.
+        # Each N is usually a multiple of the last, and 0 has no logarithm.
         return Plot(
             title=self.name,
             x_label=self.over,

@@ -78,7 +78,7 @@ class DiscardCheck:
             frame: what was drawn, with answers to `needed`; always the same one.
 
         Raises:
-            FormulaError: a rule fails, or is no comparison.
+            FormulaError: a rule fails, or is not a comparison.
         """
         if isinstance(expectation, OutputExpectation):
             samples = frame.answers.get(Probe(expectation))

@@ -50,7 +50,7 @@ class DriverAnswer(DrawExpectation):
 class AttributeLayout(DriverAnswer):
     """OpenGL reads each attribute at (offset, stride) or (offset, stride, divisor), in bytes.
 
-    It is asked for GL_VERTEX_ATTRIB_ARRAY_POINTER, _STRIDE and _DIVISOR; a matrix is read where
+    OpenGL is asked for GL_VERTEX_ATTRIB_ARRAY_POINTER, _STRIDE and _DIVISOR; a matrix is read where
     its first column is.
 
     Raises:

@@ -109,7 +109,7 @@ class EnergyConserving(OutputLaw):
 def _hemisphere(
     normal: Sequence[float], polar: int, around: int, cosine: bool
 ) -> tuple[Array, Array]:
-    """Unit vectors (count, 3) and their solid angles (count,), times cos θ if asked for."""
+    """Unit vectors (count, 3) and their solid angles (count,), times cos θ if `cosine`."""
     z = np.asarray(normal, float)
     z = z / np.linalg.norm(z)
     x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])

@@ -21,7 +21,7 @@ from shaderlab.engine.expectations.needs import (
 from shaderlab.engine.judging.banded import Banded, independent_references, judge_band
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Scene
-from shaderlab.model.expectation import Judgement, LazyArrays, Need, Programs
+from shaderlab.model.expectation import Judgement, Need, Programs
 from shaderlab.model.frame import Array, Frame, Image
 from shaderlab.model.records import Curve, Outcome, Row
 from shaderlab.model.scene import UniformValue
@@ -125,7 +125,7 @@ class Formula(ReferenceExpectation):
         covered, image = subject.covered, subject.image
         pictures: Mapping[str, Any] = {}
         if image is not None and covered is not None:
-            pictures = LazyArrays(lambda: _pictures(image, covered, banded))
+            pictures = _pictures(image, covered, banded)
         return self.judgement(
             scene, banded, (status, message), rows, covered=covered, pictures=pictures
         )
@@ -164,7 +164,7 @@ WHOLE: Part = (slice(None), slice(None))
 
 @dataclass(frozen=True)
 class PixelMap:
-    """Values of covered pixels, as far as they are looked at: `laid_out[ys, xs]`, or all of them as
+    """Values of covered pixels, as far as they are needed: `pixel_map[ys, xs]`, or all of them as
     an array (height, width, …).
 
     Attributes:

@@ -1,4 +1,4 @@
-"""gl_call and gl_calls: what the API answers to a call, and which calls drawing a scene takes.
+"""gl_call and gl_calls: what the API answers to a call, and which calls drawing a scene makes.
 
 What serves such calls alone is imported from here: `call`, `Object`, `Program`, `Location`.
 """
@@ -35,7 +35,7 @@ __all__ = ["GlCall", "Location", "Object", "Program", "call", "gl_call"]
 
 @dataclass(frozen=True)
 class CallReply(TypedNeed[Reply]):
-    """The API's answer to calls made one after the other in a context of their own."""
+    """The API's answer to calls made one after the other in a separate context."""
 
     calls: tuple[Call, ...]
     returns: tuple[int | float | str, ...]
@@ -48,7 +48,7 @@ class CallReply(TypedNeed[Reply]):
 
 @dataclass(frozen=True, kw_only=True)
 class GlCall(Expectation):
-    """A call of the API raises this error and no other, and answers this, if that is asked."""
+    """A call of the API raises this error and no other, and returns this, if that is given."""
 
     kind = "GL call"
 
@@ -123,8 +123,8 @@ def gl_call(
         name: how outcomes call it; the call itself by default.
 
     Raises:
-        CaseError: `raises` is no error of OpenGL; or two of an error, a value and a least value are
-            asked for at once.
+        CaseError: `raises` is not an error of OpenGL; or two of an error, a value and a least value
+            are given.
     """
     check_choice("gl_call", "raises", raises, tuple(GL_ERRORS))
     if returns is not None and at_least is not None:
@@ -159,7 +159,7 @@ MOST_SHOWN = 12
 
 @dataclass(frozen=True)
 class CallTrace(TypedNeed[Sequence[TracedCall]]):
-    """The calls that drawing the scene takes."""
+    """The calls that drawing the scene makes."""
 
     def answer(self, context: Context) -> Sequence[TracedCall]:
         with phase("draw", "recording calls of OpenGL"):
@@ -241,7 +241,7 @@ def gl_calls(
     name: str = "",
     **arguments: str | int,
 ) -> GlCalls:
-    """Which calls of OpenGL drawing the scene takes: the lab's own, as a driver gets them.
+    """Which calls of OpenGL drawing the scene makes: the lab's own, as a driver gets them.
 
     Args:
         function: its C name, such as "glBufferData".
@@ -254,7 +254,7 @@ def gl_calls(
             usage="GL_STREAM_DRAW": constants by name, numbers as they are.
 
     Raises:
-        CaseError: `function` is no name of one, or `times` is negative.
+        CaseError: `function` is not a name of a function, or `times` is negative.
     """
     if not function.startswith("gl") or (times is not None and times < 0):
         raise CaseError(

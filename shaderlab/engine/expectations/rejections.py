@@ -22,7 +22,7 @@ Place = tuple[str, int | None, str]
 
 @dataclass(frozen=True, kw_only=True)
 class Verdicts:
-    """What the compilers said of a program that must be refused.
+    """What the compilers say of a program that should be rejected.
 
     `errors` are those of the plain GLSL compiler, `stages` each file's stage by its name;
     `driver` is the driver's own verdict, None where the driver lacks such a stage; `driver_errors`
@@ -202,7 +202,7 @@ class Refused(Expectation):
     """The lab refuses `what` with this whole error: message, file, line and remedy.
 
     Args:
-        what: a shader's name, which the lab is asked to read with its includes; or a function
+        what: a shader's name, which the lab reads with its includes; or a function
             that must raise one of the lab's errors, such as one that reads a mesh.
         message: the error's message. Folders of the case and of the shaders are left out of
             paths, here and in `file`, so that they are the same on every machine.

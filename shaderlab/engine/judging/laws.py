@@ -197,7 +197,7 @@ class Symmetric(Close, Law):
     sign −1, it changes its own sign then.
 
     Raises:
-        CaseError: there are more inputs than two, or the tolerance is no tolerance.
+        CaseError: there are more inputs than two, or the tolerance is negative or infinite.
     """
 
     inputs: tuple[str, ...]

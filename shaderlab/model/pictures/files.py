@@ -131,7 +131,7 @@ def write_picture(
         raise AssetError(
             f"can't write the picture ({error.strerror or error})",
             file=path,
-            remedy="check that the folder exists, may be written to, and has room",
+            remedy="check that the folder exists and is writable, and that the disk is not full",
         ) from error
 
 
