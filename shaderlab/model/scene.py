@@ -231,7 +231,7 @@ class Pass(Checked):
         alone = len(self.draws) == 1 and self.target == Target() and not self.onto
         if any(draw.compute for draw in self.draws) and not alone:
             raise CaseError(
-                f"Pass {self.name!r}: a dispatch must be the only draw of its pass, without a target",
+                f"Pass {self.name!r}: a dispatch is the only draw of its pass, and has no target",
                 remedy="one pass for each; a later one reads Output('pass.name')",
             )
         if self.onto and (self.target.depth or self.target.samples):

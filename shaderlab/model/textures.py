@@ -81,7 +81,7 @@ class Sampling(Checked):
             )
         if self.compare is not None and format not in DEPTH_FORMATS:
             raise CaseError(
-                f"{owner}: compare={self.compare!r} compares depths, but {format} is not a depth format",
+                f"{owner}: compare={self.compare!r} compares depths; {format} is not a depth",
                 remedy=f"format= one of {', '.join(DEPTH_FORMATS[:3])}",
             )
 
