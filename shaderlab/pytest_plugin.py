@@ -43,9 +43,9 @@ from shaderlab.report.text import format_failure, format_label, has_failed
 if TYPE_CHECKING:
     from shaderlab.engine.executors import Prefetcher
     from shaderlab.engine.jobs import DriverInfo, Job
+    from shaderlab.engine.settings import Settings
     from shaderlab.functions.records import Notes
     from shaderlab.model.records import Record, Status
-    from shaderlab.settings import Settings
 
 RECORD_ATTRIBUTE = "shaderlab_record"
 """A report's attribute with the record as plain data: pytest-xdist sends it on."""
@@ -205,7 +205,7 @@ def _workers(config: pytest.Config) -> int | None:
 
 
 def _settings(config: pytest.Config) -> Settings:
-    from shaderlab.settings import load_settings
+    from shaderlab.engine.settings import load_settings
 
     try:
         return load_settings(config.rootpath)

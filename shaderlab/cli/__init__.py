@@ -134,7 +134,7 @@ def cli(context: click.Context, debug: bool) -> None:
 
     Exit code: 0 all passed, 1 something failed, 2 wrong usage.
     """
-    from ..settings import load_settings, option_defaults
+    from ..engine.settings import load_settings, option_defaults
 
     context.default_map = option_defaults(load_settings(Path()))
 

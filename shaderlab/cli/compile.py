@@ -106,7 +106,7 @@ def command(
       shaderlab compile --link lamp.vert lamp.frag --driver llvmpipe --driver lavapipe
     """
     from shaderlab.engine.discovery import data_folder
-    from shaderlab.settings import load_settings
+    from shaderlab.engine.settings import load_settings
 
     shipped = data_folder("shaders").resolve()
     shaders = find_shaders(paths, [shipped], stage=stage)

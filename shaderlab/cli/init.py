@@ -10,8 +10,8 @@ import click
 
 from shaderlab.cli import OK
 from shaderlab.cli.outputs import write_output
+from shaderlab.engine.settings import FILE
 from shaderlab.errors import UsageError
-from shaderlab.settings import FILE
 
 _TABLE = """\
 [tool.shaderlab]

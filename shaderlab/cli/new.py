@@ -9,8 +9,8 @@ import click
 
 from shaderlab.cli import OK
 from shaderlab.cli.outputs import write_output
+from shaderlab.engine.settings import load_settings
 from shaderlab.errors import UsageError
-from shaderlab.settings import load_settings
 
 
 @click.command("new")

@@ -237,7 +237,7 @@ def resolve_shaders(
     from shaderlab.analysis.requests import ShaderOfFile
     from shaderlab.compiler.shader_files import find_shaders
     from shaderlab.engine.discovery import data_folder
-    from shaderlab.settings import load_settings
+    from shaderlab.engine.settings import load_settings
 
     shipped = data_folder("shaders").resolve()
     found = []

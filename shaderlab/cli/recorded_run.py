@@ -27,11 +27,11 @@ from shaderlab.cli.outputs import (
 )
 from shaderlab.cli.replacing import find_unused
 from shaderlab.cli.sweep_table import Grid
+from shaderlab.engine.settings import load_settings
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import CodeCoverage, Record, Run
-from shaderlab.settings import load_settings
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Reporter, Show

@@ -24,11 +24,11 @@ from shaderlab.cli.options import (
     make_local_executor,
 )
 from shaderlab.cli.outputs import make_run_folder
+from shaderlab.engine.settings import FILE, have_settings_changed, load_settings
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Record, Run
-from shaderlab.settings import FILE, have_settings_changed, load_settings
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show

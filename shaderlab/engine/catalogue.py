@@ -16,10 +16,10 @@ from pathlib import Path
 from types import ModuleType
 
 from shaderlab.compiler.sources import Shaders
+from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CaseError, ShaderlabError, suggest
 from shaderlab.files import search_folder
 from shaderlab.model.case import Case
-from shaderlab.settings import load_settings
 
 from .discovery import TREE_FILE, chapter_title, data_folder, sort_key, tree_of
 

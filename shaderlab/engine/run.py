@@ -20,6 +20,7 @@ from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Backend, open_backend
 from shaderlab.drivers.programs.prepare import Preparer, Programs
 from shaderlab.drivers.programs.textures import forget_images
+from shaderlab.engine.settings import load_settings
 from shaderlab.errors import (
     CaseError,
     DeviceLostError,
@@ -35,7 +36,6 @@ from shaderlab.model.frame import Image
 from shaderlab.model.options import RunOptions
 from shaderlab.model.phases import PhaseTimer, phase
 from shaderlab.model.records import Explanation, Outcome, Record, Verdict
-from shaderlab.settings import load_settings
 
 from .catalogue import shaders_of
 from .evaluation import FEATURES, Evaluation, SceneCheck

@@ -27,13 +27,13 @@ from shaderlab.compiler.shader_files import strip_comments, version_of
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.drivers import Evaluation
 from shaderlab.engine.executors import InProcessExecutor, LocalExecutor, ProcessExecutor
+from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CallError, ShaderError
 from shaderlab.functions.call import Argument, Call, build_result, collect_opaque
 from shaderlab.functions.kernels import LANES, MAX_WORDS, Kernel, local_name
 from shaderlab.functions.signatures import rename
 from shaderlab.model.frame import Array
 from shaderlab.model.options import CALL_LIMITS, RunOptions
-from shaderlab.settings import load_settings
 
 if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker

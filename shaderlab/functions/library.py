@@ -16,6 +16,7 @@ from typing import Any
 from shaderlab.compiler.shader_files import EXTENSIONS, version_of
 from shaderlab.compiler.sources import LineMap, Shaders, Source
 from shaderlab.engine.judging.laws import Law
+from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CallError, ShaderError, ShaderlabError, suggest
 from shaderlab.functions import checks
 from shaderlab.functions.call import Call, bind_arguments, replace_arguments
@@ -23,7 +24,6 @@ from shaderlab.functions.evaluation import evaluate, get_caller
 from shaderlab.functions.laws import CallLaw
 from shaderlab.functions.records import Notes, current_notes
 from shaderlab.functions.signatures import Signature, find_signatures, read_declarations
-from shaderlab.settings import load_settings
 
 
 @dataclass
@@ -215,7 +215,7 @@ def load(
 
     Args:
         shader: the file's path, found where the calling file's shaders are
-            (`shaderlab.settings.Settings.shader_folders`), or in the working folder; or GLSL
+            (`shaderlab.engine.settings.Settings.shader_folders`), or in the working folder; or GLSL
             itself, which has a brace.
         defines: macros to put after its `#version`.
         given: values of uniforms and other globals, where a call has none.

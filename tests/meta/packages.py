@@ -12,7 +12,7 @@ PACKAGE = "shaderlab"
 # Bottom to top: a package may import those before it.
 ORDER = (
     "errors", "files", "model", "workers", "bands", "compiler", "glslmath", "assets", "reference",
-    "drivers", "settings", "report", "engine", "analysis", "functions", "glsl", "pytest_plugin",
+    "drivers", "report", "engine", "analysis", "functions", "glsl", "pytest_plugin",
     "mutation", "cli", "__main__", "__init__",
 )  # fmt: skip
 

@@ -11,8 +11,8 @@ from click.testing import CliRunner
 
 from shaderlab.cli import cli
 from shaderlab.engine.catalogue import shaders_of
+from shaderlab.engine.settings import Settings, load_settings, option_defaults
 from shaderlab.errors import ShaderError, UsageError
-from shaderlab.settings import Settings, load_settings, option_defaults
 
 Write = Callable[[str], Path]
 FRAGMENT = "#version 330 core\nout vec4 color;\nvoid main() { color = vec4(glow()); }\n"
