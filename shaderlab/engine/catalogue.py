@@ -88,8 +88,8 @@ def _import(path: Path) -> ModuleType:
     known = set(sys.modules)
     try:
         with search_folder(str(file.parent)):  # for `import helper` of a module beside the file
-            name = f"{_package(file.parent, tree)}.{file.stem.replace('.', '_')}"
-            return _run(spec_from_file_location(name, path))
+            name = f"{_ensure_package(file.parent, tree)}.{file.stem.replace('.', '_')}"
+            return _execute(spec_from_file_location(name, path))
     except ShaderlabError as error:
         line = error.line or _line_in(path, error)
         raise CaseError(error.message, file=path, line=line, remedy=error.remedy) from error
@@ -106,18 +106,18 @@ def _import(path: Path) -> ModuleType:
         _forget_scripts(sorted(set(sys.modules) - known, reverse=True), file.parent)
 
 
-def _package(folder: Path, tree: Path) -> str:
+def _ensure_package(folder: Path, tree: Path) -> str:
     """The package that stands for a folder of a tree; its name is made of the tree's whole path,
     so that folders of equal name are different packages."""
     if folder == tree:
         digest = hashlib.blake2b(os.fsencode(tree), digest_size=6).hexdigest()
         name = f"{_PACKAGE}{digest}"
     else:
-        name = f"{_package(folder.parent, tree)}.{folder.name.replace('.', '_')}"
+        name = f"{_ensure_package(folder.parent, tree)}.{folder.name.replace('.', '_')}"
     if name not in sys.modules:
         init = folder / "__init__.py"
         if init.is_file():
-            _run(spec_from_file_location(name, init, submodule_search_locations=[str(folder)]))
+            _execute(spec_from_file_location(name, init, submodule_search_locations=[str(folder)]))
         else:
             spec = ModuleSpec(name, None, is_package=True)
             spec.submodule_search_locations = [str(folder)]
@@ -125,7 +125,7 @@ def _package(folder: Path, tree: Path) -> str:
     return name
 
 
-def _run(spec: ModuleSpec | None) -> ModuleType:
+def _execute(spec: ModuleSpec | None) -> ModuleType:
     """Execute a module anew, also if it was imported before."""
     assert spec is not None and spec.loader is not None  # the name ends in .py
     module = module_from_spec(spec)

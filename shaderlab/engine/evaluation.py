@@ -128,7 +128,7 @@ class Evaluation:
         with phase("judge", f"judging {expectation.name!r}"):
             judgement = expectation.judge(self.scene, self.frame)
             if judgement.outcome.status == "pass":
-                fault = self._discard_check.fault(expectation, self.frame) or self._misplaced(
+                fault = self._discard_check.fault(expectation, self.frame) or self._find_misplaced(
                     expectation
                 )
                 if fault:
@@ -136,7 +136,7 @@ class Evaluation:
                     judgement = replace(judgement, outcome=failed)
             return judgement
 
-    def _misplaced(self, expectation: Expectation) -> str:
+    def _find_misplaced(self, expectation: Expectation) -> str:
         """Where an expectation's fragments are not where the driver says, or ""."""
         captured = (
             need for need in self._own_needs(expectation) if isinstance(need, CapturedFragments)

@@ -64,7 +64,7 @@ class PictureWriter:
 
     def __init__(self, folder: Path | None, case_id: str, variant: str) -> None:
         self._folder = folder
-        self._stem = f"{_safe(case_id)}--{_safe(variant)}"
+        self._stem = f"{_to_file_name(case_id)}--{_to_file_name(variant)}"
         self._saved: dict[tuple[object, ...], str] = {}
         self._picture: tuple[Image, PictureFiles] | None = None
 
@@ -88,15 +88,15 @@ class PictureWriter:
         """
         if self._folder is None or (len(scene.passes) == 1 and len(images) == 1):
             return ()
-        return tuple(self._pass(description, images) for description in scene.passes)
+        return tuple(self._pass_record(description, images) for description in scene.passes)
 
-    def _pass(self, description: Pass, images: Images) -> PassRecord:
+    def _pass_record(self, description: Pass, images: Images) -> PassRecord:
         own = {name: image for (where, name), image in images.items() if where == description.name}
         sizes = [image.values.shape[1::-1] for image in own.values()]
         return PassRecord(
             name=description.name,
             draws=tuple(draw.shaders for draw in description.draws),
-            reads=tuple(_read(description)),
+            reads=tuple(_outputs_read(description)),
             attachments=tuple(
                 self._attachment(f"{description.name}.{name}", name, image)
                 for name, image in own.items()
@@ -167,7 +167,7 @@ class PictureWriter:
         """Whether these colours lie where those of the case's picture do, and are as large."""
         if self._picture is None or values.dtype.kind != "f" or min(values.shape[:2]) < 256:
             return False
-        return _place(values) == _place(self._picture[0].values)
+        return _memory_of(values) == _memory_of(self._picture[0].values)
 
     def write_assembly(self, spirv: Mapping[str, Mapping[str, bytes]]) -> str:
         """Write a program's modules, by target and stage, as SPIR-V assembly; equal ones share a
@@ -204,13 +204,13 @@ class PictureWriter:
 
     def _file(self, label: str, suffix: str) -> tuple[str, Path]:
         assert self._folder is not None
-        relative = f"images/{self._stem}--{_safe(label)}.{suffix}"
+        relative = f"images/{self._stem}--{_to_file_name(label)}.{suffix}"
         path = self._folder / relative
         path.parent.mkdir(parents=True, exist_ok=True)
         return relative, path
 
 
-def _place(values: Array) -> tuple[object, ...]:
+def _memory_of(values: Array) -> tuple[object, ...]:
     """What memory an array is, and how it is read."""
     return values.ctypes.data, values.dtype, values.shape, values.strides
 
@@ -223,7 +223,7 @@ def _write_numbers(path: Path, numbers: pictures.Values, equal: bool) -> None:
     write_bytes(path, packed)
 
 
-def _read(description: Pass) -> Iterable[str]:
+def _outputs_read(description: Pass) -> Iterable[str]:
     """The earlier outputs that a pass reads, each once."""
     return dict.fromkeys(
         output.path for draw in description.draws for output in draw.outputs_read()
@@ -256,7 +256,7 @@ def _common_range(shown: Sequence[Array], covered: Array | None) -> tuple[float,
     return (float(finite.min()), float(finite.max())) if finite.size else None
 
 
-def _safe(word: str) -> str:
+def _to_file_name(word: str) -> str:
     """`word` as part of a file name; different words stay different."""
     plain = re.sub(r"[^A-Za-z0-9.]+", "-", word).strip("-.")[:80]
     if plain == word:

@@ -127,7 +127,7 @@ class RecordBuilder:
                     file = ""
                     with self.notice_if_unwritable():
                         file = pictures.write_assembly(draw.compiled.spirv)
-                    self._programs[draw.sources] = _program(draw, file)
+                    self._programs[draw.sources] = _program_record(draw, file)
         self._buffers = _buffer_records(programs)
 
     def add_driver_verdicts(self, verdict_of: Callable[[tuple[Source, ...]], Verdict]) -> None:
@@ -189,7 +189,7 @@ class RecordBuilder:
         """Add one expectation's outcome, with its curve and plot if it has any."""
         where = [replace(s, file=display_path(s.file)) for s in outcome.sources]
         if judgement.output is not None:
-            where += self._assignments(*judgement.output)
+            where += self._find_assignment(*judgement.output)
         self._outcomes.append(replace(outcome, sources=tuple(where)))
         if judgement.curve is not None:
             self._curves.append(judgement.curve)
@@ -210,7 +210,7 @@ class RecordBuilder:
             formula=case.math,
             file=display_path(case.file),
             status=self._final_status(verdicts),
-            message=self._message or _refused(verdicts),
+            message=self._message or _refusal_message(verdicts),
             seconds=seconds,
             timings=timings,
             compile=verdicts,
@@ -224,7 +224,7 @@ class RecordBuilder:
                 )
                 for e in case.errata
             ),
-            inputs=_inputs(self._scene),
+            inputs=_format_inputs(self._scene),
             notices=tuple(self._notices),
             images=self.picture.files,
             captions=self.picture.captions,
@@ -267,7 +267,7 @@ class RecordBuilder:
             return "fail"
         return "pass"
 
-    def _assignments(self, key: PassDraw, output: str) -> list[SourceText]:
+    def _find_assignment(self, key: PassDraw, output: str) -> list[SourceText]:
         """The last line of a draw's program that assigns to an output."""
         sources = self._drawn_by[key]
         name = output.rpartition(".")[2].partition("[")[0]  # blocks go by another name in a shader
@@ -280,7 +280,7 @@ class RecordBuilder:
         return []
 
 
-def _program(draw: PreparedDraw, assembly: str) -> ProgramRecord:
+def _program_record(draw: PreparedDraw, assembly: str) -> ProgramRecord:
     modules = draw.compiled.spirv
     parts: dict[str, str] = {}
     for source in draw.authored:
@@ -296,11 +296,11 @@ def _program(draw: PreparedDraw, assembly: str) -> ProgramRecord:
             _for_display(verdict, assembly if modules.get(verdict.target) else "")
             for verdict in draw.compiled.verdicts
         ),
-        declared=tuple(_declared(draw.compiled.interface)),
+        declared=tuple(_declarations(draw.compiled.interface)),
     )
 
 
-def _declared(interface: Interface | None) -> Iterator[Declared]:
+def _declarations(interface: Interface | None) -> Iterator[Declared]:
     """What a program declares, stage inputs first."""
     if interface is None:
         return
@@ -374,7 +374,7 @@ def _by_target(programs: Iterable[ProgramRecord]) -> dict[str, str]:
     return verdicts
 
 
-def _refused(verdicts: Mapping[str, str]) -> str:
+def _refusal_message(verdicts: Mapping[str, str]) -> str:
     refused = [target for target, verdict in verdicts.items() if verdict == "fail"]
     if not refused:
         return ""
@@ -384,13 +384,13 @@ def _refused(verdicts: Mapping[str, str]) -> str:
     return message + (f"{remedy}, in the case or in [tool.shaderlab]" if accepted else "")
 
 
-def _inputs(scene: Scene) -> dict[str, str]:
+def _format_inputs(scene: Scene) -> dict[str, str]:
     """All uniforms and ramps as text; those that the variant changes come first."""
-    texts = {name: _input_text(value) for name, value in scene.inputs.items()}
+    texts = {name: _format_input(value) for name, value in scene.inputs.items()}
     return {name: texts[name] for name in sorted(texts, key=lambda n: n not in scene.changes)}
 
 
-def _input_text(value: object) -> str:
+def _format_input(value: object) -> str:
     if isinstance(value, Ramp):
         ends = [format_value(value.origin)]
         for label, step in (("across", value.dx), ("up", value.dy)):

@@ -19,7 +19,7 @@ import pytest
 
 from shaderlab import glslmath as g
 from shaderlab.bands import Band, Integer, Rules
-from shaderlab.engine.judging.bands import as_result, store_band
+from shaderlab.engine.judging.bands import store_band, to_result
 
 SIZE = 32
 RULES = Rules()
@@ -268,7 +268,7 @@ def survey() -> dict[str, Any]:
         for name, (text, formula, mistake) in rows.items():
             right, wrong = drawn(context, kind, [text, mistake])
             with np.errstate(all="ignore"):
-                band = store_band(as_result(formula(given), format, RULES), format, 4)
+                band = store_band(to_result(formula(given), format, RULES), format, 4)
             inside = band.contains(right)
             worst = int(np.argmin(inside.ravel()))
             ends = [np.broadcast_to(end, right.shape).flat[worst] for end in (band.lo, band.hi)]

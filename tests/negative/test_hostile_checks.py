@@ -16,7 +16,7 @@ import pytest
 from shaderlab.bands import Rules
 from shaderlab.engine.expectations.exact import exact
 from shaderlab.engine.judging.banded import judge_band
-from shaderlab.engine.judging.bands import in_format
+from shaderlab.engine.judging.bands import to_format
 from shaderlab.engine.judging.references import Inputs, evaluate
 from shaderlab.errors import CaseError
 from shaderlab.glslmath import (
@@ -80,7 +80,7 @@ def verdict(
         found = evaluate(formula, given, rules=None, decimal=False)
         shape = (COUNT, np.shape(found)[-1] if np.ndim(found) else 1)
         values = np.broadcast_to(found if measured is None else np.asarray(measured), shape)
-        stored: Array = in_format(values.astype(np.float64), format)
+        stored: Array = to_format(values.astype(np.float64), format)
         stored = np.rint(stored).astype(np.uint8) if format == "rgba8" else stored
         kept = stored if format == "rgba8" else stored.astype(np.float32)
     return judge_band(kept, formula, given, rules=rules, format=format).verdict()

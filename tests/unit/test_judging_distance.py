@@ -8,7 +8,7 @@ import pytest
 from shaderlab.bands import Band
 from shaderlab.bands.bounds import contains, widths
 from shaderlab.engine.judging import banded
-from shaderlab.engine.judging.banded import Placed
+from shaderlab.engine.judging.banded import BoundedValues
 
 INF, NAN = np.inf, np.nan
 # low, high, whether NaN is legal, measured
@@ -22,12 +22,12 @@ KINDS = [
 ]  # fmt: skip
 
 
-def placed(kinds: np.ndarray, components: int, unit: float | None = None) -> Placed:
+def placed(kinds: np.ndarray, components: int, unit: float | None = None) -> BoundedValues:
     low, high, nan, measured = (column.reshape(-1, components) for column in kinds.T)
     inside = contains(low, high, nan.astype(bool), measured)
     narrow = (a.astype(np.float32) for a in (measured, low, high))
     m, lo, hi = narrow if unit is None else (measured, low, high)
-    return Placed(measured=m, low=lo, high=hi, inside=inside, unit=unit)
+    return BoundedValues(measured=m, low=lo, high=hi, inside=inside, unit=unit)
 
 
 def plainly(kinds: np.ndarray, components: int, unit: float | None) -> np.ndarray:
@@ -52,7 +52,7 @@ def test_blocks_give_what_all_at_once_gives(
         kinds = np.array(KINDS)[generator.integers(0, len(KINDS), 60)]
         seen, expected = placed(kinds, components, unit), plainly(kinds, components, unit)
         size = np.where(seen.inside, expected, INF).max(axis=1)
-        np.testing.assert_array_equal(np.abs(seen.signed()), size)
+        np.testing.assert_array_equal(np.abs(seen.signed_distances()), size)
         # Whatever comes first in the order of distances is found, wherever the array begins.
         for first in (0, 1, len(expected) // 2):
             rest = placed(kinds[first * components :], components, unit)
@@ -98,4 +98,4 @@ def test_a_value_outside_outranks_all_inside() -> None:
 
 def test_signs_say_on_which_side_of_the_middle() -> None:
     kinds = np.array([(0.0, 2.0, False, v) for v in (0.5, 1.75, -9.0, 9.0)])
-    assert placed(kinds, 1).signed().tolist() == [-0.5, 0.75, -INF, INF]
+    assert placed(kinds, 1).signed_distances().tolist() == [-0.5, 0.75, -INF, INF]

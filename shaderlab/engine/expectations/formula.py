@@ -145,7 +145,7 @@ def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
     return {
         "measured": np.asarray(laid_out(banded.measured, 0)),
         "reference": PixelMap(covered, reference, 0),
-        "distance": PixelMap(covered, lambda rows: banded.signed()[rows], np.nan),
+        "distance": PixelMap(covered, lambda rows: banded.signed_distances()[rows], np.nan),
         "covered": covered,
         "exact": PixelMap(covered, banded.reference.__getitem__, np.nan),
         "low": laid_out(banded.low, np.nan),

@@ -33,7 +33,7 @@ MAX_VACUOUS = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
-class Placed:
+class BoundedValues:
     """Measured values with their bands, all arrays (count, components).
 
     `inside` says which are in their band; `unit` is the size of one code for fixed-point formats,
@@ -66,7 +66,7 @@ class Placed:
         low, high = (bound[at].astype(np.float64) for bound in (self.low, self.high))
         return float(widths(low, high, self.inside[at], self.measured[at], self.unit or 0.0)[0])
 
-    def signed(self) -> Floats:
+    def signed_distances(self) -> Floats:
         """Of each row's components the largest distance, as (count,): negative below the middle,
         at most 1 in size inside, infinite outside."""
         signed = np.empty(len(self.measured))
@@ -131,7 +131,7 @@ def _narrow(low: Array, high: Array, value: Array, scratch: Array) -> Distances 
 
 
 @dataclass(frozen=True, kw_only=True)
-class Banded(Placed):
+class Banded(BoundedValues):
     """Measured values beside their reference and band; all arrays are (count, components).
 
     `low` and `high` are in the measured values' units, and float32 where the attachment's format

@@ -102,7 +102,7 @@ class ReferenceBand:
         )
         values = np.asarray(found).astype(np.float64, copy=False)
         _require_shape(self.reference, values.shape, into.shape)
-        into[:] = in_format(np.broadcast_to(values, into.shape), self.format)
+        into[:] = to_format(np.broadcast_to(values, into.shape), self.format)
 
     @cached_property
     def sample(self) -> Array:
@@ -183,7 +183,7 @@ def _evaluate_band(
         except FormulaError:
             found.evaluate_exact(rows, np.empty(part))  # its error is easier to read
             raise
-        band = as_result(band, format, rules)
+        band = to_result(band, format, rules)
         _require_shape(reference, band.shape, part)
         allowed = store_band(band, format, shape[1])
         unit = None if isinstance(allowed, Band) else float(allowed.unit) or None
@@ -247,7 +247,7 @@ def _count(flags: Flags, shape: tuple[int, ...]) -> int:
     return int(np.count_nonzero(flags)) * (math.prod(shape) // max(flags.size, 1))
 
 
-def as_result(value: Any, format: str, rules: Rules) -> Band | Integer:
+def to_result(value: Any, format: str, rules: Rules) -> Band | Integer:
     """What a formula gives, as an attachment of this format takes it: GLSL converts integers to
     floats by itself, and not back."""
     if format in INTEGER_FORMATS:
@@ -298,7 +298,7 @@ def _store_integers(whole: Band | Integer, format: str) -> Allowed:
     return Allowed(low, high, nowhere, anything, nowhere, unit=1.0)
 
 
-def in_format(values: Array, format: str) -> Array:
+def to_format(values: Array, format: str) -> Array:
     """A float64 reference as it would be read back from `format`, unrounded."""
     if format in _UNORM_FORMATS:
         return np.clip(values, 0.0, 1.0) * 255.0

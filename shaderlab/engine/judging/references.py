@@ -69,7 +69,7 @@ class Inputs:
         """A draw's bindings, with what differs from value to value, and a check's own constants
         (which override uniforms of the same parameter name)."""
 
-        def kept(names: Mapping[str, Array]) -> dict[str, Array]:
+        def without_given(names: Mapping[str, Array]) -> dict[str, Array]:
             return {n: v for n, v in names.items() if parameter_name(n) not in given}
 
         constants = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in given.items()}
@@ -78,9 +78,9 @@ class Inputs:
         by_element = bindings.buffers.keys() & each.keys()
         written = {n: v for n, v in bindings.decimal.items() if n not in by_element}
         return cls(
-            shared={**kept(bindings.uniforms), **kept(whole), **rounded},
-            each=kept(each),
-            decimal={**kept(written), **constants, **(decimal or {})},
+            shared={**without_given(bindings.uniforms), **without_given(whole), **rounded},
+            each=without_given(each),
+            decimal={**without_given(written), **constants, **(decimal or {})},
             textures={**bindings.textures, **bindings.images},
             arrays=bindings.arrays - constants.keys() - by_element,
         )
@@ -187,10 +187,10 @@ def evaluate(
         if whole:
             values = exact[name]
         if name not in inputs.arrays:
-            return _number(values, rules, whole=whole)
+            return _to_number(values, rules, whole=whole)
         # What differs from value to value has the array's own axis behind theirs.
         pieces = np.moveaxis(values, 1, 0) if name in inputs.each else values
-        return Elements(_number(piece, rules, whole=whole) for piece in pieces)
+        return Elements(_to_number(piece, rules, whole=whole) for piece in pieces)
 
     arguments = {}
     for parameter, names in (parameters or match_parameters(reference, inputs)).items():
@@ -199,7 +199,7 @@ def evaluate(
     try:
         with phase("reference"), np.errstate(all="ignore"):
             formula = reference if rules is None else with_literals(reference, rules)
-            return _numeric(formula(**arguments))
+            return _require_number(formula(**arguments))
     except ShaderlabError as error:
         place = source_of(reference)
         raise FormulaError(
@@ -217,7 +217,7 @@ def evaluate(
         raise locate_error(reference, error, remedy) from error
 
 
-def _numeric(result: Any) -> Any:
+def _require_number(result: Any) -> Any:
     """What a formula gave, if bands and arrays can be made of it. Raises FormulaError."""
     if isinstance(result, Band):
         return result
@@ -232,7 +232,7 @@ def _numeric(result: Any) -> Any:
     raise FormulaError(f"gives {type(result).__name__} {result!r:.60}, no number", remedy=remedy)
 
 
-def _number(values: Array, rules: Rules | None, *, whole: bool) -> Any:
+def _to_number(values: Array, rules: Rules | None, *, whole: bool) -> Any:
     """A value as formulas take it; `whole` for what is an integer in the shader."""
     if whole:
         return Integer(values, unsigned=values.dtype.kind == "u", rules=rules)
