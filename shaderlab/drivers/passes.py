@@ -3,6 +3,7 @@ a target is made and how a draw is issued."""
 
 from __future__ import annotations
 
+import time
 from abc import abstractmethod
 from collections.abc import Container, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
@@ -12,10 +13,18 @@ from typing import Any, ClassVar, Generic, Literal, Protocol, TypeVar
 
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.case import Scene
-from shaderlab.model.frame import Array, Bindings, Fragments, Image, PassDraw, Samples, leading
+from shaderlab.model.frame import (
+    Array,
+    Bindings,
+    Fragments,
+    Image,
+    PassDraw,
+    Samples,
+    Timing,
+    leading,
+)
 from shaderlab.model.phases import phase
 from shaderlab.model.scene import Pass, Target
-from shaderlab.model.state import State
 
 from .programs import bind, captures
 from .programs.captures import PassCapture, probe_fragments, set_draw_number
@@ -78,23 +87,8 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         locations."""
 
     @abstractmethod
-    def render(
-        self,
-        draw: PreparedDraw,
-        bindings: Bindings,
-        target: TargetKind,
-        *,
-        texts: Mapping[str, str] | None = None,
-        fixed_state: State | None = None,
-    ) -> None:
-        """Draw into a target, and wait until it is drawn.
-
-        Args:
-            draw: what to draw.
-            bindings: its uniforms and textures.
-            target: what to draw into.
-            texts: the stages' texts where they are others than its own.
-            fixed_state: another state in place of its own.
+    def render(self, draw: PreparedDraw, bindings: Bindings, target: TargetKind) -> None:
+        """Draw into a target with these uniforms and textures, and wait until it is drawn.
 
         Raises:
             UnsupportedError: the API, or the device, has no such thing; the message names it.
@@ -259,7 +253,8 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
                 own, bindings = self.number_text(text, self.bindings[name, index], index)
                 stages = {**draw.texts, "fragment": own}
                 plain = replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4)
-                self.render(draw, bindings, made, texts=stages, fixed_state=plain)
+                changed = replace(draw.draw, state=plain)
+                self.render(replace(draw, draw=changed, rewritten=stages), bindings, made)
             return {name: made.read(name).values for name in colors}
 
     # Captures and probes.
@@ -306,12 +301,37 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         target: Target,
         colors: Mapping[str, str],
         size: Size,
-        texts: Mapping[str, str],
     ) -> Mapping[str, Array]:
         with self.new_target(target, colors, size) as made:
-            self.render(points, bindings, made, texts=texts)
+            self.render(points, bindings, made)
             names = (*colors, "stencil") if target.depth else colors
             return {name: made.read(name).values for name in names}
+
+    # Queries.
+
+    def _time(self, pass_name: str, repeats: int) -> Timing:
+        """Time how long a pass takes to draw, from its first draw until the driver has finished,
+        with what this takes in Python. The first time through, when drivers compile, does not
+        count."""
+        draws = self.programs[pass_name]
+        seconds = []
+        with self.fresh_target(pass_name) as target:
+            for turn in range(repeats + 1):
+                target.clear()
+                self.finish()
+                start = time.perf_counter()
+                for index, draw in enumerate(draws):
+                    self.render(draw, self.bindings[pass_name, index], target)
+                self.finish()
+                if turn:
+                    seconds.append(time.perf_counter() - start)
+        vertices = 0
+        for draw in draws:
+            mesh = draw.draw.mesh
+            drawn = 3 if mesh is None else mesh.vertices
+            drawn = drawn if mesh is None or mesh.indices is None else len(mesh.indices)
+            vertices += drawn * draw.draw.instances
+        return Timing(draw_calls=len(draws), vertices=vertices, seconds=tuple(seconds))
 
     def _attachment(self, pass_name: str, name: str) -> Image:
         if (pass_name, name) in self.images:
@@ -319,7 +339,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         self.reading()
         return self.targets[pass_name].read(name)
 
-    answers: ClassVar[Answers] = {"attachment": _attachment}
+    answers: ClassVar[Answers] = {"attachment": _attachment, "time": _time}
 
 
 class Device(Protocol):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import ClassVar
@@ -20,7 +19,6 @@ from shaderlab.model.frame import (
     Fragments,
     PassDraw,
     Reply,
-    Timing,
 )
 from shaderlab.model.records import Verdict
 
@@ -34,8 +32,7 @@ from . import calls, drawing, linking, tracing
 from .buffers import read_block, read_layout
 from .device import GL, Device, gl_constant
 from .drawing import Drawing, Evaluator, drain_errors, submit
-from .linking import Linker, output_locations, uniform_location
-from .target import apply_state
+from .linking import Linker, uniform_location
 
 # Source: OpenGL 4.6 core profile specification, tables 4.1 and 4.2; ARB_pipeline_statistics_query.
 _SPELT = {"geometry_primitives_emitted": "geometry_shader_primitives_emitted"}
@@ -66,38 +63,6 @@ def count_events(drawing: Drawing, key: PassDraw, counter: str) -> int:
         GL.glDeleteQueries(1, made)
         drain_errors()
     return result
-
-
-def time_pass(drawing: Drawing, pass_name: str, repeats: int) -> Timing:
-    """Time how long a pass takes to draw, from its first call until the driver has finished.
-
-    Programs, buffers and targets are made beforehand. The first time through, when drivers compile,
-    does not count.
-    """
-    prepared = drawing.programs[pass_name]
-    context = drawing.device.context
-    seconds = []
-    with drawing.fresh_target(pass_name) as target:
-        ready = [
-            (draw, *drawing.set_up(draw, drawing.bindings[pass_name, index], target))
-            for index, draw in enumerate(prepared)
-        ]
-        locations = [output_locations(program, target.colors) for _, program, _ in ready]
-        vertices = sum(vao.count * draw.draw.instances for draw, _, vao in ready)
-        for turn in range(repeats + 1):
-            target.clear()
-            context.finish()
-            start = time.perf_counter()
-            for index, (draw, program, vao) in enumerate(ready):
-                target.bind(locations[index])
-                apply_state(draw.draw.state, target.size, drawing.device.version)
-                drawing.use(program, draw, drawing.bindings[pass_name, index])
-                submit(vao, program, draw)
-            context.finish()
-            if turn:
-                seconds.append(time.perf_counter() - start)
-    drain_errors()
-    return Timing(draw_calls=len(prepared), vertices=vertices, seconds=tuple(seconds))
 
 
 def read_attributes(drawing: Drawing, key: PassDraw) -> Mapping[str, AttributeReading]:
@@ -153,7 +118,6 @@ class OpenGLSession(Drawing):
     answers: ClassVar[Answers] = {
         **Drawing.answers,
         "count": count_events,
-        "time": time_pass,
         "attributes": read_attributes,
         "blocks": read_blocks,
         "locations": find_locations,

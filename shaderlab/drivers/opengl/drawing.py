@@ -21,7 +21,6 @@ from shaderlab.model.frame import Array, Bindings, Image, PassDraw
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.phases import phase
 from shaderlab.model.scene import Target
-from shaderlab.model.state import State
 
 from .. import Drawn, Evaluation, Size
 from ..passes import PassSession
@@ -74,7 +73,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
             given = self.bind(draw)
             found = storage.bind_storage(draw.draw, draw.interface, given, self.folder, self.images)
             self.bindings[key] = found
-            program = self._link(draw, draw.texts)
+            program = self._link(draw)
             self.use(program, draw, found)
             drain_errors()
             left = dispatch(self.device, program, draw, found)
@@ -115,16 +114,8 @@ class Drawing(PassSession[RenderTarget, Linker]):
         if errors:
             self._gl_errors[key] = errors
 
-    def render(
-        self,
-        draw: PreparedDraw,
-        bindings: Bindings,
-        target: RenderTarget,
-        *,
-        texts: Mapping[str, str] | None = None,
-        fixed_state: State | None = None,
-    ) -> None:
-        program, vao = self.set_up(draw, bindings, target, texts=texts, fixed_state=fixed_state)
+    def render(self, draw: PreparedDraw, bindings: Bindings, target: RenderTarget) -> None:
+        program, vao = self.set_up(draw, bindings, target)
         submit(vao, program, draw)
         drain_errors()
 
@@ -136,29 +127,22 @@ class Drawing(PassSession[RenderTarget, Linker]):
         return text, replace(bindings, uniforms={**bindings.uniforms, NUMBER: number})
 
     def set_up(
-        self,
-        draw: PreparedDraw,
-        bindings: Bindings,
-        target: RenderTarget,
-        *,
-        texts: Mapping[str, str] | None = None,
-        fixed_state: State | None = None,
+        self, draw: PreparedDraw, bindings: Bindings, target: RenderTarget
     ) -> tuple[Any, VertexArray]:
         """Bind and set everything for a draw, which `submit` then issues: its program and vertex
-        array. Arguments and errors as of `render`."""
+        array. Raises what `render` does."""
         require_inputs(self.device, draw)
-        program = self._link(draw, texts or draw.texts)
-        self.use(program, draw, bindings, only_active=texts is not None)
+        program = self._link(draw)
+        self.use(program, draw, bindings, only_active=draw.rewritten is not None)
         vao = self._vertex_array(program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
-        apply_state(fixed_state or draw.draw.state, target.size, self.device.version)
+        apply_state(draw.draw.state, target.size, self.device.version)
         return program, vao
 
-    def _link(self, draw: PreparedDraw, texts: Mapping[str, str]) -> Any:
-        """Link a draw's program with these texts."""
+    def _link(self, draw: PreparedDraw) -> Any:
         require_glsl(self.device, draw)
         try:
-            return self.linker.link(texts)
+            return self.linker.link(draw.texts)
         except ShaderError as error:
             raise ShaderError(
                 error.message, file=draw.authored[-1].path, remedy=error.remedy

@@ -29,11 +29,11 @@ _REMEDY = "judge it over the frame (formula, or value at a Pixel)"
 
 
 DrawPoints = Callable[
-    [PreparedDraw, Bindings, Target, Mapping[str, str], tuple[int, int], Mapping[str, str]],
+    [PreparedDraw, Bindings, Target, Mapping[str, str], tuple[int, int]],
     Mapping[str, Array],
 ]
 """Draws points with their uniforms and textures into a target, with colours (format by output) and
-a size, the stages having these texts; gives the colours and the stencil, if there is one."""
+a size; gives the colours and the stencil, if there is one."""
 
 
 def probe_fragments(
@@ -80,13 +80,13 @@ def probe_fragments(
     target = Target(depth="depth24_stencil8") if discards else Target()
     outputs = draw.interface.outputs
     colors = {name: textures.output_format(output.type) for name, output in outputs.items()}
-    texts = {"vertex": vertex, "fragment": text}
+    probe = replace(draw, draw=points, rewritten={"vertex": vertex, "fragment": text})
     samples = []
     for run in runs:
         own = {stages.PREFIX + "size": np.array(size, np.int32)}
         bindings = replace(run, uniforms={**run.uniforms, **own})
         try:
-            images = draw_points(replace(draw, draw=points), bindings, target, colors, size, texts)
+            images = draw_points(probe, bindings, target, colors, size)
         except ShaderError as error:
             raise UnsupportedError(
                 f"running {draw.draw.fragment} on given inputs: no vertex stage can be written "

@@ -27,7 +27,7 @@ class PreparedDraw:
     """A draw with its program compiled.
 
     `sources` are all stages, generated ones too; `authored` those of them that are files.
-    `compiling` is what compiled them.
+    `compiling` is what compiled them; `rewritten` are texts by stage to draw in place of theirs.
     """
 
     draw: Draw
@@ -35,6 +35,7 @@ class PreparedDraw:
     authored: tuple[Source, ...]
     compiled: Compiled
     compiling: Compile = field(default=compile_program, repr=False, compare=False)
+    rewritten: Mapping[str, str] | None = None
 
     @property
     def interface(self) -> Interface:
@@ -74,6 +75,8 @@ class PreparedDraw:
     @property
     def texts(self) -> dict[str, str]:
         """The text of each stage after includes, by stage."""
+        if self.rewritten is not None:
+            return dict(self.rewritten)
         return {source.stage: source.text for source in self.sources}
 
     @property

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -23,11 +22,9 @@ from shaderlab.model.frame import (
     Bindings,
     BlockReading,
     PassDraw,
-    Timing,
 )
 from shaderlab.model.records import Verdict
 from shaderlab.model.scene import Target
-from shaderlab.model.state import State
 
 from ..passes import DeviceBackend, PassSession
 from ..programs import bind, stages
@@ -112,13 +109,11 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         bindings: Bindings,
         target: RenderTarget,
         *,
-        texts: Mapping[str, str] | None = None,
-        fixed_state: State | None = None,
         query: tuple[Any, int] | None = None,
     ) -> None:
         """As `PassSession.render`; `query` is a pool of one query, and the flags it begins with."""
         with Resources(self.device) as own:
-            ready = self.ready(own, draw, bindings, target, texts=texts, fixed_state=fixed_state)
+            ready = self.ready(own, draw, bindings, target)
             with recording(self.device) as commands:
                 if query is not None:
                     lib.vkCmdResetQueryPool(commands.handle, query[0], 0, 1)
@@ -133,9 +128,6 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         draw: PreparedDraw,
         bindings: Bindings,
         target: RenderTarget,
-        *,
-        texts: Mapping[str, str] | None = None,
-        fixed_state: State | None = None,
         stored: Mapping[str, Buffer] | None = None,
     ) -> Ready:
         """Return all that a draw takes, on the device; `own` are what is released after it.
@@ -144,10 +136,10 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
             texts, fixed_state: as in `render`.
             stored: storage buffers by the names of their blocks.
         """
-        description, state = draw.draw, fixed_state or draw.draw.state
+        description, state = draw.draw, draw.draw.state
         if not description.vertex_array:
             raise UnsupportedError("vertex_array=False: Vulkan has no vertex arrays to leave out")
-        program = self.program(draw, texts or draw.texts)
+        program = self.program(draw)
         locations = program.locations(target.colors)
         layout = Layout(
             layout_of(description.mesh, program.attributes),
@@ -161,9 +153,9 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
             self._descriptors(own, program, draw, values, stored or {}),
         )  # fmt: skip
 
-    def program(self, draw: PreparedDraw, texts: Mapping[str, str]) -> Program:
-        """Return the program of a draw, its stages having these texts."""
-        own = dict(texts)
+    def program(self, draw: PreparedDraw) -> Program:
+        """Link the program of a draw."""
+        own = draw.texts
         if "fragment" in own:
             own["fragment"] = adapt_fragment(own["fragment"])
         own = write_point_texts(draw.draw, own)
@@ -221,7 +213,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         ):
             buffer = resources.buffer("storage_buffer", size=4 * words)
             ready = self.ready(
-                resources, draw, given, target, texts=program, stored={stages.BLOCK: buffer}
+                resources, replace(draw, rewritten=program), given, target, {stages.BLOCK: buffer}
             )
             with recording(self.device) as commands:
                 ready.record(commands, target)
@@ -256,45 +248,20 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
             check(result, f"counting {counter}")
             return int(found[0])
 
-    def _time(self, pass_name: str, repeats: int) -> Timing:
-        """Return how long a pass takes to draw, from its first command until the device has
-        finished.
-
-        Pipelines, buffers and targets are made beforehand. The first time through, when drivers
-        compile, does not count.
-        """
-        prepared = self.programs[pass_name]
-        seconds = []
-        with Resources(self.device) as own, self.fresh_target(pass_name) as target:
-            ready = [
-                self.ready(own, draw, self.bindings[pass_name, index], target)
-                for index, draw in enumerate(prepared)
-            ]
-            vertices = sum(each.vertices.count * each.instances for each in ready)
-            for turn in range(repeats + 1):
-                target.clear()
-                start = time.perf_counter()
-                with recording(self.device) as commands:
-                    for each in ready:
-                        each.record(commands, target)
-                if turn:
-                    seconds.append(time.perf_counter() - start)
-        return Timing(draw_calls=len(prepared), vertices=vertices, seconds=tuple(seconds))
-
     def _read_attributes(self, key: PassDraw) -> Mapping[str, AttributeReading]:
         """Return where the pipeline of a draw of a mesh reads each attribute. Vulkan has no query
         for it; it is read from the structure that makes the pipeline."""
         draw = self.programs[key[0]][key[1]]
         if draw.draw.mesh is None:
             return {}
-        declared = self.program(draw, draw.texts).attributes
+        declared = self.program(draw).attributes
         return read_layout(layout_of(draw.draw.mesh, declared), declared)
 
     def _read_blocks(self, key: PassDraw) -> Mapping[str, BlockReading]:
         """Return where the draw's modules have the members of each uniform block, which is where a
         driver reads them."""
         draw = self.programs[key[0]][key[1]]
-        bindings = self.program(draw, draw.texts).bindings
+        bindings = self.program(draw).bindings
         found = {}
         for name, placed in uniform_blocks(draw.interface).items():
             block = bindings[name].block if name in bindings else None
@@ -309,7 +276,6 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
     answers: ClassVar[Answers] = {
         **PassSession.answers,
         "count": _count,
-        "time": _time,
         "attributes": _read_attributes,
         "blocks": _read_blocks,
     }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass
@@ -21,12 +20,10 @@ from shaderlab.model.frame import (
     Bindings,
     BlockReading,
     PassDraw,
-    Timing,
 )
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.records import Verdict
 from shaderlab.model.scene import Target
-from shaderlab.model.state import State
 
 from ..passes import DeviceBackend, PassSession
 from ..programs import bind, stages
@@ -153,19 +150,11 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
     def finish(self) -> None:
         self.device.gl.ask("finish")
 
-    def render(
-        self,
-        draw: PreparedDraw,
-        bindings: Bindings,
-        target: RenderTarget,
-        *,
-        texts: Mapping[str, str] | None = None,
-        fixed_state: State | None = None,
-    ) -> None:
-        state = fixed_state or draw.draw.state
+    def render(self, draw: PreparedDraw, bindings: Bindings, target: RenderTarget) -> None:
+        state = draw.draw.state
         encodes = "srgb8_alpha8" in target.colors.values()
         check_state(state, samples=target.samples, encodes=encodes)
-        program = self.linker.link(write_point_texts(draw.draw, texts or draw.texts), draw.sources)
+        program = self.linker.link(write_point_texts(draw.draw, draw.texts), draw.sources)
 
         def draw_to(vertices: VertexArray) -> None:
             target.bind(program.outputs(target.colors))
@@ -336,28 +325,6 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
             )
         return found
 
-    def _time(self, pass_name: str, repeats: int) -> Timing:
-        """Return how long a pass takes to draw, with all that this takes in Python and on the way
-        to the browser. The first time through, when the browser compiles, does not count."""
-        prepared = self.programs[pass_name]
-        seconds, vertices = [], 0
-        for draw in prepared:
-            mesh = draw.draw.mesh
-            count = (
-                3 if mesh is None else mesh.vertices if mesh.indices is None else len(mesh.indices)
-            )
-            vertices += count * draw.draw.instances
-        with self.fresh_target(pass_name) as target:
-            for turn in range(repeats + 1):
-                target.clear()
-                start = time.perf_counter()
-                for index, draw in enumerate(prepared):
-                    self.render(draw, self.bindings[pass_name, index], target)
-                self.finish()
-                if turn:
-                    seconds.append(time.perf_counter() - start)
-        return Timing(draw_calls=len(prepared), vertices=vertices, seconds=tuple(seconds))
-
     def _count(self, key: PassDraw, counter: str) -> int:
         raise UnsupportedError(f"counting {counter}: WebGL2 only says whether there was any")
 
@@ -376,7 +343,6 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
     answers: ClassVar[Answers] = {
         **PassSession.answers,
         "count": _count,
-        "time": _time,
         "attributes": _read_attributes,
         "blocks": _read_blocks,
         "locations": _locations,
