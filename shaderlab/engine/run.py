@@ -12,9 +12,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from shaderlab.compiler.compile import Compiled
+from shaderlab.compiler.compile import Compiled, find_below_highp
 from shaderlab.compiler.compile_cache import cached_compiler
-from shaderlab.compiler.dialects import find_below_highp
 from shaderlab.compiler.engines import TARGETS
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Backend, open_backend

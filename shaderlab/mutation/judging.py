@@ -11,8 +11,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from shaderlab.compiler.compile import compile_program
-from shaderlab.compiler.dialects import raise_version
+from shaderlab.compiler.compile import compile_program, raise_version
 from shaderlab.compiler.library import SPIRV_TOOLS_WHEEL, find
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs

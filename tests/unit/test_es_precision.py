@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.compiler import Shaders
-from shaderlab.compiler.dialects import find_below_highp
+from shaderlab.compiler.compile import find_below_highp
 
 HIGH = "precision highp float;\nuniform sampler2D scene;\n"
 

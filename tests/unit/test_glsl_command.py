@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks.trees import SUFFIX, mutant, own_shaders
 from shaderlab.compiler import Shaders, Source, compile_program
-from shaderlab.compiler.crash_guard import check_version
+from shaderlab.compiler.diagnostics import check_version
 from shaderlab.compiler.engines import choose
 from shaderlab.compiler.library import GLSLANG_WHEEL, find
 

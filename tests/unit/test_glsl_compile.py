@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.compiler import Shaders, Source, compile_program, disassemble, validate
-from shaderlab.compiler.crash_guard import MAX_NESTING, MAX_OPERATORS, find_crash
+from shaderlab.compiler.diagnostics import MAX_NESTING, MAX_OPERATORS, find_crash
 from shaderlab.compiler.engines import choose
 from shaderlab.compiler.library import find
 from shaderlab.compiler.spirv import Decoration, Module, interface_name, parse
