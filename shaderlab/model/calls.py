@@ -154,7 +154,7 @@ def error_name(code: int) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class CallEdit:
-    """What becomes of one call that drawing a scene takes.
+    """A change to one of the calls that drawing a scene makes.
 
     Attributes:
         function: the call's C name, such as "glBufferData".
@@ -166,12 +166,12 @@ class CallEdit:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Dropped(CallEdit):
+class DropCall(CallEdit):
     """The call is not made; one that returns something returns 0."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Changed(CallEdit):
+class ChangeCall(CallEdit):
     """The call is made with another value for one parameter, by its name in OpenGL's headers: a
     number, or a constant's name."""
 
@@ -180,12 +180,12 @@ class Changed(CallEdit):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PutOff(CallEdit):
+class PostponeCall(CallEdit):
     """The call is made after another one: a function's name, and which call of it."""
 
     behind: tuple[str, int]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Repeated(CallEdit):
+class RepeatCall(CallEdit):
     """The call is made again before each later draw of its pass, with the bindings that it had."""

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from shaderlab.engine.expectations.gl_call import CallTrace, GlCalls
 from shaderlab.engine.run import SceneRunner
-from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
+from shaderlab.model.calls import CallEdit, ChangeCall, DropCall, PostponeCall, RepeatCall
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.frame import TracedCall
 from shaderlab.mutation.mutants import Effect, Mutant, MutantResult, select_scenes
@@ -181,19 +181,19 @@ def _edits(trace: Sequence[TracedCall]) -> Iterator[tuple[TracedCall, str, str, 
     for (call, number), draws in zip(effective, later, strict=True):
         name = call.function
         if name.startswith(_KEPT) and draws > 1:
-            edit: CallEdit = Repeated(function=name, number=number)
+            edit: CallEdit = RepeatCall(function=name, number=number)
             yield call, "call repeated", "again for each later draw of the pass", edit
         if name.startswith(_MAKING):
             continue
         for parameter, value in vary_arguments(call):
-            edit = Changed(function=name, number=number, parameter=parameter, value=value)
+            edit = ChangeCall(function=name, number=number, parameter=parameter, value=value)
             yield call, "argument", f"{parameter} = {value}", edit
         if not name.startswith(_USED_AT_ONCE):
-            yield call, "call dropped", "nothing", Dropped(function=name, number=number)
+            yield call, "call dropped", "nothing", DropCall(function=name, number=number)
     for (call, number), (following, place) in pairwise(effective):
         if call.pass_name == following.pass_name and _can_wait(call) and _can_wait(following):
             behind = (following.function, place)
-            edit = PutOff(function=call.function, number=number, behind=behind)
+            edit = PostponeCall(function=call.function, number=number, behind=behind)
             yield call, "calls reordered", f"behind {following}", edit
 
 

@@ -16,7 +16,7 @@ from shaderlab.cli import cli
 from shaderlab.engine.expectations.gl_call import CallTrace
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
-from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
+from shaderlab.model.calls import CallEdit, ChangeCall, DropCall, PostponeCall, RepeatCall
 from shaderlab.mutation.call_mutants import CallMutant, mutate_calls
 from shaderlab.mutation.judging import Judge
 
@@ -74,31 +74,31 @@ def which(function: str, number: int = 0) -> Mapping[str, object]:
 
 FATES: Mapping[str, tuple[CallEdit, str, str]] = {
     "a draw is dropped": (
-        Dropped(function="glDrawElementsInstanced", number=1), "killed", "FragColor",
+        DropCall(function="glDrawElementsInstanced", number=1), "killed", "FragColor",
     ),
     "the depth function of the left half": (
-        Changed(function="glDepthFunc", number=1, parameter="func", value="GL_LESS"),
+        ChangeCall(function="glDepthFunc", number=1, parameter="func", value="GL_LESS"),
         "killed", "FragColor",
     ),
     "nothing is written": (
-        Dropped(function="glBufferSubData", number=0), "killed", "FragColor",
+        DropCall(function="glBufferSubData", number=0), "killed", "FragColor",
     ),
     "written before there is room": (
-        PutOff(function="glBufferData", number=1, behind=("glBufferSubData", 0)),
+        PostponeCall(function="glBufferData", number=1, behind=("glBufferSubData", 0)),
         "killed", "FragColor",
     ),
     "written for each draw": (
-        Repeated(function="glBufferSubData", number=0), "killed", "glBufferSubData",
+        RepeatCall(function="glBufferSubData", number=0), "killed", "glBufferSubData",
     ),
     "a hint that nothing is said about": (
-        Changed(function="glBufferData", number=1, parameter="usage", value="GL_STREAM_DRAW"),
+        ChangeCall(function="glBufferData", number=1, parameter="usage", value="GL_STREAM_DRAW"),
         "no difference", "the same pixels",
     ),
     "a binding that the next one replaces": (
-        Dropped(function="glBindVertexArray", number=1), "equivalent", "the same state",
+        DropCall(function="glBindVertexArray", number=1), "equivalent", "the same state",
     ),
     "fewer bytes than were written": (
-        Changed(function="glBufferSubData", number=0, parameter="offset", value=-4),
+        ChangeCall(function="glBufferSubData", number=0, parameter="offset", value=-4),
         "killed", "FragColor",
     ),
 }  # fmt: skip
@@ -114,7 +114,7 @@ def test_fates(lab: SceneRunner, case: Case, name: str) -> None:
 def test_another_hint_survives_where_the_case_is_about_such_calls(
     lab: SceneRunner, case: Case
 ) -> None:
-    edit = Changed(function="glBufferData", number=1, parameter="usage", value="GL_STREAM_DRAW")
+    edit = ChangeCall(function="glBufferData", number=1, parameter="usage", value="GL_STREAM_DRAW")
     weak, strong = (
         Case(title="c", id="halves", file=case.file, passes=case.passes, expect=[told])
         for told in (
@@ -129,7 +129,7 @@ def test_another_hint_survives_where_the_case_is_about_such_calls(
 def test_the_trace_has_the_edit_and_the_next_drawing_has_not(lab: SceneRunner, case: Case) -> None:
     scene = case.scene("default")
     programs = lab.prepare_for_opengl(scene)
-    edit = Changed(function="glViewport", number=2, parameter="x", value=3)
+    edit = ChangeCall(function="glViewport", number=2, parameter="x", value=3)
     with lab.edited_evaluation(scene, programs, edit) as edited:
         changed = Counter(map(str, edited.answer(CallTrace())))
     with lab.edited_evaluation(scene, programs, None) as plain:
@@ -142,7 +142,7 @@ def test_the_trace_has_the_edit_and_the_next_drawing_has_not(lab: SceneRunner, c
 
 def test_a_call_that_does_not_come_is_a_defect(lab: SceneRunner, case: Case) -> None:
     scene = case.scene("default")
-    edit = Dropped(function="glDrawElementsInstanced", number=7)
+    edit = DropCall(function="glDrawElementsInstanced", number=7)
     run = lab.edited_evaluation(scene, lab.prepare_for_opengl(scene), edit)
     with pytest.raises(ShaderlabError, match="no call 7 of glDrawElementsInstanced"), run:
         pass

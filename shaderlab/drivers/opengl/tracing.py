@@ -23,7 +23,7 @@ import moderngl
 import numpy as np
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.model.calls import CallEdit, Changed, Dropped, PutOff, Repeated
+from shaderlab.model.calls import CallEdit, ChangeCall, DropCall, PostponeCall, RepeatCall
 from shaderlab.model.frame import PassDraw, TracedCall
 
 from .calls import constant, constants, fresh_context, prototypes
@@ -484,7 +484,11 @@ class Editor:
         if self._again is not None and name.startswith("glDraw") and name != "glDrawBuffers":
             self._repeat(pass_name)
         returned = made(*arguments)
-        if self._held is not None and isinstance(edit, PutOff) and edit.behind == (name, number):
+        if (
+            self._held is not None
+            and isinstance(edit, PostponeCall)
+            and edit.behind == (name, number)
+        ):
             (later, given), self._held = self._held, None
             later(*given)
         return returned
@@ -501,19 +505,19 @@ class Editor:
         self, edit: CallEdit, arguments: tuple[Any, ...], made: Make, pass_name: str
     ) -> Any:
         name = edit.function
-        if isinstance(edit, Changed):
+        if isinstance(edit, ChangeCall):
             place = list(prototypes()[name].argNames).index(edit.parameter)
             new: Any = constant(edit.value) if isinstance(edit.value, str) else edit.value
             if isinstance(arguments[place], ctypes.c_void_p):
                 new = ctypes.c_void_p(new)
             return made(*arguments[:place], new, *arguments[place + 1 :])
-        if isinstance(edit, Repeated):
+        if isinstance(edit, RepeatCall):
             self._again = (pass_name, (made, _copy_arguments(name, arguments)), _read_bindings())
             return made(*arguments)
-        if isinstance(edit, PutOff):
+        if isinstance(edit, PostponeCall):
             self._held = (made, _copy_arguments(name, arguments))
         else:
-            assert isinstance(edit, Dropped)
+            assert isinstance(edit, DropCall)
         return None if prototypes()[name].restype is None else 0
 
     def _repeat(self, pass_name: str) -> None:

@@ -43,9 +43,6 @@ class Exact(OutputExpectation):
         if isinstance(self.equals, Output):
             yield Read(self.equals.pass_name, self.equals.name)
 
-    def passes(self, scene: Scene) -> frozenset[str]:
-        return frozenset(read.pass_name for read in self.find_reads(scene))
-
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         if isinstance(self.equals, Output):
             self._require_another(self.equals, scene)
