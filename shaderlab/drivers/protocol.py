@@ -45,7 +45,6 @@ class Evaluation:
     Attributes:
         passes: each shader, and how many words it writes, to locations 0, 1, …
         size: (width, height) of the grid in pixels.
-        lanes: words a pixel has of each input and output, 1 or 4.
         shared: the uniform array "shaderlab_shared", (count, 4) of uint32.
         uniforms: others, by name.
         textures: what samplers read, by name: the sampler's type, and the texture.
@@ -54,7 +53,6 @@ class Evaluation:
 
     passes: tuple[tuple[Source, int], ...]
     size: Size
-    lanes: int
     shared: Array
     uniforms: Mapping[str, Array] = field(default_factory=dict)
     textures: Mapping[str, tuple[str, TextureSource]] = field(default_factory=dict)
@@ -227,8 +225,8 @@ class Backend(ABC):
 
         Args:
             evaluation: what to run.
-            inputs: the texture array "shaderlab_input", (layers, height, width, lanes) of uint32.
-            outputs: gets the words, one after the other, (words, height, width, lanes) of uint32;
+            inputs: the texture array "shaderlab_input", (layers, height, width) of uint32.
+            outputs: gets the words, one after the other, (words, height, width) of uint32;
                 0 where a pixel was discarded.
 
         Raises:

@@ -11,7 +11,7 @@ import os
 import re
 import threading
 from collections import namedtuple
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
@@ -30,7 +30,7 @@ from shaderlab.engine.executors import InProcessExecutor, LocalExecutor, Process
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CallError, ShaderError
 from shaderlab.functions.call import Argument, Call, build_result, collect_opaque
-from shaderlab.functions.kernels import LANES, MAX_WORDS, Kernel, local_name
+from shaderlab.functions.kernels import MAX_WORDS, Kernel, local_name
 from shaderlab.functions.signatures import rename
 from shaderlab.model.frame import Array
 from shaderlab.model.options import CALL_LIMITS, RunOptions
@@ -124,10 +124,9 @@ class Evaluate:
         lab = worker.lab(RunOptions(driver=self.driver))
         memory = worker.keep("memory", self.region, self.region.open)
         width, height = self.evaluation.size
-        shape = (height, width, self.evaluation.lanes)
         count = self.layers + self.words
-        whole = np.frombuffer(memory, np.uint32, count * int(np.prod(shape)))
-        layers = whole.reshape(count, *shape)
+        whole = np.frombuffer(memory, np.uint32, count * height * width)
+        layers = whole.reshape(count, height, width)
         newest = int(lab.backend.info["glsl"].replace(".", "")[:3])
         refused: ShaderError | None = None
         for version in self.versions:
@@ -177,30 +176,32 @@ class Caller:
         self,
         evaluation: Evaluation,
         versions: tuple[int, ...],
-        layers: int,
-        words: int,
+        arguments: Sequence[Argument],
+        batch: tuple[int, ...],
+        results: Array,
         what: str,
-        fill: Callable[[Array], None],
-        take: Callable[[Array], Any],
-    ) -> Any:
-        """What `take` makes of the outputs, (words, height, width, lanes); `fill` sets the inputs,
-        (layers, height, width, lanes). `versions` are those of GLSL to try, `what` says what runs.
+    ) -> None:
+        """Evaluate arguments, broadcast to `batch`, into `results`, (words, count) of uint32.
+        `versions` are those of GLSL to try, `what` names the evaluation in messages.
 
         Raises:
             ShaderError, CaseError, CallError: as `shaderlab.drivers.Backend.evaluate`; it hangs,
                 or takes its process down.
         """
         width, height = evaluation.size
-        shape = (height, width, evaluation.lanes)
-        size = width * height * evaluation.lanes
+        layers, words = sum(argument.type.words for argument in arguments), len(results)
         with self._lock:
-            whole = self._memory.words((layers + words) * size).reshape(-1, *shape)
-            fill(whole[:layers])
+            memory = self._memory.words((layers + words) * width * height)
+            whole = memory.reshape(-1, height, width)
+            at = 0
+            for argument in arguments:
+                argument.fill(whole[at:], batch)
+                at += argument.type.words
             request = Evaluate(
                 evaluation, versions, layers, words, self._memory.region, what, self._driver
             )
             self._perform(request, what)
-            return take(whole[layers:])
+            np.copyto(results, whole[layers:].reshape(words, -1)[:, : results.shape[1]])
 
     def close(self) -> None:
         """End the worker."""
@@ -254,8 +255,6 @@ _MAX_SIDE = 16384
 _WIDTH = 4096
 _WORDS = 1 << 25
 """Words of inputs and outputs that are evaluated at a time: more would only take more memory."""
-_FEW = 1 << 14
-"""Up to so many elements a pixel each: compiling for four costs more than it saves."""
 _NEWEST, _OLDEST = 450, 330
 
 
@@ -271,7 +270,6 @@ def evaluate(source: Source, folder: str, call: Call) -> Any:
         ShaderError, CaseError, CallError: as `Caller.evaluate`.
     """
     signature, count = call.signature, math.prod(call.batch)
-    one_each = signature.per_pixel or count <= _FEW
     inputs = (*signature.given, *signature.globals)
     numbers = [i for i in inputs if i.name in call.values]
     kernel = Kernel(
@@ -279,87 +277,49 @@ def evaluate(source: Source, folder: str, call: Call) -> Any:
         tuple(i for i in numbers if call.values[i.name].varies),
         tuple(i for i in numbers if not call.values[i.name].varies),
         tuple(i for i in inputs if i.name in call.opaque),
-        1 if one_each else LANES,
     )
-    words = kernel.result_words
+    results = np.zeros((kernel.result_words, count), np.uint32)
     varying = [call.values[i.name] for i in kernel.varying]
-    run = _Run(source, folder, call, kernel)
-    if not count:
-        return _results(call, np.zeros((words, 0), np.uint32))
-    grid = _grid(call.batch)
-    chunk = max(_WORDS // (kernel.planes + words), 1)
-    if count <= chunk or (grid is not None and signature.per_pixel):
-        return _results(call, run(varying, call.batch, np.copy))
-    found = np.empty((words, count), np.uint32)
-    flat = [_flatten(argument, call.batch) for argument in varying]
-    for start in range(0, count, chunk):
-        some = slice(start, min(start + chunk, count))
-        part = found[:, some]
-        run(
-            [_part(argument, some) for argument in flat],
-            (some.stop - start,),
-            lambda taken, part=part: np.copyto(part, taken),  # type: ignore[misc]
-        )
-    return _results(call, found)
+    evaluation = _evaluation(source, folder, call, kernel)
+
+    def run(arguments: Sequence[Argument], batch: tuple[int, ...], part: Array) -> None:
+        what = f"{signature.name} of {source.path}"
+        sized = replace(evaluation, size=_grid(batch) or _fold(math.prod(batch)))
+        get_caller().evaluate(sized, glsl_versions(source), arguments, batch, part, what)
+
+    chunk = max(_WORDS // (kernel.planes + kernel.result_words), 1)
+    if count and (count <= chunk or (signature.per_pixel and _grid(call.batch))):
+        run(varying, call.batch, results)
+    elif count:
+        flat = [_flatten(argument, call.batch) for argument in varying]
+        for start in range(0, count, chunk):
+            some = slice(start, min(start + chunk, count))
+            parts = [_part(argument, some) for argument in flat]
+            run(parts, (some.stop - start,), results[:, some])
+    return _results(call, results)
 
 
-class _Run:
-    """Runs a kernel over some of a call's elements."""
-
-    def __init__(self, source: Source, folder: str, call: Call, kernel: Kernel) -> None:
-        self._kernel = kernel
-        self._what = f"{kernel.signature.name} of {source.path}"
-        self._folder = folder
-        self._passes = build_passes(source, kernel)
-        self._versions = glsl_versions(source)
-        self._shared = np.zeros((-(-kernel.shared_words // 4), 4), np.uint32)
-        words = [call.values[i.name].shared_words() for i in kernel.shared]
-        if words:
-            self._shared.reshape(-1)[: kernel.shared_words] = np.concatenate(words)
-        self._uniforms: dict[str, Array] = {}
-        self._textures: dict[str, tuple[str, Any]] = {}
-        parameters = {p.name for p in kernel.signature.parameters}
-        for one in kernel.opaque:
-            name = local_name(one.name) if one.name in parameters else rename(one.name)
-            label = f"{kernel.signature.name}: {one.name}"
-            value = call.opaque[one.name]
-            collect_opaque(name, value, one.type, label, self._uniforms, self._textures)
-
-    def __call__(
-        self, varying: Sequence[Argument], batch: tuple[int, ...], take: Callable[[Array], Any]
-    ) -> Any:
-        """What `take` makes of the results' words, (words, count)."""
-        kernel, count = self._kernel, math.prod(batch)
-        size = _grid(batch) if kernel.lanes == 1 else None
-        if size is None:
-            pixels = -(-count // kernel.lanes)
-            width = min(_WIDTH, pixels)
-            size = (width, -(-pixels // width))
-        evaluation = Evaluation(
-            passes=self._passes,
-            size=size,
-            lanes=kernel.lanes,
-            shared=self._shared,
-            uniforms=self._uniforms,
-            textures=self._textures,
-            folder=self._folder,
-        )
-
-        def fill(layers: Array) -> None:
-            at = 0
-            for given in varying:
-                given.fill(layers[at:], batch)
-                at += given.type.words
-
-        return get_caller().evaluate(
-            evaluation,
-            self._versions,
-            kernel.planes,
-            kernel.result_words,
-            self._what,
-            fill,
-            lambda outputs: take(outputs.reshape(len(outputs), -1)[:, :count]),
-        )
+def _evaluation(source: Source, folder: str, call: Call, kernel: Kernel) -> Evaluation:
+    """The kernel with what is the same for all elements; its size is still open."""
+    shared = np.zeros((-(-kernel.shared_words // 4), 4), np.uint32)
+    words = [call.values[i.name].shared_words() for i in kernel.shared]
+    if words:
+        shared.reshape(-1)[: kernel.shared_words] = np.concatenate(words)
+    uniforms: dict[str, Array] = {}
+    textures: dict[str, tuple[str, Any]] = {}
+    parameters = {p.name for p in kernel.signature.parameters}
+    for one in kernel.opaque:
+        name = local_name(one.name) if one.name in parameters else rename(one.name)
+        label = f"{kernel.signature.name}: {one.name}"
+        collect_opaque(name, call.opaque[one.name], one.type, label, uniforms, textures)
+    return Evaluation(
+        passes=build_passes(source, kernel),
+        size=(0, 0),
+        shared=shared,
+        uniforms=uniforms,
+        textures=textures,
+        folder=folder,
+    )
 
 
 def glsl_versions(source: Source) -> tuple[int, ...]:
@@ -421,6 +381,12 @@ def _grid(batch: tuple[int, ...]) -> tuple[int, int] | None:
     width = batch[-1] if batch else 1
     height = math.prod(batch[:-1])
     return (width, height) if 0 < max(width, height) <= _MAX_SIDE else None
+
+
+def _fold(count: int) -> tuple[int, int]:
+    """The (width, height) of a grid with a pixel for each element, neighbours anywhere."""
+    width = min(_WIDTH, count)
+    return width, -(-count // width)
 
 
 def _flatten(given: Argument, batch: tuple[int, ...]) -> Argument:

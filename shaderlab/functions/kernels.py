@@ -2,19 +2,18 @@
 
 Arguments that differ from element to element come as layers of one texture, a 32-bit word each;
 those that are the same for all as one array of words; results leave as words, one an attachment.
-A pixel stands for one element, or for four where that makes no difference to the function.
+A pixel stands for one element.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from shaderlab.functions.signatures import PREFIX, Input, Signature, Type, declare, rename
 
 MAX_WORDS = 8
 """Attachments that every driver has; what is more goes into another pass."""
-LANES = 4
 _UNROLLED = 8
 _INPUT, _SHARED = f"{PREFIX}input", f"{PREFIX}shared"
 _READS = {
@@ -34,14 +33,12 @@ class Kernel:
         varying: the arguments that differ from element to element, in their order.
         shared: those that are the same for all.
         opaque: those that stay uniforms: samplers, and structs with samplers.
-        lanes: elements a pixel, 1 or 4.
     """
 
     signature: Signature
     varying: tuple[Input, ...]
     shared: tuple[Input, ...]
     opaque: tuple[Input, ...]
-    lanes: int
 
     @property
     def planes(self) -> int:
@@ -67,9 +64,8 @@ class Kernel:
             lines.append(f"uniform usampler2DArray {_INPUT};")
         if self.shared:
             lines.append(f"uniform uvec4 {_SHARED}[{-(-self.shared_words // 4)}];")
-        kind = "uvec4" if self.lanes > 1 else "uint"
         for n in range(words):
-            lines.append(f"layout(location = {n}) out {kind} {PREFIX}out{n};")
+            lines.append(f"layout(location = {n}) out uint {PREFIX}out{n};")
         return "\n".join(lines) + "\n"
 
     def main(self, first: int, words: int) -> str:
@@ -78,10 +74,14 @@ class Kernel:
         parameters = {p.name for p in signature.parameters}
         opaque = [i for i in self.opaque if i.name in parameters]
         lines = [f"uniform {declare(i.type, local_name(i.name))};" for i in opaque]
-        texel = "uvec4" if self.lanes > 1 else "uint"
+        lines.append("void main() {")
         if self.varying:
-            lines.append(f"{texel} {PREFIX}words[{self.planes}];")
-        lines.append(f"void {PREFIX}call(const int lane) {{")
+            size = f"textureSize({_INPUT}, 0).xy - 1"
+            lines.append(f"  uint {PREFIX}words[{self.planes}];")
+            lines.append(f"  ivec2 {PREFIX}place = min(ivec2(gl_FragCoord.xy), {size});")
+            lines.append(f"  for (int n = 0; n < {self.planes}; n++)")
+            fetch = f"texelFetch({_INPUT}, ivec3({PREFIX}place, n), 0).x"
+            lines.append(f"    {PREFIX}words[n] = {fetch};")
         lines += self._reading()
         for parameter in signature.parameters:
             if parameter.direction == "out":
@@ -97,39 +97,22 @@ class Kernel:
         written = [word for value, (_, kind) in outputs for word in _write_words(value, kind)]
         if signature.discards:
             written.append("1u")
-        at = "[lane]" if self.lanes > 1 else ""
         for n, text in enumerate(written[first : first + words]):
-            lines.append(f"  {PREFIX}out{n}{at} = {text};")
-        lines.append("}")
-        lines.append("void main() {")
-        if self.varying:
-            size = f"textureSize({_INPUT}, 0).xy - 1"
-            lines.append(f"  ivec2 place = min(ivec2(gl_FragCoord.xy), {size});")
-            lines.append(f"  for (int n = 0; n < {self.planes}; n++)")
-            swizzle = "" if self.lanes > 1 else ".x"
-            fetch = f"texelFetch({_INPUT}, ivec3(place, n), 0){swizzle}"
-            lines.append(f"    {PREFIX}words[n] = {fetch};")
-        lines += [f"  {PREFIX}call({lane});" for lane in range(self.lanes)]
-        lines.append("}")
-        return "\n".join(lines) + "\n"
+            lines.append(f"  {PREFIX}out{n} = {text};")
+        return "\n".join([*lines, "}"]) + "\n"
 
     def _reading(self) -> Iterator[str]:
         """Declares arguments and reads them; sets the globals."""
         parameters = {p.name for p in self.signature.parameters}
-
-        def places() -> Iterator[tuple[Input, bool, int]]:
-            for varies, some in ((True, self.varying), (False, self.shared)):
-                at = 0
-                for given in some:
-                    yield given, varies, at
-                    at += given.type.words
-
-        for given, varies, at in places():
-            name = rename(given.name)
-            if given.name in parameters:
-                name = local_name(given.name)
-                yield f"  {declare(given.type, name)};"
-            yield from _assign(name, given.type, _Words(varies, self.lanes), str(at))
+        for inputs, word in ((self.varying, _varying_word), (self.shared, _shared_word)):
+            at = 0
+            for given in inputs:
+                name = rename(given.name)
+                if given.name in parameters:
+                    name = local_name(given.name)
+                    yield f"  {declare(given.type, name)};"
+                yield from _assign(name, given.type, word, str(at))
+                at += given.type.words
         for name, default in self.signature.state:
             yield f"  {name} = {' '.join(default.split())};"
 
@@ -139,42 +122,37 @@ def local_name(name: str) -> str:
     return f"{PREFIX}p_{name}"
 
 
-@dataclass(frozen=True)
-class _Words:
-    """Where words are read: in the varying or the shared arguments."""
-
-    varies: bool
-    lanes: int
-
-    def at(self, index: str) -> str:
-        if self.varies:
-            return f"{PREFIX}words[{index}]" + ("[lane]" if self.lanes > 1 else "")
-        if index.isdecimal():
-            return f"{_SHARED}[{int(index) // 4}].{'xyzw'[int(index) % 4]}"
-        return f"{_SHARED}[({index}) >> 2][({index}) & 3]"
+def _varying_word(index: str) -> str:
+    return f"{PREFIX}words[{index}]"
 
 
-def _assign(target: str, kind: Type, words: _Words, at: str, depth: int = 0) -> Iterator[str]:
+def _shared_word(index: str) -> str:
+    if index.isdecimal():
+        return f"{_SHARED}[{int(index) // 4}].{'xyzw'[int(index) % 4]}"
+    return f"{_SHARED}[({index}) >> 2][({index}) & 3]"
+
+
+def _assign(
+    target: str, kind: Type, word: Callable[[str], str], at: str, depth: int = 0
+) -> Iterator[str]:
     """Statements that read a value from its words, the first of which is `at`."""
     if kind.dims:
         inner, count = kind.element, kind.dims[0]
         if count <= _UNROLLED:
             for n in range(count):
-                yield from _assign(
-                    f"{target}[{n}]", inner, words, _plus(at, n * inner.words), depth
-                )
+                yield from _assign(f"{target}[{n}]", inner, word, _plus(at, n * inner.words), depth)
             return
         i = f"i{depth}"
         yield f"  for (int {i} = 0; {i} < {count}; {i}++) {{"
         where = f"{at} + {i} * {inner.words}"
-        yield from _assign(f"{target}[{i}]", inner, words, where, depth + 1)
+        yield from _assign(f"{target}[{i}]", inner, word, where, depth + 1)
         yield "  }"
     elif kind.members:
         for name, member in kind.members:
-            yield from _assign(f"{target}.{name}", member, words, at, depth)
+            yield from _assign(f"{target}.{name}", member, word, at, depth)
             at = _plus(at, member.words)
     else:
-        read = [_READS[kind.kind].format(words.at(_plus(at, n))) for n in _constructor_order(kind)]
+        read = [_READS[kind.kind].format(word(_plus(at, n))) for n in _constructor_order(kind)]
         yield f"  {target} = {kind.name}({', '.join(read)});"
 
 

@@ -263,23 +263,21 @@ class Evaluator:
         context = self._device.context
         context.enable_only(moderngl.NOTHING)
         if len(inputs):
-            texture = self._input(evaluation.size, len(inputs), evaluation.lanes)
+            texture = self._input(evaluation.size, len(inputs))
             texture.write(inputs)
             texture.use(0)
         first = 0
         with ExitStack() as stack:
             for source, words in evaluation.passes:
                 program = self._link(source)
-                target = self._target(evaluation.size, words, evaluation.lanes)
+                target = self._target(evaluation.size, words)
                 self._set(program, evaluation, bool(len(inputs)), stack)
                 target.use()
                 for n in range(words):
                     GL.glClearBufferuiv(GL.GL_COLOR, n, np.zeros(4, np.uint32))
                 context.vertex_array(program, []).render(vertices=3)
                 for n in range(words):
-                    target.read_into(
-                        outputs[first + n], None, evaluation.lanes, attachment=n, dtype="u4"
-                    )
+                    target.read_into(outputs[first + n], None, 1, attachment=n, dtype="u4")
                 first += words
         error = context.error
         if error != "GL_NO_ERROR":
@@ -312,14 +310,14 @@ class Evaluator:
                 textures.texels("the function", variable, source)  # raises where they don't fit
                 textures.bind(program, unit, variable, source)
 
-    def _new_input(self, size: Size, layers: int, lanes: int) -> Any:
-        return self._device.context.texture_array((*size, layers), lanes, dtype="u4")
+    def _new_input(self, size: Size, layers: int) -> Any:
+        return self._device.context.texture_array((*size, layers), 1, dtype="u4")
 
-    def _new_target(self, size: Size, words: int, lanes: int) -> Any:
+    def _new_target(self, size: Size, words: int) -> Any:
         context = self._device.context
         # A new one is made, then the one bound before is bound again: a scene's is gone by now.
         context.detect_framebuffer(0).use()
-        return context.framebuffer([context.texture(size, lanes, dtype="u4") for _ in range(words)])
+        return context.framebuffer([context.texture(size, 1, dtype="u4") for _ in range(words)])
 
 
 # What every OpenGL 3.3 driver can write of one vertex in one draw.

@@ -282,6 +282,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
 
 
 _INPUT, _SHARED = "shaderlab_input", "shaderlab_shared"
+_WORD = "r32ui"
 
 
 class VulkanBackend(DeviceBackend):
@@ -318,10 +319,10 @@ class VulkanBackend(DeviceBackend):
     def _draw_words(
         self, evaluation: Evaluation, source: Source, images: dict[str, BoundImage]
     ) -> Array:
-        """Draw one pass: (words, height, width, lanes)."""
+        """Draw one pass: (words, height, width)."""
         texts = {"vertex": COVERING, "fragment": adapt_fragment(source.text)}
         program = self._linker.link(texts, [source])
-        colors = dict.fromkeys(program.outputs, _format(evaluation))
+        colors = dict.fromkeys(program.outputs, _WORD)
         with (
             Resources(self.device) as own,
             RenderTarget(self.device, Target(), colors, evaluation.size) as target,
@@ -335,7 +336,7 @@ class VulkanBackend(DeviceBackend):
             buffers = block_buffers(own, program.bindings, values)
             draw_covering(own, program, target, buffers, used)
             locations = program.locations(colors)
-            return np.stack([target.read(locations[at]).values for at in sorted(locations)])
+            return np.stack([target.read(locations[at]).values[..., 0] for at in sorted(locations)])
 
     def _textures(self, own: Resources, evaluation: Evaluation) -> dict[str, BoundImage]:
         textures = BoundTextures(Path(evaluation.folder), {}, {}, own, self._linker)
@@ -351,15 +352,11 @@ class VulkanBackend(DeviceBackend):
         self.device.close()
 
 
-def _format(evaluation: Evaluation) -> str:
-    return "r32ui" if evaluation.lanes == 1 else "rgba32ui"
-
-
 def _upload_inputs(own: Resources, evaluation: Evaluation, inputs: Array) -> BoundImage:
     image = new_image(
-        own, _format(evaluation), evaluation.size, "sampled", "transfer_dst", kind="2DArray",
+        own, _WORD, evaluation.size, "sampled", "transfer_dst", kind="2DArray",
         layers=len(inputs),
     )  # fmt: skip
-    fill(own.device, image, [inputs])
+    fill(own.device, image, [inputs[..., None]])
     sampler = own.create("Sampler", Structs()("SamplerCreateInfo"))
     return BoundImage(new_view(own, image, sampled=True), sampler)
