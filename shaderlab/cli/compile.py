@@ -6,7 +6,7 @@ import contextlib
 import dataclasses
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -25,7 +25,7 @@ from shaderlab.cli.outputs import (
 )
 from shaderlab.compiler.engines import ENGINES, TARGETS
 from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_files, time_limit
-from shaderlab.compiler.shader_files import STAGES, find_shaders
+from shaderlab.compiler.shader_files import STAGES, ShaderFile, find_shaders
 from shaderlab.engine.executors import count_cores
 from shaderlab.engine.jobs import check_driver
 from shaderlab.errors import ShaderlabError, UsageError
@@ -105,6 +105,60 @@ def command(
       shaderlab compile my_shaders/ --define LIGHTS=4 --include common/
       shaderlab compile --link lamp.vert lamp.frag --driver llvmpipe --driver lavapipe
     """
+    if workers == 0 and len(drivers) > 1:
+        raise UsageError("several drivers can't be combined with -j 0; a process has one driver")
+    shaders, folders = _find_shaders(paths, stage, includes)
+    programs = [shaders] if link else [[shader] for shader in shaders]
+    options = CompileOptions(
+        targets=compile_targets or TARGETS,
+        include=folders,
+        defines=dict(map(_macro, defines)),
+        stage=stage,
+        engine=engine,
+        seconds=limits.seconds,
+    )
+    limits = replace(limits, seconds=time_limit(engine, limits.seconds))
+    with contextlib.ExitStack() as stack:
+        results = _compile(programs, options, drivers, limits, workers, stack)
+        tally, problems = _print_results(results, len(programs), json_file, outputs, quiet)
+    for name in drivers:
+        if name not in tally.targets:
+            click.echo(f"{name} gave no verdict; see `shaderlab doctor`", err=True)
+    unwritten = report_problems(problems)
+    return FAILED if tally.refused else unwritten
+
+
+def _compile(
+    programs: Sequence[Sequence[ShaderFile]],
+    options: CompileOptions,
+    drivers: Sequence[str],
+    limits: Limits,
+    workers: int | None,
+    stack: contextlib.ExitStack,
+) -> Iterator[FileResult]:
+    """Compile programs for all targets and drivers; pools of workers end with the stack."""
+    # A worker takes as long to start as two hundred files take to compile.
+    most = min(count_cores(), _MOST_WORKERS, 1 + len(programs) // _FILES_PER_WORKER)
+
+    def compile_with(how: CompileOptions) -> Iterator[FileResult]:
+        pool = None
+        if workers != 0:
+            pool = stack.enter_context(WorkerPool(WORK, limits=limits, jobs=workers or most))
+        return compile_files(programs, how, pool)
+
+    per_driver = [replace(options, driver=_DRIVER, driver_name=name) for name in drivers]
+    first, *others = per_driver or [options]
+    results = compile_with(first)
+    for how in others:
+        answers = compile_with(replace(how, targets=("glsl",)))
+        results = _with_verdicts(results, answers, how.driver_name)
+    return results
+
+
+def _find_shaders(
+    paths: Sequence[str], stage: str | None, includes: Sequence[Path]
+) -> tuple[list[ShaderFile], tuple[str, ...]]:
+    """Return the shaders at these paths, and the folders that they include from."""
     from shaderlab.engine.discovery import data_folder
     from shaderlab.engine.settings import load_settings
 
@@ -112,40 +166,7 @@ def command(
     shaders = find_shaders(paths, [shipped], stage=stage)
     folders = dict.fromkeys(path if path.is_dir() else path.parent for path in map(Path, paths))
     own = [each for folder in folders for each in load_settings(folder).shader_folders(folder)]
-    programs = [shaders] if link else [[shader] for shader in shaders]
-    options = CompileOptions(
-        targets=compile_targets or TARGETS,
-        include=tuple(map(str, dict.fromkeys([*includes, *own, shipped]))),
-        defines=dict(map(_macro, defines)),
-        stage=stage,
-        engine=engine,
-        seconds=limits.seconds,
-    )
-    if workers == 0 and len(drivers) > 1:
-        raise UsageError("several drivers can't be combined with -j 0; a process has one driver")
-    limits = replace(limits, seconds=time_limit(engine, limits.seconds))
-    # A worker takes as long to start as two hundred files take to compile.
-    most = min(count_cores(), _MOST_WORKERS, 1 + len(programs) // _FILES_PER_WORKER)
-    with contextlib.ExitStack() as stack:
-
-        def compiled(how: CompileOptions) -> Iterator[FileResult]:
-            pool = None
-            if workers != 0:
-                pool = stack.enter_context(WorkerPool(WORK, limits=limits, jobs=workers or most))
-            return compile_files(programs, how, pool)
-
-        asked = [replace(options, driver=_DRIVER, driver_name=name) for name in drivers]
-        first, *others = asked or [options]
-        results = compiled(first)
-        for how in others:
-            answers = compiled(replace(how, targets=("glsl",)))
-            results = _with_verdicts(results, answers, how.driver_name)
-        tally, problems = _print_results(results, len(programs), json_file, outputs, quiet)
-    for name in drivers:
-        if name not in tally.targets:
-            click.echo(f"{name} gave no verdict; see `shaderlab doctor`", err=True)
-    unwritten = report_problems(problems)
-    return FAILED if tally.refused else unwritten
+    return shaders, tuple(map(str, dict.fromkeys([*includes, *own, shipped])))
 
 
 def _with_verdicts(

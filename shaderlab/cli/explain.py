@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,6 +17,7 @@ from shaderlab.cli.options import (
     INCLUDE,
     JSON,
     RANGES,
+    collect,
     jobs_option,
     limits_option,
     make_local_executor,
@@ -26,6 +29,10 @@ from shaderlab.errors import ShaderlabError, UsageError, suggest
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Explanation, Step
 
+if TYPE_CHECKING:
+    from shaderlab.analysis.requests import ExplainFile, ExplainPixel
+    from shaderlab.engine.executors import LocalExecutor
+
 _MOST = 3  # of the steps that lose most, in words
 
 
@@ -36,6 +43,29 @@ def _pixel(context: click.Context, option: click.Parameter, text: str | None) ->
     if len(parts) != 2 or not all(part.strip().isdigit() for part in parts):
         raise click.BadParameter("write two numbers, column,row from the lower left, such as 10,20")
     return int(parts[0]), int(parts[1])
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExplainArguments:
+    """The arguments and options of `shaderlab explain`, as its help describes them."""
+
+    target: str
+    pixel: tuple[int, int] | None
+    variant: str | None
+    pass_name: str | None
+    draw: int
+    size: int
+    ranges: dict[str, str]
+    includes: tuple[Path, ...]
+    driver: str | None
+    limits: Limits
+    workers: int
+    json_file: str | None
+
+    @property
+    def is_shader(self) -> bool:
+        """Whether a shader file was named, and not a case."""
+        return Path(self.target).suffix in EXTENSIONS
 
 
 @click.command("explain")
@@ -62,20 +92,8 @@ def _pixel(context: click.Context, option: click.Parameter, text: str | None) ->
 @jobs_option("1")
 @limits_option("Stop after S seconds.")
 @JSON
-def command(
-    target: str,
-    pixel: tuple[int, int] | None,
-    variant: str | None,
-    pass_name: str | None,
-    draw: int,
-    size: int,
-    ranges: dict[str, str],
-    includes: tuple[Path, ...],
-    driver: str | None,
-    limits: Limits,
-    workers: int,
-    json_file: str | None,
-) -> int:
+@collect(ExplainArguments, "arguments")
+def command(arguments: ExplainArguments) -> int:
     """Show what each line of a case's fragment shader stores at one pixel: the driver's value, the
     float64 value, the band that the precision rules allow, and the precision that the line loses.
 
@@ -95,49 +113,68 @@ def command(
     Exit code: 0 shown, 1 the shader can't be interpreted or the driver is outside the shader's
     band, 2 wrong usage.
     """
-    from shaderlab.cli.selecting import select_one
+    from shaderlab.analysis.answer import format_inputs
 
-    with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
-        from shaderlab.analysis.answer import format_inputs
-        from shaderlab.analysis.requests import ExplainFile, ExplainPixel
-        from shaderlab.engine.executors import format_error
-
-        request: ExplainFile | ExplainPixel
-        if Path(target).suffix in EXTENSIONS:
-            request = ExplainFile(resolve_shader(Path(target), includes), ranges)
-        else:
-            if ranges:
-                raise UsageError("--range can't be combined with a case, whose inputs are known")
-            facts, first = select_one(target, executor.load)
-            if variant is not None and variant not in facts.variants:
-                raise UsageError(
-                    f"{facts.id} has no variant {variant!r}",
-                    remedy=suggest(variant, facts.variants),
-                )
-            options = RunOptions(size=size, driver=driver, include=includes, limits=limits)
-            request = ExplainPixel(
-                Path(facts.file), variant or first, pass_name, draw, pixel, options
-            )
-        (result,) = executor.perform([request])
-        if result.status == "error" and isinstance(result.value, ShaderlabError):
-            raise result.value
-        if result.status != "done":
-            raise ShaderlabError(f"{result.status}: {format_error(result)}")
-    explained: Explanation
+    with contextlib.closing(
+        make_local_executor(arguments.driver, arguments.limits, arguments.workers, early=False)
+    ) as executor:
+        request = _make_request(arguments, executor)
+        value = _perform(request, executor)
+    explained: Explanation = value
     where, others = None, {}
-    if isinstance(request, ExplainFile):
-        explained, inputs = result.value
+    if arguments.is_shader:
+        explained, inputs = value
         others = {"inputs": {name: list(values) for name, values in inputs.items()}}
         where = f"with {format_inputs(inputs, len(inputs))}"
-    else:
-        explained = result.value
-    if json_file is not None:
+    if arguments.json_file is not None:
         from shaderlab.model.store import to_plain
 
-        write_json({**to_plain(explained), **others}, json_file)
-    if json_file != "-":
+        write_json({**to_plain(explained), **others}, arguments.json_file)
+    if arguments.json_file != "-":
         show(explained, where)
     return FAILED if any(s.by_driver and not s.inside for s in explained.steps) else OK
+
+
+def _make_request(
+    arguments: ExplainArguments, executor: LocalExecutor
+) -> ExplainFile | ExplainPixel:
+    """Return the request for what was named. Raises UsageError, CaseError."""
+    from shaderlab.analysis.requests import ExplainFile, ExplainPixel
+    from shaderlab.cli.selecting import select_one
+
+    if arguments.is_shader:
+        shader = resolve_shader(Path(arguments.target), arguments.includes)
+        return ExplainFile(shader, arguments.ranges)
+    if arguments.ranges:
+        raise UsageError("--range can't be combined with a case, whose inputs are known")
+    facts, variant = select_one(arguments.target, executor.load)
+    if arguments.variant is not None:
+        variant = arguments.variant
+        if variant not in facts.variants:
+            raise UsageError(
+                f"{facts.id} has no variant {variant!r}", remedy=suggest(variant, facts.variants)
+            )
+    options = RunOptions(
+        size=arguments.size,
+        driver=arguments.driver,
+        include=arguments.includes,
+        limits=arguments.limits,
+    )
+    return ExplainPixel(
+        Path(facts.file), variant, arguments.pass_name, arguments.draw, arguments.pixel, options
+    )
+
+
+def _perform(request: ExplainFile | ExplainPixel, executor: LocalExecutor) -> Any:
+    """Return the result of a request. Raises ShaderlabError."""
+    from shaderlab.engine.executors import format_error
+
+    (result,) = executor.perform([request])
+    if result.status == "error" and isinstance(result.value, ShaderlabError):
+        raise result.value
+    if result.status != "done":
+        raise ShaderlabError(f"{result.status}: {format_error(result)}")
+    return result.value
 
 
 def show(explained: Explanation, where: str | None = None) -> None:
