@@ -26,6 +26,7 @@ from shaderlab.analysis.interpreter import Program, Stored
 from shaderlab.analysis.interpreter.program import Instruction, Type
 from shaderlab.analysis.interpreter.values import Flags, component
 from shaderlab.bands import Band, Integer, TriBool
+from shaderlab.compiler.spirv import Op
 from shaderlab.drivers.programs.textures import output_format
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.errors import ShaderlabError, UnsupportedError
@@ -180,8 +181,6 @@ class _Redraws:
         return found
 
 
-_CALL, _RETURN = 57, 254
-_PHI, _MERGE, _BRANCH, _SWITCH, _SELECT = 245, 247, 250, 251, 169
 _MOST_PARTS = 16  # of a struct or a matrix
 _XYZW = {letter: i for letters in ("xyzw", "rgba", "stpq") for i, letter in enumerate(letters)}
 _At = tuple[tuple[WatchPoint, str], ...]
@@ -264,22 +263,22 @@ class Watches:
 
     def slot(self, event: Stored) -> object:
         """What all events have in common that a driver passes the same points for."""
-        if event.at.op == _CALL:
+        if event.at.op == Op.FunctionCall:
             return event.at.operands[0], event.name
         return (event.at if event.is_flow else event.line), event.name
 
     def _at(self, event: Stored) -> Iterator[tuple[WatchPoint, str]]:
         """The points of an event's slot, and what stands for the value there."""
         name = event.name
-        if event.is_flow and event.at.op != _CALL:
+        if event.is_flow and event.at.op != Op.FunctionCall:
             point = self._branches.get(event.at)
             if point is not None:
                 yield point, VALUE
-        elif event.at.op == _RETURN:
+        elif event.at.op == Op.ReturnValue:
             for point in self._points["return"]:
                 if point.name == name and point.first <= event.line <= point.last:
                     yield point, VALUE
-        elif event.at.op == _CALL:
+        elif event.at.op == Op.FunctionCall:
             function, _, parameter = name[:-1].partition("(")
             found = [p for p in self._points["entry"] if p.name == function]
             if len(found) > 1:  # overloads
@@ -346,8 +345,10 @@ def _branches(
     for function in program.functions.values():
         for block in function.blocks.values():
             for before, at in zip([None, *block], block, strict=False):
-                decides = at.op in (_BRANCH, _SWITCH) and not _is_logic(function.blocks, before)
-                if decides or at.op == _SELECT:
+                decides = at.op in (Op.BranchConditional, Op.Switch) and not _is_logic(
+                    function.blocks, before
+                )
+                if decides or at.op == Op.Select:
                     for point in conditions:
                         if point.first <= at.line <= point.last:
                             lines[point].append(at)
@@ -355,10 +356,14 @@ def _branches(
         rivals = [p for p, others in lines.items() if set(others) & set(found)]
         if found and len(found) == len(rivals):
             at = found[rivals.index(point)]
-            if at.op != _SELECT:
+            if at.op != Op.Select:
                 yield at, point
 
 
 def _is_logic(blocks: Mapping[int, list[Instruction]], merge: Instruction | None) -> bool:
     """Whether what branches is `&&` or `||`: where both sides meet, a value is chosen."""
-    return merge is not None and merge.op == _MERGE and blocks[merge.operands[0]][0].op == _PHI
+    return (
+        merge is not None
+        and merge.op == Op.SelectionMerge
+        and blocks[merge.operands[0]][0].op == Op.Phi
+    )
