@@ -38,7 +38,7 @@ class DriverAnswer(DrawExpectation):
         yield self.query(scene)
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        rows, message = self.compare(frame.answers[self.query(scene)])
+        rows, message = self.compare(frame.answer(self.query(scene)))
         return self.judge_rows(rows, message, judged=len(rows))
 
     @abstractmethod

@@ -131,9 +131,6 @@ def _at_pixel(image: Image, at: Pixel) -> Array:
     return found
 
 
-value = Value
-
-
 @dataclass(frozen=True)
 class Computed(Expectation):
     """A figure that follows from a reference alone: what `compute` gives in float64, rounded to
@@ -164,4 +161,5 @@ class Computed(Expectation):
         return self.judge_rows([row], message, judged=1, rows_per_variant=False)
 
 
+value = Value
 computed = Computed

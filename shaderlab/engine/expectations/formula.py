@@ -27,6 +27,8 @@ from shaderlab.model.records import Curve, Outcome, Row
 from shaderlab.model.scene import UniformValue
 
 Reference = Callable[..., Any]
+Part = tuple[slice, slice]
+WHOLE: Part = (slice(None), slice(None))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,13 +157,6 @@ def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
     }
 
 
-formula = Formula
-
-
-Part = tuple[slice, slice]
-WHOLE: Part = (slice(None), slice(None))
-
-
 @dataclass(frozen=True)
 class PixelMap:
     """Values of covered pixels, as far as they are needed: `pixel_map[ys, xs]`, or all of them as
@@ -258,4 +253,5 @@ class Sweep(ReferenceExpectation):
         return self.judgement(scene, banded, banded.verdict(), curve=curve)
 
 
+formula = Formula
 sweep = Sweep

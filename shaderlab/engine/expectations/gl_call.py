@@ -30,7 +30,10 @@ from shaderlab.model.phases import phase
 from shaderlab.model.records import Row
 from shaderlab.model.state import check_choice
 
-__all__ = ["GlCall", "Location", "Object", "Program", "call", "gl_call"]
+# Calls of the function that a failing table lists.
+MOST_SHOWN = 12
+
+__all__ = ["GlCall", "GlCalls", "Location", "Object", "Program", "call", "gl_call", "gl_calls"]
 
 
 @dataclass(frozen=True)
@@ -152,9 +155,6 @@ def _format_value(value: Any, names: Mapping[int, str]) -> str:
     if isinstance(value, int) and names.get(value):
         return f"{names[value]} (0x{value:04X})"
     return str(value)
-
-
-MOST_SHOWN = 12
 
 
 @dataclass(frozen=True)
