@@ -186,8 +186,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def _report_folder(config: pytest.Config) -> Path | None:
     """The folder of `--shaderlab-report`."""
-    given: str | None = config.getoption("--shaderlab-report", None)
-    return Path(config.invocation_params.dir, given) if given else None
+    folder: str | None = config.getoption("--shaderlab-report", None)
+    return Path(config.invocation_params.dir, folder) if folder else None
 
 
 def _workers(config: pytest.Config) -> int | None:
@@ -269,7 +269,7 @@ def _inspect(file: Path, config: pytest.Config) -> str | None:
 
 
 def _has_tests(file: Path, parent: pytest.Collector) -> bool:
-    """Whether pytest would find tests of its own kind in the file."""
+    """Whether pytest would find Python tests in the file."""
     named = any(fnmatch.fnmatch(file.name, p) for p in parent.config.getini("python_files"))
     return named and _TESTS.search(file.read_bytes()) is not None
 

@@ -198,7 +198,7 @@ def _edits(trace: Sequence[TracedCall]) -> Iterator[tuple[TracedCall, str, str, 
 
 
 def vary_arguments(call: TracedCall) -> Iterator[tuple[str, int | str]]:
-    """Yield parameters of a call, each with a number or a constant to give in place of its own."""
+    """Yield parameters of a call, each with a number or a constant to pass instead of its own."""
     for (function, parameter), others in _CONSTANTS.items():
         if call.function.startswith(function):
             for word in others.get(call.arguments.get(parameter, ""), ()):

@@ -114,7 +114,7 @@ class JudgeMutant:
     """Requests a mutant's `MutantResult`.
 
     The worker keeps one case open, with what it draws unmutated. Where this mutant is of another
-    case, it opens that one, with a time limit of its own.
+    case, it opens that one, with its own time limit.
     """
 
     file: Path

@@ -38,7 +38,7 @@ from shaderlab.model.records import CodeCoverage, CoverageGap
 if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
 
-# What each kind of point can see, a bit each, and what is to be said where it never did.
+# What each kind of point can see, a bit each, and the message if it never did.
 ITEMS: dict[str, tuple[str, ...]] = {
     "condition": ("is never true", "is never false"),
     "term": ("is always 0", "is always 1"),

@@ -73,7 +73,7 @@ class TestFileResult:
 
     Attributes:
         records: one for each test, in their order; one, in error, where none could be collected.
-        loads: the GLSL that was loaded, and the functions of it that were asked for.
+        loads: the GLSL that was loaded, and its functions that tests use.
         refused: whether some GLSL did not compile.
     """
 
@@ -243,8 +243,8 @@ class MakeFunctionMutants:
             used = frozenset(result.loads.used.get(text, ()))
             tests = _callers(source, result)
             for mutant in mutate_stage(source, (source.name,), functions=used):
-                given = {**vars(mutant), "source": source, "used": used, "tests": tests}
-                found.append(FunctionMutant(**given))
+                fields = {**vars(mutant), "source": source, "used": used, "tests": tests}
+                found.append(FunctionMutant(**fields))
         if not found:
             raise CaseError(
                 "no test of this file asks for a function of GLSL",

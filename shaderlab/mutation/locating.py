@@ -28,8 +28,8 @@ def trace_draws(right: Evaluation) -> Traces:
 
 def _trace_of(evaluation: Evaluation, key: PassDraw) -> tuple[Invocations, Trace] | None:
     try:
-        given = sample_fragments(evaluation, key, _MOST_PIXELS)
-        return (given, trace_invocations(given, Bands())) if given.count else None
+        inputs = sample_fragments(evaluation, key, _MOST_PIXELS)
+        return (inputs, trace_invocations(inputs, Bands())) if inputs.count else None
     except ShaderlabError:
         return None
 
@@ -49,9 +49,9 @@ def find_first_wrong(
             continue
         text = wrong.programs[key[0]][key[1]].text("fragment") or ""
         if text != right.programs[key[0]][key[1]].text("fragment"):
-            given, trace = found
-            if _leaves(wrong, key, given, trace):
-                return given, trace, _first_outside(wrong, key, given, trace)
+            inputs, trace = found
+            if _leaves_band(wrong, key, inputs, trace):
+                return inputs, trace, _first_outside(wrong, key, inputs, trace)
     return None
 
 
@@ -68,21 +68,21 @@ def locate_mistake(wrong: Evaluation, right: Evaluation, traces: Traces) -> str:
     return f"{display_path(file, line)}: {found[2].name}"
 
 
-def _leaves(wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace) -> bool:
+def _leaves_band(wrong: Evaluation, key: PassDraw, inputs: Invocations, trace: Trace) -> bool:
     """Whether an output of a wrong drawing lies outside of the right program's band."""
-    assert given.pixels is not None
-    at = given.pixels[:, 1], given.pixels[:, 0]
+    assert inputs.pixels is not None
+    at = inputs.pixels[:, 1], inputs.pixels[:, 0]
     images = {n: i for (name, n), i in wrong.drawn.images.items() if name == key[0]}
-    drawn = replace(given, measured={name: image.values[at] for name, image in images.items()})
+    drawn = replace(inputs, measured={name: image.values[at] for name, image in images.items()})
     flags = (find_outside(drawn, name, band) for name, band in trace.outputs.items())
     return any(found is not None and bool(found.any()) for found in flags)
 
 
 def _first_outside(
-    wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace
+    wrong: Evaluation, key: PassDraw, inputs: Invocations, trace: Trace
 ) -> Stored | None:
     """The first value of the driver's that is not in the band of what was stored there."""
-    seen = driver_values(wrong, key, given, trace.stored, trace.undecided)
+    seen = driver_values(wrong, key, inputs, trace.stored, trace.undecided)
     for found in seen:
         if (found.reached & ~found.watched.allows(found.values)).any():
             return found.watched.event

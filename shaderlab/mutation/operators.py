@@ -158,10 +158,10 @@ def swap_arguments(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
     name = file.of(field(node, "function"))
     if name in _SYMMETRIC:
         return
-    given = arguments_of(node)
-    for index, (first, second) in enumerate(pairwise(given)):
+    arguments = arguments_of(node)
+    for index, (first, second) in enumerate(pairwise(arguments)):
         one, two = file.of(first), file.of(second)
-        texts = [file.of(a) for a in given]
+        texts = [file.of(a) for a in arguments]
         texts[index], texts[index + 1] = two, one
         yield "arguments swapped", node, node, f"{name}({', '.join(texts)})"
 
@@ -313,7 +313,7 @@ def discard_pixels(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
 
 def return_early(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
     """A `return` at the top of `main`, or before its last statement where leaving that out alone
-    is no mistake of its own."""
+    is not a mutant itself."""
     end = _end_of_main(node, file)
     if end is None or end.parent is None:
         return
@@ -336,7 +336,7 @@ def halve_outputs(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
 
 
 def shadow_outputs(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
-    """An output that is never written: `main` writes to a variable of its own of the same name.
+    """An output that is never written: `main` writes to a local variable of the same name.
 
     Where there is one assignment only, that is a statement removed; where another function writes
     it too, none is made.

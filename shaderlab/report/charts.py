@@ -268,10 +268,10 @@ def lay_out_curve(curve: Curve) -> Chart:
     A derived band is mostly thinner than a line, so the second chart stretches it: −1 and 1 are its
     edges at every x. What can't be drawn (NaN, an infinity, x ≤ 0 on a logarithm) is counted.
     """
-    given = zip(curve.x, curve.measured, curve.reference, curve.low, curve.high, strict=False)
+    rows = zip(curve.x, curve.measured, curve.reference, curve.low, curve.high, strict=False)
     points = [
         Point(x, y, reference, low, high, half_widths(y, low, high), outside(y, low, high))
-        for x, y, reference, low, high in given
+        for x, y, reference, low, high in rows
     ]
     bad = [p for p in points if p.outside]
     across = fit_axis([p.x for p in points], LEFT, RIGHT, log=curve.log_x, margin=0.02)
@@ -347,7 +347,7 @@ def _band_path(points: Sequence[Point], plane: Plane) -> str:
 
 
 _PLOT_HEIGHT = 262.0
-# How many series can be told apart: the style sheet has a colour for each.
+# How many series are distinguishable: the style sheet has a colour for each.
 _COLOURS = 6
 _STEM = 9.0
 
@@ -391,7 +391,7 @@ class PlotView:
 
     @property
     def several(self) -> bool:
-        """Whether series have to be told apart."""
+        """Whether there is more than one series."""
         return len(self.series) > 1
 
     @property
@@ -408,7 +408,7 @@ class PlotView:
 def lay_out_plot(plot: Plot) -> PlotView:
     """Lay a plot out: a line with dots for each series, and bounds.
 
-    Every series has a colour and a dash of its own, so that colour alone need not tell them apart.
+    Every series has its own colour and dash, so that colour alone need not distinguish them.
     A bound is a short bar above or below its point, with a stem towards what it allows.
     """
     points = plot.points
@@ -440,8 +440,8 @@ def _plot_heights(plot: Plot) -> list[float]:
     if plot.log_y or not figures:
         return figures + bounds
     low, high = min(figures), max(figures)
-    room = 2.0 * (high - low) or abs(high) or 1.0
-    return figures + [b for b in bounds if low - room <= b <= high + room]
+    margin = 2.0 * (high - low) or abs(high) or 1.0
+    return figures + [b for b in bounds if low - margin <= b <= high + margin]
 
 
 def _draw_bounds(point: PlotPoint, plane: Plane) -> str:

@@ -50,8 +50,10 @@ class Finding:
 
 
 def collect_findings(run: Run) -> list[Finding]:
-    """What is wrong in a run: compilers' messages, expectations that do not hold, and variants that
-    came to no verdict. What several variants of a case share is one finding."""
+    """Return what is wrong in a run; what several variants of a case share is one finding.
+
+    That is compilers' messages, expectations that do not hold, and variants without a verdict.
+    """
     found: dict[tuple[object, ...], tuple[Finding, list[str]]] = {}
     for record in run.records:
         for finding in _record_findings(record):
@@ -71,38 +73,40 @@ def collect_findings(run: Run) -> list[Finding]:
 
 
 def collect_verdict_findings(verdicts: Iterable[Verdict], path: str) -> Iterator[Finding]:
-    """The errors and warnings of compile targets about one program, each once."""
+    """Yield the errors and warnings of compile targets about one program, each once."""
     targets: dict[Diagnostic, list[str]] = {}
     for verdict in verdicts:
-        for said in verdict.diagnostics:
-            if said.severity != "info":
-                targets.setdefault(said, []).append(verdict.target)
+        for diagnostic in verdict.diagnostics:
+            if diagnostic.severity != "info":
+                targets.setdefault(diagnostic, []).append(verdict.target)
         if not verdict.ok and not any(d.severity == "error" for d in verdict.diagnostics):
-            said = Diagnostic(file=path, line=None, severity="error", message="refused")
-            targets.setdefault(said, []).append(verdict.target)
-    for said, names in targets.items():
+            diagnostic = Diagnostic(file=path, line=None, severity="error", message="refused")
+            targets.setdefault(diagnostic, []).append(verdict.target)
+    for diagnostic, names in targets.items():
         yield Finding(
-            rule=f"compile-{said.severity}",
-            file=said.file,
-            line=said.line or 0,
-            severity=said.severity,
-            message=f"{said.message} [{', '.join(dict.fromkeys(names))}]",
-            subject=said.message,
+            rule=f"compile-{diagnostic.severity}",
+            file=diagnostic.file,
+            line=diagnostic.line or 0,
+            severity=diagnostic.severity,
+            message=f"{diagnostic.message} [{', '.join(dict.fromkeys(names))}]",
+            subject=diagnostic.message,
         )
 
 
 def find_repository() -> Path:
-    """The folder that paths are relative to in a review: the checkout of a CI job, or else the
-    repository that holds the working folder."""
-    given = os.environ.get(WORKSPACE)
+    """Return the folder that paths are relative to in a review.
+
+    That is the checkout of a CI job, or else the repository that holds the working folder.
+    """
+    checkout = os.environ.get(WORKSPACE)
     here = Path.cwd()
-    if given and here.is_relative_to(os.path.realpath(given)):
-        return Path(os.path.realpath(given))
+    if checkout and here.is_relative_to(os.path.realpath(checkout)):
+        return Path(os.path.realpath(checkout))
     return next((folder for folder in (here, *here.parents) if (folder / ".git").exists()), here)
 
 
 def relative_path(root: Path, file: str) -> str | None:
-    """A file's path below a folder, with "/"; None if it is elsewhere."""
+    """Return a file's path below a folder, with "/"; None if it is elsewhere."""
     path = Path(os.path.abspath(file))
     for one in (path, path.resolve()):
         if one.is_relative_to(root):
@@ -149,13 +153,13 @@ def _outcome_finding(record: Record, outcome: Outcome) -> Finding:
     if explained is not None and explained.file and explained.line:
         related.insert(0, (file, line))
         file, line = explained.file, explained.line
-    said = "\n".join(map(make_printable, format_outcome(outcome)))
+    details = "\n".join(map(make_printable, format_outcome(outcome)))
     name = f"{outcome.name} of {format_label(record.id, record.variant)}"
     return Finding(
         rule=outcome.kind,
         file=file,
         line=line,
-        message=f"{name}: {said or 'does not hold'}",
+        message=f"{name}: {details or 'does not hold'}",
         subject=f"{record.id}: {outcome.name}",
         related=tuple(place for place in dict.fromkeys(related) if place != (file, line)),
     )
@@ -164,14 +168,14 @@ def _outcome_finding(record: Record, outcome: Outcome) -> Finding:
 def _ending_finding(record: Record, name: str) -> Finding:
     """Of a record that no expectation accounts for: its message begins with the place, if known."""
     place = _PLACE.match(record.message)
-    file, line, said = record.file, 0, record.message
+    file, line, details = record.file, 0, record.message
     if place is not None and os.path.isfile(place["file"]):
-        file, line, said = place["file"], int(place["line"]), record.message[place.end() :]
+        file, line, details = place["file"], int(place["line"]), record.message[place.end() :]
     return Finding(
         rule=record.status if record.status != "fail" else "case",
         file=file,
         line=line or _find_case_line(file),
-        message=make_printable(f"{name}: {said or STATUS_WORDS[record.status]}"),
+        message=make_printable(f"{name}: {details or STATUS_WORDS[record.status]}"),
         subject=record.id,
     )
 

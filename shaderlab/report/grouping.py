@@ -74,7 +74,7 @@ class Totals:
 
     @property
     def good(self) -> bool:
-        """Whether something was checked, and all that was asked for ran and passed."""
+        """Whether something was checked, and everything ran and passed."""
         passed = self.expectations > 0 and self.cases["pass"] > 0
         return passed and not self.bad and not self.missing
 
@@ -88,14 +88,16 @@ PASSABLE: tuple[Status, ...] = ("unsupported", "pass")
 
 
 def worst_status(statuses: Iterable[Status]) -> Status:
-    """The worst of some statuses; "pass" of none."""
+    """Return the worst of some statuses; "pass" of none."""
     present = set(statuses)
     return next((status for status in STATUSES if status in present), "pass")
 
 
 def group_cases(records: Sequence[Record]) -> list[CaseGroup]:
-    """One group a case id, ordered by chapter and section, equal sections as they ran; cases of
-    one's own come last."""
+    """Return a group for each case id, ordered by chapter and section.
+
+    Equal sections stay in the order they ran; cases outside the course come last.
+    """
     by_id: dict[str, list[Record]] = {}
     for record in records:
         by_id.setdefault(record.id, []).append(record)
@@ -110,7 +112,7 @@ def _place(group: CaseGroup) -> tuple[bool, tuple[int, str], list[int]]:
 
 
 def count_totals(run: Run, cases: Sequence[CaseGroup]) -> Totals:
-    """Everything counted once; a program that several variants share is one program."""
+    """Count everything once; a program that several variants share is one program."""
     outcomes = [outcome for record in run.records for outcome in record.expectations]
     programs = {
         (program.files, program.sources): program.verdicts

@@ -396,7 +396,7 @@ def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures) -> CaseView:
 
 
 def _file_name(anchor: str) -> str:
-    """A case's page, named by its anchor: file systems have no room for very long ones."""
+    """A case's page, named by its anchor, which file systems may find too long."""
     name = anchor.removeprefix("case-")
     if len(name) > _LONGEST_NAME:
         name = f"{name[:_LONGEST_NAME]}-{hashlib.blake2s(name.encode(), digest_size=4).hexdigest()}"

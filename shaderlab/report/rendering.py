@@ -128,7 +128,7 @@ def style() -> str:
 
 @cache
 def script() -> str:
-    """Return all scripts as one, in a scope of its own."""
+    """Return all scripts as one, in their own scope."""
     return '"use strict";\n{\n' + _join("script", _SCRIPTS, "js") + "\n}\n"
 
 

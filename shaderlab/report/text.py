@@ -44,7 +44,7 @@ MOST_DIAGNOSTICS = 10
 
 
 def clean(text: object) -> str:
-    """`text` without what XML and HTML can't hold, and with hidden characters made visible.
+    """Return `text` without what XML and HTML can't hold, and with hidden characters made visible.
 
     >>> clean("a\\x1bb\\u202ec")
     'a\ufffdb[U+202E]c'
@@ -56,7 +56,7 @@ def clean(text: object) -> str:
 
 
 def figure(value: float) -> str:
-    """A float in at most nine digits, enough to tell any two 32-bit floats apart."""
+    """Format a float in at most nine digits, enough to tell any two 32-bit floats apart."""
     if math.isnan(value):
         return "NaN"
     if math.isinf(value):
@@ -65,7 +65,7 @@ def figure(value: float) -> str:
 
 
 def short(value: float) -> str:
-    """A float in three digits, for distances and shares.
+    """Format a float in three digits, for distances and shares.
 
     >>> short(0.41234), short(1234.5), short(0.0)
     ('0.412', '1230', '0')
@@ -81,7 +81,7 @@ def short(value: float) -> str:
 
 
 def count(number: int) -> str:
-    """An integer with thin spaces between thousands.
+    """Format an integer with thin spaces between thousands.
 
     >>> count(1234567)
     '1\u202f234\u202f567'
@@ -90,7 +90,7 @@ def count(number: int) -> str:
 
 
 def plural(number: int, one: str, many: str = "") -> str:
-    """A number with its noun.
+    """Format a number with its noun.
 
     >>> plural(1, "case"), plural(2, "case"), plural(2, "query", "queries")
     ('1 case', '2 cases', '2 queries')
@@ -99,7 +99,7 @@ def plural(number: int, one: str, many: str = "") -> str:
 
 
 def duration(seconds: float) -> str:
-    """Seconds in the unit that reads best.
+    """Format seconds in the unit that reads best.
 
     >>> duration(0.0042), duration(3.14159), duration(125)
     ('4.2 ms', '3.1 s', '2 min 5 s')
@@ -114,7 +114,7 @@ def duration(seconds: float) -> str:
 
 
 def share(fraction: float) -> str:
-    """A share of 0…1 in percent; never 0 % or 100 % unless it is exactly that.
+    """Format a share of 0…1 in percent; never 0 % or 100 % unless it is exactly that.
 
     >>> share(0.0), share(0.00001), share(0.5), share(0.99999)
     ('0 %', '<0.1 %', '50 %', '>99.9 %')
@@ -129,7 +129,7 @@ def share(fraction: float) -> str:
 
 
 def day(started: str) -> str:
-    """An ISO date and time as "21 November 2026, 10:33 UTC"; anything else as it is."""
+    """Format an ISO date and time as "21 November 2026, 10:33 UTC"; anything else as it is."""
     try:
         moment = datetime.fromisoformat(started)
     except ValueError:
@@ -139,7 +139,7 @@ def day(started: str) -> str:
 
 
 def slug(name: str) -> str:
-    """`name` as part of an anchor: letters, digits and hyphens.
+    """Return `name` as part of an anchor: letters, digits and hyphens.
 
     >>> slug("d = 50 (notes)")
     'd-50-notes'
@@ -148,19 +148,19 @@ def slug(name: str) -> str:
 
 
 class Anchors:
-    """Hands out anchors, never one twice; `next_short` is the number of the next short one."""
+    """Makes anchors, never one twice; `next_short` is the number of the next short one."""
 
     def __init__(self) -> None:
         self._taken: set[str] = set()
         self.next_short = 1
 
     def short(self) -> str:
-        """A short anchor, for listings that repeat it in each line."""
+        """Return a short anchor, for listings that repeat it in each line."""
         self.next_short += 1
         return self.new(f"s{self.next_short - 1}")
 
     def new(self, *parts: str) -> str:
-        """An anchor that begins with the slugs of `parts`."""
+        """Return an anchor that begins with the slugs of `parts`."""
         wanted = "-".join(slug(part) for part in parts)
         anchor, number = wanted, 2
         while anchor in self._taken:
@@ -194,8 +194,8 @@ def format_failure(record: Record) -> list[str]:
     lines = [f"{MARKS[record.status]} {format_label(record.id, record.variant)} · {record.title}"]
     lines += [f"  {display_path(record.file)}"] if record.file else []
     if record.status not in ("fail", "pass"):
-        said = f"{record.status}: {record.message}" if record.message else record.status
-        lines += indent(said, "  ").splitlines()
+        status = f"{record.status}: {record.message}" if record.message else record.status
+        lines += indent(status, "  ").splitlines()
     elif record.message and not _is_repeated_below(record):
         lines += indent(record.message, "  ").splitlines()
     lines += _format_refusals(record)
@@ -218,10 +218,10 @@ def _format_refusals(record: Record) -> Iterator[str]:
         for verdict in program.verdicts:
             if verdict.ok:
                 continue
-            said = [format_diagnostic(d) for d in verdict.diagnostics if d.severity == "error"]
-            new = [line for line in said if line not in seen]
+            messages = [format_diagnostic(d) for d in verdict.diagnostics if d.severity == "error"]
+            new = [line for line in messages if line not in seen]
             seen.update(new)
-            if new or not said:
+            if new or not messages:
                 yield f"  refused as {verdict.target}:"
                 yield from (f"    {line}" for line in new[:MOST_DIAGNOSTICS])
 
@@ -353,10 +353,10 @@ def format_listed_points(run: Run) -> str:
 
 def format_summary(run: Run) -> str:
     """Return `12 cases: 40 passed, 2 failed in 3.1 s`: variants, or the points of a sweep."""
-    said = format_tally(run.records, run.missing)
+    tally = format_tally(run.records, run.missing)
     if run.points is not None:
-        said = f"{run.points.count} points: {format_counts(run.points.statuses, run.missing)}"
-    return f"{said} in {run.seconds:.1f} s"
+        tally = f"{run.points.count} points: {format_counts(run.points.statuses, run.missing)}"
+    return f"{tally} in {run.seconds:.1f} s"
 
 
 def format_tally(records: Iterable[Record], missing: int = 0) -> str:
@@ -368,8 +368,8 @@ def format_tally(records: Iterable[Record], missing: int = 0) -> str:
     without = ""
     if left:
         without = f" ({len(left)} of them without {sum(left)} checks of OpenGL's own calls)"
-    said = format_counts(Counter(record.status for record in some), missing, without)
-    return f"{len(cases)} {noun}: {said}"
+    counts = format_counts(Counter(record.status for record in some), missing, without)
+    return f"{len(cases)} {noun}: {counts}"
 
 
 def format_counts(counts: Mapping[Status, int], missing: int, without: str = "") -> str:

@@ -26,7 +26,7 @@ def render(run: Run) -> str:
 
     Each case is a `testsuite`, each expectation of each variant a `testcase`. A record whose
     status none of its expectations accounts for (it crashed, timed out, did not compile, or has
-    no expectations) gets a test of its own, "run"; so does a run that was interrupted, in error.
+    no expectations) gets its own test, "run"; so does a run that was interrupted, in error.
     No two tests have both class and name in common: readers would take one for the other.
     """
     root = ET.Element("testsuites", name="shaderlab", time=_seconds(run.seconds))
