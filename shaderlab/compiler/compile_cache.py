@@ -155,22 +155,22 @@ def cache_folder() -> Path | None:
 
 
 def cached_compiler() -> Compile:
-    """`compile_program`, behind the compile cache where there is one."""
+    """Return `compile_program`, behind the compile cache where there is one."""
     folder = cache_folder()
     return compile_program if folder is None else _cache(folder).compile
 
 
 def compile_with_lines(source: Source) -> Compiled:
-    """One stage compiled for OpenGL, or for Vulkan if only that takes it, behind the compile cache:
+    """Compile one stage for OpenGL, or for Vulkan if only that takes it, behind the compile cache;
     its module says which line of the text each instruction comes from.
 
     Raises:
         ShaderError: as `compile_program`.
     """
     folder = cache_folder()
-    return (
-        _compile_with_lines(source) if folder is None else _cache(folder).compile_with_lines(source)
-    )
+    if folder is None:
+        return _compile_with_lines(source)
+    return _cache(folder).compile_with_lines(source)
 
 
 def _compile_with_lines(source: Source) -> Compiled:
@@ -208,7 +208,7 @@ class CompileCache:
         Raises:
             ShaderError: as `compile_program`.
         """
-        compilers = None if os.environ.get(COMMAND_VARIABLE) else self._compilers()
+        compilers = self._digest()
         if compilers is None:
             return compile_program(stages, targets)
         ordered = tuple(order_stages(stages, targets))
@@ -216,7 +216,8 @@ class CompileCache:
         return self._load(key, ordered, targets) or self._compile(key, ordered, targets)
 
     def compile_with_lines(self, source: Source) -> Compiled:
-        compilers = None if os.environ.get(COMMAND_VARIABLE) else self._compilers()
+        """As the function of this name."""
+        compilers = self._digest()
         if compilers is None:
             return _compile_with_lines(source)
         key = program_key([source], ("lines",), compilers)
@@ -225,6 +226,10 @@ class CompileCache:
             found = _compile_with_lines(source)
             self._store.put(key, encode(Entry(found.verdicts, found.spirv, found.logs)))
         return found
+
+    def _digest(self) -> str | None:
+        """The digest of the compilers; None where nothing is cached."""
+        return None if os.environ.get(COMMAND_VARIABLE) else self._compilers()
 
     def _load(
         self, key: str, ordered: tuple[Source, ...], targets: Sequence[str]
@@ -282,7 +287,7 @@ def compilers_digest(store: Store) -> str | None:
 
 
 def files_digest(paths: Sequence[Path], store: Store, started: float = _STARTED) -> str | None:
-    """One digest of the files' contents, which `store` remembers until a file is touched.
+    """Return one digest of the files' contents, which `store` remembers until a file is touched.
 
     None if a file was changed after, or just before, the time `started`.
 
