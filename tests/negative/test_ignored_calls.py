@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 
 from shaderlab.drivers.opengl import (
-    bindings,
     buffers,
     drawing,
     linking,
     target,
+    textures,
 )
 from shaderlab.drivers.opengl.device import gl_constant
 from shaderlab.engine.run import SceneRunner
@@ -40,8 +40,8 @@ def always_copied(patch: pytest.MonkeyPatch) -> None:
 
 def pixels_always_copied(patch: pytest.MonkeyPatch) -> None:
     """Textures are filled from the program's memory, never from a buffer."""
-    upload = bindings.upload
-    patch.setattr(bindings, "upload", lambda *given, mapped: upload(*given))
+    upload = textures.upload
+    patch.setattr(textures, "upload", lambda *given, mapped: upload(*given))
 
 
 def always_anew(patch: pytest.MonkeyPatch) -> None:
@@ -124,27 +124,27 @@ def test_one_filter_in_place_of_two_is_noticed(
     monkeypatch: pytest.MonkeyPatch, case_id: str, kept: int
 ) -> None:
     """Textures are minified and magnified alike."""
-    made = bindings._new_sampler
+    made = textures._new_sampler
 
     def sampler(sampling: Any) -> int:
         word = sampling.filter[kept]
         magnifying = word.partition("_mipmap_")[0]
         return made(replace(sampling, filter=(word, magnifying)))
 
-    monkeypatch.setattr(bindings, "_new_sampler", sampler)
+    monkeypatch.setattr(textures, "_new_sampler", sampler)
     with SceneRunner() as lab:
         record = lab.run(next(judged_only(case_id).scenes()))
     assert record.status == "fail", record.message
 
 
 def test_a_wrap_mode_that_is_not_set_along_r_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    made = bindings._new_sampler
+    made = textures._new_sampler
 
     def sampler(sampling: Any) -> int:
         plane = {f.name: getattr(sampling, f.name) for f in fields(Sampling)}
         return made(Sampling(**plane | {"wrap": sampling.wrap[:2]}))
 
-    monkeypatch.setattr(bindings, "_new_sampler", sampler)
+    monkeypatch.setattr(textures, "_new_sampler", sampler)
     with SceneRunner() as lab:
         record = lab.run(next(judged_only("texture-wrap").scenes()))
     failed = {o.name for o in record.expectations if o.status != "pass"}

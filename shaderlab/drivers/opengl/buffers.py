@@ -41,8 +41,7 @@ class DeviceBuffer:
 
     def release(self) -> None:
         """Delete it."""
-        with self._device.unchecked():
-            GL.glDeleteBuffers(1, np.array([self.glo], np.uint32))
+        GL.glDeleteBuffers(1, np.array([self.glo], np.uint32))
 
 
 @dataclass(frozen=True)
@@ -118,7 +117,6 @@ def read_layout(program: Any, vao: VertexArray, mesh: Mesh) -> dict[str, Attribu
 
 
 def _fill_buffer(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> DeviceBuffer:
-    """Make a buffer with these pieces, written in the way that the mesh names."""
     whole = b"".join(piece for _, piece in parts)
     buffer = DeviceBuffer(device)
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffer.glo)

@@ -196,7 +196,6 @@ class _Maker:
             ) from error
 
     def _resolve(self, call: Call, argument: Any, kind: Any) -> Any:
-        """Convert an argument to what the C function takes."""
         if isinstance(argument, Object):
             return self._object(argument)
         if isinstance(argument, Program):
@@ -238,7 +237,6 @@ class _Maker:
 
 
 def _convert_argument(call: Call, argument: Any, kind: Any) -> Any:
-    """Convert a number, text, array or null pointer for a parameter of this C type."""
     if isinstance(argument, int) and _is_address(kind):
         return ctypes.c_void_p(argument)  # an offset into the buffer that is bound
     if argument is None or isinstance(argument, bytes | int | float):
@@ -259,7 +257,6 @@ def _is_address(kind: Any) -> bool:
 
 
 def _element_type(kind: Any) -> type[np.generic] | None:
-    """The type of an array parameter's elements; None for what is no array of numbers."""
     return _ARRAYS.get(kind.__name__.removesuffix("Array")) if "Array" in kind.__name__ else None
 
 
@@ -268,6 +265,5 @@ def _is_constant(word: Any) -> TypeGuard[str]:
 
 
 def _pluralise(kind: str) -> str:
-    """Several of a kind of object as functions spell it: VertexArrays, Queries."""
     words = "".join(word.capitalize() for word in kind.split("_"))
     return "Queries" if words == "Query" else f"{words}s"

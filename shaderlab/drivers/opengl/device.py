@@ -124,38 +124,28 @@ class Device:
 
     @contextmanager
     def in_use(self) -> Iterator[None]:
-        """Make the context current for a while, and suspend checks as `unchecked` does. Can be
-        nested, in the use of another device too."""
-        self.make_current()
+        """Make the context current for a while, and suspend PyOpenGL's check after each call, if
+        the process has it on: the lab reads GL errors itself. Can be nested, in the use of another
+        device too.
+
+        The checks of compiling and linking can't be suspended: those two raise GLError.
+        """
         _IN_USE.append(self)
+        if ERROR_CHECKER is not None:
+            ERROR_CHECKER.onBegin()  # as between glBegin and glEnd
         try:
-            with self.unchecked():
-                yield
+            self.make_current()
+            yield
         finally:
             del _IN_USE[max(n for n, device in enumerate(_IN_USE) if device is self)]
             if _IN_USE and _IN_USE[-1] is not self:
                 _IN_USE[-1].make_current()
-
-    @contextmanager
-    def unchecked(self) -> Iterator[None]:
-        """Suspend PyOpenGL's check after each call, if the process has it on: the lab reads GL
-        errors itself. Can be nested.
-
-        The checks of compiling and linking can't be suspended: those two raise GLError.
-        """
-        _UNCHECKED.append(self)
-        if ERROR_CHECKER is not None:
-            ERROR_CHECKER.onBegin()  # as between glBegin and glEnd
-        try:
-            yield
-        finally:
-            _UNCHECKED.pop()
-            if ERROR_CHECKER is not None and not _UNCHECKED:
+            # PyOpenGL's checks are the process's, not a context's.
+            if ERROR_CHECKER is not None and not _IN_USE:
                 ERROR_CHECKER.onEnd()
 
 
 _IN_USE: list[Device] = []  # the innermost last
-_UNCHECKED: list[Device] = []  # PyOpenGL's checks are the process's, not a context's
 
 
 def open_device(driver: str) -> Device:

@@ -29,11 +29,11 @@ from ..programs.prepare import PreparedDraw, Programs, describe_draw
 from ..programs.stages import NUMBER, VaryingPart
 from ..programs.textures import components_of, numpy_type
 from ..resources import COVERING
-from .bindings import BoundTextures, bind_images, read_images
 from .buffers import UniformBuffers, VertexArray, bind_storage_buffer, make_vertex_array
 from .device import GL, Device, gl_constant, require_inputs
 from .linking import Linker, output_locations, set_uniforms
 from .target import RenderTarget, apply_state
+from .textures import BoundTextures, bind_images, read_images
 
 
 class Drawing(PassSession[RenderTarget, Linker]):
@@ -149,7 +149,6 @@ class Drawing(PassSession[RenderTarget, Linker]):
             ) from error
 
     def _vertex_array(self, program: Any, mesh: Mesh | None) -> VertexArray:
-        """Return the vertex array of a mesh for a program, made once and kept."""
         key = (id(program), id(mesh))
         if key not in self._arrays:
             made = make_vertex_array(self.device, program, mesh)

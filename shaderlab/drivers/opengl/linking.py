@@ -274,7 +274,6 @@ def link_modules(device: Device, texts: Mapping[str, str], feedback: Sequence[st
 
 
 def _count_components(interface: Interface, name: str) -> int:
-    """Count the numbers of a captured output."""
     if name.startswith("gl_"):
         return {"gl_PointSize": 1}.get(name, 4)
     variable = interface.vertex_outputs.get(name)

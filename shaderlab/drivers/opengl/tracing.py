@@ -130,7 +130,6 @@ class CallRecorder:
 
 @cache
 def _list_functions() -> Sequence[tuple[ModuleType, str]]:
-    """List the functions to record, in the modules from which the lab imports them."""
     return [
         (module, name)
         for module in (GL, GL_1_0, GL_1_2, GL_1_3)
@@ -275,7 +274,6 @@ def find_constant(function: str, name: str, value: int) -> str:
 
 @cache
 def _constants_by_number() -> Mapping[int, Sequence[str]]:
-    """The names of the constants of each number."""
     found: dict[int, list[str]] = {}
     for word, number in constants().items():
         found.setdefault(number, []).append(word)
@@ -283,7 +281,6 @@ def _constants_by_number() -> Mapping[int, Sequence[str]]:
 
 
 def _format_bits(function: str, value: int) -> str:
-    """Format the bits of a mask by their names."""
     like = "GL_MAP_" if function.startswith("glMap") else "GL_"
     found: dict[int, str] = {}
     for word, number in constants().items():
@@ -430,7 +427,6 @@ def _tests_of(function: str) -> tuple[str, ...]:
 
 
 def _only_sets(function: str) -> bool:
-    """Whether the call sets state and does nothing else."""
     return function in _PLACES or function in _ONE_PLACE
 
 
@@ -530,7 +526,6 @@ class Editor:
 
 @contextmanager
 def _use_bindings(bindings: list[int]) -> Iterator[None]:
-    """Set bindings, and restore them afterwards."""
     before = _read_bindings()
     for (_, bind), number in zip(_BINDINGS, bindings, strict=True):
         bind(number)
@@ -614,7 +609,6 @@ def trace(session: Drawing) -> Sequence[TracedCall]:
 
 
 def _program_files(calls: Sequence[Recorded], session: Drawing) -> dict[str, str]:
-    """Name the programs that draws use by their fragment shader's file."""
 
     def file_of(name: str, index: int) -> str:
         return Path(session.programs[name][index].draw.shaders[-1]).name

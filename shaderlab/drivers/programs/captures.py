@@ -287,7 +287,6 @@ def _write_blank(draw: PreparedDraw) -> str:
 
 
 def _attachment_formats(captured: Mapping[VaryingPart, str]) -> dict[str, str]:
-    """Return the attachments of captured parts: format by name."""
     return {name: textures.output_format(stages.attachment_type(p)) for p, name in captured.items()}
 
 

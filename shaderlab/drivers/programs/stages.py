@@ -408,7 +408,6 @@ def _wrap_emit(text: str, written: Sequence[str], declared: Sequence[str]) -> st
 
 
 def _demote_output(text: str, variable: Variable) -> str:
-    """Make one of a shader's outputs a plain variable."""
     name = re.escape(variable.name)
     pattern = rf"(?:layout\s*\([^)]*\)\s*)?\bout\s+((?:(?:high|medium|low)p\s+)?\w+\s+{name}\b)"
     changed, count = re.subn(pattern, r"\1", text)
