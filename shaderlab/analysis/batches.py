@@ -119,13 +119,14 @@ def _each_of_workgroups(program: Program, batch: InputBatch) -> dict[str, Array]
     return each | number_invocations(shape, np.repeat(groups, size, axis=0), local)
 
 
-def flatten_outputs(outputs: Mapping[str, Any]) -> list[tuple[str, Array]]:
-    """Outputs as float64 (count, components), NaN where there is no float32; an array's elements
-    each by its own name."""
+def flatten_outputs(outputs: Mapping[str, Any], finite: bool = True) -> list[tuple[str, Array]]:
+    """Outputs as float64 (count, components), an array's elements each by its name; if `finite`,
+    NaN where there is no finite float32."""
     found = []
     for name, value in outputs.items():
         if isinstance(value, tuple):
-            found += flatten_outputs({f"{name}[{i}]": part for i, part in enumerate(value)})
+            parts = {f"{name}[{i}]": part for i, part in enumerate(value)}
+            found += flatten_outputs(parts, finite)
             continue
         if isinstance(value, Integer):
             value = value.lo
@@ -133,7 +134,9 @@ def flatten_outputs(outputs: Mapping[str, Any]) -> list[tuple[str, Array]]:
             value = value.all_true
         numbers = np.asarray(value, np.float64)
         numbers = numbers.reshape(len(numbers), -1)
-        found.append((name, np.where(np.abs(numbers) <= _HUGE, numbers, np.nan)))
+        if finite:
+            numbers = np.where(np.abs(numbers) <= _HUGE, numbers, np.nan)
+        found.append((name, numbers))
     return found
 
 

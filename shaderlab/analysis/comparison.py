@@ -34,9 +34,7 @@ from shaderlab.model.records import Row
 from .answer import Answer, Numerics, OutputAnswer
 from .batches import (
     InputBatch,
-    asks_for_neighbours,
     fragment_batch,
-    join_batches,
     merge_batches,
     vertex_batch,
 )
@@ -55,7 +53,6 @@ from .inputs import (
 from .interpreter import Program, load
 from .noise import Compared, PerturbedFloat, Ran, compare, confirm, run
 
-_SMALL = 1024  # invocations; sets of no more than so many are run together
 _BITS = range(Op.ShiftRightLogical, Op.BitCount + 1)
 _ENDS = 1e-6  # what stored values may differ by where a step is called the same
 
@@ -188,25 +185,13 @@ class _Comparison:
     def _inputs(self, captured: Sequence[InputBatch]) -> Iterator[InputBatch]:
         """Captured inputs, rounds of others, and both sides of jumps between those."""
         batch = None
-        for batch in itertools.chain(captured, self._generate()):
+        rounds = (self.make(self.domains, seed) for seed in range(self.plan.rounds))
+        for batch in itertools.chain(captured, rounds):
             yield batch
         if batch is not None and self.plan.rounds:
             around = jumps(self.programs, batch, self.domains)
             if around is not None:
                 yield around
-
-    def _generate(self) -> Iterator[InputBatch]:
-        """The rounds of inputs: one after the other, or small ones together where they can be."""
-        rounds = (self.make(self.domains, seed) for seed in range(self.plan.rounds))
-        small: list[InputBatch] = []
-        for batch in rounds:
-            alone = bool(batch.bindings.textures) or batch.count > _SMALL
-            if alone or any(asks_for_neighbours(p, batch.bindings) for p in self.programs):
-                yield batch
-            else:
-                small.append(batch)
-        if small:
-            yield join_batches(small)
 
     def _run(self, batch: InputBatch) -> _Set:
         return _Set(batch, run(self.programs[0], batch), run(self.programs[1], batch))

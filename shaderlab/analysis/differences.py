@@ -6,7 +6,6 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -205,7 +204,6 @@ def _narrower(old: Any, new: Any) -> bool:
     return _wider(new, old)
 
 
-_SOON, _MORE = 128, 16  # stored values that are compared first; how many times as many then
 Differ = Callable[[Any, Any], bool]
 
 
@@ -219,15 +217,8 @@ class Step:
     value: Any
 
 
-class _EnoughError(Exception):
-    """As many values were stored as are looked at."""
-
-
-def steps(
-    program: Program, batch: InputBatch, row: int, arithmetic: Arithmetic, most: int | None = None
-) -> list[Step]:
-    """What an invocation stores, in order, all of it or so many values at most. Its quad runs with
-    it where that matters."""
+def steps(program: Program, batch: InputBatch, row: int, arithmetic: Arithmetic) -> list[Step]:
+    """What an invocation stores, in order. Its quad runs with it where that matters."""
     quad, own = batch.alone(row, program)
     found: list[Step] = []
     turns: Counter[str] = Counter()
@@ -238,11 +229,8 @@ def steps(
             lane = value[own : own + 1] if value.shape[0] > 1 else value
             found.append(Step(stored.name, turns[stored.name], stored.line, lane))
             turns[stored.name] += 1
-            if len(found) == most:
-                raise _EnoughError
 
-    with suppress(_EnoughError):
-        run_batch(program, quad, arithmetic, trace=note, unwritten=False)
+    run_batch(program, quad, arithmetic, trace=note, unwritten=False)
     return found
 
 
@@ -254,31 +242,19 @@ def first_difference(
     differ: Differ,
 ) -> tuple[Step | None, list[Step], list[Step]]:
     """The first step of an invocation in which the new program stores another value than the old
-    one, None where none is; and what either stored up to there, or beyond."""
-    most = _SOON
-    while True:
-        old, new = (steps(program, batch, row, arithmetic, most) for program in programs)
-        pairs = _pair_in_order(old, new)
-        found = next((b for a, b in pairs if differ(a.value, b.value)), None)
-        if found is not None:
-            return found, old, new
-        if max(len(old), len(new)) < most:
-            return _later_difference(old, new, len(pairs), differ), old, new
-        most *= _MORE
+    one, None where none is; and what either stores.
 
-
-def _pair_in_order(old: list[Step], new: list[Step]) -> list[tuple[Step, Step]]:
-    """The steps of both up to where they store to other variables, or in another order."""
+    Steps are compared one by one while both store to the same variables, then by variable. What
+    functions return has no name, and is left out there."""
+    old, new = (steps(program, batch, row, arithmetic) for program in programs)
     pairs = zip(old, new, strict=False)
-    return list(itertools.takewhile(lambda pair: pair[0].name == pair[1].name, pairs))
-
-
-def _later_difference(old: list[Step], new: list[Step], start: int, differ: Differ) -> Step | None:
-    """The first of the new program's later steps that another value is stored in than in the old
-    one's step of the same variable. What functions return has no name, and is left out."""
-    known = {(step.name, step.turn): step for step in old if step.name != "return"}
-    later = (step for step in new[start:] if (step.name, step.turn) in known)
-    return next((b for b in later if differ(known[b.name, b.turn].value, b.value)), None)
+    same = list(itertools.takewhile(lambda pair: pair[0].name == pair[1].name, pairs))
+    found = next((b for a, b in same if differ(a.value, b.value)), None)
+    if found is None:
+        known = {(step.name, step.turn): step for step in old if step.name != "return"}
+        later = (step for step in new[len(same) :] if (step.name, step.turn) in known)
+        found = next((b for b in later if differ(known[b.name, b.turn].value, b.value)), None)
+    return found, old, new
 
 
 def discards(program: Program) -> list[int]:

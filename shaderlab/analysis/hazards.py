@@ -128,7 +128,6 @@ def _numbers(values: tuple[float, ...]) -> list[float | str]:
 
 _VALUES = (None, 0.37, 41.0, -2.6, 7.5e3)
 _STAND_IN = 0.5
-_DISCARDED = "discard"
 
 
 @dataclass(frozen=True)
@@ -183,24 +182,11 @@ def _other(result: Any, value: float) -> Any:
 def written_outputs(
     program: Program, batch: InputBatch, row: int, watch: Watch | None = None
 ) -> Mapping[str, Array]:
-    """What an invocation writes, by output; `"discard"` is 1 where it is discarded."""
+    """What an invocation writes, by output; "discard" is 1 where it is discarded."""
     result = run_batch(program, batch, watch=watch)
-    found = _as_they_are(result.outputs, row)
+    found = {name: values[row] for name, values in flatten_outputs(result.outputs, finite=False)}
     gone = bool(np.broadcast_to(result.discarded.all_true, (batch.count,))[row])
-    found[_DISCARDED] = np.array([float(gone)])
-    return found
-
-
-def _as_they_are(outputs: Mapping[str, Any], row: int) -> dict[str, Array]:
-    found: dict[str, Array] = {}
-    for name, value in outputs.items():
-        if isinstance(value, tuple):
-            found |= _as_they_are({f"{name}[{i}]": part for i, part in enumerate(value)}, row)
-        elif isinstance(value, np.ndarray):
-            found[name] = value[row].astype(np.float64).ravel()
-        else:
-            found |= {n: v[row] for n, v in flatten_outputs({name: value})}
-    return found
+    return found | {"discard": np.array([float(gone)])}
 
 
 def find_dependents(

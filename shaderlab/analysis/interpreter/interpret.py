@@ -19,7 +19,7 @@ from shaderlab.compiler.spirv import Decoration, Op, StorageClass, unwrap
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array, Bindings
 
-from .arithmetic import Arithmetic
+from .arithmetic import FLOAT32, Arithmetic
 from .program import INPUTS, Program, Type
 from .running import MAX_BLOCKS, MAX_LOOP_ITERATIONS, Run, Trace, Watch
 from .values import Flags, Missing, PathState, Value, broadcast, component, undefined
@@ -38,15 +38,6 @@ def memory_of(
         if storage in INPUTS:
             memory[id_] = reader.value(type_, interface_name(program, id_))
     return memory
-
-
-def undefined_outputs(program: Program, arithmetic: Arithmetic) -> dict[int, Value]:
-    """What outputs hold before anything is written to them, by id."""
-    return {
-        id_: undefined(type_, arithmetic)
-        for id_, (type_, storage) in program.variables.items()
-        if storage == StorageClass.Output
-    }
 
 
 def outputs_of(program: Program, memory: Mapping[int, Value], count: int) -> dict[str, Any]:
@@ -183,7 +174,7 @@ def interpret(
     program: Program,
     each: Mapping[str, Array],
     bindings: Bindings = _NOTHING,
-    arithmetic: Arithmetic | None = None,
+    arithmetic: Arithmetic = FLOAT32,
     *,
     count: int | None = None,
     places: Array | None = None,
@@ -198,19 +189,19 @@ def interpret(
 
     Args:
         program: the stage, of `load` or `read`.
-        each: what differs between invocations, by name: varyings or attributes, and built-in
-            inputs such as "gl_FragCoord" and "gl_VertexID"; (count, components), matrices (count,
-            rows, columns), arrays (count, elements, …). A uniform may be given here, too.
-            Derivatives, and textures with mipmaps, find a pixel's neighbours by gl_FragCoord.
+        each: what differs between invocations, by name: varyings or attributes, built-in inputs
+            such as "gl_FragCoord", uniforms; (count, components), matrices (count, rows, columns),
+            arrays (count, elements, …); a first axis of 1 is for all.
         bindings: uniforms, members of blocks and textures, as a scene's frame has them.
-        arithmetic: `FLOAT32` by default.
+        arithmetic: computes floats.
         count: the number of invocations; by default that of the rows of `each`, or 1.
-        places: where each invocation's pixel is, (count, 2 or more); by default its gl_FragCoord.
+        places: the pixels, by which derivatives and mipmaps find neighbours, (count, 2 or more); by
+            default gl_FragCoord.
         workgroup_size: how many invocations in a row are one workgroup and share variables.
         max_loop_iterations: of a loop, each time that it is entered.
         max_blocks: how many blocks may be run in all.
-        trace: is called with each value that a variable, or a part of one, is given; with each
-            argument of a function, and with what each branch is taken by, too: `Stored.is_flow`.
+        trace: is called with each value that a variable or a part of one is given, each argument of
+            a function, and each condition of a branch.
         watch: is called after each instruction, and may change its result.
         unwritten: whether outputs hold an undefined value where an invocation writes none.
 
@@ -218,35 +209,35 @@ def interpret(
         NotInterpretedError: the program does what the interpreter does not know, or does not end.
         FormulaError: something that the program reads is not given.
     """
-    if arithmetic is None:
-        from .arithmetic import FLOAT32
-
-        arithmetic = FLOAT32
-    if count is None:
-        count = max((len(values) for values in each.values()), default=1)
+    count = max(map(len, each.values()), default=1) if count is None else count
     for name, values in each.items():
         if len(values) not in (1, count):
             raise FormulaError(f"{name!r} has {len(values)} rows, others {count}")
     if workgroup_size != program.workgroup_size:
         line = program.line_of(Op.ControlBarrier)
         raise program.not_interpreted("what a workgroup shares", line)
-    places = each.get("gl_FragCoord") if places is None else places
     run = Run(
         program, arithmetic, count,
-        places=places, workgroup_size=workgroup_size,
-        max_loop_iterations=max_loop_iterations, max_blocks=max_blocks,
-        trace=trace, watch=watch,
+        places=each.get("gl_FragCoord") if places is None else places,
+        workgroup_size=workgroup_size, max_loop_iterations=max_loop_iterations,
+        max_blocks=max_blocks, trace=trace, watch=watch,
     )  # fmt: skip
     # What is no number is a result like any other.
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
-        memory = memory_of(program, each, bindings, arithmetic)
-        if unwritten:
-            memory |= undefined_outputs(program, arithmetic)
-        for id_, constant in program.module.initialisers.items():
-            if isinstance(memory.get(id_), Missing | None):
-                memory[id_] = run.value(constant)
-        end = run.call(program.main, PathState(np.ones(count, np.bool_), memory))
+        return _run(run, memory_of(program, each, bindings, arithmetic), unwritten)
+
+
+def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
+    program, count = run.program, run.count
+    if unwritten:
+        for id_, (type_, storage) in program.variables.items():
+            if storage == StorageClass.Output:
+                memory[id_] = undefined(type_, run.arithmetic)
+    for id_, constant in program.module.initialisers.items():
+        if isinstance(memory.get(id_), Missing | None):
+            memory[id_] = run.value(constant)
+    end = run.call(program.main, PathState(np.ones(count, np.bool_), memory))
     survivors = np.zeros(count, np.bool_) if end is None else end.mask
     return Interpreted(
         outputs={} if end is None else _outputs(run, end.memory),

@@ -31,8 +31,6 @@ def call_function(function: str) -> Handler:
     """A handler that calls a function of the arithmetic on the operands' values."""
 
     def handler(run: Run, at: Instruction, state: PathState) -> Any:
-        if run.arithmetic.rules is None:
-            return run.call_once(at, function)
         return compute(run, function, run.values(at.operands))
 
     return handler

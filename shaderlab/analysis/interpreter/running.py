@@ -273,7 +273,6 @@ class Run:
         self._reads: list[Value] = []
         self._steps: dict[int, Steps] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
-        self._calls_known: dict[int, tuple[list[int], list[Value], Value]] = {}
 
     def value(self, id_: int) -> Value:
         """What an operand's id stands for."""
@@ -305,22 +304,6 @@ class Run:
                 self._parts.clear()
             known = self._parts[key] = (value, make())  # kept, or its id might be another's
         return known[1]
-
-    def call_once(self, at: Instruction, function: str) -> Value:
-        """A function of an instruction's operands; what it gave, if it is run again for the very
-        same values, as what does not change in a loop is. For numbers alone: of a band, the same
-        object would mean that a device rounds alike each time."""
-        values = self.values(at.operands)
-        key = [*map(id, values)]
-        known = self._calls_known.get(at.id)
-        if known is None or known[0] != key:
-            found = self.arithmetic.call(function, *values)
-            known = self._calls_known[at.id] = (
-                key,
-                values,
-                found,
-            )  # kept, or an id might be another's
-        return known[2]
 
     def note_unit(self, value: Value, unit: float) -> None:
         """Remember a power of two that all of a value's numbers are multiples of, 0 if none is."""
