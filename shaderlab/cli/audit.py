@@ -100,9 +100,9 @@ def command(
     with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
         options = RunOptions(driver=driver, include=includes, limits=limits)
         requests = list(
-            _requests(targets, Plan(ranges=ranges, precision=precision), stage, options)
+            _make_requests(targets, Plan(ranges=ranges, precision=precision), stage, options)
         )
-        for audit in _audits(executor.perform(requests)):
+        for audit in _collect_audits(executor.perform(requests)):
             audits.append(audit)
             for line in audit.lines(possible):
                 click.echo(line, err=to_stderr)
@@ -111,7 +111,7 @@ def command(
                     click.echo(f"  {name}: {role}", err=to_stderr)
     if json_file is not None:
         write_json([audit.data() for audit in audits], json_file)
-    findings = [finding for audit in audits for finding in _findings(audit)]
+    findings = [finding for audit in audits for finding in _make_findings(audit)]
     unwritten = report_problems(list(write_findings(findings, "audit", outputs)))
     found = {audit.clean for audit in audits}
     if False in found:
@@ -119,7 +119,7 @@ def command(
     return NO_ANSWER if None in found or not audits else unwritten
 
 
-def _requests(
+def _make_requests(
     targets: Sequence[str], plan: Plan, stage: str | None, options: RunOptions
 ) -> Iterator[Any]:
     """What is asked of workers: one request for each shader file, and for each case."""
@@ -147,7 +147,7 @@ def _is_shader(target: str) -> bool:
     return path.is_dir() or path.suffix in EXTENSIONS or is_other_file
 
 
-def _audits(results: Iterable[Any]) -> Iterator[Audit]:
+def _collect_audits(results: Iterable[Any]) -> Iterator[Audit]:
     """The audits of requests; one that was refused where there is no answer."""
     from shaderlab.analysis.audit import Audit
     from shaderlab.engine.executors import format_error
@@ -166,7 +166,7 @@ def _audits(results: Iterable[Any]) -> Iterator[Audit]:
         yield Audit(file=result.item.name, hazards=(), tried=0, refused=why)
 
 
-def _findings(audit: Audit) -> Iterator[Finding]:
+def _make_findings(audit: Audit) -> Iterator[Finding]:
     """An audit's hazards as what reviews show at their lines."""
     from shaderlab.report.findings import Finding
 

@@ -286,7 +286,7 @@ class DaskExecutor:
         self._name = f"shaderlab-{uuid.uuid4().hex[:12]}"
         self._sent: dict[str, Any] = {}  # bundles as Dask's tasks, by the bundle's name
         self._packed = cache(pack_folder)
-        self._homes = {what: _shown(folder) for what, folder in lab_folders().items()}
+        self._homes = {what: _folder_prefix(folder) for what, folder in lab_folders().items()}
         self._client = connect(address)
         try:
             check_workers(self._client, address)
@@ -303,14 +303,14 @@ class DaskExecutor:
 
     @cached_property
     def _about(self) -> DriverInfo:
-        with self._translating_errors():
+        with self._translate_errors():
             about: DriverInfo = self._wait_for(self._submit("about").result)
             return about
 
     def load(self, files: Sequence[Path]) -> list[CaseInfo]:
         """See `Executor`. Files are imported by workers, never here."""
         jobs = [Job(file=str(file), id=file.stem, variant="") for file in files]
-        with self._translating_errors():
+        with self._translate_errors():
             asked = [
                 self._submit("load", *self._remote(some, RunOptions()))
                 for some in self._together(jobs)
@@ -337,7 +337,7 @@ class DaskExecutor:
             unfinished[future.key] = some, future
             future.add_done_callback(lambda done: finished.put(done.key))
 
-        with self._translating_errors():
+        with self._translate_errors():
             for some in self._together([job for job in jobs if not job.broken]):
                 send(some)
             for job in jobs:
@@ -414,13 +414,13 @@ class DaskExecutor:
                 return get(LOOK_SECONDS)
             except (TimeoutError, queue.Empty):
                 if self._client.status not in ("running", "connecting"):
-                    raise self._gone("the scheduler is gone") from None
+                    raise self._make_error("the scheduler is gone") from None
                 without = 0.0 if self._client.nthreads() else without + LOOK_SECONDS
                 if without >= self._patience:
-                    raise self._gone("there are no workers left") from None
+                    raise self._make_error("there are no workers left") from None
 
     @contextlib.contextmanager
-    def _translating_errors(self) -> Iterator[None]:
+    def _translate_errors(self) -> Iterator[None]:
         """Raise errors of the connection as errors of the lab."""
         from distributed.comm.core import CommClosedError
 
@@ -430,9 +430,9 @@ class DaskExecutor:
         except (CommClosedError, OSError, CancelledError) as error:
             if isinstance(error, OSError) and not isinstance(error, CommClosedError | TimeoutError):
                 raise
-            raise self._gone("the scheduler is gone") from error
+            raise self._make_error("the scheduler is gone") from error
 
-    def _gone(self, how: str) -> ShaderlabError:
+    def _make_error(self, how: str) -> ShaderlabError:
         return ShaderlabError(f"Dask cluster {self._address}: {how}", remedy=_RESUME)
 
     def _remote(self, jobs: Sequence[Job], options: RunOptions) -> list[Any]:
@@ -444,7 +444,7 @@ class DaskExecutor:
 
         def bundled(bundle: Bundle, folder: Path, name: str) -> Address:
             bundles[bundle.name] = bundle
-            local_names[bundle.name] = _shown(folder)
+            local_names[bundle.name] = _folder_prefix(folder)
             return Address(bundle.name, name)
 
         def address(file: str) -> Address:
@@ -475,7 +475,7 @@ class DaskExecutor:
         return self._sent[bundle.name]
 
 
-def _shown(folder: Path) -> str:
+def _folder_prefix(folder: Path) -> str:
     """A folder as it begins the paths of files in it, as records name them."""
     return display_path(folder / "x")[:-1]
 

@@ -97,11 +97,11 @@ class DaskPlugin(WorkerPlugin):
 
     def load(self, remote: RemoteJobs, *bundles: Bundle) -> list[CaseInfo]:
         """The facts of the case files, with the paths of the machine that sent them."""
-        names = self._unpacked(remote, bundles)
+        names = self._unpack(remote, bundles)
         with self._processes() as executor:
-            found = executor.load([_path(address) for address in remote.files.values()])
+            found = executor.load([_resolve(address) for address in remote.files.values()])
         return [
-            replace(facts, file=file, error=_renamed_error(facts.error, names))
+            replace(facts, file=file, error=_rename_error(facts.error, names))
             for file, facts in zip(remote.files, found, strict=True)
         ]
 
@@ -116,7 +116,7 @@ class DaskPlugin(WorkerPlugin):
 
         if identity() != expected:
             return identity()
-        names = self._unpacked(remote, bundles)
+        names = self._unpack(remote, bundles)
         with (
             self._processes() as executor,
             tempfile.TemporaryDirectory(dir=self._folder) as folder,
@@ -127,9 +127,9 @@ class DaskPlugin(WorkerPlugin):
                 remote.options,
                 folder=drawn,
                 frames=None if remote.options.frames is None else frames,
-                shaders={name: _path(at) for name, at in remote.shaders},
+                shaders={name: _resolve(at) for name, at in remote.shaders},
             )
-            files = {name: str(_path(address)) for name, address in remote.files.items()}
+            files = {name: str(_resolve(address)) for name, address in remote.files.items()}
             jobs = [replace(job, file=files[job.file]) for job in remote.jobs]
             numbers = {id(job): number for number, job in enumerate(jobs)}
             return RemoteResult(
@@ -137,8 +137,8 @@ class DaskPlugin(WorkerPlugin):
                     numbers[id(job)]: rename_paths(store.to_plain(record), names)
                     for job, record in executor.run(jobs, options)
                 },
-                files=_contents(drawn),
-                frames=_contents(frames),
+                files=_read_files(drawn),
+                frames=_read_files(frames),
             )
 
     @contextlib.contextmanager
@@ -166,7 +166,7 @@ class DaskPlugin(WorkerPlugin):
                 self._executor.close()
                 self._executor = None
 
-    def _unpacked(self, remote: RemoteJobs, bundles: Sequence[Bundle]) -> list[tuple[str, str]]:
+    def _unpack(self, remote: RemoteJobs, bundles: Sequence[Bundle]) -> list[tuple[str, str]]:
         """Unpack bundles; returns pairs of a path here and the sender's path.
 
         Processes work where bundles are, so that their messages name a bundle's files the same way
@@ -212,7 +212,7 @@ def identify_worker() -> Callable[[], dict[str, str]]:
     return identify
 
 
-def _renamed_error(error: CaseError | None, names: Sequence[tuple[str, str]]) -> CaseError | None:
+def _rename_error(error: CaseError | None, names: Sequence[tuple[str, str]]) -> CaseError | None:
     if error is None:
         return None
     file = None if error.file is None else rename_paths(error.file, names)
@@ -220,11 +220,11 @@ def _renamed_error(error: CaseError | None, names: Sequence[tuple[str, str]]) ->
     return type(error)(message, file=file, line=error.line, remedy=error.remedy)
 
 
-def _path(address: Address) -> Path:
+def _resolve(address: Address) -> Path:
     """The file as processes name it, which work in the folder where bundles are."""
     return Path(data_folder("cases") if address.bundle == SHIPPED else address.bundle, address.path)
 
 
-def _contents(folder: Path) -> dict[str, bytes]:
+def _read_files(folder: Path) -> dict[str, bytes]:
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}

@@ -112,7 +112,7 @@ def command(
     options = CompileOptions(
         targets=compile_targets or TARGETS,
         include=folders,
-        defines=dict(map(_macro, defines)),
+        defines=dict(map(_parse_macro, defines)),
         stage=stage,
         engine=engine,
         seconds=limits.seconds,
@@ -151,7 +151,7 @@ def _compile(
     results = compile_with(first)
     for how in others:
         answers = compile_with(replace(how, targets=("glsl",)))
-        results = _with_verdicts(results, answers, how.driver_name)
+        results = _add_verdicts(results, answers, how.driver_name)
     return results
 
 
@@ -169,7 +169,7 @@ def _find_shaders(
     return shaders, tuple(map(str, dict.fromkeys([*includes, *own, shipped])))
 
 
-def _with_verdicts(
+def _add_verdicts(
     results: Iterator[FileResult], answers: Iterator[FileResult], driver: str
 ) -> Iterator[FileResult]:
     """The results with another driver's verdict on each; where it died, that is its verdict."""
@@ -211,7 +211,7 @@ def _print_results(
     return tally, list(write_findings(found, "compile", outputs))
 
 
-def _macro(word: str) -> tuple[str, str]:
+def _parse_macro(word: str) -> tuple[str, str]:
     name, equals, value = word.partition("=")
     return name, value if equals else "1"
 

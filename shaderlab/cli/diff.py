@@ -100,13 +100,13 @@ def command(
             "--range and --stage can't be combined with --case, whose inputs are known"
         )
     plan = Plan(ranges=ranges, rounds=2 if case else Plan.rounds)
-    asking = _Asking(case, stage, includes, plan, limits, workers)
+    asking = _Comparison(case, stage, includes, plan, limits, workers)
     try:
         if against is None:
             assert new is not None
             answers = asking.about(old, new)
         else:
-            answers = _against(asking, old, against)
+            answers = _compare_with_revision(asking, old, against)
     except UsageError:
         raise
     except ShaderlabError as error:
@@ -124,7 +124,7 @@ def command(
 
 
 @dataclass(frozen=True)
-class _Asking:
+class _Comparison:
     """How two shaders are compared, whichever they are."""
 
     case: str | None
@@ -145,7 +145,7 @@ class _Asking:
         with contextlib.closing(
             make_local_executor(None, self.limits, self.workers, early=False)
         ) as executor:
-            request = self._request(old, new, then, executor)
+            request = self._make_request(old, new, then, executor)
             (result,) = executor.perform([request])
         if result.status == "done":
             answers: list[Answer] = result.value
@@ -155,7 +155,7 @@ class _Asking:
         message = str(result.value) if result.status == "error" else result.message
         raise ShaderlabError(f"{result.status} while {result.step or 'starting'}: {message}")
 
-    def _request(
+    def _make_request(
         self,
         old: Path,
         new: Path,
@@ -185,7 +185,7 @@ class _Asking:
         return requests.CompareInCase(Path(facts.file), files, then is not None, self.plan, options)
 
 
-def _against(asking: _Asking, file: Path, name: str) -> list[Answer]:
+def _compare_with_revision(asking: _Comparison, file: Path, name: str) -> list[Answer]:
     """The answers on a file and what it was at a revision. Raises ShaderlabError."""
 
     if not file.is_file():
@@ -194,11 +194,11 @@ def _against(asking: _Asking, file: Path, name: str) -> list[Answer]:
         try:
             answers = asking.about(file, file, before.then)
         except ShaderlabError as error:
-            raise _renamed(error, before) from error
+            raise _rename_error_file(error, before) from error
     return [replace(answer, old=before.shown(answer.old)) for answer in answers]
 
 
-def _renamed(error: ShaderlabError, before: Revision) -> ShaderlabError:
+def _rename_error_file(error: ShaderlabError, before: Revision) -> ShaderlabError:
     if error.file is None:
         return error
     return type(error)(

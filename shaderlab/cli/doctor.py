@@ -39,20 +39,20 @@ class Finding:
 def examine() -> tuple[Finding, ...]:
     """Look at everything, the most basic first. Opens a device for a moment; never raises."""
     return (
-        _python(),
-        _sizes(),
-        *_packages(),
-        _images(),
-        *_compilers(),
-        _bands(),
-        _compile_cache(),
-        *_data(),
-        *_driver(),
-        *_further_drivers(),
+        _check_python(),
+        _check_sizes(),
+        *_check_packages(),
+        _check_images(),
+        *_check_compilers(),
+        _check_bands(),
+        _check_compile_cache(),
+        *_check_data(),
+        *_check_driver(),
+        *_check_further_drivers(),
     )
 
 
-def _python() -> Finding:
+def _check_python() -> Finding:
     wanted = ".".join(map(str, OLDEST_PYTHON))
     return Finding(
         name="Python",
@@ -62,13 +62,13 @@ def _python() -> Finding:
     )
 
 
-def _sizes() -> Finding:
+def _check_sizes() -> Finding:
     words = {"int": "i", "long": "l", "float": "f", "double": "d", "pointer": "P"}
     sizes = ", ".join(f"{name} {8 * struct.calcsize(code)}" for name, code in words.items())
     return Finding(name="machine", found=f"{platform.machine()} {platform.system()}; bits: {sizes}")
 
 
-def _packages() -> Iterator[Finding]:
+def _check_packages() -> Iterator[Finding]:
     """The packages that shaderlab's own metadata asks for, each with the version found."""
     from packaging.requirements import Requirement
 
@@ -103,7 +103,7 @@ def _packages() -> Iterator[Finding]:
         )
 
 
-def _images() -> Finding:
+def _check_images() -> Finding:
     """What reads image files."""
     try:
         found = f"files are read by OpenImageIO {importlib.metadata.version('OpenImageIO')}"
@@ -118,7 +118,7 @@ def _images() -> Finding:
     )
 
 
-def _compilers() -> Iterator[Finding]:
+def _check_compilers() -> Iterator[Finding]:
     from shaderlab.compiler.engines import choose
 
     words = {"library": "its libraries, in this process", "process": "its commands"}
@@ -138,7 +138,7 @@ def _compilers() -> Iterator[Finding]:
         yield Finding(name=name, found=version)
 
 
-def _bands() -> Finding:
+def _check_bands() -> Finding:
     """What does the arithmetic of bands."""
     from shaderlab.bands import compiled
 
@@ -152,7 +152,7 @@ def _bands() -> Finding:
     )
 
 
-def _compile_cache() -> Finding:
+def _check_compile_cache() -> Finding:
     """Where the compile cache is, and how large."""
     from shaderlab.compiler.compile_cache import Store, cache_folder
     from shaderlab.files import CACHE_VARIABLE
@@ -166,7 +166,7 @@ def _compile_cache() -> Finding:
     return Finding(name="compiled programs", found=found, necessary=False)
 
 
-def _data() -> Iterator[Finding]:
+def _check_data() -> Iterator[Finding]:
     from shaderlab.engine.discovery import data_folder
 
     for kind in ("shaders", "cases"):
@@ -176,7 +176,7 @@ def _data() -> Iterator[Finding]:
             yield Finding(name=kind, found=error.message, ok=False, remedy=error.remedy or "")
 
 
-def _driver() -> Iterator[Finding]:
+def _check_driver() -> Iterator[Finding]:
     from shaderlab.drivers import probe
 
     try:
@@ -195,7 +195,7 @@ def _driver() -> Iterator[Finding]:
         yield Finding(name=names.get(key, key.replace("_", " ")), found=value)
 
 
-def _further_drivers() -> Iterator[Finding]:
+def _check_further_drivers() -> Iterator[Finding]:
     """The drivers of Vulkan and of WebGL2, which only `--driver` asks for."""
     from shaderlab import drivers as backends
 

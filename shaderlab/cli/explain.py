@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 _MOST = 3  # of the steps that lose most, in words
 
 
-def _pixel(context: click.Context, option: click.Parameter, text: str | None) -> object:
+def _parse_pixel(context: click.Context, option: click.Parameter, text: str | None) -> object:
     if text is None:
         return None
     parts = text.split(",")
@@ -71,7 +71,7 @@ class ExplainArguments:
 @click.command("explain")
 @click.argument("target", metavar="ID | ID[VARIANT] | FILE.py | SHADER")
 @click.option(
-    "--pixel", metavar="X,Y", callback=_pixel,
+    "--pixel", metavar="X,Y", callback=_parse_pixel,
     help="The pixel, counted from 0 at the lower left.  [default: where the band is widest]",
 )  # fmt: skip
 @click.option("--variant", metavar="NAME", help="The variant; by default the first.")
@@ -199,10 +199,10 @@ def show(explained: Explanation, where: str | None = None) -> None:
             make_printable("  " * len(step.calls) + step.label),
             f"{step.value[at]:.9g}" + ("" if step.by_driver else " (float32)"),
             f"{step.exact[at]:.9g}",
-            _band(step.low[at], step.high[at]),
-            _short(step.off),
-            _short(step.width),
-            _short(step.lost),
+            _format_band(step.low[at], step.high[at]),
+            _format_number(step.off),
+            _format_number(step.width),
+            _format_number(step.lost),
             style=None if step.inside else "red",
         )
     console.print(table)
@@ -224,13 +224,13 @@ def where_precision_goes(steps: Sequence[Step]) -> list[str]:
     losing = sorted((s for s in steps if s.lost > 1.0), key=lambda s: -s.lost)[:_MOST]
     for s in losing:
         place = display_path(s.file, s.line)
-        lines.append(f"{_short(s.lost)} ULP lost at {place}: {s.name}")
+        lines.append(f"{_format_number(s.lost)} ULP lost at {place}: {s.name}")
     return lines
 
 
-def _band(low: float, high: float) -> str:
+def _format_band(low: float, high: float) -> str:
     return f"{low:.9g}" if low == high else f"{low:.9g} … {high:.9g}"
 
 
-def _short(number: float) -> str:
+def _format_number(number: float) -> str:
     return f"{number:.3g}"

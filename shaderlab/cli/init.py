@@ -77,12 +77,12 @@ def command() -> int:
     """
     folders = list(_shader_folders()) or ["."]
     listed = ", ".join(f'"{name}"' for name in folders)
-    _settings(_TABLE.format(shaders=listed))
+    _add_settings(_TABLE.format(shaders=listed))
     if _WORKFLOW_FILE.exists():
-        _say("exists already", _WORKFLOW_FILE)
+        _report("exists already", _WORKFLOW_FILE)
     else:
         _write(_WORKFLOW_FILE, _WORKFLOW.format(shaders=" ".join(folders)))
-    _ignore()
+    _add_ignore_line()
     click.echo("\nnext: write a test (docs/guide/tutorial.md), or begin with: shaderlab new FILE")
     return OK
 
@@ -95,13 +95,13 @@ def _shader_folders() -> Iterator[str]:
     yield from sorted({name.partition("/")[0] if "/" in name else "." for name in names})
 
 
-def _settings(table: str) -> None:
+def _add_settings(table: str) -> None:
     file = Path(FILE)
-    before = _text(file)
+    before = _read_text(file)
     try:
         known = tomllib.loads(before)
         if "shaderlab" in known.get("tool", {}):
-            _say("has [tool.shaderlab] already", file)
+            _report("has [tool.shaderlab] already", file)
             return
         gap = "" if not before else "\n" if before.endswith("\n") else "\n\n"
         tomllib.loads(before + gap + table)
@@ -112,17 +112,17 @@ def _settings(table: str) -> None:
     _write(file, before + gap + table, added=bool(before))
 
 
-def _ignore() -> None:
+def _add_ignore_line() -> None:
     file = Path(".gitignore")
-    before = _text(file)
+    before = _read_text(file)
     if {line.strip().strip("/") for line in before.splitlines()} & {"reports", "reports/*"}:
-        _say("excludes reports/ already", file)
+        _report("excludes reports/ already", file)
         return
     gap = "" if not before or before.endswith("\n") else "\n"
     _write(file, f"{before}{gap}{_IGNORED}\n", added=bool(before))
 
 
-def _text(file: Path) -> str:
+def _read_text(file: Path) -> str:
     try:
         return file.read_text(encoding="utf-8") if file.exists() else ""
     except (OSError, UnicodeDecodeError) as error:
@@ -131,8 +131,8 @@ def _text(file: Path) -> str:
 
 def _write(file: Path, text: str, *, added: bool = False) -> None:
     write_output(text, str(file))
-    _say("added to" if added else "written", file)
+    _report("added to" if added else "written", file)
 
 
-def _say(what: str, file: Path) -> None:
+def _report(what: str, file: Path) -> None:
     click.echo(f"{what}: {file}" if what in ("written", "added to") else f"{file} {what}")

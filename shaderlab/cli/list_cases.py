@@ -33,11 +33,11 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
 
     Exit code: 0 all cases load, 1 one does not, 2 wrong usage.
     """
-    found = _loaded(targets) if targets else _shipped()
+    found = _load_cases(targets) if targets else _load_shipped()
     cases = [case for case in found if case.error is None]
     if chapter is not None:
-        chapters = sorted({_chapter(case) for case in cases})
-        cases = [case for case in cases if _chapter(case) == str(chapter)]
+        chapters = sorted({_chapter_of(case) for case in cases})
+        cases = [case for case in cases if _chapter_of(case) == str(chapter)]
         if not cases:
             raise UsageError(
                 f"chapter {chapter} has no cases", remedy=suggest(str(chapter), chapters)
@@ -47,13 +47,13 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
 
         write_json([{name: getattr(case, name) for name in KEPT} for case in cases], json_file)
     if json_file != "-" and cases:
-        click.echo("\n".join(_lines(cases)))
-    for line in _problems(found):
+        click.echo("\n".join(_format_lines(cases)))
+    for line in _format_problems(found):
         click.echo(line, err=True)
     return OK if all(case.error is None for case in found) else FAILED
 
 
-def _problems(found: Sequence[CaseInfo]) -> Iterator[str]:
+def _format_problems(found: Sequence[CaseInfo]) -> Iterator[str]:
     """Why cases can't be loaded; those that miss packages of one extra in one message."""
     missing: dict[str, list[str]] = {}
     for case in found:
@@ -66,14 +66,14 @@ def _problems(found: Sequence[CaseInfo]) -> Iterator[str]:
         yield f"shaderlab: {what} packages that are not here: {', '.join(ids)}\n  → {remedy}"
 
 
-def _shipped() -> list[CaseInfo]:
+def _load_shipped() -> list[CaseInfo]:
     from shaderlab.cli.selecting import load_shipped_cases
     from shaderlab.engine.discovery import data_folder
 
-    return load_shipped_cases(data_folder("cases"), _imported)
+    return load_shipped_cases(data_folder("cases"), _import_shipped)
 
 
-def _imported() -> list[CaseInfo]:
+def _import_shipped() -> list[CaseInfo]:
     from shaderlab.engine.catalogue import load_cases
     from shaderlab.engine.discovery import shipped_cases
     from shaderlab.errors import CaseError
@@ -96,7 +96,7 @@ def _imported() -> list[CaseInfo]:
     return found
 
 
-def _loaded(targets: Sequence[str]) -> list[CaseInfo]:
+def _load_cases(targets: Sequence[str]) -> list[CaseInfo]:
     from shaderlab.cli.selecting import find_files, make_ids_distinct
     from shaderlab.engine.discovery import sort_key
 
@@ -105,17 +105,17 @@ def _loaded(targets: Sequence[str]) -> list[CaseInfo]:
     return sorted(found, key=lambda case: sort_key(case.section, case.id))
 
 
-def _chapter(case: CaseInfo) -> str:
+def _chapter_of(case: CaseInfo) -> str:
     return case.section.partition(".")[0]
 
 
-def _lines(cases: Sequence[CaseInfo]) -> list[str]:
+def _format_lines(cases: Sequence[CaseInfo]) -> list[str]:
     wide = max(len(case.id) for case in cases)
     lines: list[str] = []
     chapter = None
     for case in cases:
-        if _chapter(case) != chapter:
-            chapter = _chapter(case)
+        if _chapter_of(case) != chapter:
+            chapter = _chapter_of(case)
             heading = f"Chapter {chapter}" if chapter else "Without a chapter"
             lines += ["", heading] if lines else [heading]
         many = f"  ({len(case.variants)} variants)" if len(case.variants) > 1 else ""

@@ -140,7 +140,7 @@ def resolve_target(target: str) -> list[tuple[Path, str | None]]:
     if by_path or (target not in known and path.is_dir()):
         if path.is_dir():
             files: list[tuple[Path, str | None]] = [
-                (file, None) for file in case_files(path, _name_skipped)
+                (file, None) for file in case_files(path, _report_skipped)
             ]
             if not files:
                 raise UsageError(
@@ -213,7 +213,7 @@ def make_ids_distinct(cases: Sequence[CaseInfo]) -> list[CaseInfo]:
     return [replace(case, id=ids[file]) for file, case in zip(files, cases, strict=True)]
 
 
-def _name_skipped(file: Path, reason: str) -> None:
+def _report_skipped(file: Path, reason: str) -> None:
     click.echo(f"shaderlab: not a case: {file}: {reason}", err=True)
 
 
@@ -235,7 +235,7 @@ def load_shipped_cases(course: Path, load: Callable[[], list[CaseInfo]]) -> list
     if root is None:
         return _sort_cases(load())
     name = hashlib.blake2b(os.fsencode(course), digest_size=8).hexdigest()
-    file, key = root / f"cases-{name}.json", _key(course)
+    file, key = root / f"cases-{name}.json", _compute_key(course)
     with suppress(OSError, ValueError, TypeError, KeyError):
         kept = json.loads(read_regular(file))
         if kept["key"] == key:
@@ -256,25 +256,25 @@ def _sort_cases(found: list[CaseInfo]) -> list[CaseInfo]:
     return sorted(found, key=lambda case: sort_key(case.section, case.id))
 
 
-def _key(course: Path) -> str:
+def _compute_key(course: Path) -> str:
     """A digest of all that the facts depend on."""
     digest = hashlib.blake2b(f"{sys.version} {course}".encode(errors="surrogateescape"))
-    for entry in _sources(str(course)):
+    for entry in _iter_sources(str(course)):
         with open(entry.path, "rb") as file:
             text = file.read()
         digest.update(f"{entry.path} {len(text)} ".encode(errors="surrogateescape"))
         digest.update(text)
-    for entry in _sources(str(Path(__file__).parent.parent)):
+    for entry in _iter_sources(str(Path(__file__).parent.parent)):
         known = entry.stat()
         place = f"{entry.path} {known.st_size} {known.st_mtime_ns} "
         digest.update(place.encode(errors="surrogateescape"))
     return digest.hexdigest()
 
 
-def _sources(folder: str) -> Iterator[os.DirEntry[str]]:
+def _iter_sources(folder: str) -> Iterator[os.DirEntry[str]]:
     """A folder's files of Python and TOML, those of its folders included, in a fixed order."""
     for entry in sorted(os.scandir(folder), key=lambda each: each.name):
         if entry.is_dir(follow_symlinks=False) and entry.name != "__pycache__":
-            yield from _sources(entry.path)
+            yield from _iter_sources(entry.path)
         elif entry.name.endswith((".py", ".toml")):
             yield entry

@@ -98,10 +98,10 @@ def case_table(records: Iterable[Record], width: int) -> Table:
         for record in group:
             if record.status != "pass":
                 rows.append(_cells(format_label(record.id, record.variant), [record], "", tells))
-    return _fitted(headings, rows, width)
+    return _fit_columns(headings, rows, width)
 
 
-def _fitted(headings: Sequence[str], rows: Sequence[Sequence[Text]], width: int) -> Table:
+def _fit_columns(headings: Sequence[str], rows: Sequence[Sequence[Text]], width: int) -> Table:
     """The table without the columns that it has no room for; headings are cut before, and names
     where the others leave them no room."""
     cells = [max((row[n].cell_len for row in rows), default=0) for n in range(len(headings))]
@@ -121,9 +121,9 @@ def _fitted(headings: Sequence[str], rows: Sequence[Sequence[Text]], width: int)
         whole = [*least]
         whole[_NAMES] += max(0, min(spare, cells[_NAMES] - least[_NAMES]))
     table = plain_table(
-        *(_cut(headings[n], whole[n]) for n in shown),
-        right={_cut(headings[n], whole[n]) for n in shown if headings[n] in _RIGHT},
-        whole={_cut(headings[n], whole[n]) for n in shown},
+        *(_truncate(headings[n], whole[n]) for n in shown),
+        right={_truncate(headings[n], whole[n]) for n in shown if headings[n] in _RIGHT},
+        whole={_truncate(headings[n], whole[n]) for n in shown},
     )
     for row in rows:
         row[_NAMES].truncate(whole[_NAMES], overflow="ellipsis")
@@ -131,7 +131,7 @@ def _fitted(headings: Sequence[str], rows: Sequence[Sequence[Text]], width: int)
     return table
 
 
-def _cut(heading: str, width: int) -> str:
+def _truncate(heading: str, width: int) -> str:
     return heading if len(heading) <= width else heading[: width - 1] + "…"
 
 
@@ -147,31 +147,31 @@ def _cells(name: str, group: Sequence[Record], variants: str, tells: bool) -> Se
         group[0].section,
         variants,
         checks if outcomes else status,
-        _share(max(widths)) if widths else "",
+        _format_share(max(widths)) if widths else "",
         f"{sum(record.seconds for record in group):.2f}",
     )
     # Texts, not strings: a name is no markup, and parsing markup takes half of a table's time.
     return (
         Text(MARKS[status], STYLES.get(status, "red")),
         *(Text(make_printable(cell)) for cell in plain),
-        _compiled(group),
-        *([Text(_informative(outcomes))] if tells else []),
+        _format_compiled(group),
+        *([Text(_format_informative(outcomes))] if tells else []),
     )
 
 
-def _informative(outcomes: Sequence[Outcome]) -> str:
+def _format_informative(outcomes: Sequence[Outcome]) -> str:
     shares = [o.informative for o in outcomes if o.informative is not None]
     return share(min(shares)) if shares else ""
 
 
-def _share(widths: float) -> str:
+def _format_share(widths: float) -> str:
     """How much of its band the worst value uses: 100 % is the edge."""
     if not math.isfinite(widths) or widths >= 100:
         return "> 9999 %"
     return "< 1 %" if 0 < widths < 0.01 else f"{100 * widths:.0f} %"
 
 
-def _compiled(group: Sequence[Record]) -> Text:
+def _format_compiled(group: Sequence[Record]) -> Text:
     """How many targets accept, or the names of those that refuse."""
     refusing = {
         target
@@ -371,7 +371,7 @@ class Reporter:
             if self._done:
                 seconds = (now - self._began) / self._done * (self._total - self._done)
                 left = f", about {duration(seconds)} left"
-            self._say(f"{self._done} of {self._total} done{left}; running {name}")
+            self._print_line(f"{self._done} of {self._total} done{left}; running {name}")
 
     def ends(self, record: Record) -> None:
         """A scene is done."""
@@ -380,15 +380,17 @@ class Reporter:
             self._failed += 1
             where = f" on {record.driver_name}" if record.driver_name else ""
             if self._failed <= self._most_said:
-                self._say(f"{record.status}: {format_label(record.id, record.variant)}{where}")
+                self._print_line(
+                    f"{record.status}: {format_label(record.id, record.variant)}{where}"
+                )
             elif self._failed == self._most_said + 1:
-                self._say("more do not pass, which are not named here")
+                self._print_line("more do not pass, which are not named here")
 
     def advance(self) -> None:
         """A scene, or something else, is done."""
         self._bar.advance(self._task)
         self._done += 1
 
-    def _say(self, line: str) -> None:
+    def _print_line(self, line: str) -> None:
         if self._bar.disable:
             self._console.print(line)

@@ -186,19 +186,19 @@ class _Watch:
             while not waiting:
                 found = self._changes.next()
                 began = time.perf_counter()
-                changed = self._changed(self._changes.settled(found, self._session.files))
-                if changed & self._wanted.settings() and self._other_settings():
+                changed = self._find_changed(self._changes.settled(found, self._session.files))
+                if changed & self._wanted.settings() and self._have_settings_changed():
                     return
-                waiting = self._after(changed)
+                waiting = self._find_affected(changed)
             self._judge(waiting, began)
 
-    def _changed(self, found: Collection[Path]) -> set[Path]:
+    def _find_changed(self, found: Collection[Path]) -> set[Path]:
         """Of these files, those with other contents. One that nothing depends on and that is gone
         again was an editor's own."""
         known = self._session.files
         return self._contents.changed(path for path in found if path in known or path.exists())
 
-    def _other_settings(self) -> bool:
+    def _have_settings_changed(self) -> bool:
         """Whether the settings are others; ones that can't be read are none."""
         try:
             changed = self._wanted.have_settings_changed()
@@ -209,7 +209,7 @@ class _Watch:
             self._show.console.print("\nthe settings changed: restarting", style="bold")
         return changed
 
-    def _after(self, changed: Collection[Path]) -> set[Path]:
+    def _find_affected(self, changed: Collection[Path]) -> set[Path]:
         """The case files to judge after these files changed."""
         if not changed:
             return set()

@@ -141,7 +141,7 @@ class Contents:
         """Take files that are not known yet as they are now, but for those that were written after
         `since` (seconds as of `time.time`): who read them may have read something else."""
         for path in files:
-            if path not in self._known and _written(path) < since - _CLOCK_TICK:
+            if path not in self._known and _modification_time(path) < since - _CLOCK_TICK:
                 self._known[path] = _digest(path)
 
     def changed(self, files: Iterable[Path]) -> set[Path]:
@@ -156,7 +156,7 @@ class Contents:
         return found
 
 
-def _written(path: Path) -> float:
+def _modification_time(path: Path) -> float:
     try:
         return path.stat().st_mtime
     except OSError:
@@ -248,7 +248,7 @@ class OpenedFiles:
 
     def __init__(self) -> None:
         self._names: set[str] | None = None
-        sys.addaudithook(self._hear)
+        sys.addaudithook(self._note_open)
 
     @contextmanager
     def noted(self) -> Iterator[set[Path]]:
@@ -261,7 +261,7 @@ class OpenedFiles:
             names, self._names = self._names, None
             found |= {path for path in map(_source, names) if is_project_file(path)}
 
-    def _hear(self, event: str, arguments: tuple[Any, ...]) -> None:
+    def _note_open(self, event: str, arguments: tuple[Any, ...]) -> None:
         if event != "open" or self._names is None:
             return
         name, _, flags = arguments
@@ -396,7 +396,7 @@ class Session:
         chosen = [watched for file, watched in self._watched.items() if file in case_files]
         self._load([w for w in chosen if w.facts is None and not w.tests])
         jobs = [job for watched, job in self._in_order() if watched.file in case_files]
-        jobs.sort(key=self._passed)
+        jobs.sort(key=self._has_passed)
         self._unfinished = {watched.file for watched in chosen}
         for job in (job for job in jobs if job.broken):
             yield self._keep(job, make_failed_record(job, job.broken, job.trouble), set())
@@ -491,7 +491,7 @@ class Session:
             for job in watched.jobs:
                 yield watched, job
 
-    def _passed(self, job: Job) -> bool:
+    def _has_passed(self, job: Job) -> bool:
         record = self._watched[Path(job.file)].records.get(job.variant)
         return record is None or record.status in ("pass", "unsupported")
 

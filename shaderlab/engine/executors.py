@@ -117,7 +117,7 @@ class LocalExecutor(Executor):
         results = self.perform(
             [LoadCase(file) for file in files], batch=choose_load_batch(len(files))
         )
-        found = {result.number: _facts(files[result.number], result) for result in results}
+        found = {result.number: _case_info(files[result.number], result) for result in results}
         return [found[number] for number in range(len(files))]
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
@@ -183,11 +183,11 @@ class ProcessExecutor(LocalExecutor):
         self._early = early
         if early:
             self._pool.start()
-            _ = self._asked
+            _ = self._driver_info
 
     def about(self) -> DriverInfo:
         """See `Executor`. Where the driver takes the process down, "renderer" is "none"."""
-        return self._asked.result()
+        return self._driver_info.result()
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
         if not self._early:
@@ -207,10 +207,10 @@ class ProcessExecutor(LocalExecutor):
         self._thread.shutdown(wait=True, cancel_futures=True)
 
     @cached_property
-    def _asked(self) -> Future[DriverInfo]:
-        return self._thread.submit(self._ask_about)
+    def _driver_info(self) -> Future[DriverInfo]:
+        return self._thread.submit(self._describe_driver)
 
-    def _ask_about(self) -> DriverInfo:
+    def _describe_driver(self) -> DriverInfo:
         versions = package_versions()  # a worker's are the same, and it has enough to import
         (result,) = self._pool.run([DescribeDriver(self._driver)])
         if result.status == "done":
@@ -267,7 +267,7 @@ def format_error(result: ItemResult) -> str:
     return "\n".join([str(result.value), *getattr(result.value, "__notes__", ())])
 
 
-def _facts(file: Path, result: ItemResult) -> CaseInfo:
+def _case_info(file: Path, result: ItemResult) -> CaseInfo:
     if result.status == "done":
         found: CaseInfo = result.value
         return found

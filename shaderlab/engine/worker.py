@@ -102,7 +102,7 @@ class Worker:
             section=case.section,
             variants=tuple(scene.variant for scene in scenes),
             formulas=tuple(len(scene.formulas()) for scene in scenes),
-            parameters={name: _components(value) for name, value in inputs.items()},
+            parameters={name: _count_components(value) for name, value in inputs.items()},
             sized=any(p.target.size is None for scene in scenes for p in scene.passes),
         )
 
@@ -111,9 +111,9 @@ class Worker:
         size = options.size if job.point is None else job.point.size or options.size
         if size != options.size:
             options = replace(options, size=size)
-        lab = self.lab(_of_driver(job.driver, options))
+        lab = self.lab(_options_for_driver(job.driver, options))
         self.note("loading the case file")
-        scene = _scene_of(job, self.scenes(job.file))
+        scene = _find_scene(job, self.scenes(job.file))
         record = lab.run(scene)
         return replace(record, driver_name=job.driver) if job.driver else record
 
@@ -140,7 +140,7 @@ class Worker:
             self._lab.close()
 
 
-def _of_driver(driver: str, options: RunOptions) -> RunOptions:
+def _options_for_driver(driver: str, options: RunOptions) -> RunOptions:
     """The options on one of several drivers: only the first one's pictures are for people."""
     if not driver:
         return options
@@ -152,7 +152,7 @@ def _of_driver(driver: str, options: RunOptions) -> RunOptions:
     )
 
 
-def _scene_of(job: Job, scenes: Mapping[str, Scene]) -> Scene:
+def _find_scene(job: Job, scenes: Mapping[str, Scene]) -> Scene:
     scene = scenes[job.variant if job.point is None else job.point.variant]
     if scene.case.id != job.id:  # another file of the run has this one's name
         scene = replace(scene, case=replace(scene.case, id=job.id))
@@ -165,6 +165,6 @@ def _scene_of(job: Job, scenes: Mapping[str, Scene]) -> Scene:
     return replace(scene, expect=scene.formulas())
 
 
-def _components(value: Any) -> int:
+def _count_components(value: Any) -> int:
     value = value.origin if isinstance(value, Ramp) else value
     return int(np.size(value))

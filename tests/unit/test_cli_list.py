@@ -87,7 +87,7 @@ def test_errors_are_one_block_unless_debugging(
     def fail() -> None:
         raise error
 
-    monkeypatch.setattr(list_cases, "_shipped", fail)
+    monkeypatch.setattr(list_cases, "_load_shipped", fail)
     result = call("list")
     assert result.exit_code == code
     assert result.stderr == f"shaderlab: {error}\n"
