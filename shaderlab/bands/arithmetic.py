@@ -31,6 +31,7 @@ from shaderlab.bands.rounding import (
     LARGEST,
     RELATIVE_STEP,
     SMALLEST_NORMAL,
+    Ends,
     Flags,
     Float64Array,
     add_above,
@@ -104,7 +105,7 @@ def subtract(a: BandT, b: BandT) -> BandT:
 
 def _move_out(
     lo: Float64Array, hi: Float64Array, step: Float64Array, positive: Flags, negative: Flags
-) -> tuple[Float64Array, Float64Array]:
+) -> Ends:
     """Bounds moved out by a step, which does not take a result past zero where that is known to be
     positive or negative."""
     low, high = lo - step, hi + step
@@ -113,7 +114,7 @@ def _move_out(
 
 def _move_out_by_terms(
     lo: Float64Array, hi: Float64Array, steps: float, terms: Terms, least: Float64Array | float
-) -> tuple[Float64Array, Float64Array]:
+) -> Ends:
     """Bounds moved out by some steps of the terms: a sum times or over a plain value, once settled,
     keeps its sign when its terms are distributed, if its size is at least `least`."""
     safe = terms.safe()
@@ -213,12 +214,7 @@ def _square_terms(a: Bounds, product: Float64Array) -> Terms:
 def divide(a: BandT, b: BandT) -> BandT:
     """a / b within 2.5 ULP where 2^-126 ≤ |b| ≤ 2^126; anything elsewhere."""
     a_lo, a_hi = a.apply_slack()
-    b_lo, b_hi = b.lo, b.hi
-    outside = None
-    if find_least(b_lo) >= SMALLEST_NORMAL and b_hi.size and b_hi.max() <= LARGEST_DIVISOR:
-        smallest = b_lo
-    else:
-        b_lo, b_hi, smallest, outside = _usable_divisor(b_lo, b_hi)
+    b_lo, b_hi, smallest, outside = _usable_divisor(b.lo, b.hi)
     lo, hi = _quotient_bounds(a_lo, a_hi, b_lo, b_hi)
     lo, hi = widen_by_ulps(lo, hi, DIVISION_ULPS, DIVISION_ULPS)
     if a.terms is None:
@@ -235,7 +231,7 @@ def divide(a: BandT, b: BandT) -> BandT:
 
 def product_bounds(
     a_lo: Float64Array, a_hi: Float64Array, b_lo: Float64Array, b_hi: Float64Array
-) -> tuple[Float64Array, Float64Array]:
+) -> Ends:
     """The hull of the products of the ends. Exact: 24 + 24 bits fit into float64."""
     ends = (a_lo,) if a_lo is a_hi else (a_lo, a_hi), (b_lo,) if b_lo is b_hi else (b_lo, b_hi)
     products = [x * y for x in ends[0] for y in ends[1]]
@@ -276,7 +272,7 @@ def _usable_divisor(
 
 def _quotient_bounds(
     a_lo: Float64Array, a_hi: Float64Array, b_lo: Float64Array, b_hi: Float64Array
-) -> tuple[Float64Array, Float64Array]:
+) -> Ends:
     """The hull of the quotients of the ends; no divisor is zero."""
     ends = (a_lo,) if a_lo is a_hi else (a_lo, a_hi), (b_lo,) if b_lo is b_hi else (b_lo, b_hi)
     quotients = [x / y for x in ends[0] for y in ends[1]]

@@ -21,6 +21,7 @@ from shaderlab.bands.rounding import (
     LARGEST,
     RELATIVE_STEP,
     SMALLEST_NORMAL,
+    Ends,
     Flags,
     Float64Array,
     Rules,
@@ -298,7 +299,7 @@ class Bounds(Interval):
         )
         return nan, anything, undecided
 
-    def apply_slack(self) -> tuple[Float64Array, Float64Array]:
+    def apply_slack(self) -> Ends:
         """The bounds once a pending slack is paid (see `arithmetic`)."""
         slack = None if self.terms is None else self.terms.slack
         if slack is None:

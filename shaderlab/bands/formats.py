@@ -11,12 +11,10 @@ import numpy as np
 from shaderlab.errors import FormulaError, suggest
 
 from .bounds import Bounds, Interval
-from .rounding import Flags, Float64Array
+from .rounding import Ends, Flags, Float64Array
 
 _HALF_LARGEST = 65504.0
 _HALF_SMALLEST_NORMAL = 2.0**-14
-
-Ends = tuple[Float64Array, Float64Array]
 
 
 def srgb_encode(linear: Float64Array) -> Float64Array:

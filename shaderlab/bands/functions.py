@@ -22,6 +22,7 @@ from shaderlab.bands.rounding import (
     RELATIVE_STEP,
     SMALLEST_DENORMAL,
     SMALLEST_NORMAL,
+    Ends,
     Flags,
     Float64Array,
     round_down,
@@ -46,7 +47,7 @@ _MIX_FLUSHED = 8.0
 _PI_32 = float(np.float32(np.pi))
 
 
-def _evaluate(a: Band, function: Any) -> tuple[Float64Array, Float64Array]:
+def _evaluate(a: Band, function: Any) -> Ends:
     """The function at both ends; once only where they are the same."""
     lo: Float64Array = function(a.lo)
     return lo, lo if a.lo is a.hi else function(a.hi)
@@ -60,9 +61,7 @@ def inversesqrt(a: Band) -> Band:
     return a.derive(lo, hi, anything=a.lo <= 0.0)
 
 
-def _inversesqrt_bounds(
-    a_lo: Float64Array, a_hi: Float64Array
-) -> tuple[Float64Array, Float64Array]:
+def _inversesqrt_bounds(a_lo: Float64Array, a_hi: Float64Array) -> Ends:
     lo = 1.0 / np.sqrt(np.maximum(a_hi, 0.0))
     hi = lo if a_lo is a_hi else 1.0 / np.sqrt(np.maximum(a_lo, 0.0))
     return widen_by_ulps(lo, hi, INVERSESQRT_ULPS, INVERSESQRT_ULPS)
@@ -99,9 +98,7 @@ def logarithm(a: Band, function: Any) -> Band:
     return a.derive(lo, hi, anything=a.lo <= 0.0)
 
 
-def _log_bounds(
-    a_lo: Float64Array, a_hi: Float64Array, function: Any
-) -> tuple[Float64Array, Float64Array]:
+def _log_bounds(a_lo: Float64Array, a_hi: Float64Array, function: Any) -> Ends:
     lo: Float64Array = function(a_lo)
     hi: Float64Array = lo if a_lo is a_hi else function(a_hi)
     error_lo = np.where((a_lo >= 0.5) & (a_lo <= 2.0), LOG_ERROR_NEAR_ONE, LOG_ULPS * ulp(lo))
@@ -188,7 +185,7 @@ def arctangent2(y: Band, x: Band) -> Band:
 
 def _angle_bounds(
     y_lo: Float64Array, y_hi: Float64Array, x_lo: Float64Array, x_hi: Float64Array
-) -> tuple[Float64Array, Float64Array]:
+) -> Ends:
     """The angles of a box that the cut does not cross: monotone along each edge."""
     corners = [np.arctan2(y + 0.0, x) for y in (y_lo, y_hi) for x in (x_lo, x_hi)]
     return reduce(np.minimum, corners), reduce(np.maximum, corners)
@@ -199,7 +196,7 @@ def _is_unspecified(a: Band) -> Flags:
     return np.full(a.shape, a.rules.spec == "glsl")
 
 
-def _arc(a: Band, angles: Callable[[Band], tuple[Float64Array, Float64Array]]) -> Band:
+def _arc(a: Band, angles: Callable[[Band], Ends]) -> Band:
     """An angle in a right triangle, made of the leg a and the other one, √(1 - a²)."""
     rest = arithmetic.add(a.lift(1.0), exact.negate(arithmetic.square(a)))
     lo, hi = angles(sqrt(exact.maximum_of(rest, a.lift(0.0))))
@@ -221,6 +218,7 @@ def arccosine(a: Band) -> Band:
 
 
 @use_kernel
+@np.errstate(all="ignore")
 def cut_to_ends(found: Band, x: Band, y: Band, a: Band) -> Band:
     """The band `found` of mix(x, y, a) by its operations, cut to what it may be at most.
 
@@ -230,22 +228,13 @@ def cut_to_ends(found: Band, x: Band, y: Band, a: Band) -> Band:
     terms = _mix_terms(found, x, y, a)
     if found.lo is found.hi:
         return found.derive_exact(found.lo, found.lo, terms=terms)
-    lo, hi = _end_bounds(found, x, y, a, found.rules.flush)
-    return found.derive_exact(lo, hi, terms=terms)
-
-
-@np.errstate(all="ignore")
-def _end_bounds(
-    found: Band, x: Band, y: Band, a: Band, flush: bool
-) -> tuple[Float64Array, Float64Array]:
-    """The bounds of `found`, no wider than the ends of x, y and a allow."""
     sides = [_mix_at(x.apply_slack(), y.apply_slack(), end) for end in a.apply_slack()]
     lost = _rounding_loss(found, x, y, a)
     least = np.minimum(sides[0][0], sides[1][0]) - lost
     most = np.maximum(sides[0][1], sides[1][1]) + lost
-    lo, hi = round_outward(least, most, flush)
+    lo, hi = round_outward(least, most, found.rules.flush)
     # Where a bound is NaN, of infinity times 0, the operations' own stays.
-    return np.fmax(found.lo, lo), np.fmin(found.hi, hi)
+    return found.derive_exact(np.fmax(found.lo, lo), np.fmin(found.hi, hi), terms=terms)
 
 
 def _rounding_loss(found: Band, x: Band, y: Band, a: Band) -> Float64Array:
@@ -287,9 +276,7 @@ def _largest_size(low: Float64Array, high: Float64Array) -> Float64Array:
     return size
 
 
-def _mix_at(
-    x: tuple[Float64Array, Float64Array], y: tuple[Float64Array, Float64Array], a: Float64Array
-) -> tuple[Float64Array, Float64Array]:
+def _mix_at(x: Ends, y: Ends, a: Float64Array) -> Ends:
     """The least and the greatest x·(1 - a) + y·a at one `a`."""
     of_x = x[0] * (1.0 - a), x[1] * (1.0 - a)
     of_y = y[0] * a, y[1] * a

@@ -18,6 +18,8 @@ from shaderlab.errors import FormulaError, suggest
 Float64Array = NDArray[np.float64]
 Float32Array = NDArray[np.float32]
 Flags = NDArray[np.bool_]
+Ends = tuple[Float64Array, Float64Array]
+"""The lower and the upper bound of each value."""
 
 SMALLEST_NORMAL = 2.0**-126
 SMALLEST_DENORMAL = 2.0**-149
@@ -49,7 +51,7 @@ def add_above(a: Float64Array, b: Float64Array) -> Float64Array:
     return np.where(lost > 0.0, np.nextafter(total, np.inf), total)
 
 
-def _two_sum(a: Float64Array, b: Float64Array) -> tuple[Float64Array, Float64Array]:
+def _two_sum(a: Float64Array, b: Float64Array) -> Ends:
     """a + b rounded to float64, and what the rounding lost (Knuth, TAOCP 2, 4.2.2 theorem B).
 
     The loss is NaN where the sum or a step towards it overflows.
@@ -79,9 +81,7 @@ def ulp(x: Float64Array) -> Float64Array:
 
 @use_kernel
 @np.errstate(all="ignore")
-def round_outward(
-    lo: Float64Array, hi: Float64Array, flush: bool
-) -> tuple[Float64Array, Float64Array]:
+def round_outward(lo: Float64Array, hi: Float64Array, flush: bool) -> Ends:
     """The largest float32 not above `lo`, the smallest not below `hi`; the same array twice where
     all are float32 themselves and one array was given. With `flush`, bounds that touch denormals
     include zero."""
@@ -123,7 +123,7 @@ def is_power_of_two(x: Float64Array) -> bool:
 
 def widen_by_ulps(
     lo: Float64Array, hi: Float64Array, ulps_lo: Float64Array | float, ulps_hi: Float64Array | float
-) -> tuple[Float64Array, Float64Array]:
+) -> Ends:
     """Bounds moved out by some ULP; a bound does not move past zero, and zero stays zero."""
     out_lo = ulps_lo * ulp(lo) + FLOAT64_ERROR * np.minimum(np.abs(lo), LARGEST)
     out_hi = ulps_hi * ulp(hi) + FLOAT64_ERROR * np.minimum(np.abs(hi), LARGEST)
