@@ -6,9 +6,9 @@ inside, no device can be blamed. GLSL's functions for bands are in `shaderlab.gl
 """
 
 from shaderlab.bands.band import Band, Literal
-from shaderlab.bands.formats import Allowed
+from shaderlab.bands.bounds import Allowed
+from shaderlab.bands.exact import TriBool
 from shaderlab.bands.integer import Integer
 from shaderlab.bands.rounding import Rules
-from shaderlab.bands.tri_bool import TriBool
 
 __all__ = ["Allowed", "Band", "Integer", "Literal", "Rules", "TriBool"]

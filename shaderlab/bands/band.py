@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from shaderlab.bands import arithmetic, formats
-from shaderlab.bands.bounds import NO, NOWHERE, Bounds, Swizzled, Terms
+from shaderlab.bands.bounds import NO, NOWHERE, Allowed, Bounds, Swizzled, Terms
 from shaderlab.bands.compiled import use_bands
-from shaderlab.bands.exact import absolute_value, equal, less, negate, not_less, union
+from shaderlab.bands.exact import TriBool, absolute_value, equal, less, negate, not_less, union
 from shaderlab.bands.rounding import Float64Array, Rules, round_outward
-from shaderlab.bands.tri_bool import TriBool
 from shaderlab.errors import FormulaError
 
 _DEFAULT = Rules()
@@ -153,7 +152,7 @@ class Band(Bounds, Swizzled):
             flags = (unknown, unknown, NO)
         return cls(*round_outward(lo, hi, rules.flush), rules, flags)
 
-    def quantise(self, fmt: str, *, tolerance: float | None = None) -> formats.Allowed:
+    def quantise(self, fmt: str, *, tolerance: float | None = None) -> Allowed:
         """What reading these values back from a render target of this format may give.
 
         See `formats.quantise` for the formats, their units and their tolerances.

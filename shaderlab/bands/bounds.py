@@ -204,6 +204,26 @@ class Interval:
         return widths(self.lo, self.hi, self.nan, measured, getattr(self, "unit", 0.0))
 
 
+@dataclass(frozen=True, eq=False)
+class Allowed(Interval):
+    """The values that reading a format back may give: lo ≤ measured ≤ hi, in the format's units.
+
+    Attributes:
+        lo, hi: float64 bounds, both legal.
+        nan: where NaN is legal too.
+        vacuous: where the rules allowed anything before the format clamped it.
+        undecided: where a branch went both ways.
+        unit: the size of one code; 0 for float formats.
+    """
+
+    lo: Float64Array
+    hi: Float64Array
+    nan: Flags
+    vacuous: Flags
+    undecided: Flags
+    unit: float = 0.0
+
+
 NO = np.zeros((), dtype=np.bool_)
 NOWHERE = (NO, NO, NO)
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from shaderlab.errors import FormulaError, suggest
 
-from .bounds import Bounds, Interval
-from .rounding import Ends, Flags, Float64Array
+from .bounds import Allowed, Bounds
+from .rounding import Ends, Float64Array
 
 _HALF_LARGEST = 65504.0
 _HALF_SMALLEST_NORMAL = 2.0**-14
@@ -118,23 +117,3 @@ def quantise(band: Bounds, fmt: str, tolerance: float | None = None) -> Allowed:
         nan = np.zeros_like(nan)
     lo, hi = rule(lo, hi, own_tolerance if tolerance is None else tolerance)
     return Allowed(lo, hi, nan, band.vacuous, band.undecided, unit)
-
-
-@dataclass(frozen=True, eq=False)
-class Allowed(Interval):
-    """The values that reading a format back may give: lo ≤ measured ≤ hi, in the format's units.
-
-    Attributes:
-        lo, hi: float64 bounds, both legal.
-        nan: where NaN is legal too.
-        vacuous: where the rules allowed anything before the format clamped it.
-        undecided: where a branch went both ways.
-        unit: the size of one code; 0 for float formats.
-    """
-
-    lo: Float64Array
-    hi: Float64Array
-    nan: Flags
-    vacuous: Flags
-    undecided: Flags
-    unit: float = 0.0

@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from shaderlab.bands.band import REFLECTED, WHOLE, Band
 from shaderlab.bands.bounds import Swizzled, Vector
+from shaderlab.bands.exact import TriBool, as_tri_bool
 from shaderlab.bands.rounding import Flags, Rules
-from shaderlab.bands.tri_bool import TriBool
 from shaderlab.errors import FormulaError
 
 Integers = npt.NDArray[np.int64]
@@ -361,3 +361,44 @@ for _name, _compared, _swapped, _negated in (
         f"__{_name}__",
         _make_comparison(_compared, getattr(operator, _name), swapped=_swapped, negated=_negated),
     )
+
+
+def absolute_value(n: Integer) -> Integer:
+    """|n|; the least integer stays what it is."""
+    ends = np.abs(n.lo), np.abs(n.hi)
+    low = np.where((n.lo < 0) & (n.hi > 0), 0, np.minimum(*ends))
+    return n.derive(low, None if n.known else np.maximum(*ends))
+
+
+def sign(n: Integer) -> Integer:
+    """-1, 0 or 1."""
+    return n.derive(np.sign(n.lo), None if n.known else np.sign(n.hi))
+
+
+def minimum_of(a: Integer, b: Integer) -> Integer:
+    """The smaller of two."""
+    known = a.known and b.known
+    return a.derive(np.minimum(a.lo, b.lo), None if known else np.minimum(a.hi, b.hi), b)
+
+
+def maximum_of(a: Integer, b: Integer) -> Integer:
+    """The larger of two."""
+    known = a.known and b.known
+    return a.derive(np.maximum(a.lo, b.lo), None if known else np.maximum(a.hi, b.hi), b)
+
+
+def clamp(n: Integer, minimum: Integer, maximum: Integer) -> Integer:
+    """min(max(n, minimum), maximum); undefined where minimum may exceed maximum."""
+    found = minimum_of(maximum_of(n, minimum), maximum)
+    undefined = minimum.hi > maximum.lo
+    return found.derive(found.lo, None if found.known else found.hi, anything=undefined)
+
+
+def select(condition: Any, a: Integer, b: Integer) -> Integer:
+    """a where the condition holds, else b; the hull of both where it is undecided."""
+    truth = as_tri_bool(condition)
+    low = np.where(truth.all_true, a.lo, np.where(truth.all_false, b.lo, np.minimum(a.lo, b.lo)))
+    high = np.where(truth.all_true, a.hi, np.where(truth.all_false, b.hi, np.maximum(a.hi, b.hi)))
+    flags = (a.anything & ~truth.all_false) | (b.anything & ~truth.all_true)
+    plain = Integer(0, unsigned=a.unsigned, rules=a.rules or b.rules or truth.rules)
+    return plain.derive(low, None if np.array_equal(low, high) else high, anything=flags)

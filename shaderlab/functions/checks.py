@@ -20,8 +20,8 @@ from shaderlab.errors import CallError, FormulaError
 from shaderlab.functions.call import Call, Opaque, read_textures
 from shaderlab.functions.laws import CallLaw, judge_law
 from shaderlab.functions.signatures import Type
-from shaderlab.glslmath.arrays import stack
 from shaderlab.glslmath.choice import where
+from shaderlab.glslmath.vector import stack
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Outcome, SourceText
 from shaderlab.report.text import format_numbers, format_outcome

@@ -8,11 +8,10 @@ Source: the OpenGL Shading Language 4.60 (Khronos), chapter 8 "Built-In Function
 """
 
 # ruff: noqa: F403 (each module lists its functions in __all__)
-from shaderlab.glslmath.arrays import *
+from shaderlab.glslmath.bits import *
 from shaderlab.glslmath.choice import *
 from shaderlab.glslmath.derivatives import *
 from shaderlab.glslmath.dispatch import *
 from shaderlab.glslmath.integer import *
-from shaderlab.glslmath.packing import *
 from shaderlab.glslmath.scalar import *
 from shaderlab.glslmath.vector import *

@@ -7,10 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from shaderlab.bands import Band, Integer, TriBool, exact
+from shaderlab.bands import Band, Integer, TriBool, exact, integer
 from shaderlab.bands.bounds import as_vector
-from shaderlab.bands.tri_bool import as_tri_bool
-from shaderlab.glslmath import integer
+from shaderlab.bands.exact import as_tri_bool
 from shaderlab.glslmath.dispatch import Condition, Value, apply, as_bands, as_integers, as_number
 
 __all__ = [

@@ -15,10 +15,9 @@ import numpy as np
 from shaderlab.bands import Band, Integer, Literal, Rules, TriBool
 from shaderlab.bands.band import WHOLE
 from shaderlab.bands.exact import concatenate
-from shaderlab.bands.tri_bool import as_tri_bool
 from shaderlab.errors import FormulaError
 
-from .dispatch import Condition, Value
+from .dispatch import Value
 
 __all__ = [
     "bitCount", "bitfieldExtract", "bitfieldInsert", "bitfieldReverse", "findLSB", "findMSB",
@@ -306,44 +305,3 @@ def _join(parts: Sequence[Integer]) -> Integer:
         *(Integer(0, rules=part.rules) for part in parts[1:]),
         anything=concatenate(flags, -1),
     )
-
-
-def absolute_value(n: Integer) -> Integer:
-    """|n|; the least integer stays what it is."""
-    ends = np.abs(n.lo), np.abs(n.hi)
-    low = np.where((n.lo < 0) & (n.hi > 0), 0, np.minimum(*ends))
-    return n.derive(low, None if n.known else np.maximum(*ends))
-
-
-def sign(n: Integer) -> Integer:
-    """-1, 0 or 1."""
-    return n.derive(np.sign(n.lo), None if n.known else np.sign(n.hi))
-
-
-def minimum_of(a: Integer, b: Integer) -> Integer:
-    """The smaller of two."""
-    known = a.known and b.known
-    return a.derive(np.minimum(a.lo, b.lo), None if known else np.minimum(a.hi, b.hi), b)
-
-
-def maximum_of(a: Integer, b: Integer) -> Integer:
-    """The larger of two."""
-    known = a.known and b.known
-    return a.derive(np.maximum(a.lo, b.lo), None if known else np.maximum(a.hi, b.hi), b)
-
-
-def clamp(n: Integer, minimum: Integer, maximum: Integer) -> Integer:
-    """min(max(n, minimum), maximum); undefined where minimum may exceed maximum."""
-    found = minimum_of(maximum_of(n, minimum), maximum)
-    undefined = minimum.hi > maximum.lo
-    return found.derive(found.lo, None if found.known else found.hi, anything=undefined)
-
-
-def select(condition: Condition, a: Integer, b: Integer) -> Integer:
-    """a where the condition holds, else b; the hull of both where it is undecided."""
-    truth = as_tri_bool(condition)
-    low = np.where(truth.all_true, a.lo, np.where(truth.all_false, b.lo, np.minimum(a.lo, b.lo)))
-    high = np.where(truth.all_true, a.hi, np.where(truth.all_false, b.hi, np.maximum(a.hi, b.hi)))
-    flags = (a.anything & ~truth.all_false) | (b.anything & ~truth.all_true)
-    plain = Integer(0, unsigned=a.unsigned, rules=a.rules or b.rules or truth.rules)
-    return plain.derive(low, None if np.array_equal(low, high) else high, anything=flags)

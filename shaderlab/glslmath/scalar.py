@@ -11,9 +11,8 @@ import math
 
 import numpy as np
 
-from shaderlab.bands import Band, TriBool, arithmetic, exact, functions
+from shaderlab.bands import Band, TriBool, arithmetic, exact, functions, integer
 
-from . import integer
 from .choice import where
 from .dispatch import Value, apply, as_integers, as_number, mark_undefined
 

@@ -1,24 +1,151 @@
-"""GLSL's geometric functions (GLSL 4.60, 8.5). Vectors lie along the last axis, which `dot`,
-`length` and `distance` keep with size 1.
+"""Vectors, matrices and tables: GLSL's constructors and components, and its geometric and matrix
+functions (GLSL 4.60, 5.4, 8.5, 8.6).
+
+Vectors lie along the last axis, which `dot`, `length` and `distance` keep with size 1.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
-from shaderlab.bands import Band, arithmetic, exact, functions
+from shaderlab.bands import Band, Integer, arithmetic, exact, functions
+from shaderlab.bands.bounds import SETS, as_vector, components
+from shaderlab.bands.exact import concatenate, join
 from shaderlab.bands.rounding import SMALLEST_NORMAL
 from shaderlab.errors import FormulaError
 
-from .arrays import stack
-from .choice import where
-from .dispatch import Value, apply, as_number, mark_undefined
+from .choice import equal, where
+from .dispatch import Value, apply, as_bands, as_number, mark_undefined
 from .scalar import clamp, max, sqrt
 
 __all__ = [
-    "cross", "determinant", "distance", "dot", "faceforward", "inverse", "length", "matmul",
-    "matrixCompMult", "mul", "normalize", "outerProduct", "reflect", "refract", "transpose",
+    "array", "cross", "determinant", "distance", "dot", "faceforward", "inverse", "length",
+    "mat2", "mat3", "mat4", "matmul", "matrixCompMult", "mul", "normalize", "outerProduct",
+    "reflect", "refract", "swizzle", "transpose", "vec2", "vec3", "vec4",
 ]  # fmt: skip
+
+
+def stack(parts: Sequence[Value], axis: int) -> Value:
+    """Values one after the other along an axis, the other axes broadcast."""
+    lifted = as_bands(*parts)
+    if lifted is not None:
+        return join(lifted, axis)
+    arrays = [np.atleast_1d(np.asarray(part, np.float64)) for part in parts]
+    return as_vector(concatenate(arrays, axis), *parts)
+
+
+def _take_components(name: str, size: int, parts: Sequence[Value]) -> Value:
+    """`size` components of the parts, one after the other. GLSL takes what it needs of the last
+    part, but no part may be left over."""
+    together = stack(parts, -1) if parts else np.empty(0)
+    got = together.shape[-1]
+    last = (_shape(parts[-1])[-1:] or (1,))[0] if parts else 0
+    if got < size or got - last >= size:
+        raise FormulaError(
+            f"{name} of {got} components in {len(parts)} arguments",
+            remedy=f"give it {size} components, or one number for all of them",
+        )
+    return together[..., :size]
+
+
+def _shape(value: Value) -> tuple[int, ...]:
+    return tuple(value.shape if hasattr(value, "shape") else np.shape(value))
+
+
+def _vector(size: int, parts: Sequence[Value]) -> Value:
+    if len(parts) == 1 and (_shape(parts[0])[-1:] or (1,))[0] == 1:
+        return stack(parts, -1)[..., [0] * size]
+    return _take_components(f"vec{size}", size, parts)
+
+
+def vec2(*parts: Value) -> Value:
+    """Two components from numbers and vectors, or one number for both.
+
+    >>> vec2(1.0, 2.0)
+    array([1., 2.])
+    """
+    return _vector(2, parts)
+
+
+def vec3(*parts: Value) -> Value:
+    """Three components from numbers and vectors, or one number for all; the rest broadcasts.
+
+    >>> vec3(np.array([1.0, 2.0]), 3.0)
+    array([1., 2., 3.])
+    """
+    return _vector(3, parts)
+
+
+def vec4(*parts: Value) -> Value:
+    """Four components from numbers and vectors, or one number for all; the rest broadcasts.
+
+    >>> vec4(np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), 1.0)
+    array([[1., 2., 3., 1.],
+           [4., 5., 6., 1.]])
+    """
+    return _vector(4, parts)
+
+
+def swizzle(v: Value, names: str) -> Value:
+    """Components by GLSL's names: xyzw, rgba or stpq, of one set, any order, repeated or not;
+    the values that a reference gets have them as attributes, too: `v.yxx`.
+
+    >>> swizzle(np.array([1.0, 2.0]), "yxx")
+    array([2., 1., 1.])
+    """
+    size = _shape(v)[-1]
+    found = components(names, size)
+    if found is None:
+        raise FormulaError(
+            f"no swizzle {names!r} of {size} components",
+            remedy=f"use the letters of one of {', '.join(s[:size] for s in SETS)}",
+        )
+    return v[..., found]
+
+
+def _matrix(size: int, parts: Sequence[Value]) -> Value:
+    name = f"mat{size}"
+    if len(parts) == 1:
+        (m,) = parts
+        shape = _shape(m)
+        if len(shape) >= 2 and min(shape[-2:]) >= size:
+            return m[..., :size, :size]
+        if shape[-1:] in ((), (1,)):
+            # Of one number the diagonal.
+            parts = [m if row == column else 0.0 for column in range(size) for row in range(size)]
+        else:
+            raise FormulaError(
+                f"{name} of an array of shape {shape}",
+                remedy=f"give it one number, a larger matrix, or {size * size} components",
+            )
+    together = _take_components(name, size * size, parts)
+    columns = [together[..., n * size : (n + 1) * size, None] for n in range(size)]
+    return stack(columns, -1)
+
+
+def mat2(*parts: Value) -> Value:
+    """Two columns, or their four components; one number on the diagonal; or the upper left of a
+    larger matrix."""
+    return _matrix(2, parts)
+
+
+def mat3(*parts: Value) -> Value:
+    """Three columns (tangent, bitangent, …), or their nine components; one number on the diagonal;
+    or the upper left of a larger matrix."""
+    return _matrix(3, parts)
+
+
+def mat4(*parts: Value) -> Value:
+    """Four columns, or their sixteen components; one number on the diagonal.
+
+    >>> mat4(1.0)[2]
+    array([0., 0., 1., 0.])
+    """
+    return _matrix(4, parts)
+
 
 # What rounding may add to a component of a unit vector, in both of its expansions.
 _BEYOND_UNIT = 1.0 + 16 * 2.0**-23
@@ -186,3 +313,61 @@ def _cofactor(m: Value, i: int, j: int) -> Value:
     if size == 2:
         return sign * _at(m, rows[0], columns[0])
     return sign * determinant(m[..., rows, :][..., :, columns])
+
+
+class Elements(list[Any]):
+    """An array's elements: a list that integers of a shader choose from, too.
+
+    An index that is not known exactly gives the hull of all elements that it may choose; one
+    outside of the array anything, as GLSL leaves it undefined.
+    """
+
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, Integer):
+            return self._choose(index)
+        if isinstance(index, Band | np.ndarray | float):
+            raise FormulaError("an array's index is a float", remedy="index by int(x)")
+        return super().__getitem__(index)
+
+    def _choose(self, index: Integer) -> Any:
+        outside = (index.lo < 0) | (index.hi >= len(self)) | index.anything
+        if index.known and index.lo.size == 1 and not outside.any():
+            return self[int(index.lo.reshape(-1)[0])]
+        chosen = self[-1]
+        for number, element in enumerate(self[:-1]):
+            chosen = _choose_elements(equal(index, number), element, chosen)
+        if isinstance(chosen, Integer):
+            return chosen.derive(
+                chosen.lo, None if chosen.known else chosen.hi, index, anything=outside
+            )
+        return mark_undefined(chosen, outside) if isinstance(chosen, Band) else chosen
+
+
+def array(*elements: Value) -> Elements:
+    """A table to index, as `float[]`, `vec3[]` and `int[]` make in GLSL; of one list or NumPy array
+    its elements. Python's integers are `int`s.
+
+    >>> array(0.25, 0.5, 1.0)[1]
+    0.5
+    >>> array(8, 2, 10)[Integer([0, 2])].lo.tolist()
+    [8, 10]
+    """
+    if len(elements) == 1 and isinstance(elements[0], list | tuple | np.ndarray):
+        elements = tuple(elements[0])
+    if not elements:
+        raise FormulaError("an array has at least one element")
+    return Elements(_make_element(element) for element in elements)
+
+
+def _make_element(value: Value) -> Value:
+    if isinstance(value, list | tuple):
+        return array(value)
+    kind = np.asarray(value).dtype.kind if isinstance(value, int | np.integer | np.ndarray) else ""
+    return Integer(value, unsigned=kind == "u") if kind in ("i", "u") else value
+
+
+def _choose_elements(condition: Any, a: Value, b: Value) -> Value:
+    """`where`, element by element of arrays in an array."""
+    if isinstance(a, Sequence):
+        return Elements(_choose_elements(condition, x, y) for x, y in zip(a, b, strict=True))
+    return where(condition, a, b)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands import Band
-from shaderlab.bands.tri_bool import as_tri_bool
+from shaderlab.bands.exact import as_tri_bool
 from shaderlab.compiler.spirv import Op, StorageClass
 from shaderlab.errors import NotInterpretedError
 

@@ -12,9 +12,8 @@ from shaderlab import glslmath
 from shaderlab.bands import Band, Integer, TriBool
 from shaderlab.bands.arithmetic import product_bounds
 from shaderlab.bands.bounds import Terms
-from shaderlab.bands.exact import apply_monotone, negate
+from shaderlab.bands.exact import apply_monotone, as_tri_bool, negate
 from shaderlab.bands.rounding import RELATIVE_STEP
-from shaderlab.bands.tri_bool import as_tri_bool
 from shaderlab.compiler.spirv import Glsl450 as G, Op
 from shaderlab.errors import FormulaError
 

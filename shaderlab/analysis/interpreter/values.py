@@ -16,8 +16,12 @@ import numpy.typing as npt
 
 from shaderlab import glslmath
 from shaderlab.bands import Band, Integer, TriBool
-from shaderlab.bands.exact import concatenate, join as join_bands, select as select_bands
-from shaderlab.bands.tri_bool import as_tri_bool
+from shaderlab.bands.exact import (
+    as_tri_bool,
+    concatenate,
+    join as join_bands,
+    select as select_bands,
+)
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
 

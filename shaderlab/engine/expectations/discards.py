@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Band, Rules, TriBool
-from shaderlab.bands.tri_bool import as_tri_bool
+from shaderlab.bands.exact import as_tri_bool
 from shaderlab.drivers.programs.stages import may_discard, writes_depth
 from shaderlab.errors import FormulaError
 from shaderlab.model.case import Scene

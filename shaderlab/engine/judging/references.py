@@ -20,10 +20,10 @@ import numpy as np
 from shaderlab.bands import Band, Integer, Rules
 from shaderlab.bands.band import WHOLE
 from shaderlab.bands.bounds import Vector
-from shaderlab.bands.tri_bool import TriBool
+from shaderlab.bands.exact import TriBool
 from shaderlab.errors import FormulaError, ShaderlabError, suggest
-from shaderlab.glslmath.arrays import Elements
 from shaderlab.glslmath.sampling import Sampler
+from shaderlab.glslmath.vector import Elements
 from shaderlab.model.frame import Array, Bindings, Texels
 from shaderlab.model.phases import phase
 from shaderlab.model.records import SourceText

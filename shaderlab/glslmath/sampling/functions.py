@@ -456,7 +456,7 @@ def compute_level(sampler: Sampler, dPdx: Any, dPdy: Any) -> Span:
         raise FormulaError("derivatives on cubes are not known; give the level to textureLod()")
     height, width = reading.level_values(sampler, 0).shape[1:3]
     du_dx, du_dy, dv_dx, dv_dy = (
-        _absolute(component(to_span(d), k)) for k in (0, 1) for d in (dPdx, dPdy)
+        reading.absolute(component(to_span(d), k)) for k in (0, 1) for d in (dPdx, dPdy)
     )
     with np.errstate(divide="ignore"):
         if sampler.rules is None:
@@ -468,13 +468,6 @@ def compute_level(sampler: Sampler, dPdx: Any, dPdy: Any) -> Span:
         m_v = [np.maximum(a, b) * height for a, b in zip(dv_dx, dv_dy, strict=True)]
         least, most = np.log2(np.maximum(m_u[0], m_v[0])), np.log2(m_u[1] + m_v[1])
     return widen((least - LINEAR_LOGARITHM, most), WEIGHT)
-
-
-def _absolute(span: Span) -> Span:
-    """The absolute values of a span."""
-    low, high = np.abs(span[0]), np.abs(span[1])
-    crosses = (span[0] < 0.0) & (span[1] > 0.0)
-    return np.where(crosses, 0.0, np.minimum(low, high)), np.maximum(low, high)
 
 
 def _to_level(lod: Any) -> Span | None:

@@ -108,19 +108,13 @@ def wrap_index(index: Integers, size: int, mode: str) -> Integers:
     [1, 0, 0, 3, 2]
     """
     if mode == "repeat":
-        return _modulo(index, size)
+        return np.mod(index, size)
     if mode == "mirrored_repeat":
-        folded = _modulo(index, 2 * size)
+        folded = np.mod(index, 2 * size)
         return np.where(folded < size, folded, 2 * size - 1 - folded)
     if mode == "clamp_to_edge":
         return np.minimum(np.maximum(index, 0), size - 1)
     return np.where((index < 0) | (index >= size), -1, index)
-
-
-def _modulo(index: Integers, size: int) -> Integers:
-    """The index in 0…size−1; of a power of two its last bits, which a division takes far longer
-    to find."""
-    return np.mod(index, size) if size & (size - 1) else index & (size - 1)
 
 
 @lru_cache(maxsize=64)
@@ -269,7 +263,7 @@ def find_faces(direction: Span, exact: bool) -> Iterator[tuple[int, Flags, Span,
             on = face == number
             yield int(number), on, (s[on],) * 2, (t[on],) * 2
         return
-    sizes = [_absolute(axis) for axis in axes]
+    sizes = [absolute(axis) for axis in axes]
     for number, (axis, s_axis, t_axis) in enumerate(_TABLE):
         low, high = axes[axis] if number % 2 == 0 else (-axes[axis][1], -axes[axis][0])
         others = np.maximum.reduce([sizes[k][0] for k in range(3) if k != axis])
@@ -335,7 +329,7 @@ def _find_neighbours(size: int) -> Integers:
     return found
 
 
-def _absolute(span: Span) -> Span:
+def absolute(span: Span) -> Span:
     """The bounds of a number's absolute value."""
     low, high = np.abs(span[0]), np.abs(span[1])
     least = np.where((span[0] < 0.0) & (span[1] > 0.0), 0.0, np.minimum(low, high))
