@@ -162,13 +162,8 @@ def inputs_at(call: Call, index: int) -> dict[str, tuple[float, ...]]:
 Reference = Callable[..., Any]
 
 
-@dataclass(frozen=True)
-class _Step:
-    """From a result to one of its parts: `name` is number `index` of all `names`."""
-
-    name: str
-    index: int
-    names: tuple[str, ...]
+Steps = tuple[tuple[tuple[str, ...], int], ...]
+"""The way from a result to one of its parts: names of members, and the place of one of them."""
 
 
 @dataclass(frozen=True)
@@ -183,12 +178,12 @@ class Part:
 
     type: Type
     values: Any
-    steps: tuple[_Step, ...]
+    steps: Steps
 
     @property
     def name(self) -> str:
         """Such as "hit.normal", "lights[2].color"; "" where the result is one value."""
-        return ".".join(step.name for step in self.steps).replace(".[", "[")
+        return ".".join(names[n] for names, n in self.steps).replace(".[", "[")
 
     def named(self, function: str) -> str:
         """Such as "sphere.normal", "corners[1]"; the function's name where there is one value."""
@@ -212,55 +207,46 @@ class Part:
 
 def split_result(outputs: Sequence[tuple[str, Type]], got: Any) -> list[Part]:
     """The parts of a call's result, as `Function` gives it: of `outputs` by name."""
-    if len(outputs) == 1:
-        return list(_parts(outputs[0][1], got, ()))
-    names = tuple(name for name, _ in outputs)
-    return [
-        part
-        for n, (name, kind) in enumerate(outputs)
-        for part in _parts(kind, got[n], (_Step(name, n, names),))
-    ]
+    whole = outputs[0][1] if len(outputs) == 1 else Type("", members=tuple(outputs))
+    return list(_parts(whole, got, ()))
 
 
-def _parts(kind: Type, got: Any, steps: tuple[_Step, ...]) -> Iterator[Part]:
+def _parts(kind: Type, got: Any, steps: Steps) -> Iterator[Part]:
     if kind.dims and (kind.members or kind.kind in ("int", "uint")):
         names = tuple(f"[{n}]" for n in range(kind.dims[0]))
-        for n, name in enumerate(names):
-            # Integers are judged one by one: side by side they would become floats.
-            each = got[n] if kind.members else np.ma.take(got, n, axis=-len(kind.shape))
-            yield from _parts(kind.element, each, (*steps, _Step(name, n, names)))
+        kinds: tuple[Type, ...] = (kind.element,) * len(names)
+        if not kind.members:  # one by one: side by side integers would become floats
+            got = [np.ma.take(got, n, axis=-len(kind.shape)) for n in range(len(names))]
     elif kind.members:
-        names = tuple(name for name, _ in kind.members)
-        for n, (name, member) in enumerate(kind.members):
-            yield from _parts(member, got[name], (*steps, _Step(name, n, names)))
+        names, kinds = (tuple(each) for each in zip(*kind.members, strict=True))
+        got = got if isinstance(got, tuple) else [got[name] for name in names]
     else:
         yield Part(kind, got, steps)
+        return
+    for n, (piece, inner) in enumerate(zip(got, kinds, strict=True)):
+        yield from _parts(inner, piece, (*steps, (names, n)))
 
 
-def _part(
-    reference: Reference, steps: tuple[_Step, ...], kind: Type, /, *given: Any, **named: Any
-) -> Any:
+def _part(reference: Reference, steps: Steps, kind: Type, /, *given: Any, **named: Any) -> Any:
     value = reference(*given, **named)
-    for step in steps:
-        value = _take(value, step)
+    for names, index in steps:
+        value = _take(value, names, index)
     return _flatten(value, kind)
 
 
-def _take(value: Any, step: _Step) -> Any:
+def _take(value: Any, members: Sequence[str], index: int) -> Any:
     """A member by its name from a mapping, a named tuple or a data class, else by its place."""
     names = getattr(value, "_fields", ())
     if dataclasses.is_dataclass(value):
         names = [field.name for field in dataclasses.fields(value)]
-    if isinstance(value, Mapping) and step.name in value:
-        return value[step.name]
-    if step.name in names:
-        return getattr(value, step.name)
-    if isinstance(value, list | tuple) and len(value) == len(step.names) and not names:
-        return value[step.index]
-    shown = ", ".join(step.names)
+    if isinstance(value, Mapping) and members[index] in value:
+        return value[members[index]]
+    if members[index] in names:
+        return getattr(value, members[index])
+    if isinstance(value, list | tuple) and len(value) == len(members) and not names:
+        return value[index]
     raise FormulaError(
-        f"gives {_describe(value)}, not {shown}",
-        remedy=f"return {_remedy(step.names)}",
+        f"gives {_describe(value)}, not {', '.join(members)}", remedy=f"return {_remedy(members)}"
     )
 
 
@@ -310,14 +296,13 @@ def _flatten_array(value: Any, kind: Type) -> Any:
     if len(value) != count:
         raise FormulaError(f"gives {len(value)} elements for {kind}")
     size = math.prod(kind.element.shape)
-    elements = [_flatten(each, kind.element) for each in value]
-    return stack([_with_all_components(each, size) for each in elements], -1)
-
-
-def _with_all_components(value: Any, size: int) -> Any:
-    """An element of an array with all its components, where one number stands for them."""
-    shape = getattr(value, "shape", ())
-    return stack([value] * size, -1) if size > 1 and shape[-1:] in ((), (1,)) else value
+    elements = []
+    for each in value:
+        element = _flatten(each, kind.element)
+        # One number may stand for all components.
+        single = getattr(element, "shape", ())[-1:] in ((), (1,))
+        elements.append(stack([element] * size, -1) if size > 1 and single else element)
+    return stack(elements, -1)
 
 
 Input = TypeVar("Input")
