@@ -31,7 +31,7 @@ from ..protocol import Answers
 from . import calls, drawing, linking, tracing
 from .buffers import read_block, read_layout
 from .device import GL, Device, gl_constant
-from .drawing import Drawing, Evaluator, drain_errors, submit
+from .drawing import Drawing, drain_errors, evaluate, submit
 from .linking import Linker, uniform_location
 
 # Source: OpenGL 4.6 core profile specification, tables 4.1 and 4.2; ARB_pipeline_statistics_query.
@@ -135,10 +135,6 @@ class OpenGLBackend(DeviceBackend):
     device: Device
     _linker: Linker
 
-    def __init__(self, device: Device) -> None:
-        super().__init__(device)
-        self._evaluator = Evaluator(device, self._linker)
-
     def in_use(self) -> AbstractContextManager[object]:
         return self.device.in_use()
 
@@ -180,7 +176,7 @@ class OpenGLBackend(DeviceBackend):
 
     def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
         with self.device.in_use():
-            self._evaluator.evaluate(evaluation, inputs, outputs)
+            evaluate(self.device, self._linker, evaluation, inputs, outputs)
 
     def close(self) -> None:
         # What outlives the context would be deleted by its number, in the context of another lab.

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Container, Mapping, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -246,77 +245,63 @@ def dispatch(
         return left
 
 
-_CACHED = 4  # grids whose textures are kept; calls come with the same size again and again
-
-
-class Evaluator:
-    """Evaluates on one device; keeps the textures of the last few grids."""
-
-    def __init__(self, device: Device, linker: Linker) -> None:
-        self._device = device
-        self._linker = linker
-        self._input = lru_cache(_CACHED)(self._new_input)
-        self._target = lru_cache(_CACHED)(self._new_target)
-
-    def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
-        context = self._device.context
-        context.enable_only(moderngl.NOTHING)
+def evaluate(
+    device: Device, linker: Linker, evaluation: Evaluation, inputs: Array, outputs: Array
+) -> None:
+    """As `Backend.evaluate`."""
+    context, size = device.context, evaluation.size
+    context.enable_only(moderngl.NOTHING)
+    # The framebuffer that is bound may be a scene's, which is gone by now.
+    context.detect_framebuffer(0).use()
+    with ExitStack() as stack:
         if len(inputs):
-            texture = self._input(evaluation.size, len(inputs))
-            texture.write(inputs)
+            texture = context.texture_array((*size, len(inputs)), 1, inputs, dtype="u4")
+            stack.callback(texture.release)
             texture.use(0)
         first = 0
-        with ExitStack() as stack:
-            for source, words in evaluation.passes:
-                program = self._link(source)
-                target = self._target(evaluation.size, words)
-                self._set(program, evaluation, bool(len(inputs)), stack)
-                target.use()
-                for n in range(words):
-                    GL.glClearBufferuiv(GL.GL_COLOR, n, np.zeros(4, np.uint32))
-                context.vertex_array(program, []).render(vertices=3)
-                for n in range(words):
-                    target.read_into(outputs[first + n], None, 1, attachment=n, dtype="u4")
-                first += words
-        error = context.error
-        if error != "GL_NO_ERROR":
-            raise DriverError(f"the driver raised {error} while it called a function")
+        for source, words in evaluation.passes:
+            program = _link_function(linker, source)
+            made = [context.texture(size, 1, dtype="u4") for _ in range(words)]
+            target = context.framebuffer(made)
+            for each in (target, *made):
+                stack.callback(each.release)
+            _set_inputs(device, program, evaluation, stack)
+            target.use()
+            for n in range(words):
+                GL.glClearBufferuiv(GL.GL_COLOR, n, np.zeros(4, np.uint32))
+            context.vertex_array(program, []).render(vertices=3)
+            for n in range(words):
+                target.read_into(outputs[first + n], None, 1, attachment=n, dtype="u4")
+            first += words
+    error = context.error
+    if error != "GL_NO_ERROR":
+        raise DriverError(f"the driver raised {error} while it called a function")
 
-    def _link(self, source: Source) -> Any:
-        try:
-            return self._linker.link({"vertex": COVERING, "fragment": source.text})
-        except ShaderError as error:
-            said = parse_driver_log(error.message.partition("\n")[2], source, ok=False)
-            errors = [d for d in said if d.severity == "error"]
-            if not errors:
-                raise
-            raise ShaderError(
-                errors[0].message, file=errors[0].file, line=errors[0].line
-            ) from error
 
-    def _set(self, program: Any, evaluation: Evaluation, has_input: bool, stack: ExitStack) -> None:
-        values: Mapping[str, Array] = evaluation.uniforms
-        if has_input and "shaderlab_input" in program:
-            program["shaderlab_input"].value = 0
-        if len(evaluation.shared) and "shaderlab_shared" in program:
-            shared = program["shaderlab_shared"]
-            shared.write(evaluation.shared[: shared.array_length].tobytes())
-        set_uniforms(program, values)
-        if evaluation.textures:
-            textures = BoundTextures(Path(evaluation.folder), {}, {}, self._device, stack)
-            for unit, (name, (kind, source)) in enumerate(evaluation.textures.items(), start=1):
-                variable = Variable(name=name, type=kind)
-                textures.texels("the function", variable, source)  # raises where they don't fit
-                textures.bind(program, unit, variable, source)
+def _link_function(linker: Linker, source: Source) -> Any:
+    try:
+        return linker.link({"vertex": COVERING, "fragment": source.text})
+    except ShaderError as error:
+        log = parse_driver_log(error.message.partition("\n")[2], source, ok=False)
+        errors = [each for each in log if each.severity == "error"]
+        if not errors:
+            raise
+        first = errors[0]
+        raise ShaderError(first.message, file=first.file, line=first.line) from error
 
-    def _new_input(self, size: Size, layers: int) -> Any:
-        return self._device.context.texture_array((*size, layers), 1, dtype="u4")
 
-    def _new_target(self, size: Size, words: int) -> Any:
-        context = self._device.context
-        # A new one is made, then the one bound before is bound again: a scene's is gone by now.
-        context.detect_framebuffer(0).use()
-        return context.framebuffer([context.texture(size, 1, dtype="u4") for _ in range(words)])
+def _set_inputs(device: Device, program: Any, evaluation: Evaluation, stack: ExitStack) -> None:
+    if "shaderlab_input" in program:
+        program["shaderlab_input"].value = 0
+    if len(evaluation.shared) and "shaderlab_shared" in program:
+        shared = program["shaderlab_shared"]
+        shared.write(evaluation.shared[: shared.array_length].tobytes())
+    set_uniforms(program, evaluation.uniforms)
+    textures = BoundTextures(Path(evaluation.folder), {}, {}, device, stack)
+    for unit, (name, (kind, source)) in enumerate(evaluation.textures.items(), start=1):
+        variable = Variable(name=name, type=kind)
+        textures.texels("the function", variable, source)  # raises where they don't fit
+        textures.bind(program, unit, variable, source)
 
 
 # What every OpenGL 3.3 driver can write of one vertex in one draw.
@@ -345,7 +330,9 @@ def capture_outputs(
         sizes = [components_of(piece.type) for piece in group]
         names = tuple(dict.fromkeys(piece.name for piece in group))
         program = drawing.linker.link(texts, feedback=names)
-        mode = _feedback_mode(program, texts)
+        mode = int(program.geometry_output or GL.GL_POINTS)  # of strips the single primitives
+        if "tess_evaluation" in texts:
+            mode = gl_constant(stages.patch_primitive(texts["tess_evaluation"]))
         if count is None:
             count, _ = _draw_into_buffer(drawing, draw, program, mode, bindings, 1, 4 * sum(sizes))
         _, data = _draw_into_buffer(drawing, draw, program, mode, bindings, count, 4 * sum(sizes))
@@ -397,13 +384,6 @@ def _group_parts(parts: Sequence[VaryingPart]) -> list[list[VaryingPart]]:
         groups[-1].extend(own)
         room -= size
     return groups
-
-
-def _feedback_mode(program: Any, texts: Mapping[str, str]) -> int:
-    """Return the primitives that come out of the last stage, those of a strip one by one."""
-    if "tess_evaluation" in texts:
-        return gl_constant(stages.patch_primitive(texts["tess_evaluation"]))
-    return int(program.geometry_output or GL.GL_POINTS)
 
 
 def _draw_into_buffer(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -193,18 +193,6 @@ def _decode_log(log: bytes | str) -> str:
     return log.decode("utf-8", "replace") if isinstance(log, bytes) else log
 
 
-@contextmanager
-def _temporary_program() -> Iterator[int]:
-    """A program that leaves neither itself nor errors behind."""
-    program = GL.glCreateProgram()
-    try:
-        yield program
-    finally:
-        GL.glDeleteProgram(program)
-        while GL.glGetError():
-            pass
-
-
 def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
     """Ask the driver for its verdict on a program, as a target named "driver".
 
@@ -229,7 +217,8 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
             raise DriverError(error.message, file=error.file, line=error.line) from error
     diagnostics: list[Diagnostic] = []
     ok = True
-    with _temporary_program() as program:
+    program = GL.glCreateProgram()
+    try:
         for source in sources:
             content = modules.get(source.stage, source.text)
             taken, log = _compile_shader(program, source.stage, content)
@@ -238,6 +227,10 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
         if ok and any(source.stage in _BEGIN for source in sources):
             ok, log = _link_program(program)
             diagnostics += parse_driver_log(log, sources[-1], ok=ok)
+    finally:
+        GL.glDeleteProgram(program)
+        while GL.glGetError():
+            pass
     return Verdict(target=DRIVER, ok=ok, diagnostics=tuple(dict.fromkeys(diagnostics)))
 
 

@@ -115,7 +115,9 @@ class CallRecorder:
         def made(*arguments: Any) -> Any:
             returned = function(*arguments)
             kept, came = arguments, returned
-            if name.startswith(("glGen", "glDrawBuffers")) and _has_address(arguments):
+            # A caller in C passes a count and an address, one in Python arrays.
+            has_address = len(arguments) == 2 and isinstance(arguments[1], int)
+            if has_address and name.startswith(("glGen", "glDrawBuffers")):
                 numbers = list((ctypes.c_uint * arguments[0]).from_address(arguments[1]))
                 kept, came = (arguments[0], numbers), numbers
             elif name.startswith("glUniform"):
@@ -164,11 +166,6 @@ def _wrap(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
 
 def _is_silent(name: str) -> bool:
     return name.startswith(_SILENT)
-
-
-def _has_address(arguments: tuple[Any, ...]) -> bool:
-    """Whether these are a count and an address, as of a caller in C; one in Python has arrays."""
-    return len(arguments) == 2 and isinstance(arguments[1], int)
 
 
 def _copy_values(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -294,11 +291,6 @@ def _format_bits(function: str, value: int) -> str:
 def makes_objects(function: str) -> bool:
     """Whether a function makes objects: glGenerateMipmap does not."""
     return function.startswith(("glGen", "glCreate")) and not function.startswith("glGenerate")
-
-
-def object_numbers(value: Any) -> str:
-    """What a function that makes objects returned: their numbers."""
-    return ", ".join(str(int(number)) for number in np.ravel(value))
 
 
 # What a call sets apart from others of its function: the parameters that choose the place.
@@ -643,7 +635,7 @@ def _describe_call(call: Recorded, files: Mapping[str, str], tracker: StateTrack
         draw=draw,
         function=call.function,
         arguments=arguments,
-        returned=object_numbers(call.returned) if made else "",
+        returned=", ".join(str(int(n)) for n in np.ravel(call.returned)) if made else "",
         effective=tracker.changes(call.function, arguments),
         state=before,
     )
