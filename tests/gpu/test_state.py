@@ -261,7 +261,7 @@ def test_a_reference_may_ask_where_samples_are(lab: SceneRunner, folder: Path) -
         (lambda: State(point_size=0.0), "point_size"),
         (lambda: State(point_size="programme"), "point_size"),
         (lambda: State(sample_shading=2.0), "sample_shading"),
-        (lambda: Pass(draws=(draw(square(), viewport=(0, 0, 4, 4)),)), "no size of its own"),
+        (lambda: Pass(draws=(draw(square(), viewport=(0, 0, 4, 4)),)), "target has no size"),
     ],
 )
 def test_wrong_state_is_refused_where_it_is_written(make: Any, says: str) -> None:
