@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from shaderlab.drivers import mesa_variables
+from shaderlab.drivers import mesa_variables, set_variables
 
 
 @pytest.mark.parametrize("name", ["MESA_SHADER_CACHE_DIR", "XDG_CACHE_HOME", "HOME"])
@@ -26,3 +26,17 @@ def test_mesa_keeps_no_shaders_on_a_full_disk(
     assert mesa_variables() == {"MESA_SHADER_CACHE_DISABLE": "true"}
     room[tmp_path] = 1 << 20
     assert mesa_variables() == {}
+
+
+def test_variables_are_set_for_a_while_and_restored(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GALLIUM_DRIVER", "mine")
+    monkeypatch.delenv("LIBGL_ALWAYS_SOFTWARE", raising=False)
+    before = dict(os.environ)
+    with (
+        pytest.raises(KeyError),
+        set_variables({"GALLIUM_DRIVER": "softpipe", "LIBGL_ALWAYS_SOFTWARE": "1"}),
+    ):
+        assert os.environ["GALLIUM_DRIVER"] == "softpipe"
+        assert os.environ["LIBGL_ALWAYS_SOFTWARE"] == "1"
+        raise KeyError
+    assert dict(os.environ) == before
