@@ -16,6 +16,7 @@ from shaderlab.model.frame import Array
 
 from .batches import InputBatch, flatten_outputs
 from .interpreter import Numbers, Program, interpret
+from .interpreter.arithmetic import EXACT
 from .interpreter.values import Flags
 
 _OPERATION = 2.0**-52
@@ -23,12 +24,6 @@ _INPUT = 2.0**-24  # a float32 is within half of an ULP of what it stands for, a
 _POOL = 1 << 17
 _BEYOND = (1 << 29) - 1  # the bits of a float64 that a float32 has not
 _DOUBLE = struct.Struct("<d")
-
-# Functions that round nothing.
-_EXACT = frozenset(
-    {"negate", "abs", "sign", "floor", "ceil", "trunc", "round", "roundEven", "min", "max",
-     "clamp", "step", "transpose"}
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -67,7 +62,7 @@ class PerturbedFloat(Numbers):
         if function == "pow":
             x, y = values
             found = np.where((x < 0.0) | ((x == 0.0) & (y <= 0.0)), np.nan, found)
-        return found if function in _EXACT else self._perturb_rounded(found, function)
+        return found if function in EXACT else self._perturb_rounded(found, function)
 
     def rounded(self, value: Any) -> Any:
         return self._perturb_rounded(super().rounded(value), "rounded")

@@ -36,6 +36,7 @@ from .interpreter import (
     Stored,
     load,
 )
+from .interpreter.arithmetic import EXACT
 from .interpreter.flow import HANDLERS
 from .interpreter.program import Instruction
 from .interpreter.running import Run, Watch, is_vector, precision_loss
@@ -159,10 +160,6 @@ def sample(batch: InputBatch) -> InputBatch:
 
 _DEVICES = 6
 _ROUNDED = frozenset({"add", "subtract", "multiply"})
-_EXACT = frozenset(
-    {"negate", "abs", "sign", "floor", "ceil", "trunc", "round", "roundEven", "min", "max",
-     "clamp", "step", "transpose"}
-)  # fmt: skip
 _ULPS = {"divide": 2.5, "inversesqrt": 2.0, "sqrt": 2.0, "atan": 5.0, "asin": 5.0, "acos": 5.0,
          "pow": 4.0}  # fmt: skip
 _WITHIN = {"sin": 2.0**-7, "cos": 2.0**-7}
@@ -189,7 +186,7 @@ class Half(Numbers):
     def call(self, function: str, *values: Any) -> Any:
         halves = [_half(value) for value in values]
         found = FLOAT16.call(function, *halves)
-        if isinstance(found, Integer | tuple) or function in _EXACT:
+        if isinstance(found, Integer | tuple) or function in EXACT:
             return found
         with np.errstate(all="ignore"):
             if function in _ROUNDED:

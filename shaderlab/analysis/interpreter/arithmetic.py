@@ -24,6 +24,13 @@ Floats = Any
 """Values of an arithmetic: it takes + - * / and comparisons, and has a shape."""
 
 
+EXACT = frozenset(
+    {"negate", "abs", "sign", "floor", "ceil", "trunc", "round", "roundEven", "min", "max",
+     "clamp", "step", "transpose"}
+)  # fmt: skip
+"""Functions that round nothing."""
+
+
 class Arithmetic(Protocol):
     """A way to compute with floats."""
 

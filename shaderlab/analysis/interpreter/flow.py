@@ -96,10 +96,6 @@ def _store(run: Run, at: Instruction, state: PathState) -> None:
         run.trace_stored(at, format_place(name, type_, pointer.path), part, value, state)
 
 
-def _copy(run: Run, at: Instruction, state: PathState) -> Any:
-    return run.value(at.operands[0])
-
-
 def _call(run: Run, at: Instruction, state: PathState) -> Any:
     function = run.program.functions[at.operands[0]]
     for parameter, argument in zip(function.parameters, at.operands[1:], strict=True):
@@ -118,50 +114,26 @@ def _call(run: Run, at: Instruction, state: PathState) -> Any:
     return result
 
 
-def _phi(run: Run, at: Instruction, state: PathState) -> Any:
-    return state.memory.pop(at.id)
-
-
-def _undefined(run: Run, at: Instruction, state: PathState) -> Any:
-    return undefined(run.program.types[at.type], run.arithmetic)
-
-
-def _merge(run: Run, at: Instruction, state: PathState) -> None:
-    """Where paths meet again follows from the order of blocks."""
+def _nothing(run: Run, at: Instruction, state: PathState) -> None:
+    """Where paths meet follows from the order of blocks, and workgroups take each step together."""
 
 
 VARIABLES: Mapping[int, Handler] = {
-    Op.Undef: _undefined,
+    Op.Undef: lambda run, at, state: undefined(run.program.types[at.type], run.arithmetic),
     Op.FunctionCall: _call,
     Op.Variable: _variable,
     Op.Load: _load,
     Op.Store: _store,
     Op.AccessChain: _access_chain,
     Op.InBoundsAccessChain: _access_chain,
-    Op.CopyObject: _copy,
-    Op.Phi: _phi,
-    Op.LoopMerge: _merge,
-    Op.SelectionMerge: _merge,
-}
-
-
-def _emit_vertex(run: Run, at: Instruction, state: PathState) -> None:
-    run.emission.emit(run, at, state)
-
-
-def _end_primitive(run: Run, at: Instruction, state: PathState) -> None:
-    run.emission.end(state)
-
-
-def _wait(run: Run, at: Instruction, state: PathState) -> None:
-    """All invocations of a workgroup take each step together."""
-
-
-STAGES: Mapping[int, Handler] = {
-    Op.EmitVertex: _emit_vertex,
-    Op.EndPrimitive: _end_primitive,
-    Op.ControlBarrier: _wait,
-    Op.MemoryBarrier: _wait,
+    Op.CopyObject: lambda run, at, state: run.value(at.operands[0]),
+    Op.Phi: lambda run, at, state: state.memory.pop(at.id),
+    Op.LoopMerge: _nothing,
+    Op.SelectionMerge: _nothing,
+    Op.ControlBarrier: _nothing,
+    Op.MemoryBarrier: _nothing,
+    Op.EmitVertex: lambda run, at, state: run.emission.emit(run, at, state),
+    Op.EndPrimitive: lambda run, at, state: run.emission.end(state),
 }
 
 
@@ -174,7 +146,6 @@ HANDLERS: Mapping[int, Handler] = {
     **DERIVATIVES,
     **TEXTURES,
     **EXTENDED,
-    **STAGES,
 }
 
 NAMES: Mapping[int, str] = {
@@ -193,25 +164,19 @@ Leaving = list[tuple[int | None, PathState]]
 """States, each with the label of the block that it goes to; None for one that returns."""
 
 
-def _branch(run: Run, function: Function, label: int, at: Instruction, state: PathState) -> Leaving:
-    return [_to(run, function, label, at.operands[0], state)]
-
-
-def _conditional(
-    run: Run, function: Function, label: int, at: Instruction, state: PathState
-) -> Leaving:
+def _conditional(run: Run, function: Function, at: Instruction, state: PathState) -> Leaving:
     condition, then, otherwise = at.operands[:3]
     truth = as_tri_bool(run.value(condition))
     run.trace_branch(at, truth, state)
     if truth.all_true.size == 1 and run.count:  # all go the same way, as loops mostly do
         for target, is_sure in ((then, truth.all_true), (otherwise, truth.all_false)):
             if is_sure.item():
-                return [_to(run, function, label, target, state)]
+                return [(target, state)]
     yes, no = (
         state.mask & ~np.broadcast_to(side[:, 0], state.mask.shape)
         for side in (truth.all_false, truth.all_true)
     )
-    leaving = _split(run, function, label, [(then, yes), (otherwise, no)], state)
+    leaving = _split([(then, yes), (otherwise, no)], state)
     if (both := yes & no).any():
         run.note_undecided(at.line, both)
         for (_, side), holds in zip(leaving, (True, False), strict=True):
@@ -219,7 +184,7 @@ def _conditional(
     return leaving
 
 
-def _switch(run: Run, function: Function, label: int, at: Instruction, state: PathState) -> Leaving:
+def _switch(run: Run, function: Function, at: Instruction, state: PathState) -> Leaving:
     selector, default = run.value(at.operands[0]), at.operands[1]
     run.trace_branch(at, selector, state)
     bits = np.dtype(np.uint32 if selector.unsigned else np.int32)
@@ -237,37 +202,26 @@ def _switch(run: Run, function: Function, label: int, at: Instruction, state: Pa
     several = np.sum([flags for flags in going.values()], axis=0) > 1
     if several.any():
         run.note_undecided(at.line, several)
-    return _split(run, function, label, list(going.items()), state)
+    return _split(list(going.items()), state)
 
 
-def _split(
-    run: Run, function: Function, label: int, sides: list[tuple[int, Flags]], state: PathState
-) -> Leaving:
+def _split(sides: list[tuple[int, Flags]], state: PathState) -> Leaving:
     taken = [(target, mask) for target, mask in sides if mask.any()]
     if len(taken) == 1:
-        return [_to(run, function, label, taken[0][0], state)]
-    return [_to(run, function, label, target, state.split(mask)) for target, mask in taken]
+        return [(taken[0][0], state)]
+    return [(target, state.split(mask)) for target, mask in taken]
 
 
-def _to(
-    run: Run, function: Function, label: int, target: int, state: PathState
-) -> tuple[int, PathState]:
-    """The state on its way to a block, whose phis take the values of the block that it leaves."""
+def take_phis(run: Run, function: Function, label: int, target: int, state: PathState) -> None:
+    """Give the phis of a block that a state goes to their values from the block that it leaves."""
     for phi in function.blocks[target]:
         if phi.op != Op.Phi:
             break
         pairs = zip(phi.operands[::2], phi.operands[1::2], strict=True)
         state.memory[phi.id] = run.value(next(value for value, of in pairs if of == label))
-    return target, state
 
 
-def _return(run: Run, function: Function, label: int, at: Instruction, state: PathState) -> Leaving:
-    return [(None, state)]
-
-
-def _return_value(
-    run: Run, function: Function, label: int, at: Instruction, state: PathState
-) -> Leaving:
+def _return_value(run: Run, function: Function, at: Instruction, state: PathState) -> Leaving:
     value = run.value(at.operands[0])
     if run.trace is not None:
         name = run.program.name(function.id).partition("(")[0]
@@ -276,28 +230,22 @@ def _return_value(
     return [(None, state)]
 
 
-def _kill(run: Run, function: Function, label: int, at: Instruction, state: PathState) -> Leaving:
+def _kill(run: Run, function: Function, at: Instruction, state: PathState) -> Leaving:
     run.killed = run.killed | state.mask
     return []
 
 
-def _unreachable(
-    run: Run, function: Function, label: int, at: Instruction, state: PathState
-) -> Leaving:
-    return []
-
-
-Branch = Callable[["Run", Function, int, Instruction, PathState], Leaving]
-"""Ends a block, in a run, of a function, with its label."""
+Branch = Callable[["Run", Function, Instruction, PathState], Leaving]
+"""Ends a block of a function."""
 
 BRANCHES: Mapping[int, Branch] = {
-    Op.Branch: _branch,
+    Op.Branch: lambda run, function, at, state: [(at.operands[0], state)],
     Op.BranchConditional: _conditional,
     Op.Switch: _switch,
     Op.Kill: _kill,
-    Op.Return: _return,
+    Op.Return: lambda run, function, at, state: [(None, state)],
     Op.ReturnValue: _return_value,
-    Op.Unreachable: _unreachable,
+    Op.Unreachable: lambda run, function, at, state: [],
 }
 
 

@@ -15,7 +15,7 @@ from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
 
 from .arithmetic import Arithmetic
-from .flow import HANDLERS, Leaving, Steps, steps_of
+from .flow import HANDLERS, Leaving, Steps, steps_of, take_phis
 from .program import Function, Instruction, Kind, Program, Type
 from .values import (
     Flags,
@@ -263,7 +263,7 @@ class Run:
 
     def __post_init__(self) -> None:
         self.shared: dict[int, Value] = {}
-        self.emission = Emission(self.count)
+        self.emission: Emission = Emission(self.count)
         self.results: dict[int, Value] = {}
         self.calls: list[int] = []
         self.killed: Flags = np.zeros(self.count, np.bool_)
@@ -420,4 +420,8 @@ class Run:
                 results[at.id] = result
             if is_call and not state.mask.any():
                 return []  # all were discarded in it
-        return branch(self, function, label, last, state)
+        leaving = branch(self, function, last, state)
+        for target, next_state in leaving:
+            if target is not None:
+                take_phis(self, function, label, target, next_state)
+        return leaving
