@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes as c
 from collections.abc import Sequence
 
-from shaderlab.compiler.library import Input, SpirvDiagnostic, glslang, spirv_tools
+from shaderlab.compiler.engines import Input, SpirvDiagnostic, glslang, spirv_tools
 
 _STAGES = {"vert": 0, "tesc": 1, "tese": 2, "geom": 3, "frag": 4, "comp": 5}
 # client, its version, messages, options, SPIRV-Tools' environment

@@ -16,9 +16,9 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from shaderlab.compiler import WORK, compile_glsl
 from shaderlab.compiler.commands import locate
 from shaderlab.compiler.engines import SETTINGS
+from shaderlab.compiler.harness import WORK, compile_glsl
 from shaderlab.workers.pool import WorkerPool
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))

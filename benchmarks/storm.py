@@ -14,7 +14,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from shaderlab.compiler import WORK, compile_glsl
+from shaderlab.compiler.harness import WORK, compile_glsl
 from shaderlab.model.options import Limits
 from shaderlab.workers.pool import WorkerPool
 

@@ -6,18 +6,16 @@ package loads no shared library.
 """
 
 from .compile import Compiled as Compiled, compile_program as compile_program
-from .engines import ALL_TARGETS as ALL_TARGETS, TARGETS as TARGETS
-from .harness import (
-    WORK as WORK,
-    FileResult as FileResult,
-    compile_glsl as compile_glsl,
+from .engines import (
+    ALL_TARGETS as ALL_TARGETS,
+    TARGETS as TARGETS,
+    disassemble as disassemble,
+    validate as validate,
 )
-from .library import disassemble as disassemble, validate as validate
 from .reflection import (
     Block as Block,
     Interface as Interface,
     Member as Member,
-    SpecConstant as SpecConstant,
     Variable as Variable,
     reflect as reflect,
 )

@@ -19,8 +19,16 @@ from pathlib import Path
 
 from shaderlab.errors import ShaderError
 
-from .engines import SETTINGS, Checked, CompilerDiedError, Linked
-from .library import GLSLANG_WHEEL, INSTALL, SPIRV_TOOLS_WHEEL, find
+from .engines import (
+    GLSLANG_WHEEL,
+    INSTALL,
+    SETTINGS,
+    SPIRV_TOOLS_WHEEL,
+    Checked,
+    CompilerDiedError,
+    Linked,
+    find,
+)
 from .shader_files import EXTENSIONS
 from .sources import Source
 

@@ -29,9 +29,8 @@ from shaderlab.files import cache_root, open_regular, write_bytes
 from shaderlab.model.records import Diagnostic, Verdict
 
 from .compile import Compile, Compiled, compile_program, order_stages
-from .engines import COMMAND_VARIABLE, choose
-from .library import files
-from .reflection import Block, Interface, Member, SpecConstant, Variable
+from .engines import COMMAND_VARIABLE, choose, files
+from .reflection import Block, Interface, Member, Variable
 from .sources import Source
 
 LIMIT = 256 << 20
@@ -168,9 +167,8 @@ def compile_with_lines(source: Source) -> Compiled:
         ShaderError: as `compile_program`.
     """
     folder = cache_folder()
-    if folder is None:
-        return _compile_with_lines(source)
-    return _cache(folder).compile_with_lines(source)
+    own = None if folder is None else _cache(folder)
+    return _compile_with_lines(source) if own is None else own.compile_with_lines(source)
 
 
 def _compile_with_lines(source: Source) -> Compiled:
@@ -185,8 +183,7 @@ def _compile_with_lines(source: Source) -> Compiled:
 
 @functools.cache
 def _cache(folder: Path) -> CompileCache:
-    store = Store(folder)
-    return CompileCache(store, functools.partial(compilers_digest, store))
+    return CompileCache(Store(folder), compilers_digest)
 
 
 class CompileCache:
@@ -270,7 +267,7 @@ _MODEL = ("model/__init__.py", "model/records.py")
 _SHARED = ("errors.py", "files.py", *_MODEL)
 
 
-def compilers_digest(store: Store) -> str | None:
+def compilers_digest() -> str | None:
     """Return a digest of the compilers' libraries and of the lab's code around them.
 
     None if it is unknown: there are no libraries, or a file has only just been written.
@@ -281,34 +278,23 @@ def compilers_digest(store: Store) -> str | None:
     if Path(__file__) not in own:  # an installation without sources
         return None
     try:
-        return files_digest([*files(), *own], store)
+        return files_digest([*files(), *own])
     except (OSError, ShaderError):
         return None
 
 
-def files_digest(paths: Sequence[Path], store: Store, started: float = _STARTED) -> str | None:
-    """Return one digest of the files' contents, which `store` remembers until a file is touched.
+def files_digest(paths: Sequence[Path], started: float = _STARTED) -> str | None:
+    """Return one digest of the files' contents.
 
     None if a file was changed after, or just before, the time `started`.
 
     Raises:
         OSError: a file can't be read.
     """
-    known = [os.stat(path) for path in paths]
-    if max(stat.st_ctime for stat in known) > started - _CLOCK_TICK:
+    if max(os.stat(path).st_ctime for path in paths) > started - _CLOCK_TICK:
         return None
-    identities = [
-        [str(path), stat.st_dev, stat.st_ino, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns]
-        for path, stat in zip(paths, known, strict=True)
-    ]
-    key = _digest(["files", identities])
-    remembered = store.get(key)
-    if remembered is not None:
-        return remembered.decode("ascii", "replace")
     contents = [hashlib.sha256(path.read_bytes()).hexdigest() for path in paths]
-    digest = _digest([sys.byteorder, sys.implementation.cache_tag, contents])
-    store.put(key, digest.encode("ascii"))
-    return digest
+    return _digest([sys.byteorder, sys.implementation.cache_tag, contents])
 
 
 def _digest(value: object) -> str:
@@ -347,8 +333,7 @@ def decode(data: bytes) -> Entry:
 
 
 _KINDS: Mapping[str, Callable[..., Any]] = {
-    kind.__name__: kind
-    for kind in (Entry, Verdict, Diagnostic, Interface, Variable, Block, Member, SpecConstant)
+    kind.__name__: kind for kind in (Entry, Verdict, Diagnostic, Interface, Variable, Block, Member)
 }
 _KIND = "%"  # no field's name
 

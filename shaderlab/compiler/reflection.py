@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import functools
-import struct
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from .spirv import (
     Decoration,
+    ExecutionMode,
     Instruction,
     Module,
     Op,
@@ -249,16 +249,6 @@ class Block:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpecConstant:
-    """A specialisation constant: GLSL's name and type, its `constant_id`, its default value."""
-
-    name: str
-    type: str
-    constant_id: int
-    default: int | float | bool
-
-
-@dataclass(frozen=True, kw_only=True)
 class Interface:
     """Everything that a program declares, by name, without built-ins (`gl_…`).
 
@@ -271,7 +261,6 @@ class Interface:
         outputs: outputs of the fragment stage.
         uniforms: uniforms outside blocks, samplers and images among them.
         blocks: uniform and storage blocks.
-        constants: specialisation constants.
         local_size: of a compute stage, or None.
     """
 
@@ -283,12 +272,7 @@ class Interface:
     outputs: Mapping[str, Variable] = field(default_factory=dict)
     uniforms: Mapping[str, Variable] = field(default_factory=dict)
     blocks: Mapping[str, Block] = field(default_factory=dict)
-    constants: Mapping[str, SpecConstant] = field(default_factory=dict)
     local_size: tuple[int, int, int] | None = None
-
-
-_LOCAL_SIZE, _OUTPUT_VERTICES = 17, 26  # execution modes
-_FORMATS_reflection = {"int": "<i", "uint": "<I", "float": "<f", "double": "<d"}
 
 
 def reflect(modules: Mapping[str, bytes]) -> Interface:
@@ -314,17 +298,16 @@ def reflect(modules: Mapping[str, bytes]) -> Interface:
         for block in _blocks(module):
             known = blocks.setdefault(block.name, block)
             blocks[block.name] = replace(known, used=known.used or block.used)
-    size = parsed["compute"].modes.get(_LOCAL_SIZE) if "compute" in parsed else None
+    size = parsed["compute"].modes.get(ExecutionMode.LocalSize) if "compute" in parsed else None
     return Interface(
         attributes={v.name: v for v in stage_variables(vertex, StorageClass.Input)},
         varyings={v.name: v for v in stage_variables(fragment, StorageClass.Input)},
         vertex_outputs={v.name: v for v in stage_variables(last, StorageClass.Output)},
         evaluation_inputs={v.name: v for v in stage_variables(evaluation, StorageClass.Input)},
-        patch_vertices=control.modes.get(_OUTPUT_VERTICES, (0,))[0],
+        patch_vertices=control.modes.get(ExecutionMode.OutputVertices, (0,))[0],
         outputs={v.name: v for v in stage_variables(fragment, StorageClass.Output)},
         uniforms=uniforms,
         blocks=blocks,
-        constants={c.name: c for module in parsed.values() for c in _spec_constants(module)},
         local_size=(size[0], size[1], size[2]) if size else None,
     )
 
@@ -396,20 +379,3 @@ def _bytes(module: Module, element: int, matrix_stride: int, row_major: bool) ->
         rows = component_count(module, element) // columns
         return matrix_stride * (rows if row_major else columns)
     return width * component_count(module, element)
-
-
-def _spec_constants(module: Module) -> Iterator[SpecConstant]:
-    """Specialisation constants, such as `layout (constant_id = 3) const int N = 4;`."""
-    for id_, instruction in module.specials.items():
-        number = module.number(id_, Decoration.SpecId)
-        if number is None:
-            continue  # computed from others
-        type_, _, *words = instruction.words
-        name = type_name(module, type_)
-        default: int | float | bool = instruction.op == Op.SpecConstantTrue
-        if instruction.op == Op.SpecConstant:
-            data = struct.pack(f"<{len(words)}I", *words)
-            default = struct.unpack(_FORMATS_reflection[name], data)[0]
-        yield SpecConstant(
-            name=module.names.get(id_, ""), type=name, constant_id=number, default=default
-        )

@@ -163,7 +163,6 @@ class Module:
         types: id → the OpType… instruction; operands as in the specification, less the id.
         variables: id → (pointed-to type, storage class).
         constants: the words of scalar ones; `values` has the instruction of every constant.
-        specials: id of each specialisation constant → the instruction that declares it.
         initialisers: id of each variable that has one → the id of the constant.
         capabilities: the numbers of those that it takes.
         entry: the id of the function that is the stage's `main`.
@@ -183,7 +182,6 @@ class Module:
     pointers: dict[int, tuple[int, int]] = field(default_factory=dict)
     constants: dict[int, int] = field(default_factory=dict)
     values: dict[int, Instruction] = field(default_factory=dict)
-    specials: dict[int, Instruction] = field(default_factory=dict)
     variables: dict[int, tuple[int, int]] = field(default_factory=dict)
     initialisers: dict[int, int] = field(default_factory=dict)
     entry: int = 0
@@ -258,8 +256,6 @@ def _declare(module: Module, instruction: Instruction) -> None:
         module.values[words[1]] = instruction
         if op in (Op.Constant, Op.SpecConstant):
             module.constants[words[1]] = words[2]
-        if op in (Op.SpecConstantTrue, Op.SpecConstantFalse, Op.SpecConstant):
-            module.specials[words[1]] = instruction
     elif op == Op.Variable:
         module.variables[words[1]] = module.pointers[words[0]]
         if len(words) > 3:

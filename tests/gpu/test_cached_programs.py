@@ -20,7 +20,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
-from shaderlab.compiler import compile_cache, library
+from shaderlab.compiler import compile_cache, engines
 from shaderlab.compiler.compile_cache import Store, decode, encode
 from shaderlab.model.records import Diagnostic
 
@@ -33,11 +33,9 @@ def settled(monkeypatch: pytest.MonkeyPatch) -> None:
     """Compilers that have just been changed cache nothing; a developer may have done so, also after
     this process started."""
     digest = compile_cache.files_digest
-    monkeypatch.setattr(
-        compile_cache, "files_digest", lambda paths, store: digest(paths, store, time.time())
-    )
+    monkeypatch.setattr(compile_cache, "files_digest", lambda paths: digest(paths, time.time()))
     code = Path(compile_cache.__file__).parent
-    files = [*library.files(), *code.glob("*.py"), *code.parent.glob("*.py")]
+    files = [*engines.files(), *code.glob("*.py"), *code.parent.glob("*.py")]
     newest = max(os.stat(file).st_ctime for file in files)
     time.sleep(max(0.0, newest + 3.0 - time.time()))
 

@@ -11,8 +11,9 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
-from shaderlab.compiler import WORK, Shaders, compile_glsl, compile_program
+from shaderlab.compiler import Shaders, compile_program
 from shaderlab.compiler.diagnostics import mark_disagreement, parse_driver_log
+from shaderlab.compiler.harness import WORK, compile_glsl
 from shaderlab.drivers import Backend, open_backend
 from shaderlab.drivers.opengl.backend import OpenGLBackend
 from shaderlab.drivers.opengl.device import GL, Device

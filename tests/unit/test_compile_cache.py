@@ -177,8 +177,8 @@ def test_another_process_finds_it_without_a_compiler(
     def loaded() -> None:
         raise AssertionError("the compiler's libraries were loaded")
 
-    monkeypatch.setattr("shaderlab.compiler.library.glslang", loaded)
-    monkeypatch.setattr("shaderlab.compiler.library.spirv_tools", loaded)
+    monkeypatch.setattr("shaderlab.compiler.engines.glslang", loaded)
+    monkeypatch.setattr("shaderlab.compiler.engines.spirv_tools", loaded)
     again = CompileCache(Store(store.folder), lambda: FINGERPRINT).compile(stages, targets)
     assert whole(again) == whole(true)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.cli.doctor import examine
-from shaderlab.compiler import compile_cache, compile_program, library
+from shaderlab.compiler import compile_cache, compile_program, engines
 from shaderlab.compiler.compile_cache import (
     Store,
     cache_folder,
@@ -20,21 +20,6 @@ from shaderlab.compiler.compile_cache import (
 from shaderlab.errors import ShaderError
 
 LATER = time.time() + 3600
-
-
-class Counting(Store):
-    """A store that counts what is put into it."""
-
-    puts = 0
-
-    def put(self, key: str, content: bytes) -> None:
-        self.puts += 1
-        super().put(key, content)
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> Counting:
-    return Counting(tmp_path / "cache")
 
 
 def two_files(folder: Path) -> list[Path]:
@@ -63,55 +48,44 @@ def swapped(files: list[Path]) -> None:
 
 @pytest.mark.parametrize("change", [rewritten, replaced, swapped])
 def test_the_digest_changes_with_any_file(
-    tmp_path: Path, store: Counting, change: Callable[[list[Path]], None]
+    tmp_path: Path, change: Callable[[list[Path]], None]
 ) -> None:
     files = two_files(tmp_path)
-    first = files_digest(files, store, LATER)
+    first = files_digest(files, LATER)
     assert first is not None and len(first) == 64
     change(files)
-    assert files_digest(files, store, LATER) not in (first, None)
+    assert files_digest(files, LATER) not in (first, None)
 
 
-def test_the_digest_depends_on_contents_only_and_is_remembered(
-    tmp_path: Path, store: Counting
-) -> None:
-    files = two_files(tmp_path)
-    first = files_digest(files, store, LATER)
-    assert store.puts == 1
-    assert files_digest(files, store, LATER) == first
-    assert store.puts == 1
+def test_the_digest_depends_on_contents_only(tmp_path: Path) -> None:
+    first = files_digest(two_files(tmp_path), LATER)
     (tmp_path / "elsewhere").mkdir()
-    assert files_digest(two_files(tmp_path / "elsewhere"), store, LATER) == first
-    assert store.puts == 2
+    assert files_digest(two_files(tmp_path / "elsewhere"), LATER) == first
 
 
-def test_another_python_has_another_digest(
-    tmp_path: Path, store: Counting, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_another_python_has_another_digest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     files = two_files(tmp_path)
-    first = files_digest(files, Store(tmp_path / "one"), LATER)
+    first = files_digest(files, LATER)
     monkeypatch.setattr(sys.implementation, "cache_tag", "snake-20")
-    assert files_digest(files, Store(tmp_path / "two"), LATER) != first
+    assert files_digest(files, LATER) != first
 
 
-def test_files_that_have_just_been_written_have_no_digest(tmp_path: Path, store: Counting) -> None:
+def test_files_that_have_just_been_written_have_no_digest(tmp_path: Path) -> None:
     files = two_files(tmp_path)
     now = time.time()
-    assert files_digest(files, store, now) is None
-    assert files_digest(files, store, now - 60) is None
-    assert files_digest(files, store, now + 60) is not None
+    assert files_digest(files, now) is None
+    assert files_digest(files, now - 60) is None
+    assert files_digest(files, now + 60) is not None
 
 
 def test_the_digest_covers_the_libraries_and_the_code_around_them(
-    store: Counting, monkeypatch: pytest.MonkeyPatch, repository: Path
+    monkeypatch: pytest.MonkeyPatch, repository: Path
 ) -> None:
     seen: list[Path] = []
-    monkeypatch.setattr(
-        compile_cache, "files_digest", lambda paths, store: seen.extend(paths) or "digest"
-    )
-    assert compilers_digest(store) == "digest"
-    assert set(library.files()) < set(seen)
-    assert {path.name for path in library.files()} == {
+    monkeypatch.setattr(compile_cache, "files_digest", lambda paths: seen.extend(paths) or "digest")
+    assert compilers_digest() == "digest"
+    assert set(engines.files()) < set(seen)
+    assert {path.name for path in engines.files()} == {
         "libglslang.so", "libSPIRV.so", "libglslang-default-resource-limits.so",
         "libSPIRV-Tools-shared.so",
     }  # fmt: skip
@@ -119,11 +93,11 @@ def test_the_digest_covers_the_libraries_and_the_code_around_them(
     lab = repository / "shaderlab"
     shared = ("errors.py", "files.py", "model/__init__.py", "model/records.py")
     own |= {lab / name for name in shared}
-    assert set(seen) == own | set(library.files())
+    assert set(seen) == own | set(engines.files())
 
 
 def test_the_digest_covers_all_that_compiling_imports_of_the_lab(
-    store: Counting, monkeypatch: pytest.MonkeyPatch, repository: Path
+    monkeypatch: pytest.MonkeyPatch, repository: Path
 ) -> None:
     import subprocess
 
@@ -133,24 +107,20 @@ def test_the_digest_covers_all_that_compiling_imports_of_the_lab(
     )
     done = subprocess.run([sys.executable, "-c", show], capture_output=True, text=True, check=True)
     seen: list[Path] = []
-    monkeypatch.setattr(
-        compile_cache, "files_digest", lambda paths, store: seen.extend(paths) or "digest"
-    )
-    compilers_digest(store)
+    monkeypatch.setattr(compile_cache, "files_digest", lambda paths: seen.extend(paths) or "digest")
+    compilers_digest()
     package = repository / "shaderlab" / "__init__.py"
     assert set(map(Path, done.stdout.split())) - {package} <= set(seen)
 
 
-def test_without_the_libraries_there_is_no_digest(
-    store: Counting, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_the_libraries_there_is_no_digest(monkeypatch: pytest.MonkeyPatch) -> None:
     def missing() -> tuple[Path, ...]:
         raise ShaderError("not installed")
 
     monkeypatch.setattr(compile_cache, "files", missing)
-    assert compilers_digest(store) is None
+    assert compilers_digest() is None
     monkeypatch.setattr(compile_cache, "files", lambda: (Path("/nowhere/lib.so"),))
-    assert compilers_digest(store) is None
+    assert compilers_digest() is None
 
 
 def test_the_variable_names_the_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -13,8 +13,7 @@ import pytest
 from benchmarks.trees import SUFFIX, mutant, own_shaders
 from shaderlab.compiler import Shaders, Source, compile_program
 from shaderlab.compiler.diagnostics import check_version
-from shaderlab.compiler.engines import choose
-from shaderlab.compiler.library import GLSLANG_WHEEL, find
+from shaderlab.compiler.engines import GLSLANG_WHEEL, choose, find
 
 VERTEX = """#version 330 core
 layout (location = 0) in vec3 aPos;

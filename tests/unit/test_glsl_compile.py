@@ -11,8 +11,7 @@ import pytest
 
 from shaderlab.compiler import Shaders, Source, compile_program, disassemble, validate
 from shaderlab.compiler.diagnostics import MAX_NESTING, MAX_OPERATORS, find_crash
-from shaderlab.compiler.engines import choose
-from shaderlab.compiler.library import find
+from shaderlab.compiler.engines import choose, find
 from shaderlab.compiler.spirv import Decoration, Module, interface_name, parse
 from shaderlab.errors import ShaderError
 
@@ -318,37 +317,6 @@ def test_samplers_are_lifted_out_of_structs_for_vulkan_with_a_note() -> None:
     assert compiled.interface.uniforms["material.diffuse"].type == "sampler2D"
     assert compiled.interface.uniforms["material.extra"].array == 2
     assert "both[1].sky" in compiled.interface.uniforms
-
-
-def test_specialisation_constants_have_their_defaults() -> None:
-    text = """#version 450 core
-layout (constant_id = 3) const int LIGHTS = 4;
-layout (constant_id = 4) const float gain = 0.5;
-layout (constant_id = 5) const bool on = true;
-layout (constant_id = 6) const bool off = false;
-layout (constant_id = 7) const uint mask = 4000000000u;
-layout (constant_id = 8) const double fine = 0.1;
-layout (constant_id = 9) const int less = -2;
-const int twice = 2 * LIGHTS;
-out vec4 c;
-void main() {
-    c = vec4(LIGHTS * gain + mask + less + twice + float(fine));
-    if (on || off) c *= 2.0;
-}
-"""
-    compiled = compile_program(sources({"fragment": text}))
-    assert [verdict.ok for verdict in compiled.verdicts] == [False, True, True]
-    assert compiled.interface is not None
-    found = compiled.interface.constants
-    assert {name: (c.constant_id, c.type, c.default) for name, c in found.items()} == {
-        "LIGHTS": (3, "int", 4),
-        "gain": (4, "float", 0.5),
-        "on": (5, "bool", True),
-        "off": (6, "bool", False),
-        "mask": (7, "uint", 4000000000),
-        "fine": (8, "double", 0.1),
-        "less": (9, "int", -2),
-    }
 
 
 ES_HEAD = "precision mediump float;\n"

@@ -11,10 +11,10 @@ import pytest
 
 from benchmarks.trees import mutant, own_shaders
 from shaderlab.cli.doctor import examine
-from shaderlab.compiler import ALL_TARGETS, Shaders, compile_glsl, compile_program
+from shaderlab.compiler import ALL_TARGETS, Shaders, compile_program
 from shaderlab.compiler.commands import Commands, Executables, locate
-from shaderlab.compiler.engines import CompilerDiedError, choose
-from shaderlab.compiler.library import GLSLANG_WHEEL, find
+from shaderlab.compiler.engines import GLSLANG_WHEEL, CompilerDiedError, choose, find
+from shaderlab.compiler.harness import compile_glsl
 from shaderlab.errors import ShaderError
 
 GOOD = "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"

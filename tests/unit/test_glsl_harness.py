@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from shaderlab.compiler import WORK, FileResult, compile_glsl, shader_files
+from shaderlab.compiler import shader_files
+from shaderlab.compiler.harness import WORK, FileResult, compile_glsl
 from shaderlab.compiler.shader_files import Roots, find_shaders
 from shaderlab.errors import ShaderError, UsageError
 from shaderlab.workers.pool import WorkerPool

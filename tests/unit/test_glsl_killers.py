@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.compiler import WORK, Shaders, compile_glsl, compile_program
+from shaderlab.compiler import Shaders, compile_program
+from shaderlab.compiler.harness import WORK, compile_glsl
 from shaderlab.model.options import Limits
 from shaderlab.workers.pool import WorkerPool
 
@@ -23,7 +24,7 @@ GOOD = HEAD + "void main() { c = vec4(x); }\n"
 UNGUARDED = """
 from shaderlab.compiler import Shaders
 from shaderlab.compiler.engines import choose
-from shaderlab.compiler.library import validate
+from shaderlab.compiler.engines import validate
 
 class Work:
     def __init__(self, channel):

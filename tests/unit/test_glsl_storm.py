@@ -6,7 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from benchmarks.trees import storm
-from shaderlab.compiler import WORK, compile_glsl
+from shaderlab.compiler.harness import WORK, compile_glsl
 from shaderlab.workers.pool import WorkerPool
 
 COUNT = 300

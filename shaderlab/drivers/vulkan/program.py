@@ -49,35 +49,22 @@ from .device import NULL, Device, Resources, Structs, check, constant, ffi, lib
 from .images import STENCIL_ASPECT, aspects, vulkan_format
 
 # Source: SPIR-V Specification 1.6 (Capability) and Vulkan 1.3 Specification, appendix Vulkan
-# Environment for SPIR-V: what each capability takes; those without a feature are always there.
-_CAPABILITIES: dict[int, str] = {
-    **dict.fromkeys((
-        Capability.Matrix, Capability.Shader, Capability.InputAttachment,
-        Capability.Sampled1D, Capability.Image1D, Capability.SampledBuffer,
-        Capability.ImageBuffer, Capability.StorageImageExtendedFormats,
-        Capability.ImageQuery, Capability.DerivativeControl,
-    ), ""),
+# Environment for SPIR-V: the capabilities that are always there, and the features that the others
+# take where these are not called "shader" and the capability's name.
+_ALWAYS = frozenset([
+    Capability.Matrix, Capability.Shader, Capability.InputAttachment, Capability.Sampled1D,
+    Capability.Image1D, Capability.SampledBuffer, Capability.ImageBuffer,
+    Capability.StorageImageExtendedFormats, Capability.ImageQuery, Capability.DerivativeControl,
+])  # fmt: skip
+_FEATURES: dict[int, str] = {
     Capability.Geometry: "geometryShader",
-    Capability.Float64: "shaderFloat64",
-    Capability.Int64: "shaderInt64",
-    Capability.Int16: "shaderInt16",
     Capability.TessellationPointSize: "shaderTessellationAndGeometryPointSize",
     Capability.GeometryPointSize: "shaderTessellationAndGeometryPointSize",
-    Capability.ImageGatherExtended: "shaderImageGatherExtended",
-    Capability.StorageImageMultisample: "shaderStorageImageMultisample",
-    Capability.UniformBufferArrayDynamicIndexing: "shaderUniformBufferArrayDynamicIndexing",
-    Capability.SampledImageArrayDynamicIndexing: "shaderSampledImageArrayDynamicIndexing",
-    Capability.StorageBufferArrayDynamicIndexing: "shaderStorageBufferArrayDynamicIndexing",
-    Capability.StorageImageArrayDynamicIndexing: "shaderStorageImageArrayDynamicIndexing",
-    Capability.ClipDistance: "shaderClipDistance",
-    Capability.CullDistance: "shaderCullDistance",
     Capability.ImageCubeArray: "imageCubeArray",
-    Capability.SampleRateShading: "sampleRateShading",
     Capability.SampledCubeArray: "imageCubeArray",
-    Capability.StorageImageReadWithoutFormat: "shaderStorageImageReadWithoutFormat",
-    Capability.StorageImageWriteWithoutFormat: "shaderStorageImageWriteWithoutFormat",
+    Capability.SampleRateShading: "sampleRateShading",
     Capability.MultiViewport: "multiViewport",
-}  # fmt: skip
+}
 _POINT = re.compile(r"\bgl_PointCoord\b")
 
 
@@ -102,11 +89,11 @@ def check_capabilities(device: Device, modules: Mapping[str, bytes]) -> None:
     for stage, data in modules.items():
         if stage.startswith("tess_"):
             raise UnsupportedError(f"the {stage} stage: the lab tessellates on OpenGL only")
-        for number in sorted(parse(data).capabilities):
-            feature = _CAPABILITIES.get(number)
-            if feature is None:
+        for number in sorted(parse(data).capabilities - _ALWAYS):
+            if number not in map(int, Capability):
                 raise UnsupportedError(f"the {stage} stage takes SPIR-V capability {number}")
-            if feature and feature not in device.features:
+            feature = _FEATURES.get(number, f"shader{Capability(number).name}")
+            if feature not in device.features:
                 raise UnsupportedError(f"the {stage} stage takes {feature}: this device has none")
 
 
