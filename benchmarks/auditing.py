@@ -22,8 +22,7 @@ from shaderlab.analysis.audit import Audit, audit_program
 from shaderlab.analysis.interpreter import load
 from shaderlab.analysis.invocations import case_stages, program_of
 from shaderlab.compiler import Shaders
-from shaderlab.engine.catalogue import load_cases
-from shaderlab.engine.discovery import data_folder, shipped_cases
+from shaderlab.engine.catalogue import data_folder, load_cases, shipped_cases
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import RunOptions

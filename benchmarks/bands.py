@@ -29,8 +29,7 @@ import numpy as np
 from shaderlab import glslmath
 from shaderlab.bands import Band, Rules, compiled
 from shaderlab.bands.bounds import contains
-from shaderlab.engine.catalogue import load_cases
-from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.catalogue import load_cases, shipped_cases
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import subject_of
 from shaderlab.engine.judging.references import Inputs, evaluate

@@ -17,7 +17,7 @@ import numpy as np
 
 from shaderlab import CubeTexture, Texture, TextureArray, glsl
 from shaderlab.compiler.shader_files import EXTENSIONS
-from shaderlab.engine.discovery import data_folder
+from shaderlab.engine.catalogue import data_folder
 from shaderlab.errors import ShaderlabError
 from shaderlab.functions.signatures import DTYPES, Type
 

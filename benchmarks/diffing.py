@@ -20,8 +20,7 @@ from benchmarks.rewrites import Rewrite, rewrites
 from shaderlab.analysis.answer import Answer
 from shaderlab.analysis.comparison import Plan, compare_programs
 from shaderlab.analysis.invocations import changed_stages, program_of
-from shaderlab.engine.catalogue import load_cases
-from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.catalogue import load_cases, shipped_cases
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.case import Case

@@ -16,8 +16,7 @@ import time
 from collections.abc import Mapping, Sequence
 
 from shaderlab.drivers import DRIVERS
-from shaderlab.engine.catalogue import load_cases
-from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.catalogue import load_cases, shipped_cases
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import RunOptions

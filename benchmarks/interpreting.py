@@ -32,8 +32,7 @@ from shaderlab.analysis.interpreter import FLOAT32, FLOAT64, Bands, Interpreted,
 from shaderlab.analysis.invocations import Invocations, sample_fragments, sample_vertices
 from shaderlab.analysis.self_check import shows_what_is_written
 from shaderlab.bands import Band, Integer, Rules
-from shaderlab.engine.catalogue import load_cases
-from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.catalogue import load_cases, shipped_cases
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import subject_of

@@ -28,8 +28,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.discovery import case_files, data_folder
+from shaderlab.engine.catalogue import case_files, data_folder, load_case
 from shaderlab.engine.judging.banded import Banded
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Case

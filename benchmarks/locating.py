@@ -21,8 +21,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.analysis.instrument import find_watch_points
-from shaderlab.engine.catalogue import load_cases
-from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.catalogue import load_cases, shipped_cases
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError

@@ -14,8 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from shaderlab.engine.catalogue import load_cases
-from shaderlab.engine.discovery import data_folder, shipped_cases
+from shaderlab.engine.catalogue import data_folder, load_cases, shipped_cases
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Case
 from shaderlab.model.options import RunOptions

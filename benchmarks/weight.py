@@ -46,7 +46,7 @@ except SystemExit:
     pass
 finally:
     sys.setprofile(None)
-    ours = sorted(file for file in files if file.startswith({package!r}))
+    ours = sorted(file for file in files if file.startswith({package!r}) and file.endswith(".py"))
     with open({out!r}, "w") as file:
         json.dump(ours, file)
 """

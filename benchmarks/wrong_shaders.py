@@ -18,8 +18,7 @@ import argparse
 import sys
 from collections import Counter
 
-from shaderlab.engine.catalogue import load_cases
-from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.catalogue import load_cases, shipped_cases
 from shaderlab.engine.run import SceneRunner
 from shaderlab.mutation import mutate_case
 from shaderlab.mutation.judging import Judge

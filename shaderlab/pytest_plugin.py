@@ -33,16 +33,15 @@ from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 
-from shaderlab.engine.discovery import inspect_file
-from shaderlab.engine.executors import WORDS
+from shaderlab.engine.catalogue import inspect_file
+from shaderlab.engine.jobs import WORDS
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path
 from shaderlab.model.options import CALL_LIMITS, Limits
 from shaderlab.report.text import format_failure, format_label, has_failed
 
 if TYPE_CHECKING:
-    from shaderlab.engine.executors import Prefetcher
-    from shaderlab.engine.jobs import DriverInfo, Job
+    from shaderlab.engine.jobs import DriverInfo, Job, Prefetcher
     from shaderlab.engine.settings import Settings
     from shaderlab.functions.records import Notes
     from shaderlab.model.records import Record, Status
@@ -128,7 +127,7 @@ def get_prefetcher(config: pytest.Config) -> Prefetcher:
     """Return what runs this process's cases, made when it is first needed."""
     prefetcher = config.stash.get(_PREFETCHER, None)
     if prefetcher is None:
-        from shaderlab.engine.executors import InProcessExecutor, Prefetcher, ProcessExecutor
+        from shaderlab.engine.jobs import InProcessExecutor, Prefetcher, ProcessExecutor
         from shaderlab.model.options import RunOptions
 
         workers, settings = _workers(config), _settings(config)

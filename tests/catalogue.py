@@ -7,8 +7,7 @@ from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING
 
-from shaderlab.engine.catalogue import load_cases
-from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.catalogue import load_cases, shipped_cases
 
 if TYPE_CHECKING:
     from shaderlab.model.case import Case

@@ -150,7 +150,7 @@ def _is_shader(target: str) -> bool:
 def _collect_audits(results: Iterable[Any]) -> Iterator[Audit]:
     """The audits of requests; one that was refused where there is no answer."""
     from shaderlab.analysis.audit import Audit
-    from shaderlab.engine.executors import format_error
+    from shaderlab.engine.jobs import format_error
 
     for result in results:
         if result.status == "done":

@@ -24,7 +24,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shaderlab.engine.discovery import data_folder, files_below, tree_of
+from shaderlab.engine.catalogue import data_folder, files_below, tree_of
 from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job, make_failed_record
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path, replace_file

@@ -19,9 +19,8 @@ from typing import Any
 from distributed import Worker, WorkerPlugin, get_worker
 
 from shaderlab.cli.cluster import SHIPPED, Address, Bundle, identity, lab_folders, rename_paths
-from shaderlab.engine.discovery import data_folder
-from shaderlab.engine.executors import ProcessExecutor
-from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job
+from shaderlab.engine.catalogue import data_folder
+from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job, ProcessExecutor
 from shaderlab.errors import CaseError
 from shaderlab.model.options import Limits, RunOptions
 

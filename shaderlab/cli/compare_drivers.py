@@ -15,12 +15,12 @@ import numpy as np
 from rich.console import Console
 from rich.text import Text
 
-from shaderlab.cli.journal import RunPlan
-from shaderlab.cli.recorded_run import RecordedRun
+from shaderlab.cli.recorded_run import RecordedRun, RunPlan
 from shaderlab.cli.showing import plain_table
 from shaderlab.errors import AssetError
 from shaderlab.model import pictures
 from shaderlab.model.frame import Array
+from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Agreement, Disagreement, DrawnOutput, DriverResult, Record, Run
 from shaderlab.report.comparison import AGREEMENTS, compare_drivers
 from shaderlab.report.text import format_label, make_printable
@@ -30,25 +30,21 @@ FRAMES = "drawn"
 
 
 def plan_for_drivers(plan: RunPlan, drivers: Sequence[str]) -> RunPlan:
-    """The plan with a job for each driver; unchanged if none is named."""
-    if not drivers:
-        return plan
+    """Return the plan with a job for each driver."""
     assert plan.options.folder is not None
     jobs = tuple(replace(job, driver=name) for name in drivers for job in plan.jobs)
     frames = plan.options.folder / FRAMES
     return replace(plan, jobs=jobs, options=replace(plan.options, frames=frames))
 
 
-def add_comparison(recorded: RecordedRun, plan: RunPlan) -> RecordedRun:
-    """The run with its drivers compared; unchanged where it has one, or was interrupted."""
-    frames = plan.options.frames
-    if frames is None or not recorded.complete:
-        return recorded
-
+def add_comparison(recorded: RecordedRun, options: RunOptions) -> RecordedRun:
+    """Return the run with its drivers compared by the frames that they stored."""
+    frames = options.frames
+    assert frames is not None
     apart = []
     for difference in find_disagreements(recorded.records, frames):
         found = difference.found
-        if plan.options.pictures and difference.shades is not None:
+        if options.pictures and difference.shades is not None:
             found = replace(found, image=write_picture(recorded.folder, found, difference.shades))
         apart.append(found)
     shutil.rmtree(frames, ignore_errors=True)

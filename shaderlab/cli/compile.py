@@ -26,8 +26,7 @@ from shaderlab.cli.outputs import (
 from shaderlab.compiler.engines import ENGINES, TARGETS
 from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_files, time_limit
 from shaderlab.compiler.shader_files import STAGES, ShaderFile, find_shaders
-from shaderlab.engine.executors import count_cores
-from shaderlab.engine.jobs import check_driver
+from shaderlab.engine.jobs import check_driver, count_cores
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits
 from shaderlab.report.findings import Finding, collect_verdict_findings
@@ -159,7 +158,7 @@ def _find_shaders(
     paths: Sequence[str], stage: str | None, includes: Sequence[Path]
 ) -> tuple[list[ShaderFile], tuple[str, ...]]:
     """Return the shaders at these paths, and the folders that they include from."""
-    from shaderlab.engine.discovery import data_folder
+    from shaderlab.engine.catalogue import data_folder
     from shaderlab.engine.settings import load_settings
 
     shipped = data_folder("shaders").resolve()

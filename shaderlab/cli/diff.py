@@ -34,7 +34,7 @@ from shaderlab.model.options import Limits, RunOptions
 if TYPE_CHECKING:
     from shaderlab.analysis.answer import Answer
     from shaderlab.analysis.comparison import Plan
-    from shaderlab.engine.executors import LocalExecutor
+    from shaderlab.engine.jobs import LocalExecutor
 
 
 NO_ANSWER = USAGE
@@ -171,8 +171,7 @@ class _Comparison:
 
                 return CompareFunctions(*shaders, self.plan)
             return requests.CompareFiles(*shaders, self.stage, self.plan)
-        from shaderlab.cli.replacing import resolve_replacements
-        from shaderlab.cli.selecting import select_one
+        from shaderlab.cli.selecting import resolve_replacements, select_one
         from shaderlab.engine.jobs import make_jobs
 
         facts, _ = select_one(self.case, executor.load)

@@ -167,7 +167,7 @@ def _check_compile_cache() -> Finding:
 
 
 def _check_data() -> Iterator[Finding]:
-    from shaderlab.engine.discovery import data_folder
+    from shaderlab.engine.catalogue import data_folder
 
     for kind in ("shaders", "cases"):
         try:

@@ -31,7 +31,7 @@ from shaderlab.model.records import Explanation, Step
 
 if TYPE_CHECKING:
     from shaderlab.analysis.requests import ExplainFile, ExplainPixel
-    from shaderlab.engine.executors import LocalExecutor
+    from shaderlab.engine.jobs import LocalExecutor
 
 _MOST = 3  # of the steps that lose most, in words
 
@@ -167,7 +167,7 @@ def _make_request(
 
 def _perform(request: ExplainFile | ExplainPixel, executor: LocalExecutor) -> Any:
     """Return the result of a request. Raises ShaderlabError."""
-    from shaderlab.engine.executors import format_error
+    from shaderlab.engine.jobs import format_error
 
     (result,) = executor.perform([request])
     if result.status == "error" and isinstance(result.value, ShaderlabError):

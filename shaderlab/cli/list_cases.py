@@ -68,14 +68,13 @@ def _format_problems(found: Sequence[CaseInfo]) -> Iterator[str]:
 
 def _load_shipped() -> list[CaseInfo]:
     from shaderlab.cli.selecting import load_shipped_cases
-    from shaderlab.engine.discovery import data_folder
+    from shaderlab.engine.catalogue import data_folder
 
     return load_shipped_cases(data_folder("cases"), _import_shipped)
 
 
 def _import_shipped() -> list[CaseInfo]:
-    from shaderlab.engine.catalogue import load_cases
-    from shaderlab.engine.discovery import shipped_cases
+    from shaderlab.engine.catalogue import load_cases, shipped_cases
     from shaderlab.errors import CaseError
 
     found = []
@@ -98,7 +97,7 @@ def _import_shipped() -> list[CaseInfo]:
 
 def _load_cases(targets: Sequence[str]) -> list[CaseInfo]:
     from shaderlab.cli.selecting import find_files, make_ids_distinct
-    from shaderlab.engine.discovery import sort_key
+    from shaderlab.engine.catalogue import sort_key
 
     with contextlib.closing(make_local_executor(None, Limits(), None, early=False)) as executor:
         found = make_ids_distinct(executor.load(find_files(targets)))

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from shaderlab.cli.showing import Show
-    from shaderlab.engine.executors import LocalExecutor
+    from shaderlab.engine.jobs import LocalExecutor
     from shaderlab.mutation import CaseResult, MutationPlan, MutationRun, MutationTarget
 
 

@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from shaderlab.compiler.shader_files import EXTENSIONS
-from shaderlab.engine.executors import WORDS
-from shaderlab.engine.jobs import check_driver
+from shaderlab.engine.jobs import WORDS, check_driver
 from shaderlab.errors import UsageError, suggest
 from shaderlab.model.options import Limits
 
 if TYPE_CHECKING:
     from shaderlab.analysis.requests import ShaderOfFile
-    from shaderlab.engine.executors import Executor, LocalExecutor
+    from shaderlab.engine.jobs import Executor, LocalExecutor
 
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -184,7 +183,7 @@ def make_local_executor(
     driver: str | None, limits: Limits, workers: int | None, early: bool = True
 ) -> LocalExecutor:
     """Return an executor on this machine: in this process for 0 workers."""
-    from shaderlab.engine.executors import InProcessExecutor, ProcessExecutor
+    from shaderlab.engine.jobs import InProcessExecutor, ProcessExecutor
 
     if workers == 0:
         return InProcessExecutor(driver)
@@ -236,7 +235,7 @@ def resolve_shaders(
     """Return the shader files at these paths and in these folders, as `resolve_shader` does."""
     from shaderlab.analysis.requests import ShaderOfFile
     from shaderlab.compiler.shader_files import find_shaders
-    from shaderlab.engine.discovery import data_folder
+    from shaderlab.engine.catalogue import data_folder
     from shaderlab.engine.settings import load_settings
 
     shipped = data_folder("shaders").resolve()

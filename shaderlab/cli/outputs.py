@@ -23,7 +23,6 @@ from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 import click
 
 from shaderlab.cli import FAILED, OK, USAGE
-from shaderlab.cli.journal import FILE_NAME
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import NO_ROOM, replace_file, reserve_standard_descriptors, write_named
 from shaderlab.report.formats import FINDING_FORMATS, FORMATS, Format
@@ -33,6 +32,8 @@ if TYPE_CHECKING:
     from shaderlab.report.findings import Finding
 
 
+FILE_NAME = "records.jsonl"
+"""The journal of a run, in its folder."""
 REPORTS = Path("reports")
 LATEST = "latest"
 SUMMARY_VARIABLE = "GITHUB_STEP_SUMMARY"

@@ -17,10 +17,9 @@ from shaderlab.errors import UsageError
 from shaderlab.model.options import RunOptions
 
 if TYPE_CHECKING:
-    from shaderlab.cli.journal import RunPlan
-    from shaderlab.cli.recorded_run import RecordedRun
+    from shaderlab.cli.recorded_run import RecordedRun, RunPlan
     from shaderlab.cli.showing import Show
-    from shaderlab.engine.executors import Executor
+    from shaderlab.engine.jobs import Executor
     from shaderlab.model.records import Record, Run
 
 
@@ -187,13 +186,16 @@ def command(arguments: RunArguments) -> int:
     with contextlib.closing(
         make_executor(options.driver, running.limits, running.workers, running.scheduler)
     ) as executor:
-        from shaderlab.cli.compare_drivers import add_comparison
         from shaderlab.cli.recorded_run import measure_coverage, run_plan
         from shaderlab.cli.showing import Show
 
         show = Show(to_stderr=uses_stdout(arguments.outputs))
         plan = plan or _make_plan(arguments, options, executor)
-        recorded = add_comparison(run_plan(executor, plan, show, done), plan)
+        recorded = run_plan(executor, plan, show, done)
+        if plan.options.frames is not None and recorded.complete:
+            from shaderlab.cli.compare_drivers import add_comparison
+
+            recorded = add_comparison(recorded, plan.options)
         if arguments.coverage and recorded.complete:
             recorded = measure_coverage(recorded, executor, plan, show)
     return _finish(arguments, recorded, show)
@@ -215,26 +217,31 @@ def _resume(arguments: RunArguments) -> tuple[RunPlan, list[Record]]:
 
 def _make_plan(arguments: RunArguments, options: RunOptions, executor: Executor) -> RunPlan:
     """Select the jobs and the shaders that are replaced; make the run's folder."""
-    from shaderlab.cli.compare_drivers import plan_for_drivers
     from shaderlab.cli.recorded_run import new_plan
-    from shaderlab.cli.replacing import replace_shaders
-    from shaderlab.cli.selecting import select_jobs
+    from shaderlab.cli.selecting import replace_shaders, select_jobs
 
     jobs = select_jobs(arguments.targets, arguments.every, arguments.variants, executor.load)
     options = replace_shaders(options, arguments.shaders, arguments.renamed, jobs)
-    return plan_for_drivers(new_plan(jobs, options, arguments.running.folder), arguments.drivers)
+    plan = new_plan(jobs, options, arguments.running.folder)
+    if not arguments.drivers:
+        return plan
+    from shaderlab.cli.compare_drivers import plan_for_drivers
+
+    return plan_for_drivers(plan, arguments.drivers)
 
 
 def _finish(arguments: RunArguments, recorded: RecordedRun, show: Show) -> int:
     """Show the outcomes, write the report and the outputs; return the exit status."""
-    from shaderlab.cli.compare_drivers import show_drivers
     from shaderlab.cli.recorded_run import finish
 
     run = recorded.run
     show.outcomes(run)
     show.gl_calls(run)
     show.coverage(run)
-    show_drivers(run, show.console)
+    if run.drivers:
+        from shaderlab.cli.compare_drivers import show_drivers
+
+        show_drivers(run, show.console)
     if arguments.profile:
         show.profile(run)
     return finish(

@@ -15,17 +15,22 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan, encode_line, read_lines
 from shaderlab.cli.options import RunningOptions, collect, make_executor, running_options
+from shaderlab.cli.outputs import FILE_NAME
 from shaderlab.cli.recorded_run import (
+    Journal,
+    Parameter,
     RecordedRun,
+    RunPlan,
+    encode_line,
     finish,
     load_plan,
     new_plan,
+    read_lines,
     report_damaged_lines,
     run_jobs,
 )
-from shaderlab.cli.sweep_table import Parameter, SweepTable, make_grid, make_plots, parse_parameters
+from shaderlab.cli.sweep_table import SweepTable, make_grid, make_plots, parse_parameters
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import open_regular
 from shaderlab.model import store
@@ -34,7 +39,7 @@ from shaderlab.model.records import Record, Run
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
-    from shaderlab.engine.executors import Executor
+    from shaderlab.engine.jobs import Executor
 
 
 TABLE = "sweep.csv"

@@ -9,18 +9,15 @@ import re
 from array import array
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
-from shaderlab.engine.jobs import CaseInfo, Job, Point
+from shaderlab.cli.recorded_run import SIZE, Grid, Parameter
+from shaderlab.engine.jobs import CaseInfo
 from shaderlab.errors import UsageError, suggest
 from shaderlab.model.phases import PHASES
 from shaderlab.model.records import Plot, PlotPoint, Points, Status
 from shaderlab.report.grouping import PASSABLE, STATUSES
 
-SIZE = "size"
-"""The parameter that sets the side of the judged frame in pixels; it is not a shader input."""
 LARGEST_SIZE = 4096
 MOST_POINTS = 100_000
 """So many were measured: docs/internals/measurements.md has their time and memory."""
@@ -29,53 +26,37 @@ _PARTS = "take fewer values, or sweep in parts, each into its own --report FOLDE
 _RIGHT = "write NAME=START:STOP:COUNT, NAME=START:STOP:COUNTlog or NAME=A,B,C"
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """One parameter and its values; `log` if they are logarithmically spaced."""
+def parse_parameter(word: str) -> Parameter:
+    """From "reach=1:50:8", "reach=0.1:100:4log" or "reach=7,13,20".
 
-    name: str
-    values: tuple[float, ...]
-    log: bool = False
+    >>> parse_parameter("size=64:1024:3log").values
+    (64.0, 256.0, 1024.0)
 
-    @classmethod
-    def parse(cls, word: str) -> Parameter:
-        """From "reach=1:50:8", "reach=0.1:100:4log" or "reach=7,13,20".
-
-        >>> Parameter.parse("size=64:1024:3log").values
-        (64.0, 256.0, 1024.0)
-
-        Raises:
-            UsageError: the format is wrong; the remedy shows the right one.
-        """
-        name, equals, values = (part.strip() for part in word.partition("="))
-        if not equals or not name or not values:
-            raise UsageError(f"--param {word}: no name and values", remedy=_RIGHT)
-        found = _RANGE.fullmatch(values)
-        if found is None and ":" in values:
-            raise UsageError(
-                f"--param {word}: {values!r} is no range",
-                remedy="write START:STOP:COUNT, such as 0:1:11, or 0.01:1:50log (logarithmic)",
-            )
-        if found is None:
-            numbers = tuple(_parse_number(word, text) for text in values.split(","))
-        else:
-            ends = _parse_number(word, found["start"]), _parse_number(word, found["stop"])
-            numbers = _space_values(word, *ends, int(found["count"]), log=bool(found["log"]))
-        if name == SIZE:
-            numbers = _check_sizes(word, numbers)
-        return cls(name, tuple(dict.fromkeys(numbers)), bool(found and found["log"]))
-
-    @cached_property
-    def spelt(self) -> list[str]:
-        """The values with six digits, or with all digits where others would look the same."""
-        short = [f"{value:.6g}" for value in self.values]
-        alike = Counter(short)
-        return [s if alike[s] == 1 else repr(v) for s, v in zip(short, self.values, strict=True)]
+    Raises:
+        UsageError: the format is wrong; the remedy shows the right one.
+    """
+    name, equals, values = (part.strip() for part in word.partition("="))
+    if not equals or not name or not values:
+        raise UsageError(f"--param {word}: no name and values", remedy=_RIGHT)
+    found = _RANGE.fullmatch(values)
+    if found is None and ":" in values:
+        raise UsageError(
+            f"--param {word}: {values!r} is no range",
+            remedy="write START:STOP:COUNT, such as 0:1:11, or 0.01:1:50log (logarithmic)",
+        )
+    if found is None:
+        numbers = tuple(_parse_number(word, text) for text in values.split(","))
+    else:
+        ends = _parse_number(word, found["start"]), _parse_number(word, found["stop"])
+        numbers = _space_values(word, *ends, int(found["count"]), log=bool(found["log"]))
+    if name == SIZE:
+        numbers = _check_sizes(word, numbers)
+    return Parameter(name, tuple(dict.fromkeys(numbers)), bool(found and found["log"]))
 
 
 def parse_parameters(words: Sequence[str]) -> tuple[Parameter, ...]:
     """All parameters of a sweep. Raises UsageError, also if one is given twice."""
-    found = tuple(Parameter.parse(word) for word in words)
+    found = tuple(parse_parameter(word) for word in words)
     names = [parameter.name for parameter in found]
     for name in names:
         if names.count(name) > 1:
@@ -90,64 +71,6 @@ def parse_parameters(words: Sequence[str]) -> tuple[Parameter, ...]:
             remedy=_PARTS,
         )
     return found
-
-
-@dataclass(frozen=True, kw_only=True)
-class Grid:
-    """The points that parameters of one case span, the last parameter varying fastest. Each is
-    made when it is asked for.
-
-    Attributes:
-        file, id, title, section: of the case.
-        variant: whose inputs all points have, except the swept ones.
-        parameters: those that are swept.
-    """
-
-    file: str
-    id: str
-    title: str
-    section: str
-    variant: str
-    parameters: tuple[Parameter, ...]
-
-    def __len__(self) -> int:
-        return math.prod(len(parameter.values) for parameter in self.parameters)
-
-    def __iter__(self) -> Iterator[Job]:
-        return map(self.__getitem__, range(len(self)))
-
-    def __getitem__(self, number: int) -> Job:
-        """The job of a point."""
-        places = self.places(number)
-        swept = list(zip(self.parameters, places, strict=True))
-        given = {p.name: p.values[place] for p, place in swept}
-        size = int(given.pop(SIZE, 0))
-        return Job(
-            file=self.file,
-            id=self.id,
-            variant=", ".join(f"{p.name}={p.spelt[place]}" for p, place in swept),
-            title=self.title,
-            section=self.section,
-            point=Point(variant=self.variant, changes=given, size=size),
-        )
-
-    def places(self, number: int) -> list[int]:
-        """Where a point is among each parameter's values. Raises IndexError."""
-        if not 0 <= number < len(self):
-            raise IndexError(number)
-        places = []
-        for parameter in reversed(self.parameters):
-            number, place = divmod(number, len(parameter.values))
-            places.append(place)
-        return places[::-1]
-
-    def coordinates(self, number: int) -> dict[str, float]:
-        """The parameters of a point and their values; a size is a whole number."""
-        places = zip(self.parameters, self.places(number), strict=True)
-        found = {parameter.name: parameter.values[place] for parameter, place in places}
-        if SIZE in found:  # as the last one
-            found[SIZE] = int(found.pop(SIZE))
-        return found
 
 
 def make_grid(facts: CaseInfo, variant: str, swept: Sequence[Parameter]) -> Grid:

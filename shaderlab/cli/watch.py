@@ -33,8 +33,7 @@ from shaderlab.model.records import Record, Run
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
     from shaderlab.cli.watching import Changes, Contents, Session
-    from shaderlab.engine.executors import LocalExecutor
-    from shaderlab.engine.jobs import CaseInfo, Job
+    from shaderlab.engine.jobs import CaseInfo, Job, LocalExecutor
     from shaderlab.report.live import LiveReport
 
 

@@ -17,9 +17,8 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shaderlab.engine.discovery import imported_files, is_project_file
-from shaderlab.engine.executors import LocalExecutor, format_error
-from shaderlab.engine.jobs import CaseInfo, Job, make_failed_record
+from shaderlab.engine.catalogue import imported_files, is_project_file
+from shaderlab.engine.jobs import CaseInfo, Job, LocalExecutor, format_error, make_failed_record
 from shaderlab.errors import CaseError, ShaderlabError, require_extra
 from shaderlab.files import read_regular
 from shaderlab.functions.evaluation import use_worker
@@ -31,7 +30,7 @@ from shaderlab.mutation.function_tests import RunTestFile
 from shaderlab.workers.pool import ItemResult
 
 if TYPE_CHECKING:
-    from shaderlab.engine.executors import LocalExecutor
+    from shaderlab.engine.jobs import LocalExecutor
     from shaderlab.engine.worker import Worker
     from shaderlab.model.records import Record
 

@@ -1,27 +1,314 @@
-"""Imports case files and checks them; finds the shaders of cases."""
+"""Finds case files without importing them, the trees that they belong to, and the shipped folders;
+imports case files and checks them; finds the shaders of cases.
+
+A folder of cases may be part of a larger project, so its files are read, not run, to find the
+cases. A case file takes `Case` from shaderlab, itself or by a module of its project, and assigns
+`case` at its top level.
+"""
 
 from __future__ import annotations
 
+import ast
+import functools
 import hashlib
 import os
 import re
 import sys
+import sysconfig
 import traceback
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 from importlib.machinery import ModuleSpec
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
+from typing import TYPE_CHECKING
 
-from shaderlab.compiler.sources import Shaders
 from shaderlab.engine.settings import load_settings
-from shaderlab.errors import CaseError, ShaderlabError, suggest
+from shaderlab.errors import CaseError, ShaderlabError, UsageError, suggest
 from shaderlab.files import search_folder
-from shaderlab.model.case import Case
 
-from .discovery import TREE_FILE, chapter_title, data_folder, sort_key, tree_of
+if TYPE_CHECKING:
+    from shaderlab.compiler.sources import Shaders
+    from shaderlab.model.case import Case
+
+TREE_FILE = "cases.toml"
+_SKIPPED_FOLDERS = frozenset({"__pycache__", "node_modules", "site-packages", "build", "dist"})
+_SYSTEM = ("/proc", "/dev", "/sys", "/etc")
+_OF_TOOLS = frozenset({"__pycache__", ".git", ".hypothesis", ".pytest_cache"})
+_LIBRARIES = ("stdlib", "platstdlib", "purelib", "platlib")
+_ASSIGNS = re.compile(rb"^case\s*(:[^=\n]*)?=", re.MULTILINE)
+_MENTIONS = re.compile(rb"\bcase\b|\bCase\b")
+_NO_CASES = (
+    ast.Constant, ast.JoinedStr, ast.List, ast.Tuple, ast.Set, ast.Dict, ast.ListComp, ast.SetComp,
+    ast.DictComp, ast.GeneratorExp, ast.Lambda,
+)  # fmt: skip
+
+
+def case_files(folder: Path, skipped: Callable[[Path, str], None] | None = None) -> Iterator[Path]:
+    """The case files of `files_below`; `skipped` gets each that takes `Case` and is none, with the
+    reason."""
+    for path in files_below(folder):
+        reason = inspect_file(path)
+        if reason == "":
+            yield path
+        elif reason is not None and skipped is not None:
+            skipped(path, reason)
+
+
+def shipped_cases() -> Iterator[Path]:
+    """The case files that come with the lab, sorted. Their text is matched, not parsed: parsing
+    would take longer than loading them."""
+    for path in files_below(data_folder("cases")):
+        if path.suffix == ".py" and not path.name.startswith("_"):
+            source = _read(path)
+            if b"shaderlab" in source and _ASSIGNS.search(source):
+                yield path
+
+
+def is_case_file(path: Path) -> bool:
+    """Whether `path` is a case file; never raises."""
+    return inspect_file(path) == ""
+
+
+def inspect_file(path: Path) -> str | None:
+    """Tell what a file is, without importing it; never raises.
+
+    Returns:
+        "" for a case file, the reason why a file is none that takes `Case` from shaderlab, None
+        for all others.
+    """
+    source = _read(path) if path.suffix == ".py" else b""
+    if not _MENTIONS.search(source):
+        return None
+    try:
+        body = list(_statements(ast.parse(source).body))
+    except (SyntaxError, ValueError, RecursionError) as error:
+        if b"shaderlab" not in source:
+            return None
+        if _ASSIGNS.search(source):
+            return ""  # loading it reports the mistake
+        line = f" in line {error.lineno}" if isinstance(error, SyntaxError) else ""
+        return f"it has a syntax error{line}"
+    values = [value for statement in body for value in _assigned_values(statement)]
+    imports_lab, takes = _imports_lab(body)
+    literal = all(isinstance(value, _NO_CASES) for value in values)
+    if not takes:
+        may_be_case = values and not literal
+        if not may_be_case or not (imports_lab or _neighbour_takes_case(path)):
+            return None
+    if path.name.startswith("_"):
+        return "its name begins with _"
+    if not values:
+        return "it assigns no `case` at its top level: one case a file, case = Case(…)"
+    return "its `case` is no Case(…)" if literal else ""
+
+
+def imported_files(path: Path) -> set[Path]:
+    """The files of a project's own modules that a file imports at module level, and of those that
+    these import; a file that can't be parsed imports none."""
+    return set(_imported_modules(path))
+
+
+def _imported_modules(path: Path) -> Mapping[Path, Sequence[ast.stmt]]:
+    """As `imported_files`, with the statements of each."""
+    found: dict[Path, Sequence[ast.stmt]] = {}
+    waiting = [(Path(os.path.abspath(path)), _parse(path))]
+    while waiting:
+        importing, body = waiting.pop()
+        for imported in _imports(body):
+            other = _neighbour(importing, *imported)
+            if other is not None and other not in found:
+                found[other] = _parse(other)
+                waiting.append((other, found[other]))
+    return found
+
+
+def _neighbour_takes_case(path: Path) -> bool:
+    """Whether a file takes `Case` by a module of its own project."""
+    return any(_imports_lab(body)[1] for body in _imported_modules(path).values())
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes() if path.is_file() else b""
+    except OSError:
+        return b""
+
+
+def _parse(path: Path) -> Sequence[ast.stmt]:
+    """The statements of a file that run when it is imported; none if it can't be parsed."""
+    try:
+        return list(_statements(ast.parse(_read(path)).body))
+    except (SyntaxError, ValueError, RecursionError):
+        return []
+
+
+def _statements(body: Sequence[ast.stmt]) -> Iterator[ast.stmt]:
+    """The statements that run when a module is imported, not those of functions and classes, nor
+    what is for type checkers only."""
+    for statement in body:
+        yield statement
+        inside = isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
+        typing = isinstance(statement, ast.If) and "TYPE_CHECKING" in ast.unparse(statement.test)
+        if not inside and not typing:
+            for name in ("body", "orelse", "finalbody"):
+                yield from _statements(getattr(statement, name, []))
+            for handler in getattr(statement, "handlers", []):
+                yield from _statements(handler.body)
+
+
+def _assigned_values(statement: ast.stmt) -> Iterator[ast.expr | None]:
+    """What a statement gives to the name `case`; None if that is not written there."""
+    match statement:
+        case ast.Assign(targets=targets, value=value):
+            for target in targets:
+                if isinstance(target, ast.Name) and target.id == "case":
+                    yield value
+                elif any(isinstance(n, ast.Name) and n.id == "case" for n in ast.walk(target)):
+                    yield None
+        case ast.AnnAssign(target=ast.Name(id="case"), value=value) if value is not None:
+            yield value
+        case ast.ImportFrom(names=names):
+            yield from (None for alias in names if (alias.asname or alias.name) == "case")
+
+
+def _imports_lab(body: Sequence[ast.stmt]) -> tuple[bool, bool]:
+    """Whether a module imports from shaderlab, and whether it takes `Case` from there."""
+    names = [
+        name
+        for level, module, name in _imports(body)
+        if level == 0 and module.split(".")[0] == "shaderlab"
+    ]
+    if not names or {"Case", "*"} & set(names):
+        return bool(names), bool(names)
+    nodes = (node for statement in body for node in ast.walk(statement))
+    return True, any(isinstance(n, ast.Attribute) and n.attr == "Case" for n in nodes)
+
+
+def _imports(body: Sequence[ast.stmt]) -> Iterator[tuple[int, str, str]]:
+    """All imports at module level: how many dots, the module, and the name taken from it."""
+    for statement in body:
+        match statement:
+            case ast.Import(names=names):
+                yield from ((0, alias.name, "") for alias in names)
+            case ast.ImportFrom(module=name, names=names, level=level):
+                yield from ((level, name or "", alias.name) for alias in names)
+
+
+def _neighbour(path: Path, level: int, module: str, name: str) -> Path | None:
+    """The file of a module that a file imports from its own project."""
+    folder = Path(os.path.abspath(path)).parent
+    if level:
+        folder = folder.joinpath(*[os.pardir] * (level - 1))
+    parts = [part for part in module.split(".") if part]
+    for candidate in ([*parts, name] if name else [], parts):
+        if candidate:
+            file = folder.joinpath(*candidate[:-1], f"{candidate[-1]}.py")
+            if file.is_file():
+                return file
+    package = folder.joinpath(*parts, "__init__.py")
+    return package if parts and package.is_file() else None
+
+
+def data_folder(kind: str) -> Path:
+    """The folder of the shipped "shaders" or "cases", in the installed package or the checkout.
+
+    Raises:
+        UsageError: there is none: the installation is incomplete.
+    """
+    package = Path(__file__).resolve().parents[1]
+    for candidate in (package / "_data" / kind, package.parent / kind):
+        if candidate.is_dir():
+            return candidate
+    raise UsageError(
+        f"this installation has no {kind} folder", remedy="install shaderlab again, or run `make`"
+    )
+
+
+def tree_of(file: Path) -> Path:
+    """The root of the tree that a case file belongs to: the nearest folder above it that holds a
+    cases.toml, or else the file's own folder.
+
+    The tree is one package: its modules import each other by relative imports.
+    """
+    own = folder = os.path.dirname(os.path.abspath(file))
+    while not os.path.isfile(os.path.join(folder, TREE_FILE)):
+        below, folder = folder, os.path.dirname(folder)
+        if folder == below:
+            return Path(own)
+    return Path(folder)
+
+
+def chapter_title(file: str | Path, section: str) -> str:
+    """The title of the chapter that a section such as "5.5.2" lies in, as [chapters] in the
+    cases.toml of the case's tree gives it; "" where there is none.
+
+    Raises:
+        CaseError: the cases.toml is wrong.
+    """
+    number = section.split(".")[0].strip()
+    return _chapters(tree_of(Path(file)) / TREE_FILE).get(number, "") if number else ""
+
+
+@functools.cache
+def _chapters(file: Path) -> Mapping[str, str]:
+    import tomllib  # few trees of cases have chapters
+
+    try:
+        found = tomllib.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    except (OSError, ValueError) as error:
+        raise CaseError(f"this is no TOML file: {error}", file=file) from error
+    chapters: dict[str, str] = found.pop("chapters", {})
+    if found or not isinstance(chapters, dict):
+        wrong = next(iter(found), "chapters")
+        raise CaseError(f"there is no setting {wrong!r}", file=file, remedy="write [chapters]")
+    for number, title in chapters.items():
+        if not (number.isdigit() and isinstance(title, str)):
+            raise CaseError(
+                f"{number} = {title!r} is no chapter", file=file, remedy='write 5 = "Lamps"'
+            )
+    return chapters
+
+
+def files_below(folder: Path) -> Iterator[Path]:
+    """All files below `folder`, sorted, except in hidden folders and build products.
+
+    Raises:
+        UsageError: `folder` is not a folder that can be read.
+    """
+    try:
+        entries = sorted(folder.iterdir())
+    except OSError as error:
+        raise UsageError(f"can't read this folder: {error.strerror}", file=folder) from error
+    for entry in entries:
+        if not entry.is_dir():
+            yield entry
+        elif not entry.name.startswith(".") and entry.name not in _SKIPPED_FOLDERS:
+            yield from files_below(entry)
+
+
+def sort_key(section: str, case_id: str) -> tuple[list[int], str]:
+    """The key that sorts cases: section by section, then id; those without a section come last."""
+    numbers = [int(part) if part.isdigit() else 0 for part in section.split(".")]
+    return (numbers if section else [999], case_id)
+
+
+def is_project_file(path: Path) -> bool:
+    """Whether a file belongs to a project: not to Python, to a package, to the system, to a tool
+    that keeps files of its own there, or to the compile cache."""
+    return _OF_TOOLS.isdisjoint(path.parts) and not any(map(path.is_relative_to, _foreign()))
+
+
+@functools.cache
+def _foreign() -> tuple[str | Path, ...]:
+    from shaderlab.compiler.compile_cache import cache_folder  # few commands ask
+
+    package = Path(__file__).resolve().parents[1]
+    libraries = [sysconfig.get_path(name) for name in _LIBRARIES]
+    return (package, *libraries, *_SYSTEM, *filter(None, [cache_folder()]))
+
 
 _PACKAGE = "shaderlab_cases_"
 _FOR_CASES = ("shaderlab", "shaderlab.glslmath", "shaderlab.glslmath.sampling", "shaderlab.assets")
@@ -63,6 +350,8 @@ def load_case(path: Path) -> Case:
         CaseError: the file can't be read or imported, defines no `case`, or its data is wrong;
             names the file, the line and, for a misspelt word, the nearest correct one.
     """
+    from shaderlab.model.case import Case  # late, as below: commands import this module
+
     if not path.is_file():
         what = "is a folder, not a case file" if path.is_dir() else "is no regular file"
         raise CaseError(what if path.exists() else "there is no such case file", file=path)
@@ -205,6 +494,8 @@ def shaders_of(
     Raises:
         UsageError: the project's settings are wrong.
     """
+    from shaderlab.compiler.sources import Shaders
+
     shipped = data_folder("shaders")
     inside = folder.resolve().is_relative_to(data_folder("cases").resolve())
     own = () if inside else (*load_settings(folder).shader_folders(folder), *include)

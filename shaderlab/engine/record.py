@@ -51,7 +51,7 @@ from shaderlab.model.records import (
 )
 from shaderlab.model.scene import Ramp, UniformBuffer
 
-from .discovery import chapter_title
+from .catalogue import chapter_title
 from .judging.banded import format_value
 from .pictures import PictureFiles, PictureWriter, digest_values
 

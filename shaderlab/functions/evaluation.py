@@ -26,7 +26,7 @@ from shaderlab.compiler.engines import choose
 from shaderlab.compiler.shader_files import strip_comments, version_of
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.drivers import Evaluation
-from shaderlab.engine.executors import InProcessExecutor, LocalExecutor, ProcessExecutor
+from shaderlab.engine.jobs import InProcessExecutor, LocalExecutor, ProcessExecutor
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CallError, ShaderError
 from shaderlab.functions.call import Argument, Call, build_result, collect_opaque

@@ -12,8 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from shaderlab.engine.executors import LocalExecutor, format_error
-from shaderlab.engine.jobs import Request
+from shaderlab.engine.jobs import LocalExecutor, Request, format_error
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.case import Case
 from shaderlab.model.options import RunOptions

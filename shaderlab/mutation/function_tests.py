@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.compiler.sources import Source
-from shaderlab.engine.discovery import files_below, is_project_file
+from shaderlab.engine.catalogue import files_below, is_project_file
 from shaderlab.errors import CaseError, ShaderError, ShaderlabError, require_extra
 from shaderlab.files import display_path
 from shaderlab.functions.domains import Domain, bools, floats, hints_of, ints

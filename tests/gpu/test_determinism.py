@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from shaderlab.engine.executors import ProcessExecutor
-from shaderlab.engine.jobs import Job
+from shaderlab.engine.jobs import Job, ProcessExecutor
 from shaderlab.model import store
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 from shaderlab.cli import cli
 from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.executors import ProcessExecutor
+from shaderlab.engine.jobs import ProcessExecutor
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import Limits
 from shaderlab.mutation import (

@@ -17,8 +17,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from shaderlab.engine.executors import ProcessExecutor
-from shaderlab.engine.jobs import make_jobs
+from shaderlab.engine.jobs import ProcessExecutor, make_jobs
 from shaderlab.model.options import RunOptions
 from tests.gpu import faulty
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import shaderlab.engine.worker
-from shaderlab.engine.discovery import inspect_file
+from shaderlab.engine.catalogue import inspect_file
 from tests.gpu import faulty
 
 STAND_IN = """

@@ -12,8 +12,7 @@ from shaderlab.compiler.module_edits import add_feedback
 from shaderlab.compiler.sources import Shaders
 from shaderlab.drivers.opengl import device
 from shaderlab.drivers.opengl.linking import SpirvProgram
-from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.catalogue import load_case, shipped_cases
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.options import RunOptions

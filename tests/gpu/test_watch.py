@@ -15,8 +15,7 @@ from click.testing import CliRunner
 from shaderlab.cli import cli
 from shaderlab.cli.selecting import select_variants
 from shaderlab.cli.watching import Session
-from shaderlab.engine.executors import InProcessExecutor
-from shaderlab.engine.jobs import CaseInfo, Job
+from shaderlab.engine.jobs import CaseInfo, InProcessExecutor, Job
 from shaderlab.model.options import RunOptions
 from tests.gpu import faulty
 

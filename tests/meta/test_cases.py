@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.compiler.sources import Shaders
-from shaderlab.engine.discovery import data_folder
+from shaderlab.engine.catalogue import data_folder
 from shaderlab.engine.expectations.driver_answers import Coverage
 from shaderlab.engine.expectations.figures import Computed
 from shaderlab.engine.expectations.rejections import CompileFails, Refused

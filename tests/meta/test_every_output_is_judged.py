@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from shaderlab.compiler.sources import Shaders
-from shaderlab.engine.discovery import data_folder
+from shaderlab.engine.catalogue import data_folder
 from shaderlab.engine.expectations.base import unread_outputs
 from shaderlab.model.case import Case, Scene
 from tests.catalogue import shipped

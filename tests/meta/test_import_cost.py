@@ -69,7 +69,7 @@ def test_a_worker_loads_nothing_heavy() -> None:
 
 def test_a_command_starts_its_worker_before_it_loads_anything_large() -> None:
     """Not even NumPy: what the report needs is loaded while the worker gets ready."""
-    loaded = modules_after("import shaderlab.cli.run, shaderlab.engine.executors")
+    loaded = modules_after("import shaderlab.cli.run, shaderlab.engine.jobs")
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"numpy", "cattrs"})
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.rewrites import Rewrite, rewrites
-from shaderlab.engine.discovery import shipped_cases
+from shaderlab.engine.catalogue import shipped_cases
 
 
 @pytest.mark.parametrize("kind", ["right", "wrong"])

@@ -8,7 +8,7 @@ from functools import cache
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from shaderlab.engine.discovery import data_folder
+from shaderlab.engine.catalogue import data_folder
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Outcome

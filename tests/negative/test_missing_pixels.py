@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from shaderlab.engine.discovery import data_folder
+from shaderlab.engine.catalogue import data_folder
 from tests.catalogue import shipped
 from tests.negative.broken import failures, mistaken
 

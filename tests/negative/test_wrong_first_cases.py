@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.compiler import Shaders
-from shaderlab.engine.discovery import data_folder
+from shaderlab.engine.catalogue import data_folder
 from tests.catalogue import shipped
 from tests.negative.broken import first_failure, mistaken
 

@@ -6,7 +6,7 @@ import pytest
 
 from cases.scenes.lit import TURNED_AWAY
 from shaderlab.compiler.sources import Shaders
-from shaderlab.engine.discovery import data_folder
+from shaderlab.engine.catalogue import data_folder
 from tests.catalogue import judged_only, shipped
 from tests.negative.broken import failing, failures, mistaken
 

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.engine.catalogue import load_case, load_cases
-from shaderlab.engine.discovery import data_folder
+from shaderlab.engine.catalogue import data_folder, load_case, load_cases
 from shaderlab.errors import CaseError, UsageError
 from tests.catalogue import shipped
 

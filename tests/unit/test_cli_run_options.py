@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
-from shaderlab.cli.journal import read_journal
+from shaderlab.cli.recorded_run import read_journal
 from shaderlab.model.records import Record
 
 Install = Callable[[Mapping[str, Record]], list[Any]]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.engine.discovery import (
+from shaderlab.engine.catalogue import (
     case_files,
     chapter_title,
     data_folder,

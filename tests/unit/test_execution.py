@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from shaderlab.cli.compare_drivers import pixel_distances
-from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan, read_journal
-from shaderlab.engine.executors import ProcessExecutor
-from shaderlab.engine.jobs import Job, make_failed_record
+from shaderlab.cli.outputs import FILE_NAME
+from shaderlab.cli.recorded_run import Journal, RunPlan, read_journal
+from shaderlab.engine.jobs import Job, ProcessExecutor, make_failed_record
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.phases import PhaseTimer, phase

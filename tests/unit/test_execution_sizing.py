@@ -13,9 +13,8 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
-from shaderlab.engine import executors
-from shaderlab.engine.executors import ProcessExecutor
-from shaderlab.engine.jobs import CaseInfo, Job, LoadCase
+from shaderlab.engine import jobs
+from shaderlab.engine.jobs import CaseInfo, Job, LoadCase, ProcessExecutor
 from shaderlab.model.options import RunOptions
 from shaderlab.workers.pool import ItemResult
 
@@ -28,18 +27,18 @@ from shaderlab.workers.pool import ItemResult
 def test_a_worker_for_every_few_variants(
     variants: int, cores: int, workers: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(executors, "count_cores", lambda: cores)
-    assert executors.choose_worker_count(variants) == workers
+    monkeypatch.setattr(jobs, "count_cores", lambda: cores)
+    assert jobs.choose_worker_count(variants) == workers
 
 
 def test_cores_are_those_that_this_process_may_use(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "cpu_count", lambda: 64)
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3, 5}, raising=False)
-    assert executors.count_cores() == 2
+    assert jobs.count_cores() == 2
     monkeypatch.delattr(os, "sched_getaffinity")
-    assert executors.count_cores() == 64
+    assert jobs.count_cores() == 64
     monkeypatch.setattr(os, "cpu_count", lambda: None)
-    assert executors.count_cores() == 1
+    assert jobs.count_cores() == 1
 
 
 class Pool:
@@ -78,8 +77,8 @@ POOLS: list[Pool] = []
 
 @pytest.fixture
 def pools(monkeypatch: pytest.MonkeyPatch) -> list[Pool]:
-    monkeypatch.setattr(executors, "WorkerPool", Pool)
-    monkeypatch.setattr(executors, "count_cores", lambda: 8)
+    monkeypatch.setattr(jobs, "WorkerPool", Pool)
+    monkeypatch.setattr(jobs, "count_cores", lambda: 8)
     POOLS.clear()
     return POOLS
 
@@ -108,4 +107,4 @@ def test_many_case_files_are_sent_together(pools: list[Pool]) -> None:
 @pytest.mark.parametrize("command", ["run", "sweep", "mutate"])
 def test_help_says_how_many_there_are(command: str) -> None:
     said = " ".join(CliRunner().invoke(cli, [command, "-h"]).output.split())
-    assert f"[default: ({executors.WORDS}); x>=0]" in said
+    assert f"[default: ({jobs.WORDS}); x>=0]" in said

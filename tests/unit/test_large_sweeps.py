@@ -17,9 +17,10 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli, sweep, sweep_table
-from shaderlab.cli.journal import FILE_NAME, Journal, RunPlan
+from shaderlab.cli.outputs import FILE_NAME
+from shaderlab.cli.recorded_run import Grid, Journal, Parameter, RunPlan
 from shaderlab.cli.sweep import PointRecords, run_points
-from shaderlab.cli.sweep_table import Grid, Parameter, SweepTable
+from shaderlab.cli.sweep_table import SweepTable
 from shaderlab.engine import worker
 from shaderlab.engine.jobs import DriverInfo, Job, make_failed_record
 from shaderlab.model import store

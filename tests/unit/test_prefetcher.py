@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.engine.executors import NEAR, Prefetcher
-from shaderlab.engine.jobs import CaseInfo, DriverInfo, Job, make_failed_record
+from shaderlab.engine.jobs import NEAR, CaseInfo, DriverInfo, Job, Prefetcher, make_failed_record
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record

@@ -15,12 +15,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
+from shaderlab.cli.recorded_run import Grid
 from shaderlab.cli.sweep_table import (
-    Grid,
-    Parameter,
     SweepTable,
     make_grid,
     make_plots,
+    parse_parameter,
     parse_parameters,
 )
 from shaderlab.engine.jobs import CaseInfo
@@ -55,7 +55,7 @@ Install = Callable[[Mapping[str, Record]], list[Any]]
     ],
 )
 def test_ranges(word: str, values: tuple[float, ...], log: bool) -> None:
-    found = Parameter.parse(word)
+    found = parse_parameter(word)
     assert (found.values, found.log) == (values, log)
 
 
@@ -80,7 +80,7 @@ def test_ranges(word: str, values: tuple[float, ...], log: bool) -> None:
 )
 def test_what_is_wrong_with_a_range_is_said(word: str, says: str, remedy: str) -> None:
     with pytest.raises(UsageError) as raised:
-        Parameter.parse(word)
+        parse_parameter(word)
     assert says in raised.value.message and remedy in (raised.value.remedy or "")
 
 

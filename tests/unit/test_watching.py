@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.cli.watching import Changes, Contents, OpenedFiles
-from shaderlab.engine.discovery import imported_files
+from shaderlab.engine.catalogue import imported_files
 from shaderlab.report.live import live_report
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.workers import process
+from shaderlab.workers import pool
 from shaderlab.workers.pool import WorkerPool
 
 WORK = """
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.skipif(
 def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     (tmp_path / "hungry.py").write_text(WORK)
     monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setattr(process, "GROWTH", 64 << 20)
+    monkeypatch.setattr(pool, "GROWTH", 64 << 20)
     return "hungry:work"
 
 
@@ -48,7 +48,7 @@ def test_what_the_first_batch_needs_is_no_growth(work: str) -> None:
 
 
 def test_memory_is_that_of_the_process() -> None:
-    before = process._own_memory(os.getpid())
+    before = pool._own_memory(os.getpid())
     held = bytearray(64 << 20)
     held[::4096] = b"x" * len(held[::4096])
-    assert process._own_memory(os.getpid()) - before > 48 << 20
+    assert pool._own_memory(os.getpid()) - before > 48 << 20
