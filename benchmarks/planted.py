@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab import glsl
-from shaderlab.functions.domains import Floats, Ints
+from shaderlab.functions.properties import Floats, Ints
 
 DATA = Path(__file__).with_suffix(".toml")
 TRIVIAL = (0.0, 1.0, -1.0)

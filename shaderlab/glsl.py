@@ -8,18 +8,19 @@ from shaderlab.engine.judging.laws import (
     odd as odd,
     symmetric as symmetric,
 )
-from shaderlab.functions.domains import (
-    bools as bools,
-    directions as directions,
-    floats as floats,
-    ints as ints,
-    one_of as one_of,
-)
-from shaderlab.functions.laws import (
+from shaderlab.functions.checks import (
     idempotent as idempotent,
     inverse as inverse,
     same_as as same_as,
     table as table,
 )
 from shaderlab.functions.library import Function as Function, Library as Library, load as load
-from shaderlab.functions.properties import example as example, given as given
+from shaderlab.functions.properties import (
+    bools as bools,
+    directions as directions,
+    example as example,
+    floats as floats,
+    given as given,
+    ints as ints,
+    one_of as one_of,
+)

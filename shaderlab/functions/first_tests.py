@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from shaderlab.errors import CallError, ShaderlabError
-from shaderlab.functions import domains
-from shaderlab.functions.domains import Directions, Domain, Floats, Ints, OneOf, hints_of
+from shaderlab.functions import properties
 from shaderlab.functions.library import Function, Library
+from shaderlab.functions.properties import Directions, Domain, Floats, Ints, OneOf, hints_of
 from shaderlab.functions.signatures import Input, Signature, Type
 from shaderlab.model.frame import Array
 
@@ -98,7 +98,7 @@ def _tests(function: Function, signature: Signature, name: str, called: str) -> 
 
 
 def _evaluate(text: str) -> Any:
-    return eval(text, {"glsl": domains, "np": np})
+    return eval(text, {"glsl": properties, "np": np})
 
 
 def _is_fixed(text: str) -> bool:

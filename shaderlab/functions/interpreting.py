@@ -16,8 +16,7 @@ from shaderlab.analysis.interpreter import Program, load
 from shaderlab.analysis.requests import ShaderOfFile
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, suggest
-from shaderlab.functions.evaluation import Preprocess, as_version, glsl_versions
-from shaderlab.functions.kernels import local_name
+from shaderlab.functions.evaluation import Preprocess, as_version, glsl_versions, local_name
 from shaderlab.functions.library import with_version
 from shaderlab.functions.signatures import (
     PREFIX,

@@ -20,8 +20,8 @@ from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CallError, ShaderError, ShaderlabError, suggest
 from shaderlab.functions import checks
 from shaderlab.functions.call import Call, bind_arguments, replace_arguments
+from shaderlab.functions.checks import CallLaw
 from shaderlab.functions.evaluation import evaluate, get_caller
-from shaderlab.functions.laws import CallLaw
 from shaderlab.functions.records import Notes, current_notes
 from shaderlab.functions.signatures import Signature, find_signatures, read_declarations
 

@@ -25,9 +25,9 @@ from shaderlab.compiler.sources import Source
 from shaderlab.engine.catalogue import files_below, is_project_file
 from shaderlab.errors import CaseError, ShaderError, ShaderlabError, require_extra
 from shaderlab.files import display_path
-from shaderlab.functions.domains import Domain, bools, floats, hints_of, ints
 from shaderlab.functions.evaluation import use_worker
 from shaderlab.functions.library import Function, Library, Loads, record_loads
+from shaderlab.functions.properties import Domain, bools, floats, hints_of, ints
 from shaderlab.functions.signatures import Signature, Type
 from shaderlab.model.frame import Array
 from shaderlab.mutation.campaign import OPENING_SECONDS, MutationPlan

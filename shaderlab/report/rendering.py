@@ -16,7 +16,6 @@ from importlib.resources import files
 from typing import Any
 
 from jinja2 import Environment, FileSystemBytecodeCache, PackageLoader, StrictUndefined
-from markupsafe import Markup
 
 from shaderlab.model import pictures
 from shaderlab.report import markup, sources, text
@@ -73,7 +72,7 @@ def environment() -> Environment:
             "uncovered": _css(pictures.UNCOVERED),
         },
         script_colours=_script_colours,
-        fixed=_fixed,
+        generator=None,
     )
     # An attribute is one, and an error where there is none: Jinja would look for an item, too.
     made.getattr = getattr  # type: ignore[method-assign, assignment]
@@ -87,12 +86,6 @@ def _bytecode_cache() -> FileSystemBytecodeCache | None:
         return FileSystemBytecodeCache(pattern="shaderlab-%s")
     except (OSError, RuntimeError):
         return None
-
-
-@cache
-def _fixed(name: str) -> Markup:
-    """A template that is the same wherever it stands."""
-    return Markup(environment().get_template(name).render())
 
 
 def _finalize(value: Any) -> Any:

@@ -14,8 +14,7 @@ from benchmarks.planted import planted, search
 from shaderlab import glsl
 from shaderlab.errors import CallError
 from shaderlab.functions import properties
-from shaderlab.functions.domains import hints_of, weight
-from shaderlab.functions.properties import Batch
+from shaderlab.functions.properties import Batch, hints_of, weight
 
 SHADER = """
 struct Lamp { vec3 color; float power; };

@@ -11,8 +11,7 @@ from shaderlab.analysis.interpreter import Bands
 from shaderlab.analysis.interpreter.arithmetic import Numbers
 from shaderlab.bands import Band
 from shaderlab.bands.rounding import shortest
-from shaderlab.functions.domains import weight
-from shaderlab.functions.properties import format_number
+from shaderlab.functions.properties import format_number, weight
 
 
 def bounds(band: Band) -> tuple[float, float]:
