@@ -54,6 +54,15 @@ def test_every_heading_that_the_docs_point_to_exists(repository: Path) -> None:
             assert anchor in map(slug, headings), f"{page.name} points to {target}#{anchor}"
 
 
+def test_every_module_that_the_docs_name_exists(repository: Path) -> None:
+    """Pages name them from the repository's root; the architecture from two packages, too."""
+    roots = [repository, repository / "shaderlab", repository / "shaderlab" / "drivers"]
+    internals = repository / "docs" / "internals"
+    for page in [repository / "CONTRIBUTING.md", *internals.glob("*.md")]:
+        for name in re.findall(r"`([a-z_]+(?:/[a-z_]+)*\.py)`", page.read_text(encoding="utf-8")):
+            assert any((root / name).is_file() for root in roots), f"{page.name} names {name}"
+
+
 def test_every_page_is_in_the_index(repository: Path) -> None:
     index = (repository / "docs" / "README.md").read_text(encoding="utf-8")
     for page in (repository / "docs").glob("*/*.md"):
