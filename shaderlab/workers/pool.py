@@ -242,9 +242,22 @@ def last_stderr_line(errors: BinaryIO) -> str:
 
 
 def _kill_group(process: subprocess.Popen[bytes]) -> None:
-    """Kill a process that was not waited for, with everything in its group."""
+    """Kill a process that was not waited for, its group, and what it started in other groups."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
+        started = list(_descendants(process.pid))
         os.killpg(process.pid, signal.SIGKILL)
+        for descendant in started:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(descendant, signal.SIGKILL)
+
+
+def _descendants(process: int) -> Iterator[int]:
+    """Yield the ids of a process's children and of theirs, where Linux lists them."""
+    for children in Path(f"/proc/{process}/task").glob("*/children"):
+        with contextlib.suppress(OSError):  # the thread has ended
+            for child in map(int, children.read_text().split()):
+                yield child
+                yield from _descendants(child)
 
 
 def _wait_for_end(process: int) -> bool:

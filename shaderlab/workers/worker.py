@@ -24,7 +24,7 @@ STEP_BYTES = 256
 """The size of the file in which a worker notes its steps."""
 GRACE = 2.0
 """A worker ends itself once an item has taken this many times the limit that its parent watches."""
-_PR_SET_PDEATHSIG = 1
+_PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
 _M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4
 
 
@@ -148,12 +148,15 @@ def _answer(work: Any, batch: Sequence[Any], channel: Channel) -> None:
 
 
 def die_with_parent(parent: int) -> None:
-    """Ask the kernel to end this process with its parent, even in the middle of C code.
+    """Ask the kernel to end this process with its parent, even in the middle of C code, and to
+    make all that items start its descendants for good, so that the pool can end them.
 
     Elsewhere than on Linux the closed socket or, inside an item, the alarm ends it.
     """
     if sys.platform.startswith("linux"):
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+        prctl = ctypes.CDLL(None).prctl
+        prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+        prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
         if os.getppid() != parent:  # it ended in between
             os._exit(1)
 

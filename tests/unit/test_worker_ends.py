@@ -21,8 +21,10 @@ def work(items):
     for item in items:
         if item == "sleep":
             time.sleep(600)
-        if item == "child":
-            yield os.getpid(), subprocess.Popen(["sleep", "600"]).pid
+        if item in ("child", "detached"):
+            detached = item == "detached"
+            child = subprocess.Popen(["sleep", "600"], start_new_session=detached)
+            yield os.getpid(), child.pid
             continue
         if item == "burn":
             while time.process_time() < 0.3:
@@ -71,9 +73,10 @@ def test_workers_end_with_the_process_that_started_them(work: str) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
-def test_what_an_item_has_started_ends_with_its_pool(work: str) -> None:
+@pytest.mark.parametrize("how", ["child", "detached"])
+def test_what_an_item_has_started_ends_with_its_pool(work: str, how: str) -> None:
     with WorkerPool(work) as pool:
-        (result,) = pool.run(["child"])
+        (result,) = pool.run([how])
         assert all(map(is_running, result.value))
     wait_for_end(*result.value)
 
