@@ -181,7 +181,6 @@ def _grid(columns: int, rows: int) -> tuple[Array, Array]:
 
 
 def _grid_triangles(columns: int, rows: int) -> Array:
-    """Two counter-clockwise triangles for each cell of `_grid`, as (cells, 2, 3)."""
     row, column = np.mgrid[0:rows, 0:columns]
     a = (row * (columns + 1) + column).ravel()
     b, c, d = a + 1, a + columns + 2, a + columns + 1

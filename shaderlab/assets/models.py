@@ -139,7 +139,6 @@ def _read_text(source: Path, what: str) -> str:
 
 @contextmanager
 def _add_place(source: Path, line: int | None = None) -> Iterator[None]:
-    """Adds the place to errors that have none."""
     try:
         yield
     except AssetError as error:
@@ -222,7 +221,6 @@ def _parse_corner(text: str, counts: Mapping[str, int]) -> Corner:
 
 
 def _read_materials(library: Path) -> dict[str, None]:
-    """The names of the materials in a library."""
     if not library.is_file():
         message = f"its material library is not there: {library.name}"
         raise AssetError(message, remedy="put it beside the OBJ file")
@@ -357,7 +355,6 @@ def load_pcd(path: str | Path, *, drop_invalid: bool = False) -> Cloud:
 
 
 def _parse_header(data: bytes) -> _Header:
-    """The header's lines, up to and with DATA."""
     said: dict[str, list[str]] = {}
     at = 0
     while "DATA" not in said:

@@ -72,7 +72,6 @@ def _refusal(what: str, remedy: str) -> Callable[..., NoReturn]:
 
 
 def _make_operators(operation: Callable[[Any, Any], Any]) -> tuple[Any, Any]:
-    """`operation` as a band's operator, and with the band on the right."""
     return (
         lambda self, other: operation(self, self.lift(other)),
         lambda self, other: operation(self.lift(other), self),

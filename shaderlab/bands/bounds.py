@@ -295,7 +295,6 @@ class Bounds(Interval):
         return type(self)(lo, hi, self.rules, self._join_flags(others), terms)
 
     def _join_flags(self, others: tuple[Bounds, ...]) -> Flagged:
-        """The flags of this band or of others."""
         flags = self.flags
         for other in others:
             a, b = flags, other.flags

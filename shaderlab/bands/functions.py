@@ -48,7 +48,6 @@ _PI_32 = float(np.float32(np.pi))
 
 
 def _evaluate(a: Band, function: Any) -> Ends:
-    """The function at both ends; once only where they are the same."""
     lo: Float64Array = function(a.lo)
     return lo, lo if a.lo is a.hi else function(a.hi)
 
@@ -271,7 +270,6 @@ def _mix_terms(found: Band, x: Band, y: Band, a: Band) -> Terms | None:
 
 
 def _largest_size(low: Float64Array, high: Float64Array) -> Float64Array:
-    """The largest absolute value between two bounds."""
     size: Float64Array = np.minimum(np.maximum(np.abs(low), np.abs(high)), LARGEST)
     return size
 

@@ -136,7 +136,6 @@ def uintBitsToFloat(n: Value) -> Value:
 
 
 def _as_band(x: Value) -> Band | None:
-    """The value as a band if it is made of bands, else None."""
     if isinstance(x, Integer):
         x = x.to_float()
     if isinstance(x, Literal):

@@ -367,7 +367,6 @@ def _make_element(value: Value) -> Value:
 
 
 def _choose_elements(condition: Any, a: Value, b: Value) -> Value:
-    """`where`, element by element of arrays in an array."""
     if isinstance(a, Sequence):
         return Elements(_choose_elements(condition, x, y) for x, y in zip(a, b, strict=True))
     return where(condition, a, b)

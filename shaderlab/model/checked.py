@@ -144,7 +144,6 @@ def describe_type(hint: Any) -> str:
 
 @functools.cache
 def _parts(hint: Any) -> tuple[Any, tuple[Any, ...]]:
-    """The class or form that a type is made of, and the types inside it."""
     return typing.get_origin(hint) or hint, typing.get_args(hint)
 
 
@@ -168,7 +167,6 @@ def _elements(
 
 
 def _is_array(value: Any) -> bool:
-    """Whether a value is an array of numbers, or a list that becomes one."""
     if isinstance(value, str | bytes) or not isinstance(value, np.ndarray | Sequence):
         return False
     try:
@@ -189,7 +187,6 @@ def _check(owner: Any, name: str, value: Any, hint: Any) -> None:
 
 @functools.cache
 def _fields(kind: type) -> list[tuple[str, Any, Any]]:
-    """The name, default and type of each of a dataclass's fields."""
     hints = typing.get_type_hints(kind)
     known: Any = kind
     return [(each.name, each.default, hints[each.name]) for each in fields(known) if each.init]

@@ -210,7 +210,6 @@ _FIELDS = frozenset(each.name for each in fields(Mesh))
 def _place(
     group: Mapping[str, Array], layout: str, first: int, divisor: int
 ) -> dict[str, Placement]:
-    """The attributes of one group, in buffers that count from `first`."""
     found = {}
     sizes = {n: a.itemsize * int(np.prod(a.shape[1:])) for n, a in group.items()}
     buffer, offset = first, 0
@@ -225,7 +224,6 @@ def _place(
 
 
 def _by_columns(array: Array) -> Array:
-    """An attribute's rows as GLSL has them in memory: a matrix column by column."""
     turned = np.swapaxes(array, 1, 2) if array.ndim == 3 else array
     return np.ascontiguousarray(turned).reshape(len(array), -1)
 

@@ -269,7 +269,6 @@ def flatten_structures(values: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _structured(value: Any) -> bool:
-    """Whether a value is of a structure, or of an array of structures."""
     first = value[0] if isinstance(value, list | tuple) and value else value
     return isinstance(first, Mapping)
 
@@ -378,5 +377,4 @@ def compute(
 
 
 def _present(**arguments: Any) -> dict[str, Any]:
-    """Those arguments that are given."""
     return {name: value for name, value in arguments.items() if value is not None}

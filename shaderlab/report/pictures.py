@@ -9,7 +9,6 @@ from __future__ import annotations
 import base64
 import os
 import struct
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -61,30 +60,26 @@ class Picture:
 
     @property
     def small_uri(self) -> Markup:
-        """As `uri`, of the small copy where there is one, in few bytes."""
-        return self._data(self.side or SMALL, pictures.repack)
+        """As `uri`, of the small copy where there is one."""
+        return self._data(self.side or SMALL)
 
     def _below(self, path: Path) -> str:
         return quote(str(path).removeprefix(self.folder))
 
-    def _data(self, side: int, pack: Callable[[bytes], bytes] = bytes) -> Markup:
+    def _data(self, side: int) -> Markup:
         try:
-            data = pack(read_regular(pictures.preview(self.path, side)))
+            data = read_regular(pictures.preview(self.path, side))
         except OSError:
             data = b""
         return "data:image/png;base64," + in_base64(data)
 
 
-def read_numbers(path: Path, small: bool = False) -> Markup:
-    """Return the bytes of a file of packed values in base64; empty if the file has gone.
-
-    `small` packs the same contents tighter.
-    """
+def read_numbers(path: Path) -> Markup:
+    """Return the bytes of a file of packed values in base64; empty if the file has gone."""
     try:
-        data = read_regular(path)
+        return in_base64(read_regular(path))
     except OSError:
         return Markup()
-    return in_base64(pictures.repack(data) if small else data)
 
 
 def in_base64(data: bytes) -> Markup:

@@ -288,19 +288,3 @@ def test_without_isa_l_zlib_packs_the_same_pixels(monkeypatch: pytest.MonkeyPatc
     importlib.reload(files)
     assert slow == zlib.compress(data, 1)
     assert zlib.decompress(quick) == zlib.decompress(slow) == data
-
-
-def test_repacked_files_hold_the_same_in_fewer_bytes(tmp_path: Path) -> None:
-    colours = np.array([[7, 8, 9], [255, 0, 0]], np.uint8)
-    rows = np.arange(90)[:, None, None] * np.arange(60)[:, None] // 50 % 2
-    pictures.save_png(tmp_path / "i.png", rows.astype(np.uint8), palette=colours)
-    data = (tmp_path / "i.png").read_bytes()
-    (tmp_path / "s.png").write_bytes(pictures.repack(data))
-    assert (tmp_path / "s.png").stat().st_size < len(data)
-    before, after = (pictures.load(tmp_path / name) for name in ("i.png", "s.png"))
-    assert np.array_equal(before, after)
-    packed = zlib.compress(data * 9, 1)
-    assert len(pictures.repack(packed)) < len(packed)
-    assert zlib.decompress(pictures.repack(packed)) == data * 9
-    for damaged in (b"", data[:-9], data[:60] + b"no" + data[62:], packed[:-5]):
-        assert pictures.repack(damaged) == damaged

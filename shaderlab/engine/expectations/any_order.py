@@ -203,7 +203,6 @@ def any_order(output: str, *, tested: bool = True) -> AnyOrder:
 
 
 def _find_same(one: Array, other: Array) -> Array:
-    """Where two pictures are the same; NaN is like NaN."""
     return every_component((one == other) | ((one != one) & (other != other)))
 
 
@@ -222,7 +221,6 @@ def _find_areas(apart: Array) -> Array:
 
 
 def _depth_test(draw: Draw, *, turned: bool) -> Depth | None:
-    """A draw's own depth test, from the other end of the depth buffer if `turned`."""
     test = draw.state.depth
     if test is None or not turned:
         return test
@@ -230,13 +228,11 @@ def _depth_test(draw: Draw, *, turned: bool) -> Depth | None:
 
 
 def _common_test(description: Pass, tests: Sequence[str]) -> str:
-    """That of some tests which each draw has, and writes by; else ""."""
     own = [draw.state.depth for draw in description.draws]
     return next((test for test in tests if all(one == Depth(func=test) for one in own)), "")
 
 
 def _backwards(draw: Draw) -> Draw:
-    """The draw with its mesh's triangles from last to first, each as it was."""
     mesh = draw.mesh
     if mesh is None or mesh.primitive != "triangles" or mesh.indices is None:
         return draw

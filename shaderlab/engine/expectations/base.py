@@ -214,8 +214,6 @@ def all_reads(scene: Scene) -> Iterator[Read]:
 
 
 def _reads_of_pass(description: Pass, outputs: Iterable[str]) -> Iterator[Read]:
-    """What a pass reads of earlier ones: as textures, in buffers, and where it continues drawing in
-    `outputs`."""
     for draw in description.draws:
         for source in draw.outputs_read():
             yield Read(source.pass_name, source.name)

@@ -139,7 +139,6 @@ class Cost(Expectation):
         )
 
     def _plot_times(self, best: Best) -> Plot | None:
-        """Milliseconds over N, a line for each series; None unless there are two numbers."""
         numbers = {number for _, number in best}
         if len(numbers) < 2:
             return None
@@ -161,7 +160,6 @@ class Cost(Expectation):
 
 
 def _add_ratios(rows: list[Row], best: Best) -> list[Row]:
-    """Each row says how its time compares with the fastest of its N."""
     fastest: dict[float, float] = {}
     for (_, number), seconds in best.items():
         fastest[number] = min(seconds, fastest.get(number, seconds))

@@ -116,7 +116,6 @@ class DiscardCheck:
 
 
 def _rules_of(scene: Scene) -> Mapping[PassDraw | str, OutputExpectation]:
-    """The expectations of a whole scene that say what is discarded, by draw and by shader."""
     rules: dict[PassDraw | str, OutputExpectation] = {}
     for expectation in scene.expect:
         if isinstance(expectation, OutputExpectation) and expectation.discards is not None:
@@ -148,7 +147,6 @@ def _faults(
 
 
 def _find_seen_alike(found: Fragments, everything: Fragments, at: Array) -> Array:
-    """At which of some pixels the very fragment is seen that would be if none were discarded."""
     pairs = [(found.frag_coord, everything.frag_coord)]
     pairs += [(values, everything.inputs[name]) for name, values in found.inputs.items()]
     seen: Array = found.covered.reshape(-1)[at]
@@ -163,7 +161,6 @@ def _find_seen_alike(found: Fragments, everything: Fragments, at: Array) -> Arra
 def _evaluate_rule(
     rule: OutputExpectation, frame: Frame, key: PassDraw, fragments: Fragments, where: Array
 ) -> TriBool:
-    """Whether each of some fragments is discarded, (count,)."""
     reference: Any = rule.discards
     values = {**fragments.inputs, "frag_coord": fragments.frag_coord}
     each = {name: array.reshape(-1, *array.shape[2:]) for name, array in values.items()}
@@ -195,7 +192,6 @@ def _evaluate_rule(
 
 
 def _describe_places(where: Array) -> str:
-    """How many pixels, and the first of them."""
     y, x = (int(k) for k in np.argwhere(where)[0])
     count = int(np.count_nonzero(where))
     return f"{count} fragment{'s' if count > 1 else ''} (the first at pixel {x}, {y})"

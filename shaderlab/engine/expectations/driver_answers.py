@@ -285,7 +285,6 @@ class Coverage(DrawExpectation):
 
 
 def _list_wrong(what: str, rows: Sequence[Row]) -> str:
-    """List the rows that are wrong; "" if none is."""
     wrong = [row.label for row in rows if not row.ok]
     return f"{what}: {', '.join(wrong)}" if wrong else ""
 

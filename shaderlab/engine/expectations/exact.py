@@ -49,7 +49,6 @@ class Exact(OutputExpectation):
         return ()
 
     def _require_another(self, other: Output, scene: Scene) -> None:
-        """Raise CaseError where an output is compared with itself, or with its own twin."""
         own = scene.find_pass(scene.split_output(self.output)[0])
         twin = scene.find_pass(other.pass_name)
         if self.own_name(scene) != other.name:
@@ -154,7 +153,6 @@ def _find_first_difference(same: Array, values: Array, wanted: Array) -> Worst:
 
 
 def _cell_indices(pixels: int, cells: int) -> Any:
-    """For each pixel along an axis, the cell it lies in."""
     starts = np.array([pixels * k // cells for k in range(cells)])
     return np.searchsorted(starts, np.arange(pixels), side="right") - 1
 

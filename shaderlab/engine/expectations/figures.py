@@ -98,14 +98,12 @@ class Value(ReferenceExpectation):
         return self.judgement(scene, banded, (status, message), [row], rows_show_worst=True)
 
     def _judge_alone(self, measured: Array) -> Judgement:
-        """Without a reference, the measured value itself must round to the figure."""
         ok = rounds_to(measured, self.equals, self.digits)
         message = "" if ok else f"measured {format_value(measured)}"
         row = self._row(measured, measured, ok)
         return self.judge_rows([row], message, judged=int(np.size(measured)))
 
     def _reference(self, scene: Scene) -> Any:
-        """The value's own reference, or that of the formula of the same output."""
         if self.reference is not None:
             return self.reference
         for other in scene.expect:

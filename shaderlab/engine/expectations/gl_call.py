@@ -151,7 +151,6 @@ def gl_call(
 
 
 def _format_value(value: Any, names: Mapping[int, str]) -> str:
-    """A returned value as people read it: a constant by its name, with its number."""
     if isinstance(value, int) and names.get(value):
         return f"{names[value]} (0x{value:04X})"
     return str(value)
@@ -215,7 +214,6 @@ class GlCalls(Expectation):
         return all(call.arguments.get(name) == word for name, word in self.arguments.items())
 
     def _count_early(self, calls: Sequence[TracedCall]) -> int:
-        """How many of the calls come before the first one of `after`."""
         first = next((i for i, c in enumerate(calls) if c.function == self.after), len(calls))
         return sum(c.function == self.function and self._matches(c) for c in calls[:first])
 

@@ -134,7 +134,6 @@ class EachValue(OutputLaw):
         return Judgement(outcome=outcome)
 
     def _find_worst(self, found: laws.Finding, samples: Samples, broken: bool) -> Worst:
-        """The value nearest to breaking the law, or breaking it most; the first of equals."""
         place = np.unravel_index(int(np.argmin(found.slack)), found.slack.shape)
         i, c = (int(n) for n in place)
         parts = (found.values, found.reference, found.low, found.high)

@@ -215,7 +215,6 @@ class Measure(DrawExpectation, Bounded):
         self._check_readings()
 
     def _check_readings(self) -> None:
-        """Raise CaseError for rows that could not fail, or can't be told apart."""
         if all(row.bound is None for row in self.readings):
             raise CaseError(
                 f"measure {self.label!r} has no bound, so it could not fail",
@@ -283,7 +282,6 @@ class Measure(DrawExpectation, Bounded):
         return Judgement(outcome=outcome, plot=self._plot(figures, rows))
 
     def _find_known(self, scene: Scene, frame: Frame) -> dict[str, Array]:
-        """Everything that parameters may mean, by their names; of two, the output is meant."""
         known = _draw_values(frame.bindings[self.key(scene)])
         known["subpixel_step"] = np.array(frame.subpixel_step)
         last = frame.order[-1]
@@ -376,7 +374,6 @@ class Measure(DrawExpectation, Bounded):
         return seen
 
     def _plot(self, figures: list[float], rows: tuple[Row, ...]) -> Plot | None:
-        """The curve of the readings that have an x; None unless there are two."""
         points = tuple(
             PlotPoint(
                 series=reading.series,

@@ -169,7 +169,6 @@ class Probe(TypedNeed[Samples]):
 def _add_inputs(
     got: Samples, steps: Sequence[Mapping[str, Any]], given: Bindings, uniforms: Sequence[str]
 ) -> Samples:
-    """The samples with the uniforms among their inputs, and all inputs as the case writes them."""
     count = len(steps)
     exact = {name: np.repeat(given.uniforms[name][None], count, axis=0) for name in uniforms}
     decimal = {name: np.repeat(given.decimal[name][None], count, axis=0) for name in uniforms}
@@ -179,7 +178,6 @@ def _add_inputs(
 
 
 def _same_stages(one: PreparedDraw, other: PreparedDraw) -> bool:
-    """Whether all stages before rasterisation are the same."""
     return all(one.text(stage) == other.text(stage) for stage in BEFORE_RASTERISATION)
 
 

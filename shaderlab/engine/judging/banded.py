@@ -308,7 +308,6 @@ def independent_references(banded: Banded, also: Mapping[str, Reference]) -> lis
 
 
 def _pixel(covered: Array, index: int) -> tuple[int, int]:
-    """x and y of covered pixel number `index`, counted along rows."""
     y, x = divmod(int(np.flatnonzero(covered)[index]), covered.shape[1])
     return x, y
 

@@ -400,7 +400,6 @@ _CACHE: ContextVar[BandCache | None] = ContextVar("band cache", default=None)
 
 
 def _digest_inputs(inputs: Inputs, parameters: Mapping[str, list[str]]) -> bytes:
-    """Tell inputs apart by the content of all that a formula takes."""
     found = hashlib.blake2b(digest_size=16)
     for parameter, names in parameters.items():
         found.update(repr((parameter, names, [n in inputs.arrays for n in names])).encode())
@@ -419,5 +418,4 @@ def _digest_inputs(inputs: Inputs, parameters: Mapping[str, list[str]]) -> bytes
 
 
 def _sampling(texels: Texels) -> dict[str, Any]:
-    """How a texture is sampled: all of it but its levels."""
     return {n: v for n, v in vars(texels).items() if n not in ("values", "smaller")}

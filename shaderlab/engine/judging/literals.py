@@ -39,7 +39,6 @@ def with_literals(reference: Callable[..., Any], rules: Rules) -> Callable[..., 
 
 
 def _convert(value: Any, rules: Rules) -> Any:
-    """A function, module or number as formulas should see it."""
     if type(value) is float:
         return Literal.of(value, rules)
     if isinstance(value, FunctionType):
@@ -146,7 +145,6 @@ class _NameFloats(ast.NodeTransformer):
 
 @functools.lru_cache(maxsize=256)
 def _parse(file: str) -> ast.Module:
-    """A file's syntax tree; empty where it can't be read."""
     try:
         return ast.parse("".join(linecache.getlines(file)))
     except (SyntaxError, ValueError):
@@ -155,7 +153,6 @@ def _parse(file: str) -> ast.Module:
 
 @functools.lru_cache(maxsize=1024)
 def _assigned_expression(file: str, name: str) -> CodeType | None:
-    """The arithmetic that a file assigns to a name at its top level, unfolded."""
     for statement in _parse(file).body:
         if isinstance(statement, ast.Assign):
             targets: list[ast.expr] = statement.targets
@@ -217,7 +214,6 @@ def _compile(statements: list[ast.stmt], file: str) -> CodeType:
 
 
 def _assigns_outside(code: CodeType) -> bool:
-    """Whether a function changes variables that a copy of it would not share."""
     return any(
         step.opname == "STORE_GLOBAL"
         or (step.opname == "STORE_DEREF" and step.argval in code.co_freevars)
@@ -231,7 +227,6 @@ def _identity(code: CodeType) -> tuple[Any, ...]:
 
 
 def _code_objects(code: CodeType) -> Iterator[CodeType]:
-    """A code object and those inside of it, in the order of their source."""
     yield code
     for constant in code.co_consts:
         if inspect.iscode(constant):

@@ -108,7 +108,6 @@ class Inputs:
 
 @lru_cache(maxsize=256)
 def _parameters(names: tuple[str, ...]) -> dict[str, list[str]]:
-    """`Inputs.parameters` of inputs of these names."""
     found: dict[str, list[str]] = {}
     for name in names:
         found.setdefault(parameter_name(name), []).append(name)
@@ -149,7 +148,6 @@ def match_parameters(reference: Reference, inputs: Inputs) -> dict[str, list[str
 
 
 def _parameters_of(reference: Reference) -> dict[str, bool]:
-    """A formula's parameters, and whether each must be given; a function's are found once."""
     if isinstance(reference, FunctionType) and reference in _PARAMETERS:
         return _PARAMETERS[reference]
     parameters = inspect.signature(reference).parameters.values()
@@ -218,7 +216,6 @@ def evaluate(
 
 
 def _require_number(result: Any) -> Any:
-    """What a formula gave, if bands and arrays can be made of it. Raises FormulaError."""
     if isinstance(result, Band):
         return result
     numbers = isinstance(result, np.ndarray | np.generic) and result.dtype.kind in "fiub"

@@ -215,7 +215,6 @@ def _sample_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
 
 
 def _filter(sampler: Sampler, word: str, texel: reading.Texel, x: Span, y: Span) -> Span:
-    """A sample by the filter `word`."""
     if word == "nearest":
         return reading.nearest(texel, x, y)
     compared = sampler.texels.compare is not None

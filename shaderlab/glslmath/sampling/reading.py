@@ -119,7 +119,6 @@ def wrap_index(index: Integers, size: int, mode: str) -> Integers:
 
 @lru_cache(maxsize=64)
 def _border(color: tuple[float, ...], fixed: bool) -> Array:
-    """What a border's four components are, of texels that are fixed-point numbers or floats."""
     given = np.array(color, np.float32).astype(np.float64)
     return _complete((np.clip(given, 0.0, 1.0) if fixed else given,) * 2)[0]
 
@@ -132,7 +131,6 @@ def fetch(sampler: Sampler, level: int, x: Integers, y: Integers, layer: Integer
 
 
 def _fetch_numbered(sampler: Sampler, level: int, place: Integers) -> Span:
-    """`fetch` by the number of a texel, counted row by row and layer by layer."""
     values = level_values(sampler, level)
     found = values.reshape(-1, values.shape[-1]).take(place, axis=0)
     return _complete(_decode(sampler, found))
@@ -425,13 +423,11 @@ def _minify(sampler: Sampler, filtered: Filtered, within: str, between: str, lod
 
 
 def _sample_levels(filtered: Filtered, within: str, numbers: list[Array]) -> dict[int, Span]:
-    """The samples of every level that some value reads."""
     wanted = sorted({int(n) for number in numbers for n in np.unique(number)})
     return {number: filtered(number, within) for number in wanted}
 
 
 def _pick(known: dict[int, Span], number: Array) -> Span:
-    """For each value, the sample of the level it reads."""
     low: Any = np.nan
     high: Any = np.nan
     for level, (one, other) in known.items():
@@ -517,7 +513,6 @@ def corners(span: Span) -> list[Array]:
 
 
 def _split_at_integer(span: Span) -> list[Span]:
-    """A span of at most 1, split at the integer in it."""
     low, middle, high = corners(span)
     return [(low, middle), (middle, high)]
 

@@ -21,7 +21,6 @@ from .files import (
     SIGNATURE as SIGNATURE,
     coarse as coarse,
     load as load,
-    repack as repack,
     save_png as save_png,
     save_preview as save_preview,
 )

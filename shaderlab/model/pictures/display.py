@@ -223,7 +223,6 @@ def _false_colour(values: NDArray[Any], value_range: tuple[float, float] | None)
 
 
 def _range(values: NDArray[Any]) -> tuple[float, float]:
-    """The least value and the greatest; NaN where one is."""
     with np.errstate(invalid="ignore"):
         return float(values.min()), float(values.max())
 

@@ -195,6 +195,5 @@ def _to_ordered(values: NDArray[np.float32]) -> NDArray[np.int32]:
 
 
 def _split_bytes(numbers: NDArray[Any]) -> bytes:
-    """Integers byte by byte, all lowest bytes first."""
     shifts = range(0, 8 * numbers.itemsize, 8)
     return b"".join((numbers >> shift).astype(np.uint8).tobytes() for shift in shifts)
