@@ -162,8 +162,7 @@ def _names(sources: Sequence[Source]) -> list[str]:
 
 
 def _sections(output: str, names: Sequence[str]) -> list[str]:
-    """Return the command's output for each file, which starts with the file's name on its own
-    line."""
+    """Return the command's output for each file, which follows a line of the file's name."""
     parts = re.split(rf"^({_STEM}\d+\.\w+)\n", output, flags=re.M)[1:]
     by_name = dict(zip(parts[::2], parts[1::2], strict=True))
     texts = [by_name.get(name, "").strip() for name in names]

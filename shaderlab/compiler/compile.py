@@ -162,13 +162,7 @@ def _compile_refused(
     sources: Sequence[Source], target: str, plain: Result, engine: Engine
 ) -> Result:
     """Return what a SPIR-V target says of stages that plain GLSL refuses: it may know more words.
-
-    Args:
-        sources: the stages.
-        target: one with SPIR-V.
-        plain: what plain GLSL says; it is the answer if the target refuses the same lines.
-        engine: the compiler.
-    """
+    Where it refuses the same lines, what `plain` GLSL says is the answer."""
     if plain.deadly:
         return plain
     if target == "vulkan":
@@ -183,8 +177,7 @@ def _compile_refused(
 
 
 def _lines(result: Result) -> set[tuple[str | None, int | None]]:
-    errors: list[Diagnostic] = [d for d in result.diagnostics if d.severity == "error"]
-    return {(d.file, d.line) for d in errors}
+    return {(d.file, d.line) for d in result.diagnostics if d.severity == "error"}
 
 
 def order_stages(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:
@@ -378,11 +371,9 @@ def lift_samplers(
 
     If there is nothing to lift, or it can't be done, the stages are unchanged.
     """
-    lifted, notes = [], []
-    for source in sources:
-        new, its_notes = _lift(source)
-        lifted.append(new)
-        notes += its_notes
+    found = [_lift(source) for source in sources]
+    lifted = [source for source, _ in found]
+    notes = [note for _, its_notes in found for note in its_notes]
     if not notes or not all(engine.check(source).ok for source in lifted):
         return sources, ()
     return lifted, tuple(notes)

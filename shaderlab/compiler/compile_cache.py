@@ -200,11 +200,7 @@ class CompileCache:
         self._compilers = functools.cache(compilers)
 
     def compile(self, stages: Sequence[Source], targets: Sequence[str]) -> Compiled:
-        """As `compile_program`, with the default engine.
-
-        Raises:
-            ShaderError: as `compile_program`.
-        """
+        """As `compile_program`, with the default engine."""
         compilers = self._digest()
         if compilers is None:
             return compile_program(stages, targets)

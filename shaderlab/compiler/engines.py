@@ -285,11 +285,7 @@ def find(wheel: str, name: str, folder: str = "lib") -> Path:
 
 @functools.cache
 def glslang() -> Glslang:
-    """Load and initialise the compiler, once a process.
-
-    Raises:
-        ShaderError: the wheel is not installed or does not hold the libraries.
-    """
+    """Load and initialise the compiler, once a process. Raises as `find` does."""
     # libSPIRV carries a second copy of glslang; the front end's symbols are made global so
     # that the generator binds to them and both share one thread-local allocator.
     front = _load(_FRONT, _GLSLANG, c.RTLD_GLOBAL)
@@ -303,20 +299,12 @@ def glslang() -> Glslang:
 
 @functools.cache
 def spirv_tools() -> c.CDLL:
-    """Load SPIRV-Tools' library: validator and disassembler.
-
-    Raises:
-        ShaderError: the wheel is not installed or does not hold the library.
-    """
+    """Load SPIRV-Tools' library: validator and disassembler. Raises as `find` does."""
     return _load(_SPIRV_TOOLS, _TOOLS, c.RTLD_LOCAL)
 
 
 def files() -> tuple[Path, ...]:
-    """Find the libraries' files, without loading them.
-
-    Raises:
-        ShaderError: a wheel is missing; the remedy names it.
-    """
+    """Find the libraries' files, without loading them. Raises as `find` does."""
     return tuple(find(*library) for library in (_FRONT, _BACK, _RESOURCE, _SPIRV_TOOLS))
 
 
@@ -325,7 +313,10 @@ def _load(named: tuple[str, str], functions: _Signatures, mode: int) -> c.CDLL:
     path = find(wheel, name)
     try:
         library = c.CDLL(str(path), mode=mode)
-        _declare(library, functions)
+        for function, (result, *arguments) in functions.items():
+            symbol = getattr(library, function)
+            symbol.restype = result
+            symbol.argtypes = arguments
     except (OSError, AttributeError) as error:
         raise ShaderError(
             f"can't use {name}: {error}",
@@ -335,22 +326,10 @@ def _load(named: tuple[str, str], functions: _Signatures, mode: int) -> c.CDLL:
     return library
 
 
-def _declare(library: c.CDLL, functions: _Signatures) -> None:
-    for function, (result, *arguments) in functions.items():
-        symbol = getattr(library, function)
-        symbol.restype = result
-        symbol.argtypes = arguments
-
-
 # spv_target_env.
 _ENVIRONMENTS: Mapping[str, int] = {
-    "spv1.0": 0,
-    "vulkan1.0": 1,
-    "opengl4.5": 9,
-    "vulkan1.1": 18,
-    "vulkan1.2": 23,
-    "vulkan1.3": 25,
-}
+    "spv1.0": 0, "vulkan1.0": 1, "opengl4.5": 9, "vulkan1.1": 18, "vulkan1.2": 23, "vulkan1.3": 25,
+}  # fmt: skip
 _NO_HEADER, _INDENT, _FRIENDLY_NAMES = 1 << 5, 1 << 3, 1 << 6
 
 
@@ -410,10 +389,8 @@ def disassemble_stages(modules: Mapping[str, bytes]) -> str:
 
 @functools.cache
 def _context(env: str) -> int:
-    """Return a context for the environment. It is never written to, so all calls and threads share
-    it."""
     context: int = spirv_tools().spvContextCreate(_ENVIRONMENTS[env])
-    return context
+    return context  # never written to, so all calls and threads share it
 
 
 _DEFAULT_VERSION = 110

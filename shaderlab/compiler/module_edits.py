@@ -161,8 +161,7 @@ def _namespaces(parsed: Mapping[str, Module]) -> Iterator[Mapping[str, Sequence[
 
 
 def _numbers(module: Module, id_: int, storage: int) -> Iterator[tuple[object, str, int]]:
-    """Yield the numbers that a variable takes: their range's key, the author's qualifier, how
-    many."""
+    """Yield a variable's numbers: their range's key, the author's qualifier, how many."""
     if storage not in _NUMBERED:
         return
     pointee = module.variables[id_][0]
@@ -298,8 +297,7 @@ def _decorate(target: Target, kind: int, value: int) -> Sequence[int]:
 
 
 def _insert(module: Module, decorations: Sequence[int]) -> bytes:
-    """Return the module with a capability, an execution mode and decorations, each in its
-    section."""
+    """Return the module with what transform feedback takes, each in its section."""
     words = list(module.words)
     mode_at = decorate_at = 0
     at = 5

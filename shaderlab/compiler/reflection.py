@@ -152,8 +152,7 @@ def used_paths(module: Module) -> Mapping[int, set[Path]]:
 
 
 def is_used(paths: Iterable[Path], part: Path) -> bool:
-    """Return whether one of the paths leads to the part, into it, or to something that contains
-    it."""
+    """Return whether a path leads to the part, into it, or to something that contains it."""
     return any(all(a in (ANY, b) for a, b in zip(path, part, strict=False)) for path in paths)
 
 

@@ -208,8 +208,7 @@ class Expansion:
 
 
 def _once_macro(file: File, code: str) -> str | None:
-    """Return a macro's name for a file with `#pragma once`; two underscores in a row are
-    reserved."""
+    """Return a macro's name for a file with `#pragma once`, without two underscores in a row."""
     if not _ONCE.search(code):
         return None
     return "SHADERLAB_ONCE_" + "".join(
@@ -268,8 +267,7 @@ class Source:
     def diagnostic(
         self, message: str, at: int | None = None, *, severity: Severity = "error", token: str = ""
     ) -> Diagnostic:
-        """Return a message about a line of `text` (counted from 1), or about the file as a
-        whole."""
+        """Return a message about a line of `text` (counted from 1), or about the whole file."""
         file, line = (self.path, None) if at is None else self.place(at)
         return Diagnostic(file=file, line=line, severity=severity, message=message, token=token)
 

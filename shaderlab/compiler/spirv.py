@@ -305,8 +305,7 @@ def type_name(module: Module, id_: int) -> str:
 
 
 def unwrap(module: Module, id_: int) -> tuple[tuple[int, ...], int]:
-    """Return an array type's lengths, outermost first (0 if known at run time only), and its
-    element."""
+    """Return an array's lengths, outermost first (0: known at run time), and its element."""
     lengths = []
     while module.types[id_].op in (Op.TypeArray, Op.TypeRuntimeArray):
         instruction = module.types[id_]
@@ -345,8 +344,7 @@ def slots(module: Module, id_: int) -> int:
 
 
 def leaves_count(module: Module, id_: int) -> int:
-    """Return the locations that a uniform of the type takes: one for each number, vector or
-    matrix."""
+    """Return the locations that a uniform takes: one for each number, vector or matrix."""
     lengths, element = unwrap(module, id_)
     count = 1
     if module.types[element].op == Op.TypeStruct:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING
 
 from shaderlab.errors import DriverError
@@ -47,16 +47,13 @@ def prepare_process(driver: str) -> None:
         return
 
 
-@contextmanager
-def environment(driver: str) -> Iterator[None]:
-    """Return the environment in which the loader finds this driver, for a while.
+def environment(driver: str) -> AbstractContextManager[None]:
+    """Set the environment in which the loader finds this driver, for a while.
 
     Raises:
         DriverError: the driver is not installed; says how to get it.
     """
-    wanted = _variables(driver)
-    with set_variables(wanted):
-        yield
+    return set_variables(_variables(driver))
 
 
 def _variables(driver: str) -> dict[str, str]:

@@ -160,8 +160,7 @@ def read_layout(
 
 
 def _convert_integers(mesh: Mesh, declared: Mapping[str, Variable]) -> Mesh:
-    """Return the mesh with integers made floats where the shader reads floats, as OpenGL converts
-    them."""
+    """Return the mesh with integers made floats, as OpenGL has it, where the shader reads those."""
 
     def fitting(given: Mapping[str, Array]) -> dict[str, Array]:
         return {
@@ -249,13 +248,8 @@ def block_buffers(
     values: Mapping[str, Array],
     stored: Mapping[str, Buffer] = _NONE,
 ) -> dict[str, Any]:
-    """Return a buffer's handle for each block.
-
-    Args:
-        own: what the buffers are released with.
-        bindings: a program's.
-        values: uniforms and members of blocks by the names that OpenGL has for them.
-        stored: storage buffers by the names of their blocks.
+    """Return a buffer's handle for each block of a program, released with `own`; `values` are
+    uniforms and members by OpenGL's names, `stored` storage buffers by their blocks' names.
 
     Raises:
         UnsupportedError: a storage block has no buffer.
@@ -274,8 +268,7 @@ def block_buffers(
 
 
 def _pack_block(block: Block, values: Mapping[str, Array]) -> bytes:
-    """Return a block's bytes; what a struct got for the samplers that were lifted out of it is
-    0."""
+    """Return a block's bytes; a struct's stand-in for samplers that were lifted out of it is 0."""
     given = dict(values)
     for member in block.members.values():
         if block.name == DEFAULT_BLOCK and member.name not in given:
@@ -374,10 +367,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         if kind == "2DMS":
             return self._fetch_samples(source, image, target)
         if source.name not in target.colors and target.samples > 1:
-            raise UnsupportedError(
-                f"sampling the {source.name} of this target",
-                remedy=UNREADABLE,
-            )
+            raise UnsupportedError(f"sampling the {source.name} of this target", remedy=UNREADABLE)
         if source.name == "stencil":
             raise UnsupportedError("sampling the stencil of this target")
         drawn = target.images.get(source.name, target.depth_image)
@@ -392,8 +382,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         return DeviceTexels(source, view, image.format, image.values, levels)
 
     def _fetch_samples(self, source: Output, image: Image, target: RenderTarget) -> DeviceTexels:
-        drawn = target.drawn_image(source.name)
-        view = new_view(self._resources, drawn, sampled=True)
+        view = new_view(self._resources, target.drawn[source.name], sampled=True)
         each = [
             fetch_texels(self._linker, view, "2DMS", number, target.size, "rgba32f")
             for number in range(target.samples)
@@ -507,19 +496,8 @@ void main() {{ color = texelFetch(texels, ivec2(gl_FragCoord.xy), number); }}
 def fetch_texels(
     linker: Linker, view: Any, kind: str, number: int, size: tuple[int, int], word: str
 ) -> Array:
-    """One sample ("2DMS"), or one level ("2D"), of a float or normalised texture.
-
-    Args:
-        linker: makes the program.
-        view: of the texture.
-        kind: as in `Texels.kind`.
-        number: of the sample or of the level.
-        size: (width, height) in texels.
-        word: the format to read them in.
-
-    Returns:
-        (height, width, channels)
-    """
+    """Read the sample ("2DMS") or the level ("2D") of this number of a float or normalised texture,
+    of (width, height) texels, in the format `word`: (height, width, channels)."""
     program = linker.link({"vertex": COVERING, "fragment": _FETCH.format(kind=kind)})
     with (
         Resources(linker.device) as own,

@@ -51,13 +51,9 @@ def check(result: int, what: str) -> None:
         raise DeviceLostError(f"the device was lost: {what}")
     if result in map(constant, ("ERROR_OUT_OF_HOST_MEMORY", "ERROR_OUT_OF_DEVICE_MEMORY")):
         raise MemoryError(f"{what}: the driver ran out of memory")
-    raise DriverError(f"{what}: {result_name(result)}")
-
-
-def result_name(result: int) -> str:
-    """Return a result code's name."""
     error = vulkan.exception_codes.get(result)
-    return error.__name__ if error is not None else f"VkResult {result}"
+    name = error.__name__ if error is not None else f"VkResult {result}"
+    raise DriverError(f"{what}: {name}")
 
 
 class Structs:
@@ -169,12 +165,8 @@ class Device:
     pool: Any
     _structs: Structs = field(repr=False, compare=False)
 
-    def create(self, kind: str, info: Any) -> Any:
-        """Make a new object of a kind such as "Buffer", from its Vk…CreateInfo."""
-        return _create_object(f"vkCreate{kind}", f"Vk{kind}", self.handle, info)
-
     def destroy(self, kind: str, handle: Any) -> None:
-        """Destroy an object that `create` made."""
+        """Destroy an object of a kind such as "Buffer"."""
         getattr(lib, f"vkDestroy{kind}")(self.handle, handle, NULL)
 
     def close(self) -> None:
@@ -304,8 +296,7 @@ def _list_extensions(physical: Any) -> set[str]:
 
 
 def _chain_features(used: list[str], structs: Structs) -> tuple[Any, list[Any]]:
-    """Return the structures of features beside the core's, linked: the first one, and all of
-    them."""
+    """Return the structures of features beside the core's: the first of the chain, and all."""
     last, made = NULL, []
     names = [({**_NEEDED, **_USED}[name][0]) for name in used]
     for name in (*_CORE, *names):
@@ -376,8 +367,8 @@ class Resources:
 
     def create(self, kind: str, info: Any) -> Any:
         """Make a new object, such as `create("Sampler", info)`."""
-        handle = self.device.create(kind, info)
-        return self.own(kind, handle)
+        made = _create_object(f"vkCreate{kind}", f"Vk{kind}", self.device.handle, info)
+        return self.own(kind, made)
 
     def own(self, kind: str, handle: Any) -> Any:
         """Release this object, too, in the end."""
@@ -454,8 +445,7 @@ class Commands:
         check(lib.vkBeginCommandBuffer(self.handle, begin), "recording commands")
 
     def barrier(self) -> None:
-        """All that was recorded so far is done, and seen, before what comes next; by the host,
-        too."""
+        """Finish all that was recorded before what comes next and before the host reads."""
         memory = self.structs(
             "MemoryBarrier", srcAccessMask=_ALL_READS_AND_WRITES,
             dstAccessMask=_ALL_READS_AND_WRITES | _HOST_READS,
@@ -476,11 +466,7 @@ class Commands:
         )
 
     def run(self) -> None:
-        """Have the device run all of it, and wait until it has.
-
-        Raises:
-            DeviceLostError, MemoryError, DriverError: it could not.
-        """
+        """Have the device run all of it, and wait until it has. Raises as `check` does."""
         device = self.device
         check(lib.vkEndCommandBuffer(self.handle), "recording commands")
         work = self.structs("SubmitInfo", commandBufferCount=1, pCommandBuffers=[self.handle])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -136,8 +135,7 @@ def write(device: Device, image: DeviceImage, levels: Sequence[Array | bytes]) -
 
 
 def read(device: Device, image: DeviceImage, level: int = 0, *, stencil: bool = False) -> Array:
-    """Return a level of an image: (layers, height, width, channels); `stencil`: its stencil, in
-    bytes."""
+    """Return a level of an image, or its `stencil` in bytes: (layers, height, width, channels)."""
     width, height = image.sizes[level]
     shape = (image.layers, height, width)
     aspect = STENCIL_ASPECT if stencil else aspects(image.word) & ~STENCIL_ASPECT
@@ -229,12 +227,7 @@ def vulkan_format(word: str) -> int:
 
 def choose_format(device: Device, word: str, *uses: str) -> str:
     """Return the format that a device keeps an image of a format in: the same, or, for 24 bits of
-    depth where it has none, 32.
-
-    Args:
-        device: where the image is to be.
-        word: the format.
-        uses: what the image must serve for, such as "color_attachment" or "sampled_image".
+    depth where it has none, 32. It must serve for `uses`, such as "color_attachment".
 
     Raises:
         UnsupportedError: the device has no such image.
@@ -261,11 +254,6 @@ def aspects(word: str) -> int:
     return DEPTH_ASPECT | (STENCIL_ASPECT if DEPTH[word].stencil else 0)
 
 
-@functools.cache
-def _one(kind: type) -> int:
-    return 255 if kind is np.uint8 else 1
-
-
 def pack_texels(word: str, values: Array) -> Array:
     """Texels as a buffer holds them: depths as codes, three channels with a fourth, which is 1."""
     if word in DEPTH:
@@ -273,14 +261,14 @@ def pack_texels(word: str, values: Array) -> Array:
     kind = format_of(word)
     if kind.components != 3:
         return np.ascontiguousarray(values)
-    padded = np.full((*values.shape[:-1], 4), _one(kind.numpy), kind.numpy)
+    one = 255 if kind.numpy is np.uint8 else 1
+    padded = np.full((*values.shape[:-1], 4), one, kind.numpy)
     padded[..., :3] = values
     return padded
 
 
 def unpack_texels(word: str, data: Array, shape: tuple[int, ...]) -> Array:
-    """Return the texels that the bytes of a buffer are, (*shape, channels); the inverse of
-    `packed`."""
+    """Return a buffer's bytes as texels, (*shape, channels)."""
     if word in DEPTH:
         return _decode_depths(word, data).reshape(*shape, 1)
     kind = format_of(word)
@@ -347,17 +335,17 @@ class RenderTarget(Attachments):
             choose_format(device, word, "color_attachment")
         own = self._resources
         self.images = {n: new_image(own, w, self.size, *uses) for n, w in self.colors.items()}
-        self._drawn = self.images
+        self.drawn = self.images  # with all of their samples
         if self.samples > 1:
-            self._drawn = {
+            self.drawn = {
                 name: new_image(own, w, self.size, *uses, kind="2DMS", samples=self.samples)
                 for name, w in self.colors.items()
             }
         # An attachment of sRGB is written as it comes unless a draw asks for encoding.
-        self._encoding = {name: new_view(own, image) for name, image in self._drawn.items()}
+        self._encoding = {name: new_view(own, image) for name, image in self.drawn.items()}
         self._plain = {
             name: new_view(own, image, as_word="rgba8") if image.word == "srgb8_alpha8" else
-            self._encoding[name] for name, image in self._drawn.items()
+            self._encoding[name] for name, image in self.drawn.items()
         }  # fmt: skip
         self.depth_image: DeviceImage | None = None
         if self._target.depth is not None:
@@ -372,8 +360,7 @@ class RenderTarget(Attachments):
         self._resources.release()
 
     def formats(self, locations: Mapping[int, str], *, srgb: bool = False) -> dict[int, str]:
-        """Return the attachments' formats by the locations of the outputs that are drawn to
-        them."""
+        """Return the attachments' formats by the locations of outputs."""
         plain = {"srgb8_alpha8": "srgb8_alpha8" if srgb else "rgba8"}
         return {at: plain.get(self.colors[n], self.colors[n]) for at, n in locations.items()}
 
@@ -439,7 +426,7 @@ class RenderTarget(Attachments):
             )
             for name, image in self.images.items():
                 lib.vkCmdResolveImage(
-                    commands.handle, self._drawn[name].handle, GENERAL, image.handle, GENERAL, 1,
+                    commands.handle, self.drawn[name].handle, GENERAL, image.handle, GENERAL, 1,
                     region,
                 )  # fmt: skip
             commands.barrier()
@@ -448,10 +435,6 @@ class RenderTarget(Attachments):
         if not self._device.limits.standardSampleLocations or self.samples not in _PLACES:
             raise UnsupportedError("sample positions: this device does not say where they are")
         return np.array(_PLACES[self.samples], np.float32) / 16
-
-    def drawn_image(self, name: str) -> DeviceImage:
-        """Return a colour attachment with all of its samples."""
-        return self._drawn[name]
 
     def read(self, name: str) -> Image:
         if name in self.colors:
@@ -465,8 +448,7 @@ class RenderTarget(Attachments):
 
 
 def _samples(device: Device, asked: int) -> int:
-    """Return how many samples a pixel gets: as many as are asked for, or as OpenGL has it, the next
-    number above that the device offers."""
+    """Return the samples of a pixel: as OpenGL has it, the next number that the device offers."""
     offered = list_sample_counts(device.limits)
     found = [count for count in offered if count >= asked]
     if not found:

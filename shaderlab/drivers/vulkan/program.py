@@ -327,16 +327,10 @@ class Linker(ProgramCache[Program]):
     device: Device
 
     def link(self, texts: Mapping[str, str], known: Sequence[Source] = ()) -> Program:
-        """Return the program of these stages.
-
-        Args:
-            texts: by stage.
-            known: sources, some of whose texts these may be.
+        """Return the program of these texts by stage, some of which may be those of `known`.
 
         Raises:
-            ShaderError: it is no GLSL.
-            UnsupportedError: it can't be made into modules for Vulkan, or takes a feature that the
-                device lacks.
+            ShaderError, UnsupportedError: as `compile_modules` and `Program`.
         """
 
         def linked() -> Program:
@@ -435,8 +429,7 @@ def _stencil(structs: Structs, stencil: Stencil) -> Any:
 
 
 def blend_state(structs: Structs, state: State, formats: Mapping[int, str], count: int) -> Any:
-    """Return how colours are mixed into attachments, whose formats are by the locations of
-    outputs."""
+    """Return how colours are mixed into attachments, whose formats are by location."""
     blend = state.blend or Blend()
     mask = sum(1 << channel for channel, on in enumerate(state.color_mask) if on)
     words = {

@@ -130,12 +130,8 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         target: RenderTarget,
         stored: Mapping[str, Buffer] | None = None,
     ) -> Ready:
-        """Return all that a draw takes, on the device; `own` are what is released after it.
-
-        Args:
-            texts, fixed_state: as in `render`.
-            stored: storage buffers by the names of their blocks.
-        """
+        """Return all that a draw takes, on the device; `own` is released after it, `stored` are
+        storage buffers by the names of their blocks."""
         description, state = draw.draw, draw.draw.state
         if not description.vertex_array:
             raise UnsupportedError("vertex_array=False: Vulkan has no vertex arrays to leave out")
@@ -189,11 +185,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         bindings: Bindings,
         count: int | None,
     ) -> Mapping[VaryingPart, Array]:
-        """Store them in a storage buffer, as the interface has it.
-
-        Raises:
-            UnsupportedError: the device's vertex stages can't write to buffers.
-        """
+        """Store them in a storage buffer, as the interface has it."""
         if _STORES not in self.device.features:
             raise UnsupportedError(f"capturing vertices: this device has no {_STORES}")
         mesh = draw.draw.mesh
@@ -220,11 +212,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
             return stages.unpack_outputs(parts, buffer.bytes[: 4 * words].copy().view(np.uint32))
 
     def _count(self, key: PassDraw, counter: str) -> int:
-        """Return what one draw makes the device count, its pass drawn once more.
-
-        Raises:
-            UnsupportedError: the device does not count this.
-        """
+        """Return what one draw makes the device count, its pass drawn once more."""
         kind, feature, bits = "OCCLUSION", "occlusionQueryPrecise", 0
         if counter == "primitives_generated":
             kind, feature = "PRIMITIVES_GENERATED_EXT", "primitivesGeneratedQuery"
@@ -249,8 +237,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
             return int(found[0])
 
     def _read_attributes(self, key: PassDraw) -> Mapping[str, AttributeReading]:
-        """Return where the pipeline of a draw of a mesh reads each attribute. Vulkan has no query
-        for it; it is read from the structure that makes the pipeline."""
+        """Read the structure that makes the pipeline: Vulkan has no query for it."""
         draw = self.programs[key[0]][key[1]]
         if draw.draw.mesh is None:
             return {}
@@ -258,8 +245,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         return read_layout(layout_of(draw.draw.mesh, declared), declared)
 
     def _read_blocks(self, key: PassDraw) -> Mapping[str, BlockReading]:
-        """Return where the draw's modules have the members of each uniform block, which is where a
-        driver reads them."""
+        """Read the modules' offsets, which are those that a driver reads at."""
         draw = self.programs[key[0]][key[1]]
         bindings = self.program(draw).bindings
         found = {}

@@ -25,7 +25,7 @@ import numpy as np
 from shaderlab.errors import DeviceLostError, DriverError, UnsupportedError
 from shaderlab.model.frame import Array
 
-_ARRAYS = {
+ARRAYS = {
     np.dtype(np.uint8): "Uint8Array", np.dtype(np.float16): "Uint16Array",
     np.dtype(np.uint16): "Uint16Array", np.dtype(np.int32): "Int32Array",
     np.dtype(np.uint32): "Uint32Array", np.dtype(np.float32): "Float32Array",
@@ -122,7 +122,7 @@ class Calls:
         at = len(self._data)
         self._data += np.ascontiguousarray(given).tobytes()
         self._data += bytes(-len(self._data) % _ALIGNMENT)
-        return {"array": _ARRAYS[given.dtype], "at": at, "count": given.size}
+        return {"array": ARRAYS[given.dtype], "at": at, "count": given.size}
 
 
 def _ignore(_: object) -> None: ...
@@ -338,10 +338,6 @@ class Device:
         """Raise UnsupportedError where the browser lacks an extension that something takes."""
         if extension not in self.extensions:
             raise UnsupportedError(f"{what}: this browser has no {extension}")
-
-    def samples_offered(self, format: int) -> list[int]:
-        """Return how many samples a pixel of a format may have besides one, fewest first."""
-        return sorted(self.gl.ask("samples", format))
 
     def close(self) -> None:
         """End the browser; nothing that was made on the device may be used any more."""

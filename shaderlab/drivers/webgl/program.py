@@ -44,15 +44,10 @@ class Translated:
 def translate(
     texts: Mapping[str, str], known: Sequence[Source] = (), *, keep_names: bool = False
 ) -> Translated:
-    """Return a program in ESSL.
+    """Return a program in ESSL; `texts` by stage are GLSL, some of which may be those of `known`.
 
-    What one stage hands to the other goes by its location: of blocks and structs ESSL has none
-    there, and SPIRV-Cross names their members by the instance, which stages name as they like.
-
-    Args:
-        texts: by stage, in GLSL.
-        known: sources, some of whose texts these may be.
-        keep_names: whether a vertex stage's outputs keep their names.
+    What one stage hands to the other goes by its location, unless a vertex stage's outputs are to
+    `keep_names`: SPIRV-Cross names members by a block's instance, which stages name as they like.
 
     Raises:
         ShaderError: it is no GLSL.
@@ -162,16 +157,10 @@ class Linker(ProgramCache[Program]):
         *,
         feedback: Sequence[str] = (),
     ) -> Program:
-        """Return the program of these stages.
-
-        Args:
-            texts: by stage.
-            known: sources, some of whose texts these may be.
-            feedback: the vertex outputs to be captured by transform feedback.
+        """Return the program of these stages, which captures the vertex outputs of `feedback`.
 
         Raises:
-            ShaderError: it is no GLSL.
-            UnsupportedError: WebGL2 has no such program.
+            ShaderError, UnsupportedError: as `translate` and `Program`.
         """
 
         def linked() -> Program:
@@ -183,14 +172,7 @@ class Linker(ProgramCache[Program]):
 
 
 def set_uniform(gl: Calls, location: Object, variable: Variable, values: Array) -> None:
-    """Set a uniform of the program in use.
-
-    Args:
-        gl: the device's calls.
-        location: where it is.
-        variable: what it is.
-        values: one value or an array of them, matrices as rows of columns.
-    """
+    """Set a uniform of the program in use to one value, or an array of them; matrices as rows."""
     kind = variable.type
     if "mat" in kind:
         size = kind.partition("mat")[2]
@@ -228,13 +210,8 @@ _NO_DEPTH, _NO_STENCIL, _NO_BLEND = Depth(), Stencil(), Blend()
 
 
 def check_state(state: State, *, samples: int, encodes: bool) -> None:
-    """Raise UnsupportedError for what WebGL2 has not, though OpenGL has.
-
-    Args:
-        state: what a draw asks for.
-        samples: of its target.
-        encodes: whether the target has attachments of sRGB.
-    """
+    """Raise UnsupportedError for what WebGL2 has not, though OpenGL has; `samples` are those of the
+    draw's target, which `encodes` if it has attachments of sRGB."""
     front, back = state.stencil or _NO_STENCIL, state.stencil_back or state.stencil or _NO_STENCIL
     for lacks, what in (
         (samples > 1 and not state.multisample,

@@ -76,8 +76,7 @@ class VertexArray:
 
 
 def vertex_array(own: Objects, mesh: Mesh | None, declared: Mapping[str, Variable]) -> VertexArray:
-    """Return a vertex array of a mesh for a vertex stage that declares these inputs, or one of
-    three vertices without attributes."""
+    """Return a mesh's vertex array for a stage with these inputs, or one of three vertices."""
     gl, made = own.gl, own.new("VertexArray")
     gl.bindVertexArray(made)
     if mesh is None:
@@ -172,19 +171,8 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
         values: Mapping[str, np.ndarray],
         then: Callable[[VertexArray], None],
     ) -> None:
-        """Set a program's uniforms and bind its textures and its mesh, and go on with the vertex
-        array.
-
-        Args:
-            program: of the draw, whatever its texts.
-            draw: what to draw.
-            bindings: its uniforms and textures.
-            values: further uniforms, by name.
-            then: what is done with it.
-
-        Raises:
-            UnsupportedError: WebGL2 has no such thing; the message names it.
-        """
+        """Set a program's uniforms, further `values` among them, bind its textures and its mesh,
+        and go on with the vertex array."""
         if not draw.draw.vertex_array:
             raise UnsupportedError("vertex_array=False: WebGL2 always has a vertex array")
         gl = self.device.gl
@@ -257,11 +245,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
     def _feed_back(
         self, draw: PreparedDraw, program: Program, bindings: Bindings, size: int
     ) -> Array:
-        """Return the floats, of so many bytes, that a draw's vertices leave in a buffer.
-
-        Raises:
-            DriverError: a call that this takes raises an error.
-        """
+        """Return the floats, of so many bytes, that a draw's vertices leave in a buffer."""
         gl = self.device.gl
         with Objects(gl) as own:
             buffer = own.new("Buffer")

@@ -175,8 +175,8 @@ class RenderTarget(Attachments):
             gl.framebufferTexture2D(gl.FRAMEBUFFER, place, gl.TEXTURE_2D, image, 0)
 
     def _sample_count(self) -> int:
-        """Return how many samples a pixel gets: as many as are asked for, or as OpenGL has it, the
-        next number above that the device offers for all formats."""
+        """Return the samples of a pixel: as OpenGL has it, the next number that the device offers
+        for all formats."""
         asked = self._target.samples
         if not asked:
             return 1
@@ -184,8 +184,7 @@ class RenderTarget(Attachments):
         words = [*self.colors.values(), *([self.depth] if self.depth else [])]
         offered = {1, 2, 4, 8, 16}
         for word in words:
-            own = self._device.samples_offered(getattr(gl, texture_format(word).internal))
-            offered &= {1, *own}
+            offered &= {1, *gl.ask("samples", getattr(gl, texture_format(word).internal))}
         found = sorted(count for count in offered if count >= asked)
         if not found:
             what = ", ".join(words)

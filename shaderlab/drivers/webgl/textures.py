@@ -27,7 +27,7 @@ from ..programs.textures import (
 )
 from ..protocol import Size
 from ..resources import COVERING, UNREADABLE, DeviceTexels, SceneTextures
-from .device import Device, Object, Objects, decode
+from .device import ARRAYS, Device, Object, Objects, decode
 
 _CHANNELS = {1: "RED", 2: "RG", 3: "RGB", 4: "RGBA"}
 _TYPES = {
@@ -87,28 +87,15 @@ def round_depths(word: str, values: Array) -> Array:
     return (codes / float(np.iinfo(codes.dtype).max)).astype(np.float32)
 
 
-def reading_format(word: str) -> tuple[str, str, str]:
-    """Return the format and the type in which texels of an attachment are read, and the array they
-    go into: in fours, floats whatever their size."""
-    found = format_of(word)
-    if found.numpy is np.uint8:
-        return "RGBA", "UNSIGNED_BYTE", "Uint8Array"
-    if found.numpy is np.int32:
-        return "RGBA_INTEGER", "INT", "Int32Array"
-    if found.numpy is np.uint32:
-        return "RGBA_INTEGER", "UNSIGNED_INT", "Uint32Array"
-    return "RGBA", "FLOAT", "Float32Array"
-
-
-READ_TYPES = {
-    "Uint8Array": np.uint8, "Int32Array": np.int32, "Uint32Array": np.uint32,
-    "Float32Array": np.float32,
+# The format and the type in which texels of an attachment are read; floats whatever their size.
+_READ: dict[Any, tuple[str, str]] = {
+    np.uint8: ("RGBA", "UNSIGNED_BYTE"), np.int32: ("RGBA_INTEGER", "INT"),
+    np.uint32: ("RGBA_INTEGER", "UNSIGNED_INT"), np.float32: ("RGBA", "FLOAT"),
 }  # fmt: skip
 
 
 def require_filtered(device: Device, word: str, filters: tuple[str, str], compared: bool) -> None:
-    """Raise UnsupportedError where WebGL2 does not filter a format: a texture of it would be
-    incomplete."""
+    """Raise UnsupportedError where WebGL2 does not filter a format."""
     if all(name in ("nearest", "nearest_mipmap_nearest") for name in filters):
         return
     if word in DEPTH and not compared:
@@ -137,16 +124,8 @@ _STENCIL_BITS = 8
 def read_attached(
     device: Device, texture: Object, word: str, size: Size, *, level: int = 0, face: str = "2D"
 ) -> Array:
-    """Return a level of a texture that can be drawn to: (height, width, channels).
-
-    Args:
-        device: where it is.
-        texture: what to read.
-        word: its format.
-        size: of the level in texels.
-        level: its number.
-        face: the texture's target without "TEXTURE_", that of a face for a cube.
-    """
+    """Return a level of a texture that can be drawn to: (height, width, channels); `size` is the
+    level's, `face` the texture's target without "TEXTURE_", that of a face for a cube."""
     gl = device.gl
     with Objects(gl) as own:
         frame = own.new("Framebuffer")
@@ -163,18 +142,18 @@ def read_pixels(device: Device, word: str, size: Size) -> Array:
         DriverError: it can't be read.
     """
     gl, found = device.gl, format_of(word)
-    format, kind, array = reading_format(word)
-    how = (getattr(gl, format), getattr(gl, kind), array, found.components)
+    read = found.numpy if found.numpy in _READ else np.float32
+    format, kind = (getattr(gl, name) for name in _READ[read])
+    how = (format, kind, ARRAYS[np.dtype(read)], found.components)
     data, errors = gl.ask_all([("texels", *size, *how), ("errors",)])
     if errors:
         raise DriverError(f"reading {word}: WebGL2 raised {', '.join(map(hex, errors))}")
-    values = decode(data, READ_TYPES[array])
+    values = decode(data, read)
     return values.reshape(size[1], size[0], found.components).astype(found.numpy, copy=False)
 
 
 def fetch_texels(device: Device, texture: Object, size: Size, level: int = 0) -> Array:
-    """Return a level of a texture of floats or depths, as shaders get it: (height, width, 4)
-    floats."""
+    """Return a level of floats or depths as shaders get it: (height, width, 4) floats."""
     gl = device.gl
     with Objects(gl) as own:
         program = use_own_program(device, _FETCH)
@@ -195,13 +174,8 @@ def fetch_texels(device: Device, texture: Object, size: Size, level: int = 0) ->
 
 
 def read_stencil(device: Device, attachment: Mapping[str, Object], size: Size) -> Array:
-    """Return what a stencil buffer holds, (height, width, 1) bytes.
-
-    Args:
-        device: where it is.
-        attachment: the image that has it, by what it is attached as.
-        size: in pixels.
-    """
+    """Return what a stencil buffer holds, (height, width, 1) bytes; `attachment` is the image that
+    has it, by what it is attached as."""
     gl = device.gl
     with Objects(gl) as own:
         program = use_own_program(device, _BIT)
@@ -238,8 +212,7 @@ def use_own_program(device: Device, fragment: str) -> Object:
 
 
 def draw_to_floats(device: Device, own: Objects, size: Size) -> Object:
-    """Draw to a texture of floats from now on, each pixel once, whatever the state was; the
-    framebuffer."""
+    """Draw each pixel of a new texture of floats once from now on; returns the framebuffer."""
     gl = device.gl
     texture, frame = own.new("Texture"), own.new("Framebuffer")
     gl.activeTexture(gl.TEXTURE0)
@@ -308,10 +281,7 @@ class BoundTextures(SceneTextures[Any]):
             raise UnsupportedError("sampling the stencil of this target")
         drawn = target.textures.get(source.name, target.depth_texture)
         if drawn is None:
-            raise UnsupportedError(
-                f"sampling the {source.name} of this target",
-                remedy=UNREADABLE,
-            )
+            raise UnsupportedError(f"sampling the {source.name} of this target", remedy=UNREADABLE)
         texture = DeviceTexture(drawn, "2D", image.format, target.size)
         if not source.mipmaps:
             return DeviceTexels(source, texture, image.format, image.values)
