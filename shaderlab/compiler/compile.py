@@ -23,8 +23,7 @@ from .diagnostics import (
     parse_stage_log,
 )
 from .engines import ALL_TARGETS, SETTINGS, TARGETS, Engine, Linked, choose
-from .module_edits import find_unwritten_inputs, match_locations
-from .reflection import Interface, reflect
+from .reflection import Interface, find_unwritten_inputs, match_locations, reflect
 from .shader_files import STAGES
 from .sources import Source
 from .spirv import instruction_count

@@ -1,13 +1,24 @@
-"""What a program declares, read from its SPIR-V modules: inputs, outputs, uniforms, blocks."""
+"""What a program declares, read from its SPIR-V modules: inputs, outputs, uniforms, blocks; and
+changes to modules: numbers that agree between stages, and transform feedback."""
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Iterator, Mapping
+import struct
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Literal
 
+from shaderlab.errors import UnsupportedError
+from shaderlab.model.records import Diagnostic
+
+from .diagnostics import find_declaration
+from .shader_files import STAGES
+from .sources import Source
 from .spirv import (
+    OPAQUE,
+    Capability,
     Decoration,
     ExecutionMode,
     Instruction,
@@ -15,7 +26,10 @@ from .spirv import (
     Op,
     StorageClass,
     component_count,
+    elements_of,
     image_format,
+    interface_name,
+    leaves_count,
     parse,
     slots,
     type_name,
@@ -378,3 +392,288 @@ def _bytes(module: Module, element: int, matrix_stride: int, row_major: bool) ->
         rows = component_count(module, element) // columns
         return matrix_stride * (rows if row_major else columns)
     return width * component_count(module, element)
+
+
+_NUMBERED = (StorageClass.UniformConstant, StorageClass.Uniform, StorageClass.StorageBuffer)
+_Words = Mapping[str, list[int]]
+"""The modules' words by stage."""
+
+
+@dataclass(frozen=True)
+class _Use:
+    """A stage's numbers for a name: the index of the first one's word, how many there are, and the
+    author's qualifier for them, "location" or "binding"."""
+
+    stage: str
+    word: int
+    count: int
+    qualifier: str
+
+    def numbers(self, words: _Words) -> range:
+        start = words[self.stage][self.word]
+        return range(start, start + self.count)
+
+
+def match_locations(modules: Mapping[str, bytes], sources: Sequence[Source]) -> dict[str, bytes]:
+    """Return the modules with numbers that agree between stages.
+
+    Each input gets the location of the previous stage's output of that name, and each uniform,
+    sampler and block gets one location and one binding in all stages. Numbers that the author
+    wrote stay. Modules that agree already are not changed.
+    """
+    if len(modules) == 1:
+        return dict(modules)
+    parsed = {stage: parse(data) for stage, data in modules.items()}
+    words = {stage: list(module.words) for stage, module in parsed.items()}
+    for writer, reader in pairwise(stage for stage in STAGES if stage in parsed):
+        _move_inputs(parsed[writer], parsed[reader], words[writer], words[reader])
+    for uses_by_name in _namespaces(parsed):
+        _renumber(uses_by_name, words, sources)
+    return {
+        stage: data
+        if tuple(words[stage]) == parsed[stage].words
+        else struct.pack(f"{len(words[stage])}I", *words[stage])
+        for stage, data in modules.items()
+    }
+
+
+def find_unwritten_inputs(
+    sources: Sequence[Source], modules: Mapping[str, bytes]
+) -> tuple[Diagnostic, ...]:
+    """Return an error for each input that a stage uses and the previous stage does not declare, or
+    declares with another type at the location that the author gave to both."""
+    found = []
+    by_stage = {source.stage: source for source in sources}
+    for writer, reader in pairwise(stage for stage in STAGES if stage in modules):
+        outputs = list(stage_variables(parse(modules[writer]), StorageClass.Output))
+        written = {_strip_indices(v.name) for v in outputs}
+        at = {v.location: v for v in outputs if v.location is not None}
+        source = by_stage[reader]
+        inputs = stage_variables(parse(modules[reader]), StorageClass.Input)
+        for name, variable in {_strip_indices(v.name): v for v in inputs if v.used}.items():
+            if name in written:
+                continue
+            declared = find_declaration(source, name.rpartition(".")[2], "in")
+            message = f"'{name}' : input of the {reader} stage that the {writer} stage never writes"
+            if declared is not None and "location" in declared[1]:
+                other = None if variable.location is None else at.get(variable.location)
+                if other is None or other.type == variable.type:
+                    continue
+                message = (
+                    f"'{name}' : {variable.type} at location {variable.location}, where the "
+                    f"{writer} stage writes the {other.type} '{other.name}'"
+                )
+            at_line = declared[0] if declared else None
+            found.append(source.diagnostic(message, at_line, token=name))
+    return tuple(found)
+
+
+def _strip_indices(name: str) -> str:
+    """Return a name without array indices, which geometry and tessellation stages add by vertex."""
+    return "".join(part.partition("]")[2] if i else part for i, part in enumerate(name.split("[")))
+
+
+def _find_locations(module: Module, storage: int) -> dict[str, tuple[int, int]]:
+    """Return a storage class's variables that have a location, by interface name: the index of the
+    location's word, and how many locations the variable takes."""
+    return {
+        interface_name(module, id_): (
+            module.decoration_words[id_, Decoration.Location],
+            slots(module, pointee),
+        )
+        for id_, (pointee, its_storage) in module.variables.items()
+        if its_storage == storage and module.number(id_, Decoration.Location) is not None
+    }
+
+
+def _move_inputs(
+    writer: Module, reader: Module, writer_words: Sequence[int], reader_words: list[int]
+) -> None:
+    """Move the reader's inputs to the locations of their outputs, and others out of their way."""
+    outputs, inputs = (
+        _find_locations(writer, StorageClass.Output),
+        _find_locations(reader, StorageClass.Input),
+    )
+    occupied: set[int] = set()
+    for name, (at, _) in inputs.items():
+        if name in outputs:
+            word, count = outputs[name]
+            reader_words[at] = writer_words[word]
+            occupied.update(range(reader_words[at], reader_words[at] + count))
+    for name, (at, count) in inputs.items():
+        if name not in outputs:
+            if occupied.intersection(range(reader_words[at], reader_words[at] + count)):
+                reader_words[at] = max(occupied) + 1
+            occupied.update(range(reader_words[at], reader_words[at] + count))
+
+
+def _namespaces(parsed: Mapping[str, Module]) -> Iterator[Mapping[str, Sequence[_Use]]]:
+    """For each range of numbers that a program's stages share, its uses by name.
+
+    OpenGL numbers uniform locations, texture units, image units, uniform and storage blocks
+    separately; Vulkan has one range of bindings for each descriptor set.
+    """
+    found: dict[object, dict[str, list[_Use]]] = {}
+    for stage, module in parsed.items():
+        for id_, (_, storage) in module.variables.items():
+            for namespace, qualifier, count in _numbers(module, id_, storage):
+                kind = Decoration.Location if qualifier == "location" else Decoration.Binding
+                use = _Use(stage, module.decoration_words[id_, kind], count, qualifier)
+                names = found.setdefault(namespace, {})
+                names.setdefault(interface_name(module, id_), []).append(use)
+    yield from found.values()
+
+
+def _numbers(module: Module, id_: int, storage: int) -> Iterator[tuple[object, str, int]]:
+    """Yield a variable's numbers: their range's key, the author's qualifier, how many."""
+    if storage not in _NUMBERED:
+        return
+    pointee = module.variables[id_][0]
+    lengths, element = unwrap(module, pointee)
+    if module.number(id_, Decoration.Location) is not None:
+        yield "location", "location", leaves_count(module, pointee)
+    if module.number(id_, Decoration.Binding) is None:
+        return
+    descriptor_set = module.number(id_, Decoration.DescriptorSet)
+    if descriptor_set is not None:
+        yield ("set", descriptor_set), "binding", 1
+    elif storage != StorageClass.UniformConstant:
+        stored = module.decorated(element, Decoration.BufferBlock) is not None
+        yield "storage" if stored else "uniform", "binding", elements_of(lengths)
+    elif module.types[element].op in OPAQUE:
+        image = module.types[element].op == Op.TypeImage
+        yield "image" if image else "unit", "binding", elements_of(lengths)
+
+
+def _renumber(
+    uses_by_name: Mapping[str, Sequence[_Use]], words: _Words, sources: Sequence[Source]
+) -> None:
+    """Renumber the names of a range if two stages disagree about them."""
+    if _agree(uses_by_name, words):
+        return
+    fixed = {name for name, uses in uses_by_name.items() if _is_authors(name, uses, sources)}
+    taken = {n for name in fixed for use in uses_by_name[name] for n in use.numbers(words)}
+    for name, uses in uses_by_name.items():
+        if name in fixed:
+            continue
+        count = max(use.count for use in uses)
+        start = 0
+        while taken.intersection(range(start, start + count)):
+            start += 1
+        taken.update(range(start, start + count))
+        for use in uses:
+            words[use.stage][use.word] = start
+
+
+def _agree(uses_by_name: Mapping[str, Sequence[_Use]], words: _Words) -> bool:
+    """Return whether each name has one number in all stages, and each number one name."""
+    owner: dict[int, str] = {}
+    return all(
+        len({words[use.stage][use.word] for use in uses}) == 1
+        and all(owner.setdefault(n, name) == name for use in uses for n in use.numbers(words))
+        for name, uses in uses_by_name.items()
+    )
+
+
+def _is_authors(name: str, uses: Sequence[_Use], sources: Sequence[Source]) -> bool:
+    """Return whether the author wrote the name's number in one of the stages that use it."""
+    stages, qualifier = {use.stage for use in uses}, uses[0].qualifier
+    may = [s for s in sources if s.stage in stages and name and qualifier in s.code]
+    return any(
+        found and qualifier in found[1] for found in (find_declaration(s, name) for s in may)
+    )
+
+
+# BuiltIn numbers of what `gl_PerVertex` has.
+_BUILT_IN = {0: "gl_Position", 1: "gl_PointSize"}
+
+Target = tuple[int, int | None]
+"""A variable's id, or a struct's with one of its members."""
+
+
+def add_feedback(data: bytes, sizes: Mapping[str, int]) -> bytes:
+    """Return a module of the last stage before rasterisation, decorated so that it captures.
+
+    Args:
+        data: the module.
+        sizes: the components of each output, by name, in the order in which they are captured:
+            elements of an array and members of a struct follow one another.
+
+    Raises:
+        UnsupportedError: only a part of an array or a struct is named, or there is no such output.
+    """
+    module = parse(data)
+    offsets: dict[Target, int] = {}
+    owners = {name: target for target, names in _outputs(module) for name in names}
+    at = 0
+    for name, size in sizes.items():
+        if name not in owners:
+            raise UnsupportedError(f"capturing {name!r}: the SPIR-V module has no such output")
+        offsets.setdefault(owners[name], at)
+        at += 4 * size
+    for target, names in _outputs(module):
+        if target in offsets and [n for n in sizes if owners[n] == target] != list(names):
+            raise UnsupportedError(
+                f"capturing {names[0]!r}: a SPIR-V module captures a variable as a whole",
+                remedy="pass on fewer or smaller arrays",
+            )
+    added = [
+        word
+        for target, offset in offsets.items()
+        for kind, value in (
+            (Decoration.XfbBuffer, 0),
+            (Decoration.XfbStride, at),
+            (Decoration.Offset, offset),
+        )
+        for word in _decorate(target, kind, value)
+    ]
+    return _insert(module, added)
+
+
+def _outputs(module: Module) -> Iterator[tuple[Target, tuple[str, ...]]]:
+    """Yield each output variable, or member of a block of outputs, with the names of its parts."""
+    for pointee, storage in module.variables.values():
+        element = unwrap(module, pointee)[1]
+        if storage == StorageClass.Output and Decoration.BuiltIn in module.member(element, 0):
+            for index in range(len(module.types[element].words)):
+                kind = module.member(element, index)[Decoration.BuiltIn][0]
+                yield (element, index), (_BUILT_IN.get(kind, ""),)
+    for id_ in own_variables(module, StorageClass.Output):
+        pointee, _ = module.variables[id_]
+        _, element = unwrap(module, pointee)
+        name = module.names.get(id_, "")
+        if module.decorated(element, Decoration.Block) is None:
+            yield (id_, None), tuple(leaf.name for leaf in leaves(module, pointee, name))
+            continue
+        owner = module.names.get(element, "") if name else ""
+        members: dict[int, list[str]] = {}
+        for leaf in leaves(module, pointee, owner):
+            members.setdefault(leaf.path[0], []).append(leaf.name)
+        for index, names in members.items():
+            yield (element, index), tuple(names)
+
+
+def _decorate(target: Target, kind: int, value: int) -> Sequence[int]:
+    id_, member = target
+    if member is None:
+        return (4 << 16 | Op.Decorate, id_, kind, value)
+    return (5 << 16 | Op.MemberDecorate, id_, member, kind, value)
+
+
+def _insert(module: Module, decorations: Sequence[int]) -> bytes:
+    """Return the module with what transform feedback takes, each in its section."""
+    words = list(module.words)
+    mode_at = decorate_at = 0
+    at = 5
+    while at < len(words):
+        op = words[at] & 0xFFFF
+        if op == Op.EntryPoint:
+            mode_at = at + (words[at] >> 16)
+        if op in (Op.Decorate, Op.MemberDecorate) or Op.TypeVoid <= op <= Op.TypePointer:
+            decorate_at = at
+            break
+        at += words[at] >> 16
+    words[decorate_at:decorate_at] = decorations
+    words[mode_at:mode_at] = [3 << 16 | Op.ExecutionMode, module.entry, ExecutionMode.Xfb]
+    words[5:5] = [2 << 16 | Op.Capability, Capability.TransformFeedback]
+    return struct.pack(f"{len(words)}I", *words)
