@@ -85,15 +85,11 @@ class CaseFile(pytest.File):
 
 
 class NoTests(pytest.File):
-    """A file without Python tests."""
-
     def collect(self) -> Iterator[pytest.Item]:
         return iter(())
 
 
 class CaseItem(pytest.Item):
-    """One variant of a case."""
-
     def __init__(self, *, job: Job, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.job = job
@@ -184,7 +180,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def _report_folder(config: pytest.Config) -> Path | None:
-    """The folder of `--shaderlab-report`."""
     folder: str | None = config.getoption("--shaderlab-report", None)
     return Path(config.invocation_params.dir, folder) if folder else None
 
@@ -316,7 +311,6 @@ class Recorder:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> Generator[None, Any, Any]:
-        """Note what the test's checks find."""
         from shaderlab.functions.records import take_notes
 
         with take_notes() as notes:
@@ -360,12 +354,7 @@ class Recorder:
 
 
 class ReportWriter:
-    """Gathers records, in the process that ends the session, and writes the page.
-
-    Args:
-        folder: of the report.
-        about: tells the driver.
-    """
+    """Gathers records, in the process that ends the session, and writes the page."""
 
     def __init__(self, folder: Path, about: Callable[[], DriverInfo]) -> None:
         self._folder = folder
@@ -376,7 +365,6 @@ class ReportWriter:
         self._message = ""
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Keep a report's record."""
         data = getattr(report, RECORD_ATTRIBUTE, None)
         if data is not None:
             from shaderlab.model.records import Record
@@ -386,7 +374,6 @@ class ReportWriter:
 
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self) -> None:
-        """Write the page."""
         from shaderlab.model import store
         from shaderlab.model.records import Run
         from shaderlab.report import html
@@ -409,12 +396,10 @@ class ReportWriter:
             self._message = f"shaderlab: {error}"
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
-        """Say where it is."""
         terminalreporter.write_line(self._message)
 
 
 def attach_record(report: pytest.TestReport, record: Record) -> None:
-    """Give a report its record."""
     from shaderlab.model.store import to_plain
 
     setattr(report, RECORD_ATTRIBUTE, to_plain(record))

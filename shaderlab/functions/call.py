@@ -40,7 +40,6 @@ class Argument:
 
     @property
     def varies(self) -> bool:
-        """Whether it has more than one element."""
         return math.prod(self.batch) != 1
 
     @property
@@ -200,14 +199,7 @@ def _misfit_of(kind: str, whole: str) -> int:
 
 @dataclass(frozen=True)
 class Call:
-    """A function with the arguments that it is called with.
-
-    Attributes:
-        signature: the overload that they fit.
-        values: its numbers, parameters and globals, by name.
-        opaque: its textures, and structs with textures, by name.
-        batch: the shape over which it is called.
-    """
+    """A function with the arguments that it is called with; `batch` is the shape of the calls."""
 
     signature: Signature
     values: Mapping[str, Argument]
@@ -231,12 +223,6 @@ def bind_arguments(
     defaults: Mapping[str, Any],
 ) -> Call:
     """The overload that arguments fit best, with them.
-
-    Args:
-        overloads: of one name.
-        arguments: by position.
-        named: by name: parameters and globals.
-        defaults: globals that need not be given.
 
     Raises:
         CallError: none fits, or two fit alike.
@@ -308,7 +294,6 @@ def _pair(
     named: Mapping[str, Any],
     defaults: Mapping[str, Any],
 ) -> Iterator[tuple[Input, Any]]:
-    """Each parameter and global with its value."""
     name, given = signature.name, signature.given
     if len(arguments) > len(given):
         raise CallError(f"{signature} takes {len(given)} arguments; given were {len(arguments)}")
@@ -385,13 +370,8 @@ def collect_opaque(
 
 @dataclass(frozen=True)
 class Opaque:
-    """What a call's samplers, and structs with samplers, are to references.
-
-    Attributes:
-        uniforms: the numbers beside samplers in structs, by name.
-        textures: those whose texels are known without a driver, by name.
-        unread: why the others can't be read, by name.
-    """
+    """What a call's samplers, and structs with samplers, are to references; `unread` says why the
+    texels of some are not known without a driver."""
 
     uniforms: Mapping[str, Array]
     textures: Mapping[str, Texels]
@@ -400,10 +380,6 @@ class Opaque:
 
 def read_textures(call: Call, folder: Path) -> Opaque:
     """A call's textures, as references sample them.
-
-    Args:
-        call: the function's arguments.
-        folder: what paths of textures are relative to.
 
     Raises:
         CaseError, AssetError: as `shaderlab.drivers.programs.textures.contents`.

@@ -31,22 +31,13 @@ if TYPE_CHECKING:
 
 
 class CallLaw(ABC):
-    """A law that is judged by calling functions."""
-
     @property
     def title(self) -> str:
-        """What failures call it."""
         return type(self).__name__.lower()
 
     @abstractmethod
     def judge_call(self, function: Function, call: Call, got: Any) -> Finding:
-        """Judge a function.
-
-        Args:
-            function: what is judged.
-            call: the arguments.
-            got: what the function gave for them.
-        """
+        """Judge a function."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +114,6 @@ inverse, idempotent, same_as, table = Inverse, Idempotent, SameAs, Table
 
 
 def judge_law(law: Law | CallLaw, function: Function, call: Call, got: Any) -> Finding:
-    """Judge what a function gave for a call."""
     if isinstance(law, CallLaw):
         return law.judge_call(function, call, got)
     inputs = {name: _argument(function, call, name) for name in law.inputs}
@@ -145,11 +135,6 @@ def _argument(function: Function, call: Call, name: str) -> Any:
 
 def judge_function(function: Function, law: Law | CallLaw | Reference, call: Call) -> list[Outcome]:
     """The outcomes of a check: one, or with a reference one for each part of the result.
-
-    Args:
-        function: what is checked.
-        law: a law, or a reference: a formula written with `shaderlab.glslmath`.
-        call: the arguments.
 
     Raises:
         CallError: the reference's parameters are not the function's.
@@ -177,7 +162,6 @@ def judge_function(function: Function, law: Law | CallLaw | Reference, call: Cal
 
 
 def format_failures(call: Call, outcomes: Sequence[Outcome]) -> str:
-    """Why a check failed, for people."""
     lines = [str(call.signature)]
     for outcome in outcomes:
         if outcome.status != "pass":
@@ -186,7 +170,6 @@ def format_failures(call: Call, outcomes: Sequence[Outcome]) -> str:
 
 
 def function_source(function: Function, call: Call) -> SourceText:
-    """The function's definition."""
     file, line = function.place_of(call.signature)
     return SourceText(file=file, line=line, language="glsl", text=call.signature.definition)
 
@@ -281,13 +264,8 @@ Steps = tuple[tuple[tuple[str, ...], int], ...]
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a call's result.
-
-    Attributes:
-        type: of numbers.
-        values: what the function gave, shaped as the batch and then the type; may be masked.
-        steps: the way to it.
-    """
+    """A part of a call's result: its values, shaped as the batch and then the type, which may be
+    masked, and the way to it."""
 
     type: Type
     values: Any
@@ -424,12 +402,6 @@ Input = TypeVar("Input")
 def match_inputs(reference: Reference, call: Call, kept: Array, folder: str) -> Inputs:
     """The inputs under the names that the reference has for them: the function's own, or in the
     order of its parameters.
-
-    Args:
-        reference: the formula.
-        call: the arguments.
-        kept: which elements are judged, (count,).
-        folder: what paths of textures are relative to.
 
     Raises:
         CallError: the reference's parameters are not the function's.

@@ -52,14 +52,8 @@ _WRITES = {
 
 @dataclass(frozen=True)
 class Kernel:
-    """A function's shader for one way to give its arguments.
-
-    Attributes:
-        signature: the function.
-        varying: the arguments that differ from element to element, in their order.
-        shared: those that are the same for all.
-        opaque: those that stay uniforms: samplers, and structs with samplers.
-    """
+    """A function's shader for one way to give its arguments: `varying` ones differ from element to
+    element, `shared` ones are the same for all, `opaque` ones (with samplers) stay uniforms."""
 
     signature: Signature
     varying: tuple[Input, ...]
@@ -68,12 +62,10 @@ class Kernel:
 
     @property
     def planes(self) -> int:
-        """How many layers the varying arguments take."""
         return sum(i.type.words for i in self.varying)
 
     @property
     def shared_words(self) -> int:
-        """How many words the shared arguments take."""
         return sum(i.type.words for i in self.shared)
 
     @property
@@ -226,7 +218,6 @@ class Region:
     size: int
 
     def open(self) -> mmap.mmap:
-        """The memory, in another process."""
         descriptor = os.open(self.path, os.O_RDWR)
         try:
             return mmap.mmap(descriptor, self.size)
@@ -245,7 +236,6 @@ class SharedMemory:
         self._size = 0
 
     def words(self, count: int) -> Array:
-        """The first `count` words, uint32."""
         if 4 * count > self._size or self._map is None:
             self._size = max(4 * count, 2 * self._size, mmap.PAGESIZE)
             os.ftruncate(self._file.fileno(), self._size)
@@ -254,7 +244,6 @@ class SharedMemory:
 
     @property
     def region(self) -> Region:
-        """How another process opens it."""
         return Region(f"/proc/{os.getpid()}/fd/{self._file.fileno()}", self._size)
 
 
@@ -276,15 +265,7 @@ class Preprocess:
 @dataclass(frozen=True)
 class Evaluate:
     """Asks for an evaluation; inputs are at the start of the memory, outputs behind them.
-
-    Attributes:
-        evaluation: what to run.
-        versions: of GLSL to try, one after the other; later ones than the driver's become that.
-        layers, words: of the inputs and of the outputs.
-        region: the memory.
-        note: what runs, for messages.
-        driver: as in `shaderlab.drivers.open_backend`.
-    """
+    The `versions` of GLSL are tried in turn; one later than the driver's becomes that."""
 
     evaluation: Evaluation
     versions: tuple[int, ...]
@@ -295,7 +276,6 @@ class Evaluate:
     driver: str | None
 
     def perform(self, worker: Worker) -> None:
-        """See `shaderlab.engine.jobs.Request`. Raises as `Backend.evaluate`."""
         worker.note(self.note)
         lab = worker.lab(RunOptions(driver=self.driver))
         memory = worker.keep("memory", self.region, self.region.open)
@@ -329,12 +309,7 @@ def as_version(source: Source, version: int) -> Source:
 
 
 class Caller:
-    """A worker that stays warm, and the memory shared with it. One call at a time.
-
-    Args:
-        executor: performs the requests.
-        driver: as in `shaderlab.drivers.open_backend`.
-    """
+    """A worker that stays warm, and the memory shared with it. One call at a time."""
 
     def __init__(self, executor: LocalExecutor, driver: str | None = None) -> None:
         self._driver = driver
@@ -380,7 +355,6 @@ class Caller:
             np.copyto(results, whole[layers:].reshape(words, -1)[:, : results.shape[1]])
 
     def close(self) -> None:
-        """End the worker."""
         self._executor.close()
 
     def _perform(self, request: Any, what: str) -> Any:
@@ -436,11 +410,6 @@ _NEWEST, _OLDEST = 450, 330
 
 def evaluate(source: Source, folder: str, call: Call) -> Any:
     """The results of a call of one of a file's functions.
-
-    Args:
-        source: the file.
-        folder: what paths of textures are relative to.
-        call: the function and its arguments.
 
     Raises:
         ShaderError, CaseError, CallError: as `Caller.evaluate`.

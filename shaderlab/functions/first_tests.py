@@ -43,10 +43,6 @@ def first_tests(library: Library, path: str) -> str:
 
     Each function gets one property over a range of each argument, the strongest of a few that holds
     there, and one figure: what it returns today, to be replaced by what it should return.
-
-    Args:
-        library: the functions.
-        path: of the shader, as the test file loads it.
     """
     module = re.sub(r"\W", "_", path.rsplit("/", 1)[-1].partition(".")[0])
     module = (

@@ -36,13 +36,7 @@ _RANGES = {"bool": " // range: 0..1"}
 
 @dataclass(frozen=True)
 class EntryPoint:
-    """A function with a `main` that calls it once.
-
-    Attributes:
-        signature: the function.
-        sources: the fragment shader, by one version of GLSL after the other that may take it;
-            inputs have the parameters' names.
-    """
+    """A function with a `main` that calls it once; a source for each version of GLSL to try."""
 
     signature: Signature
     sources: tuple[Source, ...]
@@ -52,11 +46,6 @@ def find_entry_points(
     source: Source, preprocessed: str, versions: Sequence[int]
 ) -> list[EntryPoint]:
     """The functions that a file defines itself, not in what it includes, in order.
-
-    Args:
-        source: the file, with a `#version`.
-        preprocessed: its text after the preprocessor, line for line.
-        versions: to try, where the file has none.
 
     Raises:
         ShaderError: its brackets do not match.
@@ -88,7 +77,6 @@ def _entry_source(
 
 
 def _main_lines(signature: Signature, taken: Collection[str]) -> Iterator[str]:
-    """Inputs, outputs and the `main` between them."""
     body, arguments, written = [], [], []
     for parameter in signature.parameters:
         name = local_name(parameter.name)
@@ -172,11 +160,9 @@ class AuditFunctions:
 
     @property
     def name(self) -> str:
-        """What is audited, in words."""
         return self.shader.file.path
 
     def perform(self, worker: Worker) -> list[Audit]:
-        """See `shaderlab.engine.jobs.Request`."""
         found, refused = [], []
         functions = _functions(worker, self.shader)
         _check_ranges(self.plan.ranges, functions)
@@ -207,7 +193,6 @@ class CompareFunctions:
     plan: ComparisonPlan
 
     def perform(self, worker: Worker) -> list[Answer]:
-        """See `shaderlab.engine.jobs.Request`."""
         old, new = (_functions(worker, shader) for shader in (self.old, self.new))
         _check_ranges(self.plan.ranges, [*old, *new])
         others = {str(one.signature): one for one in new}

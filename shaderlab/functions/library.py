@@ -28,14 +28,8 @@ from shaderlab.functions.signatures import Signature, find_signatures, read_decl
 
 @dataclass
 class Loads:
-    """What was loaded.
-
-    Attributes:
-        texts: what to take in place of a text, includes expanded.
-        sources: what was loaded, as its author wrote it, by that text.
-        used: the names of the functions that were looked up, by that text.
-        called_outside: the paths of sources whose functions are called outside of tests.
-    """
+    """What was loaded: the sources as their authors wrote them and the names of the functions that
+    were looked up, both by the text with includes. `texts` are taken in place of others."""
 
     texts: Mapping[str, str] = field(default_factory=dict)
     sources: dict[str, Source] = field(default_factory=dict)
@@ -43,13 +37,11 @@ class Loads:
     called_outside: set[str] = field(default_factory=set)
 
     def take(self, source: Source) -> Source:
-        """What to load for a source."""
         self.sources.setdefault(source.text, source)
         text = self.texts.get(source.text)
         return source if text is None else replace(source, text=text, stripped=None)
 
     def use(self, source: Source, name: str) -> None:
-        """Note that a function of a source was looked up."""
         self.used.setdefault(source.text, set()).add(name)
 
 
@@ -97,7 +89,6 @@ class Function:
 
     @property
     def signatures(self) -> tuple[Signature, ...]:
-        """Its overloads."""
         return self._overloads
 
     @property
@@ -107,7 +98,6 @@ class Function:
 
     @property
     def place(self) -> tuple[str, int]:
-        """The file and the line of its first definition."""
         return self.place_of(self._overloads[0])
 
     def __getitem__(self, types: str) -> Function:
@@ -184,7 +174,6 @@ class Function:
         return self.evaluate(replace_arguments(call, values))
 
     def place_of(self, signature: Signature) -> tuple[str, int]:
-        """The file and the line of an overload's definition."""
         return self._source.place(signature.line)
 
     def bind(self, *arguments: Any, **named: Any) -> Call:
@@ -192,7 +181,6 @@ class Function:
         return bind_arguments(self._overloads, arguments, named, self._given)
 
     def evaluate(self, call: Call) -> Any:
-        """The results of a call that `bind` made."""
         return evaluate(self._source, self._folder, call)
 
 
@@ -232,13 +220,7 @@ def load(
 
 
 class Library:
-    """The functions of one GLSL file, as attributes; `dir()` lists them.
-
-    Args:
-        source: the file with its includes.
-        folder: what paths of textures are relative to.
-        given: values of its globals.
-    """
+    """The functions of one GLSL file, as attributes; `dir()` lists them."""
 
     def __init__(self, source: Source, folder: str, given: Mapping[str, Any]) -> None:
         self._written = source

@@ -30,8 +30,6 @@ _TINY = float(np.finfo(np.float32).tiny)
 
 
 class Domain(ABC):
-    """The values that one argument may have."""
-
     @abstractmethod
     def sample(self, rng: np.random.Generator, shape: tuple[int, ...], hints: Array) -> Array:
         """Random values and special ones; `hints` are numbers that the function is made of.
@@ -145,8 +143,6 @@ class OneOf(Domain):
 
 @dataclass(frozen=True)
 class Directions(Domain):
-    """Vectors of length 1."""
-
     by_component = False
 
     def sample(self, rng: np.random.Generator, shape: tuple[int, ...], hints: Array) -> Array:
@@ -179,7 +175,6 @@ floats, ints, directions = Floats, Ints, Directions
 
 
 def bools() -> Domain:
-    """False and True."""
     return OneOf([False, True])
 
 
@@ -207,7 +202,6 @@ def weight(value: float) -> float:
 
 
 def weights(values: Any) -> float:
-    """The weight of all numbers of a value together."""
     return float(sum(weight(float(v)) for v in np.ravel(values)))
 
 
@@ -224,7 +218,6 @@ def flatten(values: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, 
 
 
 def nest(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The reverse of `flat`."""
     found: dict[str, Any] = {}
     for name, value in values.items():
         *heads, last = name.split(".")
@@ -294,13 +287,7 @@ class Batch:
 
 
 class Search:
-    """Searches one test's property.
-
-    Args:
-        function: what is called.
-        domains: by the names of its arguments.
-        test: what must not fail.
-    """
+    """Searches one test's property."""
 
     def __init__(self, function: Function, domains: Mapping[str, Any], test: Test) -> None:
         self._function = function

@@ -14,13 +14,7 @@ from shaderlab.model.records import Outcome, ProgramRecord, Record, SourceText, 
 
 @dataclass
 class Notes:
-    """What one test did: the outcomes of its checks, and the functions that it called.
-
-    Attributes:
-        outcomes: in the order in which they were judged.
-        called: the definition of each function that was called, by file and line.
-        sources: the files of these functions.
-    """
+    """What one test did: the outcomes of its checks, and the functions that it called."""
 
     outcomes: list[Outcome] = field(default_factory=list)
     called: dict[tuple[str, int], SourceText] = field(default_factory=dict)
@@ -30,7 +24,6 @@ class Notes:
         return bool(self.outcomes or self.called)
 
     def add_call(self, source: Source, definition: SourceText) -> None:
-        """A function of a file was called."""
         self.called.setdefault((definition.file, definition.line), definition)
         self.sources.setdefault(source.path, source)
 
@@ -45,7 +38,6 @@ def current_notes() -> Notes | None:
 
 @contextmanager
 def take_notes() -> Iterator[Notes]:
-    """Notes of what the block does."""
     found = Notes()
     token = _NOTES.set(found)
     try:
@@ -67,16 +59,6 @@ def record_of_test(
 ) -> Record:
     """A test's record: its file is the case, the test a variant, each check an expectation. A test
     that asserts of itself what functions give is one expectation.
-
-    Args:
-        file: the test's.
-        name: the test's, with its parameters.
-        line: the test's, counted from 1.
-        status: how it ended.
-        message: why it did not pass.
-        seconds: how long it took.
-        lesson: the docstring of its file.
-        notes: what it found.
     """
     shown = display_path(file)
     stem = shown.rpartition("/")[2].removesuffix(".py")

@@ -77,7 +77,6 @@ class Type:
 
     @property
     def element(self) -> Type:
-        """The type of an element along an array's outermost axis."""
         return Type(self.name, self.dims[1:], self.members)
 
     @cached_property
@@ -112,14 +111,7 @@ class Type:
 
 @dataclass(frozen=True)
 class Declarations:
-    """A file's declarations.
-
-    Attributes:
-        text: preprocessed, with directives blanked out.
-        extensions: its `#extension` lines.
-        all: in order.
-        constants: the values of its integer constants, by name.
-    """
+    """A file's declarations; its text is preprocessed, with directives blanked out."""
 
     text: str
     extensions: tuple[str, ...]
@@ -308,7 +300,6 @@ class Signature:
 
     @property
     def given(self) -> tuple[Input, ...]:
-        """The parameters that a caller passes."""
         return tuple(p for p in self.parameters if p.direction != "out")
 
     @property
@@ -399,7 +390,6 @@ def _obstacles(
     parameters: tuple[Input, ...],
     globals_: tuple[Input, ...],
 ) -> Iterator[str]:
-    """Why a function can't be called."""
     for one in needed:
         if one.kind == "block" and "buffer" in one.qualifiers:
             yield f"reads or writes the storage block {one.name}"
@@ -438,7 +428,6 @@ def _modernise(text: str) -> str:
 
 
 def _redeclares(one: GlslDeclaration) -> bool:
-    """Whether it declares anew what GLSL declares itself."""
     return any(name.startswith("gl_") for name in one.declares)
 
 

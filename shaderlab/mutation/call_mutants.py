@@ -212,7 +212,6 @@ def vary_arguments(call: TracedCall) -> Iterator[tuple[str, int | str]]:
 
 
 def _number_calls(trace: Sequence[TracedCall]) -> list[int]:
-    """Which one of its function each call is."""
     counts: Counter[str] = Counter()
     found = []
     for call in trace:
@@ -236,13 +235,11 @@ def _is_draw(call: TracedCall) -> bool:
 
 
 def _can_wait(call: TracedCall) -> bool:
-    """Whether a call can change places with another one."""
     pointed = "a pointer" in call.arguments.values() and not call.function.startswith(_KEEPABLE)
     return not call.function.startswith((*_MAKING, *_USED_AT_ONCE)) and not pointed
 
 
 def _without_numbers(words: str) -> str:
-    """A call without the numbers of its objects."""
     return re.sub(
         r"(texture|buffer|framebuffer|renderbuffer|array|program|sampler) \d+", r"\1", words
     )

@@ -79,8 +79,6 @@ class MutationTarget(Protocol):
 
 @dataclass(frozen=True)
 class CaseTarget:
-    """A case as a target of mutation."""
-
     file: Path
     id: str
     plan: MutationPlan
@@ -147,8 +145,6 @@ def make_mutants(case: Case, plan: MutationPlan) -> list[Mutant]:
 
 @dataclass
 class _TargetRun:
-    """The mutants of one target, and the results of those that were judged."""
-
     target: MutationTarget
     mutants: Sequence[Mutant] = ()
     results: dict[int, MutantResult] = field(default_factory=dict)
@@ -166,10 +162,6 @@ class _TargetRun:
 
 class MutationRun:
     """Makes the mutants of some cases, or other targets, then judges them.
-
-    Args:
-        targets: the cases.
-        executor: performs everything; its time limit is that of one mutant.
 
     Raises:
         ShaderlabError: the mutants of a case can't be made, as a shader can't be read.
@@ -217,7 +209,6 @@ class MutationRun:
 
     @property
     def judged(self) -> int:
-        """How many mutants were judged so far."""
         return sum(len(run.results) for run in self._runs)
 
     def results(self, complete: bool = False) -> list[CaseResult]:
@@ -241,7 +232,6 @@ def _mutant_result(item: ItemResult) -> MutantResult | None:
 
 
 def _describe_failure(item: ItemResult) -> str:
-    """Why a case can't be measured."""
     if item.status != "error":
         return f"the case itself does not run to its end: {item.message}"
     if isinstance(item.value, ShaderlabError):

@@ -256,7 +256,6 @@ def _declarations(first: int, words: int, early: bool) -> Iterator[str]:
 def _wrapper(
     kind: str, name: str, parameters: list[str], items: list[str], value: str
 ) -> Iterator[str]:
-    """A function that notes which of the conditions hold, one bit each, and returns a value."""
     yield f"{kind} shaderlab_{name}({', '.join(['int bit', *parameters])}) {{"
     for i, item in enumerate(items):
         yield f"    shaderlab_see(bit + {i}, {item});"
@@ -316,7 +315,6 @@ class _Stages:
     words: int = 0
 
     def stage(self, source: Source) -> Source:
-        """The stage with its points wrapped."""
         if source not in self.stages:
             text, points = wrap_points(source.text)
             words = -(-sum(len(ITEMS[point.kind]) for point in points) // WORD)

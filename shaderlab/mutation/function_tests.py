@@ -69,13 +69,7 @@ def find_function_tests(folder: Path) -> Iterator[Path]:
 
 @dataclass(frozen=True)
 class TestFileResult:
-    """What running a file of tests gave.
-
-    Attributes:
-        records: one for each test, in their order; one, in error, where none could be collected.
-        loads: the GLSL that was loaded, and its functions that tests use.
-        refused: whether some GLSL did not compile.
-    """
+    """What running a file of tests gave; `refused` says that some GLSL did not compile."""
 
     __test__ = False  # pytest takes it for no test
 
@@ -133,8 +127,6 @@ class RunTestFile:
 
 
 class _Session:
-    """One session of pytest: what it collects, what it finds, and how far it is."""
-
     def __init__(self, worker: Worker, file: Path, only: Collection[str]) -> None:
         self._worker = worker
         self._file = file
@@ -143,7 +135,6 @@ class _Session:
         self.refused = False
 
     def plugins(self) -> list[object]:
-        """What pytest is called with."""
         from shaderlab.pytest_plugin import Recorder
 
         return [self, Recorder(lambda _, record: self.records.append(record), every=True)]
@@ -157,12 +148,10 @@ class _Session:
         ]
 
     def pytest_runtest_logstart(self, nodeid: str) -> None:
-        """Each test has the time of a variant."""
         self._worker.note(nodeid)
         self._worker.restart_limit()
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-        """A file that can't be imported is a record in error."""
         if report.failed:
             from shaderlab.functions.records import record_of_test
 
@@ -173,7 +162,6 @@ class _Session:
             )
 
     def pytest_exception_interact(self, call: pytest.CallInfo[Any]) -> None:
-        """Note whether a compiler is to blame."""
         if call.excinfo is not None and isinstance(call.excinfo.value, ShaderError):
             self.refused = True
 
@@ -213,11 +201,9 @@ class TestFileTarget:
     plan: MutationPlan
 
     def make(self) -> MakeFunctionMutants:
-        """Return the request for its mutants."""
         return MakeFunctionMutants(self.file, self.plan)
 
     def judge(self, mutant: Mutant) -> JudgeFunctionMutant:
-        """Return the request for a mutant's result."""
         assert isinstance(mutant, FunctionMutant)
         return JudgeFunctionMutant(self.file, mutant)
 

@@ -49,12 +49,6 @@ _OPTIMISE = ("--strip-debug", "-O", "--compact-ids")
 class Judge:
     """Judges mutants of one case, which it evaluates once unmutated.
 
-    Args:
-        lab: the open device.
-        case: the case.
-        variants: names of the only variants to judge by; all of them if empty.
-        locate: find the statement that a killed mutant is traced to.
-
     Raises:
         CaseError: an expectation fails with the case's own shaders: there is nothing to measure.
     """
@@ -134,7 +128,6 @@ class Judge:
         return judge_unseen_call(trial.scene, trace, self._trace_calls(trial.scene))
 
     def _trace_calls(self, scene: Scene) -> Sequence[TracedCall]:
-        """The calls that drawing a scene takes unmutated."""
         if scene.variant not in self._call_traces:
             programs = self._originals[scene.variant].programs
             with self._lab.edited_evaluation(scene, programs, None) as evaluation:
@@ -205,7 +198,6 @@ class Judge:
         return _survived(where, (read or changed)[0], unread=not read) if changed else None
 
     def _is_same_program(self, trial: Trial) -> bool:
-        """Whether the compiler makes the same modules of a mutant and the original."""
         effect = trial.effect
         if not effect.program:
             return False
@@ -325,7 +317,6 @@ def is_same_program(mutant: Sequence[Source], original: Sequence[Source]) -> boo
 
 
 def _compile_modules(stages: Sequence[Source]) -> Mapping[str, bytes]:
-    """Each stage's SPIR-V for OpenGL."""
     newer = [raise_version(stage) for stage in stages]
     return compile_program(newer, ("glsl", "opengl")).spirv["opengl"]
 

@@ -108,14 +108,8 @@ def part_of(scene: Scene, passes: Collection[str], expect: Iterable[int] = ()) -
 
 @dataclass(frozen=True)
 class Trial:
-    """One scene to try a mutant on.
-
-    Attributes:
-        scene: the scene as it is.
-        effect: what the mutant changes in it.
-        touched: passes that may draw something else.
-        expect: the indices of the expectations that may fail.
-    """
+    """One scene to try a mutant on; the `touched` passes may draw something else, the expectations
+    with the indices `expect` may fail."""
 
     scene: Scene
     effect: Effect
@@ -130,7 +124,6 @@ class Trial:
 
     @property
     def unmutated(self) -> Trial:
-        """The same trial without the mutant."""
         return replace(self, effect=Effect(self.scene, self.effect.passes))
 
 
@@ -183,8 +176,6 @@ class MutantResult:
 
 @dataclass(frozen=True)
 class MutantRun:
-    """A mutant with its result."""
-
     mutant: Mutant
     result: MutantResult
 
@@ -204,11 +195,9 @@ class CaseResult:
     message: str = ""
 
     def count(self, status: Status) -> int:
-        """Return how many mutants ended like this."""
         return len(self.with_status(status))
 
     def with_status(self, status: Status) -> list[MutantRun]:
-        """Return the mutants that ended like this."""
         return [run for run in self.runs if run.result.status == status]
 
     @property
@@ -227,16 +216,13 @@ class CaseResult:
 
     @property
     def score(self) -> float | None:
-        """The share of shader mutants killed, of those killed and survived; None of nothing."""
         return score([self])
 
 
 def score(results: Iterable[CaseResult], *, state: bool = False) -> float | None:
     """Return the share of mutants killed, of those killed and survived; None of nothing.
 
-    Args:
-        results: of one case or several.
-        state: take the mutants of fixed-function state, in place of those of shaders.
+    With `state` they are those of fixed-function state, else those of shaders.
     """
     statuses = [run.result.status for r in results for run in r.runs if run.is_state == state]
     killed, survived = statuses.count("killed"), statuses.count("survived")

@@ -49,7 +49,6 @@ class Names:
         return [v.name for v in sorted(others, key=lambda v: abs(v.start - own.start))]
 
     def has_matrix(self, words: Iterable[str], at: int) -> bool:
-        """Whether one of these names is a matrix at byte `at`."""
         types = {v.name: v.type for v in self.variables if v.start <= at < v.end}
         return any(types.get(word, "").startswith("mat") for word in words)
 

@@ -152,7 +152,6 @@ def drop_call(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
 
 
 def swap_arguments(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
-    """Two neighbouring arguments in each other's place."""
     if node.type != "call_expression":
         return
     name = file.of(field(node, "function"))
@@ -185,7 +184,6 @@ def swap_variable(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
 
 
 def swap_member(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
-    """Another member of the same type of a struct."""
     if node.type != "field_expression":
         return
     name = field(node, "field")
@@ -326,7 +324,6 @@ def return_early(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
 
 
 def halve_outputs(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
-    """Each output half as large."""
     end = _end_of_main(node, file)
     if end is not None:
         for name, kind in _outputs(file, names).items():

@@ -104,12 +104,7 @@ _Known = tuple[InputRound, set[str], _Values]
 
 
 class WiderInputs:
-    """Other inputs for the scenes of a case, with what its own shaders make of them.
-
-    Args:
-        lab: the open device.
-        originals: each scene's evaluation unmutated, by variant.
-    """
+    """Other inputs for the scenes of a case, with what its own shaders make of them."""
 
     def __init__(self, lab: SceneRunner, originals: Mapping[str, Evaluation]) -> None:
         self._lab, self._originals = lab, originals
@@ -233,7 +228,6 @@ class _InputMaker:
         return [i for (owner, _), i in self._original.drawn.images.items() if owner == name]
 
     def replace_fields(self, key: PassDraw, prepared: PreparedDraw) -> Mapping[str, Any]:
-        """The fields of a draw that are replaced."""
         draw, bindings = prepared.draw, self._original.drawn.bindings[key]
         texels = bindings.textures
         self._turns = _turning_points("".join(prepared.texts.values()))
@@ -310,7 +304,6 @@ class _InputMaker:
         return self._spread(size, "float")
 
     def _image(self, held: Texels) -> Array:
-        """What an image holds instead."""
         layers = held.values if held.values.ndim == 4 else held.values[None]
         made = np.stack([self._texels(layer.shape, held.format) for layer in layers])
         return made if held.values.ndim == 4 else made[0]
@@ -319,7 +312,6 @@ class _InputMaker:
         return UniformBuffer(values={n: self._number(v, "") for n, v in buffer.values.items()})
 
     def _contents(self, held: Array) -> Array:
-        """What a member of a storage block holds instead."""
         return self._spread(held.shape, {"i": "int", "u": "uint"}.get(held.dtype.kind, "float"))
 
     def _ramp(self, ramp: Ramp) -> Ramp:

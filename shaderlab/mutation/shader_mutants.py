@@ -53,11 +53,6 @@ def mutate_case(
     A mutant is one place in one program: what two programs include is mutated in each of them. A
     program that several draws, passes or variants share counts once.
 
-    Args:
-        case: the case.
-        variants: names of those whose programs are mutated; all of them if empty.
-        operators: kinds of mistakes.
-
     Raises:
         ShaderError: a shader can't be read.
     """

@@ -33,7 +33,6 @@ class Axis:
         return round(self.start + part * (self.stop - self.start), 2)
 
     def holds(self, value: float) -> bool:
-        """Whether the value can be shown on this axis."""
         return math.isfinite(value) and self.low <= value <= self.high
 
     def ticks(self, about: int = 6) -> list[tuple[float, str]]:
@@ -136,8 +135,6 @@ _HALF = (_BAND_TO - _BAND_FROM) / 2
 
 @dataclass(frozen=True)
 class Component:
-    """One component of a vector; `worst` marks the one that is meant."""
-
     index: int
     measured: float
     reference: float
@@ -147,7 +144,6 @@ class Component:
 
     @property
     def outside(self) -> bool:
-        """Whether it lies outside its band."""
         return outside(self.measured, self.low, self.high)
 
 
@@ -163,7 +159,6 @@ class WorstPanel:
 
     @property
     def outside(self) -> bool:
-        """Whether the value meant lies outside."""
         return any(c.outside for c in self.components if c.worst)
 
 
@@ -391,17 +386,14 @@ class PlotView:
 
     @property
     def several(self) -> bool:
-        """Whether there is more than one series."""
         return len(self.series) > 1
 
     @property
     def bad(self) -> int:
-        """How many points are out of bounds."""
         return sum(not row.point.ok for row in self.rows)
 
     @property
     def hidden(self) -> int:
-        """How many points can't be drawn."""
         return sum(row.at is None for row in self.rows)
 
 

@@ -69,7 +69,6 @@ class Change:
 
     @property
     def verdict_changed(self) -> bool:
-        """Whether its status differs, or it is in one run only."""
         return self.before is None or self.after is None or self.before.status != self.after.status
 
 
@@ -88,20 +87,13 @@ class Comparison:
 
     @property
     def differs(self) -> bool:
-        """Whether driver or versions differ."""
         return any(earlier != later for what, earlier, later in self.facts if what != "duration")
 
 
 def compare_runs(
     run: Run, folder: Path, before: Run, before_folder: Path, links: Mapping[Key, str]
 ) -> Comparison:
-    """Return everything that is not the same in `run` as in the earlier one.
-
-    Args:
-        run, folder: the later run and where its pictures lie.
-        before, before_folder: the earlier one.
-        links: where the report shows each (case, variant) of the later run.
-    """
+    """Return everything that is not the same in `run` as in the earlier one."""
     old, new = (
         {(record.id, record.variant): record for record in each.records} for each in (before, run)
     )
@@ -197,8 +189,6 @@ Entries = Mapping[tuple[str, str], VariantSummary]
 
 @dataclass(frozen=True)
 class PastRun:
-    """An earlier run, and the name of its folder."""
-
     name: str
     started: str
     entries: Entries
@@ -218,7 +208,6 @@ class Changed:
 
     @property
     def verdict_changed(self) -> bool:
-        """Whether its status is another one."""
         return self.before.status != self.after.status
 
 
@@ -289,10 +278,6 @@ def compare_with_past(
 ) -> History | None:
     """Return what earlier runs found whose folders stand beside `folder`.
 
-    Args:
-        run, folder: the run, and where it is.
-        links: where the report shows each (case, variant).
-
     Returns:
         None where there is no such run. A summary that can't be read is not counted.
     """
@@ -348,7 +333,6 @@ def _widths(worst: Worst) -> float:
 
 
 def _is_comparable(before: VariantSummary | None, now: VariantSummary) -> bool:
-    """Whether an entry can be compared with this run's."""
     return before is not None and (before.size == now.size or not before.size * now.size)
 
 
@@ -393,7 +377,6 @@ class DriverRow:
 
     @property
     def agrees(self) -> bool:
-        """Whether all verdicts are the same."""
         return len({result and result.status for result in self.results}) == 1
 
     @property
@@ -415,7 +398,6 @@ class DriverTable:
 
     @property
     def disputed(self) -> int:
-        """How many scenes have not the same verdict everywhere."""
         return sum(not row.agrees for row in self.rows)
 
     def by_case(self) -> Iterator[tuple[str, int, tuple[str, ...]]]:

@@ -121,7 +121,6 @@ class LineReader:
         self._files: dict[str, Sequence[str]] = {}
 
     def __call__(self, file: str, line: int) -> str:
-        """A line without the space around it, "" if there is none."""
         if file not in self._files:
             try:
                 text = read_regular(file, _MOST_BYTES).decode("utf-8", "replace")

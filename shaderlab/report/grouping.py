@@ -39,7 +39,6 @@ class CaseGroup:
 
     @property
     def status(self) -> Status:
-        """The worst of the variants' statuses."""
         return worst_status(record.status for record in self.records)
 
     @property

@@ -128,7 +128,6 @@ def _with_neighbours(
 
 
 def _search_script(page: Page) -> Iterator[str]:
-    """A script with the words of each case, by its anchor, in pieces."""
     yield "globalThis.shaderlabWords = {\n"
     for case in page.cases:
         words = json.dumps(collect_words(case.group.records), ensure_ascii=False)
@@ -152,7 +151,6 @@ class RunLine:
 
     @property
     def link(self) -> str:
-        """Where its front page is."""
         return f"{quote(os.fsencode(self.name))}/{FILE_NAME}"
 
 

@@ -50,7 +50,6 @@ class LiveReport:
 
     @property
     def address(self) -> str:
-        """Where a browser finds it."""
         return f"http://{_HOST}:{self._server.server_port}/"
 
     def changed(self) -> None:
@@ -60,7 +59,6 @@ class LiveReport:
             self._condition.notify_all()
 
     def close(self) -> None:
-        """Stop serving."""
         with self._condition:
             self._closed = True
             self._condition.notify_all()
@@ -69,7 +67,6 @@ class LiveReport:
 
     @property
     def version(self) -> int:
-        """The number of changes so far."""
         return self._version
 
     def changes(self, known: int) -> Iterator[bool]:
@@ -92,7 +89,6 @@ class LiveReport:
 
 @contextmanager
 def live_report(folder: Path) -> Iterator[LiveReport]:
-    """A `LiveReport` that is closed at the end."""
     report = LiveReport(folder)
     try:
         yield report

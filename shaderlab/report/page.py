@@ -1,6 +1,6 @@
 """A run laid out as a page, in reading order: each case with everything that belongs to it.
 
-What the temfigures show are records with their anchors, pictures, charts and links.
+What the templates show are records with their anchors, pictures, charts and links.
 """
 
 from __future__ import annotations
@@ -153,8 +153,7 @@ def _mutants(case: Mapping[str, Any]) -> Mutants:
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture with its name, alternative text and caption; None where a script draws it from
-    the check's numbers."""
+    """A picture with its name and texts; None where a script draws it from the check's numbers."""
 
     name: str
     alt: str
@@ -238,12 +237,10 @@ class CaseView:
     # What takes time to make is made for the page that shows it.
     @cached_property
     def lesson(self) -> Markup:
-        """Its lesson."""
         return markup.render_lesson(self.group.first.lesson)
 
     @cached_property
     def formula(self) -> Markup:
-        """Its formula, "" if there is none."""
         return markup.render_formula(self.group.first.formula)
 
     @cached_property
@@ -253,12 +250,10 @@ class CaseView:
 
     @cached_property
     def plots(self) -> list[tuple[str, PlotView]]:
-        """Its plots, likewise."""
         return [(names, lay_out_plot(plot)) for names, plot in self.points]
 
     @property
     def several(self) -> bool:
-        """Whether there is more than one variant to tell apart."""
         return len(self.variants) > 1
 
     def link_to(self, file: str, line: int | None) -> str | None:
@@ -269,8 +264,6 @@ class CaseView:
 
 @dataclass(frozen=True)
 class ChapterView:
-    """A chapter with its cases; there is at least one."""
-
     number: int
     name: str
     anchor: str
@@ -306,7 +299,6 @@ class Page:
 
     @property
     def failed(self) -> list[tuple[CaseView, VariantView]]:
-        """Every variant that did not pass, with its case."""
         return [
             (case, variant)
             for case in self.cases

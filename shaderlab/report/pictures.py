@@ -88,8 +88,6 @@ def in_base64(data: bytes) -> Markup:
 
 
 class Pictures:
-    """Finds the pictures of one folder."""
-
     def __init__(self, folder: Path) -> None:
         self._root = os.path.join(os.path.realpath(folder), "")
         # A page's files lie in few folders.

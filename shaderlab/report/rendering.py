@@ -43,7 +43,6 @@ _FILTERS = (
 
 
 def render(template: str, **values: Any) -> Iterator[str]:
-    """Yield the pieces of a page."""
     return environment().get_template(template).generate(boot=BOOT, **values)
 
 
@@ -115,13 +114,11 @@ def _script_colours() -> str:
 
 @cache
 def style() -> str:
-    """Return all style sheets as one."""
     return _join("style", _STYLES, "css")
 
 
 @cache
 def script() -> str:
-    """Return all scripts as one, in their own scope."""
     return '"use strict";\n{\n' + _join("script", _SCRIPTS, "js") + "\n}\n"
 
 

@@ -38,17 +38,14 @@ class Listing:
 
     @property
     def first(self) -> int:
-        """The number of its first line."""
         return self.source.line
 
     @property
     def place(self) -> str:
-        """File and first line, as editors understand it."""
         return f"{self.source.file}:{self.first}"
 
     @property
     def has_messages(self) -> bool:
-        """Whether compilers have messages about one of its lines."""
         return any(self.first <= line < self.first + self.count for line in self.messages)
 
     @property
@@ -77,7 +74,6 @@ def _code(source: SourceText) -> str:
 
 
 def anchor_of(texts: Iterable[Listing], file: str, line: int) -> str | None:
-    """Return the anchor of a source line, if one of the listings shows it."""
     for text in texts:
         if file == text.source.file and 0 <= line - text.first < text.count:
             return f"{text.anchor}-L{line}"

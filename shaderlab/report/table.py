@@ -35,10 +35,6 @@ def check(path: Path) -> None:
 def write_table(rows: Callable[[], Iterator[Row]], path: Path) -> None:
     """Write rows of the same columns, a few thousand at a time; None is an empty cell, or null.
 
-    Args:
-        rows: gives the rows, from the first one on each time it is called.
-        path: the file, whose suffix says the format.
-
     Raises:
         UsageError: as `check`.
         ShaderlabError: the file can't be written.

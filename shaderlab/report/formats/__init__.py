@@ -31,7 +31,6 @@ class Format(NamedTuple):
     findings: bool = False
 
     def render(self, run: Run) -> str:
-        """Return the run in this format."""
         text: str = importlib.import_module(f"{__name__}.{self.name}").render(run)
         return text
 

@@ -17,17 +17,11 @@ _IN_PROPERTIES = _IN_MESSAGES | str.maketrans({":": "%3A", ",": "%2C"})
 
 
 def render(run: Run) -> str:
-    """A run's findings as annotations."""
     return render_findings(collect_findings(run), "run")
 
 
 def render_findings(findings: Iterable[Finding], command: str) -> str:
-    """A line for each finding, errors first: of many, GitHub shows the first ones only.
-
-    Args:
-        findings: what to show.
-        command: what found it: "run", "compile".
-    """
+    """A line for each finding, errors first: of many, GitHub shows the first ones only."""
     root = find_repository()
     order = list(_COMMANDS)
     lines = []

@@ -39,7 +39,6 @@ _RULES = {
 
 
 def render(run: Run) -> str:
-    """A run's findings as a SARIF log."""
     return render_findings(collect_findings(run), "run", complete=not run.missing)
 
 
