@@ -15,15 +15,13 @@ from shaderlab.cli.options import (
     INCLUDE,
     JSON,
     RANGES,
+    finding_options,
     has_functions_only,
     jobs_option,
     limits_option,
     make_local_executor,
-    resolve_shaders,
-)
-from shaderlab.cli.outputs import (
-    finding_options,
     report_problems,
+    resolve_shaders,
     uses_stdout,
     write_findings,
     write_json,

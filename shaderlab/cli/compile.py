@@ -15,9 +15,13 @@ from typing import Any
 import click
 
 from shaderlab.cli import FAILED
-from shaderlab.cli.options import INCLUDE, JSON, TARGET, jobs_option, limits_option
-from shaderlab.cli.outputs import (
+from shaderlab.cli.options import (
+    INCLUDE,
+    JSON,
+    TARGET,
     finding_options,
+    jobs_option,
+    limits_option,
     report_problems,
     uses_stdout,
     write_findings,

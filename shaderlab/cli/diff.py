@@ -25,8 +25,8 @@ from shaderlab.cli.options import (
     limits_option,
     make_local_executor,
     resolve_shader,
+    write_json,
 )
-from shaderlab.cli.outputs import write_json
 from shaderlab.compiler.shader_files import STAGES, is_shader
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.options import JSON
-from shaderlab.cli.outputs import write_json
+from shaderlab.cli.options import JSON, write_json
 from shaderlab.errors import ShaderlabError
 
 OLDEST_PYTHON = (3, 11)

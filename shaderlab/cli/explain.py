@@ -22,8 +22,8 @@ from shaderlab.cli.options import (
     limits_option,
     make_local_executor,
     resolve_shader,
+    write_json,
 )
-from shaderlab.cli.outputs import write_json
 from shaderlab.compiler.shader_files import EXTENSIONS
 from shaderlab.errors import ShaderlabError, UsageError, suggest
 from shaderlab.model.options import Limits, RunOptions

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from shaderlab.cli import OK
-from shaderlab.cli.outputs import write_output
+from shaderlab.cli.options import write_output
 from shaderlab.engine.settings import FILE
 from shaderlab.errors import UsageError
 

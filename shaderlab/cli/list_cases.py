@@ -43,7 +43,7 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
                 f"chapter {chapter} has no cases", remedy=suggest(str(chapter), chapters)
             )
     if json_file is not None:
-        from shaderlab.cli.outputs import write_json
+        from shaderlab.cli.options import write_json
 
         write_json([{name: getattr(case, name) for name in KEPT} for case in cases], json_file)
     if json_file != "-" and cases:

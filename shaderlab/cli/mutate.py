@@ -18,9 +18,10 @@ from shaderlab.cli.options import (
     jobs_option,
     limits_option,
     make_local_executor,
+    make_report_folder,
     report_option,
+    write_json,
 )
-from shaderlab.cli.outputs import make_report_folder, write_json
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from shaderlab.cli import OK
-from shaderlab.cli.outputs import write_output
+from shaderlab.cli.options import write_output
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import UsageError
 

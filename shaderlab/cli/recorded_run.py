@@ -26,7 +26,7 @@ from typing import IO, TYPE_CHECKING, Any
 import click
 
 from shaderlab.cli import INTERRUPTED
-from shaderlab.cli.outputs import (
+from shaderlab.cli.options import (
     FILE_NAME,
     KEEP,
     REPORTS,
@@ -47,7 +47,7 @@ from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import CodeCoverage, Record, Run
 
 if TYPE_CHECKING:
-    from shaderlab.cli.showing import Reporter, Show
+    from shaderlab.cli.showing import Show
     from shaderlab.engine.jobs import Executor
 
 
@@ -351,20 +351,6 @@ def report_damaged_lines(folder: Path, lines: Iterable[int]) -> None:
         click.echo(f"shaderlab: {place}: this record is damaged; its job runs again", err=True)
 
 
-def run_jobs(
-    executor: Executor, jobs: Sequence[Job], options: RunOptions, progress: Reporter
-) -> Iterator[tuple[Job, Record]]:
-    """The jobs with their records as they come, with their progress shown."""
-    waiting = {job.key: job for job in jobs}
-    results = executor.run(jobs, options)
-    while waiting:
-        progress.starts(*next(iter(waiting)))
-        job, record = next(results)
-        yield job, record
-        del waiting[job.key]
-        progress.ends(record)
-
-
 def run_plan(
     executor: Executor,
     plan: RunPlan,
@@ -388,7 +374,8 @@ def run_plan(
         contextlib.suppress(KeyboardInterrupt),
     ):
         clock = time.perf_counter()
-        for job, record in run_jobs(executor, waiting, plan.options, progress):
+        results = executor.run(waiting, plan.options)
+        for job, record in progress.follow(waiting, results):
             records[job.key] = record
             journal.add(record)
     about = executor.about()

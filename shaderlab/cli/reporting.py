@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from shaderlab.cli.outputs import (
+from shaderlab.cli.options import (
     find_latest,
     mark_named,
     output_options,

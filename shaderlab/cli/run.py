@@ -10,8 +10,14 @@ from typing import TYPE_CHECKING
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.options import RunningOptions, collect, make_executor, running_options
-from shaderlab.cli.outputs import output_options, uses_stdout
+from shaderlab.cli.options import (
+    RunningOptions,
+    collect,
+    make_executor,
+    output_options,
+    running_options,
+    uses_stdout,
+)
 from shaderlab.engine.jobs import check_driver
 from shaderlab.errors import UsageError
 from shaderlab.model.options import RunOptions

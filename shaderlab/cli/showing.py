@@ -44,6 +44,7 @@ from shaderlab.report.text import (
 
 if TYPE_CHECKING:
     from shaderlab.cli.sweep_table import SweepTable
+    from shaderlab.engine.jobs import Job
 
 
 STYLES = {"pass": "green", "unsupported": "yellow"}
@@ -359,6 +360,18 @@ class Reporter:
         self._most_said = most_said
         self._began = time.monotonic()
         self._next = self._began + HEARTBEAT
+
+    def follow(
+        self, jobs: Sequence[Job], results: Iterator[tuple[Job, Record]]
+    ) -> Iterator[tuple[Job, Record]]:
+        """Yield the jobs' results as they come, and show how far they are."""
+        waiting = {job.key: job for job in jobs}
+        while waiting:
+            self.starts(*next(iter(waiting)))
+            job, record = next(results)
+            yield job, record
+            del waiting[job.key]
+            self.ends(record)
 
     def starts(self, case_id: str, variant: str, driver: str = "") -> None:
         """A scene starts."""

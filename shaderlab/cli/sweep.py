@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.options import RunningOptions, collect, make_executor, running_options
-from shaderlab.cli.outputs import FILE_NAME
+from shaderlab.cli.options import FILE_NAME, RunningOptions, collect, make_executor, running_options
 from shaderlab.cli.recorded_run import (
     Journal,
     Parameter,
@@ -28,7 +27,6 @@ from shaderlab.cli.recorded_run import (
     new_plan,
     read_lines,
     report_damaged_lines,
-    run_jobs,
 )
 from shaderlab.cli.sweep_table import SweepTable, make_grid, make_plots, parse_parameters
 from shaderlab.errors import ShaderlabError, UsageError
@@ -196,7 +194,8 @@ def run_points(
             for some in _batches(point for point in range(len(points)) if point not in table):
                 jobs = [points[point] for point in some]
                 point_of = {job.key: point for job, point in zip(jobs, some, strict=True)}
-                for job, record in run_jobs(executor, jobs, plan.options, progress):
+                results = executor.run(jobs, plan.options)
+                for job, record in progress.follow(jobs, results):
                     point = point_of[job.key]
                     table.add(point, records.add(point, record))
         seconds = time.perf_counter() - clock

@@ -22,8 +22,8 @@ from shaderlab.cli.options import (
     jobs_option,
     limits_option,
     make_local_executor,
+    make_run_folder,
 )
-from shaderlab.cli.outputs import make_run_folder
 from shaderlab.engine.settings import FILE, have_settings_changed, load_settings
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path

@@ -18,7 +18,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shaderlab.engine.catalogue import imported_files, is_project_file
-from shaderlab.engine.jobs import CaseInfo, Job, LocalExecutor, format_error, make_failed_record
+from shaderlab.engine.jobs import (
+    CaseInfo,
+    Job,
+    LocalExecutor,
+    RunJob,
+    format_error,
+    make_failed_record,
+)
 from shaderlab.errors import CaseError, ShaderlabError, require_extra
 from shaderlab.files import read_regular
 from shaderlab.functions.evaluation import use_worker
@@ -215,7 +222,7 @@ class RunWatched:
         """See `shaderlab.engine.jobs.Request`. Raises CaseError."""
         worker.lab(self.options).forget_shaders()
         with _files(worker) as files:
-            record = worker.run(self.job, self.options)
+            record = RunJob(self.job, self.options).perform(worker)
         return record, files
 
 

@@ -370,10 +370,6 @@ class DeviceBackend(Backend):
         with self.in_use(), ExitStack() as stack:
             yield self.session_class(self._linker, scene, programs, size, stack)
 
-    def release_caches(self) -> None:
-        with self.in_use():
-            self._linker.release()
-
     def in_use(self) -> AbstractContextManager[object]:
         """Let this thread use the device for a while."""
         return nullcontext()

@@ -196,9 +196,6 @@ class Backend(ABC):
         """
         raise UnsupportedError("changing calls of OpenGL: this driver can't")
 
-    def release_caches(self) -> None:  # noqa: B027
-        """Free what is kept for scenes to come: programs, and what was captured."""
-
     @abstractmethod
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
         """The driver's own verdict on a program, as a target named "driver".

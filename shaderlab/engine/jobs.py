@@ -26,6 +26,7 @@ from shaderlab.workers.pool import ItemResult, WorkerPool
 
 if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
+    from shaderlab.model.case import Scene
     from shaderlab.model.records import Record, Status
 
 
@@ -135,7 +136,41 @@ class RunJob:
     options: RunOptions
 
     def perform(self, worker: Worker) -> Record:
-        return worker.run(self.job, self.options)
+        job, options = self.job, self.options
+        size = options.size if job.point is None else job.point.size or options.size
+        if size != options.size:
+            options = replace(options, size=size)
+        runner = worker.lab(_options_for_driver(job.driver, options))
+        worker.note("loading the case file")
+        record = runner.run(_find_scene(job, worker.scenes(job.file)))
+        return replace(record, driver_name=job.driver) if job.driver else record
+
+
+def _options_for_driver(driver: str, options: RunOptions) -> RunOptions:
+    """The options on one of several drivers: only the first one's pictures are for people."""
+    from shaderlab.drivers import known_driver
+
+    if not driver:
+        return options
+    return replace(
+        options,
+        driver=driver,
+        pictures=options.pictures and driver == known_driver(options.driver),
+        frames=None if options.frames is None else options.frames / driver,
+    )
+
+
+def _find_scene(job: Job, scenes: Mapping[str, Scene]) -> Scene:
+    scene = scenes[job.variant if job.point is None else job.point.variant]
+    if scene.case.id != job.id:  # another file of the run has this one's name
+        scene = replace(scene, case=replace(scene.case, id=job.id))
+    if job.point is None:
+        return scene
+    try:
+        scene = scene.changed(job.variant, job.point.changes)
+    except CaseError as error:
+        raise CaseError(error.message, file=job.file, remedy=error.remedy) from error
+    return replace(scene, expect=scene.formulas())
 
 
 def make_jobs(facts: CaseInfo) -> list[Job]:

@@ -18,7 +18,6 @@ from shaderlab.compiler.engines import TARGETS
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Backend, open_backend
 from shaderlab.drivers.programs.prepare import Preparer, Programs
-from shaderlab.drivers.programs.textures import forget_images
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import (
     CaseError,
@@ -376,12 +375,6 @@ class SceneRunner:
         """Read shaders anew from now on: their files may have changed."""
         self._preparer.cache_clear()
         self._opengl_preparer.cache_clear()
-
-    def release_caches(self) -> None:
-        """Free what is kept for scenes that are run again: the textures that functions made."""
-        forget_images()
-        if self._backend is not None:
-            self._backend.release_caches()
 
     def close(self) -> None:
         """Give the device back; it is opened again if it is used once more."""

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,14 +17,14 @@ from shaderlab import drivers as backends
 from shaderlab.drivers import known_driver, prepare_process
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.evaluation import register_features
-from shaderlab.engine.jobs import CaseInfo, Job, Request
+from shaderlab.engine.jobs import CaseInfo, Request
 from shaderlab.engine.run import SceneRunner
-from shaderlab.errors import CaseError
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.options import RunOptions
-from shaderlab.model.records import Record
 from shaderlab.model.scene import Ramp
-from shaderlab.workers.worker import Channel
+
+if TYPE_CHECKING:
+    from shaderlab.workers.worker import Channel
 
 
 class Worker:
@@ -106,17 +105,6 @@ class Worker:
             sized=any(p.target.size is None for scene in scenes for p in scene.passes),
         )
 
-    def run(self, job: Job, options: RunOptions) -> Record:
-        """Run one job. Raises CaseError where the case file is wrong."""
-        size = options.size if job.point is None else job.point.size or options.size
-        if size != options.size:
-            options = replace(options, size=size)
-        lab = self.lab(_options_for_driver(job.driver, options))
-        self.note("loading the case file")
-        scene = _find_scene(job, self.scenes(job.file))
-        record = lab.run(scene)
-        return replace(record, driver_name=job.driver) if job.driver else record
-
     def keep(self, slot: str, key: Hashable, make: Callable[[], Any]) -> Any:
         """The value in `slot`, made now unless it was made for the same key."""
         if slot not in self._kept or self._kept[slot][0] != key:
@@ -138,31 +126,6 @@ class Worker:
         """Close the lab."""
         if self._lab is not None:
             self._lab.close()
-
-
-def _options_for_driver(driver: str, options: RunOptions) -> RunOptions:
-    """The options on one of several drivers: only the first one's pictures are for people."""
-    if not driver:
-        return options
-    return replace(
-        options,
-        driver=driver,
-        pictures=options.pictures and driver == known_driver(options.driver),
-        frames=None if options.frames is None else options.frames / driver,
-    )
-
-
-def _find_scene(job: Job, scenes: Mapping[str, Scene]) -> Scene:
-    scene = scenes[job.variant if job.point is None else job.point.variant]
-    if scene.case.id != job.id:  # another file of the run has this one's name
-        scene = replace(scene, case=replace(scene.case, id=job.id))
-    if job.point is None:
-        return scene
-    try:
-        scene = scene.changed(job.variant, job.point.changes)
-    except CaseError as error:
-        raise CaseError(error.message, file=job.file, remedy=error.remedy) from error
-    return replace(scene, expect=scene.formulas())
 
 
 def _count_components(value: Any) -> int:

@@ -28,8 +28,8 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.files import open_memory_file, sort_search_path
 from shaderlab.model.options import Limits
 
-from .worker import STEP_BYTES
-
+STEP_BYTES = 256
+"""The size of the file in which a worker notes its steps."""
 START_SECONDS = 120.0
 END_SECONDS = 5.0
 GROWTH = 256 << 20

@@ -20,8 +20,6 @@ from typing import Any
 
 from shaderlab.errors import CaseError
 
-STEP_BYTES = 256
-"""The size of the file in which a worker notes its steps."""
 GRACE = 2.0
 """A worker ends itself once an item has taken this many times the limit that its parent watches."""
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
@@ -42,18 +40,19 @@ class Channel:
         self._seconds = seconds
         self._process = os.getpid()
         # Mapped into memory: a note costs no system call, and outlives the process.
-        self._steps = mmap.mmap(steps, STEP_BYTES)
+        self._steps = mmap.mmap(steps, 0)
 
     def detach_copy(self) -> None:
         """Keep a forked copy of this process from answering in its place."""
         with open(os.devnull, "rb") as null:
             os.dup2(null.fileno(), self._parent.fileno())
-        self._steps = mmap.mmap(-1, STEP_BYTES)
+        self._steps = mmap.mmap(-1, len(self._steps))
         die_with_parent(self._process)
 
     def note(self, step: str) -> None:
         """Note what the work is about to do; the parent reads it if this process dies."""
-        self._steps[:] = step.encode("utf-8", "replace")[:STEP_BYTES].ljust(STEP_BYTES, b"\0")
+        size = len(self._steps)
+        self._steps[:] = step.encode("utf-8", "replace")[:size].ljust(size, b"\0")
 
     def restart_limit(self, seconds: float | None = None) -> None:
         """Give the current item this many seconds from now on, by default the limit of any item."""

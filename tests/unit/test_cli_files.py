@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.cli.outputs import (
+from shaderlab.cli.options import (
     find_latest,
     make_report_folder,
     make_run_folder,

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab import cli
-from shaderlab.cli.outputs import final_status, find_lost_output, open_lasting
+from shaderlab.cli import final_status, find_lost_output, open_lasting
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="devices of Linux")

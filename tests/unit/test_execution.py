@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from shaderlab.cli.compare_drivers import pixel_distances
-from shaderlab.cli.outputs import FILE_NAME
+from shaderlab.cli.options import FILE_NAME
 from shaderlab.cli.recorded_run import Journal, RunPlan, read_journal
 from shaderlab.engine.jobs import Job, ProcessExecutor, make_failed_record
 from shaderlab.errors import ShaderlabError, UsageError

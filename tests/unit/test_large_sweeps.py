@@ -17,7 +17,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli, sweep, sweep_table
-from shaderlab.cli.outputs import FILE_NAME
+from shaderlab.cli.options import FILE_NAME
 from shaderlab.cli.recorded_run import Grid, Journal, Parameter, RunPlan
 from shaderlab.cli.sweep import PointRecords, run_points
 from shaderlab.cli.sweep_table import SweepTable

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
-from shaderlab.cli.outputs import make_report_folder, mark_named, remove_old_runs
+from shaderlab.cli.options import make_report_folder, mark_named, remove_old_runs
 from shaderlab.errors import UsageError
 from shaderlab.report import html
 

@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli, outputs as files
-from shaderlab.cli.outputs import SUMMARY_VARIABLE
+from shaderlab.cli.options import SUMMARY_VARIABLE
 from shaderlab.errors import UsageError
 from shaderlab.model.records import Run
 from shaderlab.report import formats

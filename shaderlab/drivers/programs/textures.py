@@ -324,11 +324,6 @@ def _call(function: Callable[[], Any]) -> Array:
     return image
 
 
-def forget_images() -> None:
-    """Free what functions have made; the next scene that asks has them called again."""
-    _call.cache_clear()
-
-
 def _check_levels(first: Array, smaller: Sequence[Array]) -> None:
     """Raise CaseError unless these are all the levels below `first`, in order."""
     sizes = level_sizes(first.shape[1], first.shape[0])[1:]
