@@ -12,7 +12,7 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from shaderlab.cli import cli, outputs as files
+from shaderlab.cli import cli, options as files
 from shaderlab.cli.options import SUMMARY_VARIABLE
 from shaderlab.errors import UsageError
 from shaderlab.model.records import Run
