@@ -94,7 +94,7 @@ Compile = Callable[[Sequence[Source], Sequence[str]], Compiled]
 def compile_program(
     stages: Sequence[Source], targets: Sequence[str] = TARGETS, *, engine: Engine | None = None
 ) -> Compiled:
-    """Compile and links one program's stages for each target.
+    """Compile and link one program's stages for each target.
 
     Vulkan allows no samplers in uniform structs, so they are lifted out for "vulkan", and an
     "info" diagnostic says so.
@@ -293,7 +293,7 @@ def link_stages(plain: Result, sources: Sequence[Source], engine: Engine) -> Res
 
 
 def compile_spirv(sources: Sequence[Source], target: str, engine: Engine) -> Result:
-    """Link the stages, makes SPIR-V for a target and validates it."""
+    """Link the stages, make SPIR-V for a target and validate it."""
     old = tuple(d for d in (check_version(source, target) for source in sources) if d)
     if old:
         return Result(old)

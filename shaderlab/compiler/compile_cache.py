@@ -4,9 +4,6 @@ written is not stored.
 Each entry is a file that is written whole or not at all, so several processes can share a folder.
 It begins with a checksum of its key and content; a file that was cut short, changed or renamed is
 absent. When the folder outgrows its limit the entries that were least recently used go first.
-
-docs/internals/measurements.md compares it with sqlite3, of which one damaged page costs the whole
-cache, and whose locks don't work on every network folder.
 """
 
 from __future__ import annotations
@@ -167,8 +164,9 @@ def compile_with_lines(source: Source) -> Compiled:
         ShaderError: as `compile_program`.
     """
     folder = cache_folder()
-    own = None if folder is None else _cache(folder)
-    return _compile_with_lines(source) if own is None else own.compile_with_lines(source)
+    if folder is None:
+        return _compile_with_lines(source)
+    return _cache(folder).compile_with_lines(source)
 
 
 def _compile_with_lines(source: Source) -> Compiled:

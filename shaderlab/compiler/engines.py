@@ -360,11 +360,7 @@ def validate(module: bytes, env: str) -> str | None:
 
 
 def disassemble(module: bytes) -> str:
-    """Return the module as SPIR-V assembly with readable names.
-
-    Raises:
-        ShaderError: the bytes are not a SPIR-V module, or the library is missing.
-    """
+    """Return the module as SPIR-V assembly. Raises ShaderError for bytes that are no module."""
     if len(module) % 4:
         raise ShaderError(f"not a SPIR-V module: {len(module)} bytes are no whole words")
     tools = spirv_tools()

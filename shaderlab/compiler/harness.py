@@ -125,7 +125,7 @@ def compile_glsl(
     workers: Workers | None = None,
     **options: Any,
 ) -> Iterator[FileResult]:
-    """Compile shader files and yields one result for each, sorted by path.
+    """Compile shader files and yield one result for each, sorted by path.
 
     Results are yielded as they are made, so ten thousand files take no more memory than ten.
 
@@ -195,10 +195,8 @@ def work(jobs: Iterable[CompileJob]) -> Iterator[FileResult]:
 
 
 def time_limit(engine: str | None, seconds: float) -> float:
-    """Return the time limit for a process that compiles a file which may take so many seconds.
-
-    Each of an engine's commands has a time limit of its own, and a file takes several.
-    """
+    """Return the time limit for a process that compiles a file: an engine's commands, of which a
+    file takes several, may each take so many seconds."""
     commands = engine == "process" or (
         engine is None and (COMMAND_VARIABLE in os.environ or sys.platform != "linux")
     )

@@ -474,8 +474,7 @@ def _strip_indices(name: str) -> str:
 
 
 def _find_locations(module: Module, storage: int) -> dict[str, tuple[int, int]]:
-    """Return a storage class's variables that have a location, by interface name: the index of the
-    location's word, and how many locations the variable takes."""
+    """Return variables with a location by interface name: its word's index, and how many."""
     return {
         interface_name(module, id_): (
             module.decoration_words[id_, Decoration.Location],
@@ -490,10 +489,8 @@ def _move_inputs(
     writer: Module, reader: Module, writer_words: Sequence[int], reader_words: list[int]
 ) -> None:
     """Move the reader's inputs to the locations of their outputs, and others out of their way."""
-    outputs, inputs = (
-        _find_locations(writer, StorageClass.Output),
-        _find_locations(reader, StorageClass.Input),
-    )
+    outputs = _find_locations(writer, StorageClass.Output)
+    inputs = _find_locations(reader, StorageClass.Input)
     occupied: set[int] = set()
     for name, (at, _) in inputs.items():
         if name in outputs:

@@ -82,12 +82,8 @@ class LineMap:
 
 
 def expand(file: File, roots: Roots, defines: Mapping[str, str]) -> Expansion:
-    """Return the file's text with every `#include` replaced by the included file's text.
-
-    Args:
-        file: the main file.
-        roots: where included files are.
-        defines: macros to put after the first `#version` line, or first if there is none.
+    """Return the file's text with every `#include` replaced by the text of a file in the roots, and
+    with macros after the first `#version` line, or first if there is none.
 
     Raises:
         ShaderError: an include is malformed, missing, circular, outside the roots, too deep,

@@ -390,12 +390,11 @@ class BoundTextures(SceneTextures[Any]):
         """Return the levels below the first, as the device has them."""
         if texture.kind == "2DArray":
             raise UnsupportedError("mipmaps=True of a texture array: WebGL2 can't read its levels")
-        sizes = level_sizes(*texture.size)
         faces = ["2D"]
         if texture.kind == "Cube":
             faces = [f"CUBE_MAP_{way}_{axis}" for axis in "XYZ" for way in ("POSITIVE", "NEGATIVE")]
         found = []
-        for level, size in enumerate(sizes[1:], start=1):
+        for level, size in enumerate(level_sizes(*texture.size)[1:], start=1):
             each = [
                 read_attached(
                     self._device, texture.handle, texture.word, size, level=level, face=face
