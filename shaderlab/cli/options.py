@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from shaderlab.cli import FAILED, OK, USAGE
-from shaderlab.compiler.shader_files import EXTENSIONS
 from shaderlab.engine.jobs import WORDS, check_driver
 from shaderlab.errors import ShaderlabError, UsageError, suggest
 from shaderlab.files import NO_ROOM, replace_file, write_named
@@ -234,6 +233,8 @@ def resolve_shader(
 
 def has_functions_only(shader: ShaderOfFile, stage: str | None) -> bool:
     """Return whether a file only has functions for others to include: no stage, no `main`."""
+    from shaderlab.compiler.shader_files import EXTENSIONS  # late: few commands need compilers
+
     path = Path(shader.file.path)
     if stage is not None or path.suffix in EXTENSIONS or not path.is_file():
         return False

@@ -23,7 +23,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shaderlab.compiler.shader_files import read_shader, strip_comments
 from shaderlab.engine.catalogue import (
     case_files,
     data_folder,
@@ -302,6 +301,8 @@ def replace_shaders(
     Raises:
         UsageError: a word is malformed, no shader has the name, or the file doesn't fit.
     """
+    if not shaders and not renames:
+        return options
     files = parse_replacements(shaders)
     names = parse_renames(renames, list(files.values()))
     files = resolve_replacements(files, jobs, options.include, names)
@@ -402,6 +403,8 @@ def parse_renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]
     Raises:
         UsageError: it is not of that form, no file has the old name, or one has the new one too.
     """
+    from shaderlab.compiler.shader_files import read_shader, strip_comments
+
     found: dict[str, str] = {}
     codes = {file: strip_comments(read_shader(file)) for file in files if words}
     for word in words:
