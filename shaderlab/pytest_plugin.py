@@ -43,7 +43,7 @@ from shaderlab.report.text import format_failure, format_label, has_failed
 if TYPE_CHECKING:
     from shaderlab.engine.jobs import DriverInfo, Job, Prefetcher
     from shaderlab.engine.settings import Settings
-    from shaderlab.functions.records import Notes
+    from shaderlab.functions.library import Notes
     from shaderlab.model.records import Record, Status
 
 RECORD_ATTRIBUTE = "shaderlab_record"
@@ -311,7 +311,7 @@ class Recorder:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> Generator[None, Any, Any]:
-        from shaderlab.functions.records import take_notes
+        from shaderlab.functions.library import take_notes
 
         with take_notes() as notes:
             item.stash[_NOTES] = notes
@@ -334,7 +334,7 @@ class Recorder:
         notes = item.stash.get(_NOTES, None)
         if own is not None or not (notes or self._every):
             return own
-        from shaderlab.functions.records import record_of_test
+        from shaderlab.functions.library import record_of_test
 
         status = "pass" if report.passed else "unsupported" if report.skipped else "fail"
         if report.when == "setup" and report.failed:

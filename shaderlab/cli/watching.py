@@ -29,8 +29,7 @@ from shaderlab.engine.jobs import (
 from shaderlab.errors import CaseError, ShaderlabError, require_extra
 from shaderlab.files import read_regular
 from shaderlab.functions.evaluation import use_worker
-from shaderlab.functions.library import load
-from shaderlab.functions.records import record_of_test
+from shaderlab.functions.library import load, record_of_test
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record, Status
 from shaderlab.mutation.function_tests import RunTestFile

@@ -17,7 +17,7 @@ import numpy as np
 from shaderlab.bands.rounding import shortest
 from shaderlab.errors import CallError, require_extra
 from shaderlab.files import display_path
-from shaderlab.functions.records import current_notes
+from shaderlab.functions.library import current_notes
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Outcome, SourceText
 

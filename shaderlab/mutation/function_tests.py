@@ -153,7 +153,7 @@ class _Session:
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         if report.failed:
-            from shaderlab.functions.records import record_of_test
+            from shaderlab.functions.library import record_of_test
 
             self.records.append(
                 record_of_test(

@@ -31,7 +31,6 @@ from shaderlab.model.records import (
     Run,
     Status,
 )
-from shaderlab.report import markup
 from shaderlab.report.charts import (
     Chart,
     PlotView,
@@ -56,6 +55,8 @@ from shaderlab.report.sources import (
     list_assemblies,
     list_programs,
     list_sources,
+    render_formula,
+    render_lesson,
 )
 from shaderlab.report.text import Anchors, format_conditions
 
@@ -237,11 +238,11 @@ class CaseView:
     # What takes time to make is made for the page that shows it.
     @cached_property
     def lesson(self) -> Markup:
-        return markup.render_lesson(self.group.first.lesson)
+        return render_lesson(self.group.first.lesson)
 
     @cached_property
     def formula(self) -> Markup:
-        return markup.render_formula(self.group.first.formula)
+        return render_formula(self.group.first.formula)
 
     @cached_property
     def charts(self) -> list[tuple[str, Chart]]:

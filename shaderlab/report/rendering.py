@@ -18,7 +18,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemBytecodeCache, PackageLoader, StrictUndefined
 
 from shaderlab.model import pictures
-from shaderlab.report import markup, sources, text
+from shaderlab.report import sources, text
 from shaderlab.report.grouping import STATUS_WORDS, STATUSES
 from shaderlab.report.pictures import read_numbers
 
@@ -36,7 +36,7 @@ _FILTERS = (
     text.plural,
     text.share,
     text.short,
-    markup.code_spans,
+    sources.code_spans,
     read_numbers,
     sources.collect_words,
 )

@@ -11,7 +11,7 @@ from pygments import highlight
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import GLShaderLexer, PythonLexer
 
-from shaderlab.report.markup import colour_lines
+from shaderlab.report.sources import colour_lines
 from shaderlab.report.text import clean
 
 ROOT = Path(__file__).resolve().parents[2]
