@@ -36,9 +36,9 @@ if "PYTEST_XDIST_WORKER" not in os.environ:
 # NumPy reads this when it is first imported, which nothing does before this file.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from shaderlab.analysis import features
+from shaderlab.analysis import self_check
 
-features.register()  # as each worker does
+self_check.register()  # as each worker does
 
 # A busy machine makes no example wrong.
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])

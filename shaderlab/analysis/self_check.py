@@ -21,14 +21,15 @@ from shaderlab.analysis.interpreter.values import Flags
 from shaderlab.bands import Band
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.textures import output_format
-from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.evaluation import FEATURES, Evaluation
+from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.engine.judging.bands import store_band
 from shaderlab.errors import DeviceLostError, NotInterpretedError, ShaderlabError
 from shaderlab.model.expectation import Judgement, Need
 from shaderlab.model.frame import PassDraw
 from shaderlab.model.phases import phase
-from shaderlab.model.records import ModulesRecord, Outcome, Row
+from shaderlab.model.records import Explanation, ModulesRecord, Outcome, Row
 
 from .invocations import Invocations, program_of, sample_fragments, stage_of
 
@@ -265,3 +266,15 @@ def _message(
 def _passes_captured(needs: Iterable[Need]) -> set[str]:
     """The passes of which some needs are captured fragments."""
     return {need.key[0] for need in needs if isinstance(need, CapturedFragments)}
+
+
+def register() -> None:
+    """Have the engine hold draws against their shaders, and explain formulas that fail."""
+    FEATURES.self_check = SelfCheck
+    FEATURES.explain = _explain
+
+
+def _explain(evaluation: Evaluation, formula: Formula, outcome: Outcome) -> Explanation | None:
+    from .explain import locate_failure  # it parses GLSL, which few runs need
+
+    return locate_failure(evaluation, formula, outcome)

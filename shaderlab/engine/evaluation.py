@@ -200,7 +200,7 @@ class Features:
 
 
 FEATURES = Features()
-PROVIDERS = ("shaderlab.analysis.features",)
+PROVIDERS = ("shaderlab.analysis.self_check",)
 """Modules with a function `register`, which fills in `FEATURES`."""
 
 
