@@ -1,4 +1,5 @@
-"""The graphics APIs that scenes are drawn by: the protocol, and the drivers that implement it.
+"""The graphics APIs that scenes are drawn by: the protocol of a driver, which is a device with
+sessions that draw one scene each, and the drivers that implement it.
 
 Each driver's package is imported when a device of it is opened.
 """
@@ -8,21 +9,241 @@ from __future__ import annotations
 import functools
 import importlib
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, suppress
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from shaderlab.compiler.sources import Source
-from shaderlab.errors import UsageError, suggest
+from shaderlab.errors import OtherApiError, UnsupportedError, UsageError, suggest
+from shaderlab.model.frame import Array, Bindings, Fragments, Image, PassDraw, Samples
 from shaderlab.model.records import Verdict
 
-from .protocol import (
-    Backend as Backend,
-    Drawn as Drawn,
-    Evaluation as Evaluation,
-    Session as Session,
-    Size as Size,
-)
+if TYPE_CHECKING:
+    from shaderlab.model.calls import CallEdit
+    from shaderlab.model.case import Scene
+    from shaderlab.model.scene import Pass
+    from shaderlab.model.textures import TextureSource
+
+    from .programs.prepare import Programs
+
+Size = tuple[int, int]
+Answers = Mapping[str, Callable[..., Any]]
+"""What answers a session's queries, by their names: functions of the session and the arguments."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawn:
+    """What drawing a scene's passes gave, as in `Frame`; `inactive` are the uniforms without any
+    effect."""
+
+    images: Mapping[tuple[str, str], Image]
+    bindings: Mapping[PassDraw, Bindings]
+    gl_errors: Mapping[PassDraw, tuple[int, ...]] = field(default_factory=dict)
+    inactive: frozenset[str] = field(default_factory=frozenset)
+    sample_positions: Mapping[str, Array] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evaluation:
+    """Fragment shaders that compute words (uint32) at each pixel of a grid.
+
+    Attributes:
+        passes: each shader, and how many words it writes, to locations 0, 1, …
+        size: (width, height) of the grid in pixels.
+        shared: the uniform array "shaderlab_shared", (count, 4) of uint32.
+        uniforms: others, by name.
+        textures: what samplers read, by name: the sampler's type, and the texture.
+        folder: what textures' files are relative to.
+    """
+
+    passes: tuple[tuple[Source, int], ...]
+    size: Size
+    shared: Array
+    uniforms: Mapping[str, Array] = field(default_factory=dict)
+    textures: Mapping[str, tuple[str, TextureSource]] = field(default_factory=dict)
+    folder: str = ""
+
+
+class Session(ABC):
+    """One scene on a device. `draw` comes first; the rest is about what it drew.
+
+    A driver overrides what it can do. All else raises UnsupportedError; what is about OpenGL's own
+    calls raises OtherApiError where another API draws.
+
+    Attributes:
+        scene: what is drawn.
+        programs: each pass's draws, compiled.
+        subpixel_step: the grid that corners are moved to before they are rasterised, in pixels.
+        answers: what answers each of QUERIES, as functions of the session and of the arguments.
+    """
+
+    # Of OpenGL's drivers: Mesa reports the least that is allowed, 4 bits, and has 8.
+    subpixel_step: float = 2.0**-8
+    answers: ClassVar[Answers] = {}
+
+    def __init__(self, scene: Scene, programs: Programs) -> None:
+        self.scene = scene
+        self.programs = programs
+
+    @abstractmethod
+    def draw(self, only: Container[str] | None = None) -> Drawn:
+        """Draw the passes in order, all or only these, and read their attachments.
+
+        Raises:
+            CaseError: the scene's data do not fit its programs or each other.
+            ShaderError: the driver refuses a program.
+        """
+
+    def capture_fragments(self, key: PassDraw) -> Fragments:
+        """Capture what the fragment shader of a draw got, at each pixel that it was the last to
+        write."""
+        raise UnsupportedError("capturing fragments: this driver can't")
+
+    def capture_vertices(self, key: PassDraw) -> Samples:
+        """Capture every vertex that a draw hands to rasterisation: what its last stage got and
+        gave."""
+        raise UnsupportedError("capturing vertices: this driver can't")
+
+    def probe(
+        self,
+        key: PassDraw,
+        stage: Literal["vertex", "fragment"],
+        runs: Sequence[Bindings],
+        inputs: Mapping[str, Array],
+    ) -> list[Samples]:
+        """Run a stage of a draw once for each row of `inputs`, (count, components), with the
+        uniforms and textures of each of the `runs`."""
+        raise UnsupportedError(f"running a {stage} stage on given inputs: this driver can't")
+
+    def redraw_pass(self, changed: Pass, output: str, largest: int) -> Array:
+        """Draw a pass of the scene once more with other target values or states, and read one
+        attachment; it is made smaller, to at most `largest` pixels along the longer side, unless a
+        state counts pixels."""
+        raise UnsupportedError("drawing a pass with other states: this driver can't")
+
+    def redraw_with_text(
+        self, key: PassDraw, text: str, outputs: Mapping[str, str]
+    ) -> Mapping[str, Array]:
+        """Draw a pass with another fragment shader for one draw, and read some outputs (format by
+        name) of its visible fragments, (height, width, components); zeros elsewhere."""
+        raise UnsupportedError("drawing with another text: this driver can't")
+
+    def query(self, name: str, *arguments: Any) -> Any:
+        """Answer one of QUERIES about what was drawn."""
+        answer = self.answers.get(name)
+        if answer is not None:
+            return answer(self, *arguments)
+        if name in OPENGL_QUERIES:
+            raise OtherApiError(f"{QUERIES[name]}: this driver draws by another API than OpenGL")
+        raise UnsupportedError(f"{QUERIES[name].format(*arguments)}: this driver can't")
+
+
+QUERIES: Mapping[str, str] = {
+    "count": "counting {1}",
+    "time": "timing a pass",
+    "attributes": "reading where attributes lie",
+    "blocks": "reading where the members of blocks lie",
+    "attachment": "reading an attachment once more",
+    "locations": "locations of uniforms",
+    "gl_errors": "errors of OpenGL",
+    "trace": "calls of OpenGL",
+    "call": "calls of OpenGL",
+}
+"""The queries of a session, and how errors name them.
+
+| query | arguments | answer |
+|---|---|---|
+| count | draw, counter as in `shaderlab.query` | what the draw makes the driver count |
+| time | pass, repeats | `Timing` |
+| attributes | draw | `AttributeReading` of each attribute |
+| blocks | draw | `BlockReading` of each uniform block |
+| attachment | pass, name | the `Image` of a colour, "depth" or "stencil" |
+| locations | draw | the location of each declared uniform; −1 for one without any effect |
+| gl_errors | draw | the errors that it raised |
+| trace | | a `TracedCall` for each call that drawing takes, without the lab's own reading |
+| call | calls, expected values | the `Reply` to the last one, or the first that raises an error |
+"""
+OPENGL_QUERIES = ("locations", "gl_errors", "trace", "call")
+
+
+class Backend(ABC):
+    """An open device.
+
+    Attributes:
+        info: what the driver says of itself: "renderer", "vendor", "version" and "glsl", and its
+            limits.
+    """
+
+    info: Mapping[str, str]
+
+    @abstractmethod
+    def session(
+        self, scene: Scene, programs: Programs, size: Size
+    ) -> AbstractContextManager[Session]:
+        """A scene to draw and to ask about; its device memory is released at the end.
+
+        Args:
+            scene: what to draw.
+            programs: each pass's draws, compiled.
+            size: (width, height) in pixels of targets that do not say.
+        """
+
+    def edited_session(
+        self, scene: Scene, programs: Programs, size: Size, edit: CallEdit | None
+    ) -> AbstractContextManager[Session]:
+        """Open a session as `session` does, in a separate context, with one call changed.
+
+        It holds for `draw` and for what `trace` tells of that; None changes no call. What the lab
+        reads and captures is not touched.
+
+        Raises:
+            ShaderlabError: drawing the scene takes no such call.
+        """
+        raise UnsupportedError("changing calls of OpenGL: this driver can't")
+
+    @abstractmethod
+    def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
+        """The driver's own verdict on a program, as a target named "driver".
+
+        Raises:
+            DriverError: the driver has no such stage.
+        """
+
+    def require_compute(self) -> None:
+        """Raise UnsupportedError where there are no compute passes."""
+        raise UnsupportedError("compute passes run on OpenGL drivers only")
+
+    def storage(self, count: int) -> AbstractContextManager[Callable[[], Array]]:
+        """A storage buffer of `count` zeros (uint32), bound as binding 0 of all that is drawn
+        meanwhile; gives a function that reads it, (count,).
+
+        Raises:
+            UnsupportedError: there are no storage buffers.
+        """
+        raise UnsupportedError("storage buffers: this driver has none")
+
+    def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
+        """Run an evaluation's passes.
+
+        Args:
+            evaluation: what to run.
+            inputs: the texture array "shaderlab_input", (layers, height, width) of uint32.
+            outputs: gets the words, one after the other, (words, height, width) of uint32;
+                0 where a pixel was discarded.
+
+        Raises:
+            ShaderError: the driver refuses a shader.
+            CaseError: a texture does not fit its sampler.
+        """
+        raise UnsupportedError("calling functions: this driver can't")
+
+    @abstractmethod
+    def close(self) -> None:
+        """Release the device."""
+
 
 MODULES: Mapping[str, str] = {
     "llvmpipe": "shaderlab.drivers.opengl",

@@ -26,6 +26,7 @@ from shaderlab.model.frame import (
 from shaderlab.model.phases import phase
 from shaderlab.model.scene import Pass, Target
 
+from . import Answers, Backend, Drawn, Session, Size
 from .programs import bind, captures
 from .programs.captures import PassCapture, probe_fragments, set_draw_number
 from .programs.prepare import (
@@ -39,7 +40,6 @@ from .programs.prepare import (
 )
 from .programs.stages import VaryingPart
 from .programs.textures import components_of
-from .protocol import Answers, Backend, Drawn, Session, Size
 from .resources import Attachments, ProgramCache, SceneTextures
 
 TargetKind = TypeVar("TargetKind", bound=Attachments)

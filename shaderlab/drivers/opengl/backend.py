@@ -22,12 +22,11 @@ from shaderlab.model.frame import (
 )
 from shaderlab.model.records import Verdict
 
-from .. import Evaluation, Size
+from .. import Answers, Evaluation, Size
 from ..passes import DeviceBackend
 from ..programs.prepare import Programs
 from ..programs.stages import PREFIX
 from ..programs.storage import capture_invocations
-from ..protocol import Answers
 from . import calls, drawing, linking, tracing
 from .buffers import read_block, read_layout
 from .device import GL, Device, gl_constant

@@ -13,8 +13,8 @@ from shaderlab.model.frame import Array, Image, leading
 from shaderlab.model.scene import Target
 from shaderlab.model.textures import level_sizes
 
+from .. import Size
 from ..programs.textures import COLOR, DEPTH, format_of
-from ..protocol import Size
 from ..resources import Attachments, multisampled_error
 from .device import (
     GENERAL,

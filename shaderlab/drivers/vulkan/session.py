@@ -26,6 +26,7 @@ from shaderlab.model.frame import (
 from shaderlab.model.records import Verdict
 from shaderlab.model.scene import Target
 
+from .. import Answers, Evaluation, Size
 from ..passes import DeviceBackend, PassSession
 from ..programs import bind, stages
 from ..programs.bind import uniform_blocks
@@ -33,7 +34,6 @@ from ..programs.captures import primitive_corners
 from ..programs.module_texts import HEIGHT, make_sources, write_point_texts
 from ..programs.prepare import PreparedDraw, Programs
 from ..programs.stages import VaryingPart
-from ..protocol import Answers, Evaluation, Size
 from ..resources import COVERING
 from .bindings import (
     BoundImage,

@@ -25,13 +25,13 @@ from shaderlab.model.mesh import Mesh
 from shaderlab.model.records import Verdict
 from shaderlab.model.scene import Target
 
+from .. import Answers, Size
 from ..passes import DeviceBackend, PassSession
 from ..programs import bind, stages
 from ..programs.module_texts import HEIGHT, write_point_texts
 from ..programs.prepare import PreparedDraw, Programs
 from ..programs.stages import VaryingPart
 from ..programs.textures import components_of, numpy_type
-from ..protocol import Answers, Size
 from .device import Calls, Device, Object, Objects, decode
 from .program import Linker, Program, apply_state, check_state, find_refusal, translate
 from .target import RenderTarget

@@ -17,6 +17,7 @@ from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.frame import Array
 from shaderlab.model.textures import CompressedTexture, Output, TextureSource, level_sizes
 
+from .. import Size
 from ..programs.textures import (
     DEPTH,
     find_image,
@@ -25,7 +26,6 @@ from ..programs.textures import (
     texture_contents,
     texture_kind,
 )
-from ..protocol import Size
 from ..resources import COVERING, UNREADABLE, DeviceTexels, SceneTextures
 from .device import ARRAYS, Device, Object, Objects, decode
 

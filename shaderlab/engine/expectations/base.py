@@ -57,7 +57,7 @@ class Context:
 
 @dataclass(frozen=True)
 class SessionQuery(TypedNeed[Any]):
-    """What the session answers to a question: one of `shaderlab.drivers.protocol.QUERIES`,
+    """What the session answers to a question: one of `shaderlab.drivers.QUERIES`,
     and its arguments."""
 
     question: str
