@@ -185,8 +185,8 @@ def open_lasting(stream: TextIO) -> TextIO:
 
 
 def find_lost_output(stream: TextIO) -> str:
-    """Why something written to a `lasting` stream was lost; "" if nothing was, or if its reader
-    has gone and so wants no more."""
+    """Why something written to an `open_lasting` stream was lost; "" if nothing was, or if its
+    reader has gone and so wants no more."""
     stream.flush()
     raw = getattr(getattr(stream, "buffer", None), "raw", None)
     found = raw.problem if isinstance(raw, _Lasting) else None

@@ -187,7 +187,7 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
             self.write(encode_line(value))
 
     def write(self, line: bytes) -> int | None:
-        """Append a line that `as_line` made, as `add` does; returns where in the file it begins,
+        """Append a line that `encode_line` made, as `add` does; return where in the file it begins,
         None if it is not there."""
         if self.problem:
             return None
@@ -233,7 +233,7 @@ def read_journal(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
 
 
 def read_plan(folder: Path) -> RunPlan:
-    """What was asked for. Raises as `read`."""
+    """Return what was asked for. Raises as `read_journal`."""
     path = folder / FILE_NAME
     try:
         with open(open_regular(path), "rb") as file:
@@ -361,9 +361,7 @@ def run_plan(
 
     An interrupt ends it early: what was finished by then is in the journal and in the result.
 
-    Args:
-        executor, plan, show: what runs it, what is run, and what shows how far that is.
-        done: the records of a run that is resumed; their jobs are not run again.
+    `done` has the records of a run that is resumed; their jobs are not run again.
     """
     assert plan.options.folder is not None
     records = {record.key: record for record in done or ()}
@@ -450,7 +448,6 @@ def finish(
         _remove_old(recorded.folder.parent)
     if page is not None:
         problems += _write_index(recorded.folder.parent, new=is_latest)
-    if page is not None:
         show.where(page)
     unwritten = report_problems(problems)
     if not recorded.complete:

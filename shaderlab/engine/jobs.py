@@ -310,7 +310,7 @@ class Executor(Protocol):
 
 
 class LocalExecutor(Executor):
-    """An `Executor` on this machine, which also performs the requests of other rooms."""
+    """An `Executor` on this machine, which also performs the requests of other packages."""
 
     limits = Limits()
     """Of each job."""

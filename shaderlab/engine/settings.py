@@ -88,10 +88,10 @@ def load_settings(folder: str | Path) -> Settings:
 
 
 def have_settings_changed(folder: str | Path) -> bool:
-    """Whether the settings of a folder's project are others by now than `settings_of` gives.
+    """Whether the settings of a folder's project are others by now than `load_settings` gives.
 
     Raises:
-        UsageError: as `settings_of`, of their file as it is now.
+        UsageError: as `load_settings`, of their file as it is now.
     """
     return _settings.__wrapped__(os.path.abspath(folder)) != load_settings(folder)
 
