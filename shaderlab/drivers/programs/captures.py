@@ -60,27 +60,11 @@ def probe_fragments(
     count = max((len(values) for values in inputs.values()), default=1)
     width = min(count, WIDTH)
     size = (width, -(-count // width))
-    text = draw.text("fragment") or ""
-    vertex, columns = stages.write_probe_stage(text, tuple(draw.interface.varyings.values()))
-    if len(columns) > _MAX_ATTRIBUTES:
-        raise UnsupportedError(
-            f"running {draw.draw.fragment} on given inputs: it reads {len(columns)} vectors, "
-            f"{_MAX_ATTRIBUTES} can be given",
-            remedy=_REMEDY,
-        )
-    attributes = {name: bind.select_part(complete, part) for part, name in columns.items()}
-    attributes = attributes or {stages.PREFIX + "nothing": np.zeros((count, 1), np.float32)}
-    # What is kept counts one up in the stencil buffer; a discarded point leaves its clear value.
-    discards = stages.may_discard(text)
-    points = replace(
-        draw.draw, vertex="<probe>", geometry=None, domain=None, instances=1, vertex_array=True,
-        mesh=Mesh(attributes=attributes, primitive="points"),
-        state=State(stencil=Stencil(depth_pass="incr")) if discards else State(),
-    )  # fmt: skip
+    discards = stages.may_discard(draw.text("fragment") or "")
+    probe = _points_of(draw, complete, count, discards)
     target = Target(depth="depth24_stencil8") if discards else Target()
     outputs = draw.interface.outputs
     colors = {name: textures.output_format(output.type) for name, output in outputs.items()}
-    probe = replace(draw, draw=points, rewritten={"vertex": vertex, "fragment": text})
     samples = []
     for run in runs:
         own = {stages.PREFIX + "size": np.array(size, np.int32)}
@@ -103,6 +87,29 @@ def probe_fragments(
         discarded = int((rows["stencil"] == 0).sum()) if discards else 0
         samples.append(Samples(inputs=complete, outputs=written, discarded=discarded))
     return samples
+
+
+def _points_of(
+    draw: PreparedDraw, inputs: Mapping[str, Array], count: int, discards: bool
+) -> PreparedDraw:
+    """Return the draw as points, each with its row of the inputs; where the stage may discard,
+    points that it keeps count one up in the stencil buffer."""
+    text = draw.text("fragment") or ""
+    vertex, columns = stages.write_probe_stage(text, tuple(draw.interface.varyings.values()))
+    if len(columns) > _MAX_ATTRIBUTES:
+        raise UnsupportedError(
+            f"running {draw.draw.fragment} on given inputs: it reads {len(columns)} vectors, "
+            f"{_MAX_ATTRIBUTES} can be given",
+            remedy=_REMEDY,
+        )
+    attributes = {name: bind.select_part(inputs, part) for part, name in columns.items()}
+    attributes = attributes or {stages.PREFIX + "nothing": np.zeros((count, 1), np.float32)}
+    points = replace(
+        draw.draw, vertex="<probe>", geometry=None, domain=None, instances=1, vertex_array=True,
+        mesh=Mesh(attributes=attributes, primitive="points"),
+        state=State(stencil=Stencil(depth_pass="incr")) if discards else State(),
+    )  # fmt: skip
+    return replace(draw, draw=points, rewritten={"vertex": vertex, "fragment": text})
 
 
 Redraw = Callable[[Sequence[str], Mapping[str, str]], Mapping[str, Array]]
