@@ -194,7 +194,9 @@ def command(arguments: RunArguments) -> int:
     ) as executor:
         from shaderlab.cli.recorded_run import measure_coverage, run_plan
         from shaderlab.cli.showing import Show
+        from shaderlab.report import html
 
+        _ = html  # what writes the page takes 0.15 s to import
         show = Show(to_stderr=uses_stdout(arguments.outputs))
         plan = plan or _make_plan(arguments, options, executor)
         recorded = run_plan(executor, plan, show, done)

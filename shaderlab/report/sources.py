@@ -10,20 +10,22 @@ import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
+from latex2mathml.converter import convert_to_element
+from markdown_it import MarkdownIt
 from markupsafe import Markup
+from pygments import highlight
+from pygments.formatters import HtmlFormatter
+from pygments.lexer import Lexer
+from pygments.lexers.graphics import GLShaderLexer
+from pygments.lexers.python import PythonLexer
+from pygments.token import Name, Operator, Punctuation, Whitespace
 
 from shaderlab.model.records import Declared, Diagnostic, Record, SourceText, Verdict
 from shaderlab.report.grouping import CaseGroup
 from shaderlab.report.pictures import Pictures, in_base64
 from shaderlab.report.text import Anchors, clean
-
-if TYPE_CHECKING:
-    from markdown_it import MarkdownIt
-    from pygments.formatters import HtmlFormatter
-    from pygments.lexer import Lexer
 
 PREFIX = "t-"
 """What the classes of coloured code begin with."""
@@ -57,8 +59,6 @@ def code_spans(text: str) -> Markup:
 
 @cache
 def _markdown() -> MarkdownIt:
-    from markdown_it import MarkdownIt
-
     return MarkdownIt("zero").enable(["list", "backticks", "code"])
 
 
@@ -70,8 +70,6 @@ def render_formula(latex: str) -> Markup:
     source = clean(latex).strip()
     if not source:
         return Markup("")
-    from latex2mathml.converter import convert_to_element
-
     try:
         safe = _only_mathml(convert_to_element(source, display="block"))
     except Exception:  # the converter's errors have no common base
@@ -119,26 +117,18 @@ def _only_mathml(element: ET.Element) -> ET.Element | None:
 @lru_cache(_TEXTS_KEPT)
 def colour_lines(text: str, language: str) -> tuple[str, ...]:
     """Return the lines of a text that ends with a line's end, each as HTML that can stand alone."""
-    from pygments import highlight
-
     code: str = highlight(text, _lexer(language), _formatter())
     return tuple(code.removesuffix("\n").split("\n"))
 
 
 @cache
 def _lexer(language: str) -> Lexer:
-    from pygments.lexers.graphics import GLShaderLexer
-    from pygments.lexers.python import PythonLexer
-
     # stripnl would take blank first lines away and so shift every number.
     return (PythonLexer if language == "python" else GLShaderLexer)(stripnl=False, ensurenl=False)
 
 
 @cache
 def _formatter() -> HtmlFormatter[str]:
-    from pygments.formatters import HtmlFormatter
-    from pygments.token import Name, Operator, Punctuation, Whitespace
-
     made: HtmlFormatter[str] = HtmlFormatter(nowrap=True, classprefix=PREFIX)
     # Half of all tokens; the styles have no colour for them, so they get no span either.
     made.span_element_openers.update(dict.fromkeys((Name, Operator, Punctuation, Whitespace), ""))
