@@ -29,7 +29,9 @@ def compile_all(shaders: Sequence[tuple[str, bytes]]) -> int:
             given.resource = lib.limits
             shader = front.glslang_shader_create(c.byref(given))
             front.glslang_shader_set_options(shader, flags)
-            parsed = lib.parse(shader, given)
+            parsed = front.glslang_shader_preprocess(
+                shader, c.byref(given)
+            ) and front.glslang_shader_parse(shader, c.byref(given))
             if environment is None:
                 good += parsed
                 front.glslang_shader_delete(shader)
