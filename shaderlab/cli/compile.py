@@ -37,7 +37,7 @@ from shaderlab.report.findings import Finding, collect_verdict_findings
 from shaderlab.report.text import format_diagnostic
 from shaderlab.workers.pool import WorkerPool
 
-# Workers import the driver's room by this name; the command itself never touches a device.
+# Workers import the driver's module by this name; the command itself never touches a device.
 _DRIVER = "shaderlab.drivers:driver_verdict"
 _FILES_PER_WORKER = 500
 _MOST_WORKERS = 4
