@@ -1,10 +1,10 @@
 """What reading shaders as arithmetic must reach, and what is measured, as one table.
 
-    python -m benchmarks.interpreter_goals [--only explain|diff|audit|locate]
+    python -m benchmarks.interpreter_goals [--only explain|diff|audit]
 
-Runs `interpreting`, `diffing` (on captured inputs, and on varied ones too), `auditing` and
-`locating`, each as its own page in the docs has it, and prints the lines that a goal is about. The
-adversary's 10^8 values take a minute or two, the mistakes to locate some minutes.
+Runs `interpreting`, `diffing` (on captured inputs, and on varied ones too) and `auditing`, each as
+its own page in the docs has it, and prints the lines that a goal is about. The adversary's 10^8
+values take a minute or two.
 """
 
 from __future__ import annotations
@@ -14,13 +14,6 @@ import re
 import subprocess
 import sys
 from dataclasses import dataclass
-
-_CASES = (
-    "attenuation", "spotlight", "gamma", "mvp", "blinn-phong", "material", "ambient", "diffuse",
-    "specular", "shininess", "light-struct", "colour-product", "post-inversion", "post-grayscale",
-    "rotate", "scale", "translate", "orthographic", "perspective", "look-at", "swizzle",
-    "glsl-types", "directional-light", "point-light",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -64,9 +57,6 @@ PARTS = (
     Part("audit", ("auditing", "--all"), (
         Goal("at least 95 % of planted hazards at their lines", r"at their lines"),
         Goal("at most 1 alarm in 100 files", r"alarms in"),
-    )),
-    Part("locate", ("locating", *_CASES, "--each", "25"), (
-        Goal("85 % at the statement, 97 % with its callers, 0.6 s each", r"mistakes|state|call"),
     )),
 )  # fmt: skip
 

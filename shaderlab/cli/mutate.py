@@ -59,10 +59,6 @@ if TYPE_CHECKING:
 @click.option(
     "--seed", type=int, default=0, metavar="N", help="The seed of the sample that --limit takes."
 )
-@click.option(
-    "--locate", is_flag=True,
-    help="Name the statement that each killed fragment shader mutant is traced to.",
-)  # fmt: skip
 @limits_option("Count a mutant as killed after S seconds.", seconds=20.0)
 @jobs_option()
 @JSON
@@ -79,7 +75,6 @@ def command(
     api: bool,
     limit: int,
     seed: int,
-    locate: bool,
     limits: Limits,
     workers: int | None,
     json_file: str | None,
@@ -121,9 +116,7 @@ def command(
             "--api can't be combined with --report: the page shows mistakes in shaders and state",
             remedy="write those in calls to a file, with --json",
         )
-    plan = MutationPlan(
-        variants=variants, state=state, api=api, limit=limit, seed=seed, locate=locate
-    )
+    plan = MutationPlan(variants=variants, state=state, api=api, limit=limit, seed=seed)
     results, stopped = _measure(targets, every, plan, json_file == "-", limits, workers)
     _write(results, plan, stopped, folder, json_file)
     if stopped:
@@ -157,8 +150,6 @@ def _measure(
         run = MutationRun(_targets(targets, every, plan, executor), executor)
         stopped = not _judge(run, shown)
     results = run.results(complete=stopped)
-    if plan.locate:
-        _show_traced(console, results)
     _show(console, results, "calls of OpenGL" if plan.api else "shaders")
     if stopped:
         console.print(
@@ -294,15 +285,6 @@ def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None
         + ("" if of_state is None else f" · in state: {_percent(of_state)}"),
         style="bold",
     )
-
-
-def _show_traced(console: Console, results: Sequence[CaseResult]) -> None:
-    for result in results:
-        traced = [run for run in result.with_status("killed") if run.result.traced]
-        if traced:
-            console.print(f"traced in {result.id}:", style="bold")
-        for run in traced:
-            console.print(f"  {run.mutant}\n      to {run.result.traced}")
 
 
 def _percent(share: float | None) -> str:

@@ -41,7 +41,6 @@ class MutationPlan:
         api: mutate the calls of OpenGL that drawing takes, and nothing else.
         limit: the most mutants of a case, drawn at random by `seed`; 0 for all.
         seed: selects the mutants that `limit` draws.
-        locate: find the statement that each killed mutant is traced to.
     """
 
     variants: tuple[str, ...] = ()
@@ -49,7 +48,6 @@ class MutationPlan:
     api: bool = False
     limit: int = 0
     seed: int = 0
-    locate: bool = False
 
     def sample(self, mutants: Sequence[Mutant]) -> list[Mutant]:
         """Return as many of these, in their order, as the limit allows."""
@@ -87,7 +85,7 @@ class CaseTarget:
         return MakeMutants(self.file, self.plan)
 
     def judge(self, mutant: Mutant) -> JudgeMutant:
-        return JudgeMutant(self.file, self.plan.variants, mutant, self.plan.locate)
+        return JudgeMutant(self.file, self.plan.variants, mutant)
 
 
 @dataclass(frozen=True)
@@ -117,19 +115,16 @@ class JudgeMutant:
     file: Path
     variants: tuple[str, ...]
     mutant: Mutant
-    locate: bool = False
 
     def perform(self, worker: Worker) -> MutantResult:
-        judge: Judge = worker.keep(
-            "judge", (self.file, self.variants, self.locate), lambda: self._open(worker)
-        )
+        judge: Judge = worker.keep("judge", (self.file, self.variants), lambda: self._open(worker))
         return judge.judge(self.mutant)
 
     def _open(self, worker: Worker) -> Judge:
         worker.note(_OPENING)
         worker.restart_limit(OPENING_SECONDS)
         lab, case = worker.lab(RunOptions()), worker.case(str(self.file))
-        judge = Judge(lab, case, self.variants, locate=self.locate)
+        judge = Judge(lab, case, self.variants)
         worker.note("")
         worker.restart_limit()
         return judge

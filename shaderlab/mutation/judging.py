@@ -26,7 +26,6 @@ from shaderlab.model.case import Case, Scene
 from shaderlab.model.frame import TracedCall, differ
 from shaderlab.model.scene import Draw, Pixel
 from shaderlab.mutation.call_mutants import judge_unseen_call
-from shaderlab.mutation.locating import Traces, locate_mistake, trace_draws
 from shaderlab.mutation.mutants import (
     Mutant,
     MutantResult,
@@ -53,12 +52,8 @@ class Judge:
         CaseError: an expectation fails with the case's own shaders: there is nothing to measure.
     """
 
-    def __init__(
-        self, lab: SceneRunner, case: Case, variants: tuple[str, ...] = (), *, locate: bool = False
-    ) -> None:
+    def __init__(self, lab: SceneRunner, case: Case, variants: tuple[str, ...] = ()) -> None:
         self._lab = lab
-        self._locate = locate
-        self._draw_traces: dict[str, Traces] = {}
         self._bands = BandCache()
         self._scenes = select_scenes(case, variants)
         self._judged: Judged = judged_outputs(self._scenes)
@@ -182,11 +177,8 @@ class Judge:
             return MutantResult(status="killed", by=f"{part.variant} · another GL error")
         for expectation in part.expect:
             if mutant.judge(expectation).outcome.status != "pass":
-                traced = ""
-                if self._locate:
-                    traced = locate_mistake(mutant, original, self._draw_traces[part.variant])
                 by = f"{part.variant} · {expectation.name}"
-                return MutantResult(status="killed", by=by, traced=traced)
+                return MutantResult(status="killed", by=by)
         return None
 
     def _find_change(self, mutant: Evaluation, original: Evaluation) -> MutantResult | None:
@@ -238,8 +230,6 @@ class Judge:
                         file=scene.case.file or None,
                         remedy="mend the case first; then its power can be measured",
                     )
-            if self._locate:
-                self._draw_traces[scene.variant] = trace_draws(evaluation)
         return evaluation
 
     def _prepare(self, trial: Trial, part: Scene) -> Programs:

@@ -163,15 +163,12 @@ class MutantResult:
         by: the variant and expectation that killed it, or what else there is to say.
         unread: whether it survived because no expectation reads what changes.
         noticed: for a file of tests, whether each test notices it.
-        traced: where a killed one was traced to, "lamp.frag:12: diffuse"; "" if that was not
-            requested, or not found.
     """
 
     status: Status
     by: str = ""
     unread: bool = False
     noticed: Mapping[str, bool] = field(default_factory=dict)
-    traced: str = ""
 
 
 @dataclass(frozen=True)
@@ -240,7 +237,6 @@ def results_to_json(results: Sequence[CaseResult]) -> dict[str, Any]:
 
 def _case_to_json(result: CaseResult) -> dict[str, Any]:
     killed = result.with_status("killed")
-    traced = [{**_run_to_json(r), "traced": r.result.traced} for r in killed if r.result.traced]
     return {
         "id": result.id,
         "killed": len(killed),
@@ -251,7 +247,6 @@ def _case_to_json(result: CaseResult) -> dict[str, Any]:
         "score": result.score,
         "state_score": score([result], state=True),
         "killed_in_state": sum(run.is_state for run in killed),
-        **({"traced": traced} if traced else {}),
         **({"noticed": result.noticed} if result.noticed else {}),
         "seconds": round(result.seconds, 3),
         **({"message": result.message} if result.message else {}),

@@ -189,18 +189,6 @@ def test_a_mutant_of_every_fate(folder: Path, right: str, wrong: str, status: st
         assert re.fullmatch(r"no difference found in \d{5} inputs", fate.by)
 
 
-def test_a_killed_mutant_is_traced_to_its_statement(folder: Path) -> None:
-    flat = SHADER.replace('#include "law.glsl"\n', LAW)
-    wrong = by_hand(flat, "+ 0.5", "+ 0.505")
-    with SceneRunner() as lab:
-        case = load_case(folder / "law.py")
-        fate = Judge(lab, case, locate=True).judge(wrong)
-        assert Judge(lab, case).judge(wrong).traced == ""
-    place = next(i for i, line in enumerate(LAW.splitlines(), 1) if "+ 0.5" in line)
-    assert fate.status == "killed"
-    assert re.search(rf"law\.glsl:{place}: ", fate.traced), fate.traced
-
-
 GREY = """\
 #version 330 core
 in vec2 TexCoords;
