@@ -20,7 +20,7 @@ NAME = "light ≤ 0.5"
 def folder(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the guide's example, and a run of it."""
     folder = tmp_path_factory.mktemp("own")
-    for each in examples(repository / "docs" / "guide" / "cases.md"):
+    for each in examples(repository / "docs" / "guide" / "expectations.md"):
         if isinstance(each, File):
             (folder / each.name).write_text(each.text, encoding="utf-8")
     done = execute("shaderlab run wall.py --report out --json run.json", folder)

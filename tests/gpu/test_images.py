@@ -100,7 +100,7 @@ def miscounted(total: Any) -> float:
 
 @pytest.fixture
 def guide(repository: Path, tmp_path: Path) -> Path:
-    for each in examples(repository / "docs" / "guide" / "cases.md"):
+    for each in examples(repository / "docs" / "guide" / "stages.md"):
         if isinstance(each, File) and each.name.startswith("relief"):
             (tmp_path / each.name).write_text(each.text, encoding="utf-8")
     return tmp_path

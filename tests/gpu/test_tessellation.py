@@ -103,7 +103,7 @@ def failed(record: Record) -> list[str]:
 
 @pytest.fixture
 def guide(repository: Path, tmp_path: Path) -> Path:
-    for each in examples(repository / "docs" / "guide" / "cases.md"):
+    for each in examples(repository / "docs" / "guide" / "stages.md"):
         if isinstance(each, File) and each.name.startswith("sheet"):
             (tmp_path / each.name).write_text(each.text, encoding="utf-8")
     return tmp_path

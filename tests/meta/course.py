@@ -24,7 +24,7 @@ The lessons follow a set of study notes on OpenGL, section by section. For each 
 and its law, and the expectations that fail where that does not hold, by kind and name. Of those
 whose names differ in a number one is listed, and five of a kind at most. Where a lesson proves more
 than its own law, the expectations that do are named. `shaderlab run ID` draws a lesson and judges
-all of this; [writing cases](cases.md) says what the kinds are.
+all of this; [expectations](expectations.md) explains the kinds.
 """
 _SHOWN = 5  # names of a kind
 
