@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes as c
 from collections.abc import Sequence
 
-from shaderlab.compiler.engines import Input, SpirvDiagnostic, glslang, spirv_tools
+from shaderlab.compiler.glslang import Input, SpirvDiagnostic, load_glslang, load_spirv_tools
 
 _STAGES = {"vert": 0, "tesc": 1, "tese": 2, "geom": 3, "frag": 4, "comp": 5}
 # client, its version, messages, options, SPIRV-Tools' environment
@@ -17,7 +17,7 @@ _TARGETS = ((0, 0, 0, 0, None), (2, 450, 8, 3, 9), (1, 1 << 22, 24, 7, 1))
 
 def compile_all(shaders: Sequence[tuple[str, bytes]]) -> int:
     """Compile texts for all three targets; each comes with its extension. How many were good."""
-    lib, tools = glslang(), spirv_tools()
+    lib, tools = load_glslang(), load_spirv_tools()
     front, back = lib.front, lib.back
     contexts = {target[4]: tools.spvContextCreate(target[4]) for target in _TARGETS if target[4]}
     good = 0

@@ -16,13 +16,12 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from shaderlab.compiler.commands import locate
-from shaderlab.compiler.engines import SETTINGS
 from shaderlab.compiler.harness import WORK, compile_glsl
 from shaderlab.workers.pool import WorkerPool
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from bare import compile_all
+from commands import FLAGS, environment, glslang_command
 from trees import write_tree
 
 REPOSITORY = Path(__file__).resolve().parent.parent
@@ -46,11 +45,9 @@ def spent(call: Callable[[], object]) -> tuple[float, float]:
 
 def one_process_each(paths: Sequence[Path], folder: Path) -> None:
     """What a script does that knows the command: one process per file and target."""
-    glslang = locate(None).glslang
-    lib = str(glslang.parent.parent / "lib")
-    env = {**os.environ, "LD_LIBRARY_PATH": lib}
+    glslang, env = glslang_command(), environment()
     for path, target in itertools.product(paths, TARGETS):
-        flags = ["-d"] if target == "glsl" else SETTINGS[target].flags
+        flags = ["-d"] if target == "glsl" else FLAGS[target]
         done = subprocess.run(
             [glslang, *flags, path], cwd=folder, env=env, capture_output=True, check=False
         )

@@ -17,12 +17,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from shaderlab.compiler import ALL_TARGETS, Shaders, compile_program
-from shaderlab.compiler.commands import environment, locate
-from shaderlab.compiler.engines import SETTINGS
+from shaderlab.compiler.glslang import SETTINGS
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+from commands import FLAGS, environment, glslang_command, validator_command
 from trees import SUFFIX
 
 REPOSITORY = Path(__file__).resolve().parent.parent
@@ -75,16 +75,15 @@ def sources(folder: Path) -> Iterator[Source]:
 
 def by_command(source: Source, target: str) -> bool:
     """Whether glslangValidator accepts a shader for a target, and spirv-val its module."""
-    commands, settings, suffix = locate(None), SETTINGS[target], SUFFIX[source.stage]
-    variables = environment(commands.glslang)
+    settings, suffix = SETTINGS[target], SUFFIX[source.stage]
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, f"one.{suffix}").write_text(source.text, encoding="utf-8")
-        steps = [[str(commands.glslang), *settings.flags, f"one.{suffix}"]]
+        steps = [[str(glslang_command()), *FLAGS[target], f"one.{suffix}"]]
         if settings.environment:
             flags = ["--target-env", settings.environment, f"{suffix}.spv"]
-            steps.append([str(commands.validator), *flags])
+            steps.append([str(validator_command()), *flags])
         return all(
-            subprocess.run(step, cwd=folder, env=variables, capture_output=True).returncode == 0
+            subprocess.run(step, cwd=folder, env=environment(), capture_output=True).returncode == 0
             for step in steps
         )
 

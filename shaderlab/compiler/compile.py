@@ -22,7 +22,7 @@ from .diagnostics import (
     parse_link_log,
     parse_stage_log,
 )
-from .engines import ALL_TARGETS, SETTINGS, TARGETS, Engine, Linked, choose
+from .glslang import ALL_TARGETS, SETTINGS, TARGETS, Linked, check, link, validate
 from .reflection import Interface, find_unwritten_inputs, match_locations, reflect
 from .shader_files import STAGES
 from .sources import Source
@@ -91,9 +91,7 @@ Compile = Callable[[Sequence[Source], Sequence[str]], Compiled]
 """`compile_program` or a function that stands for it."""
 
 
-def compile_program(
-    stages: Sequence[Source], targets: Sequence[str] = TARGETS, *, engine: Engine | None = None
-) -> Compiled:
+def compile_program(stages: Sequence[Source], targets: Sequence[str] = TARGETS) -> Compiled:
     """Compile and link one program's stages for each target.
 
     Vulkan allows no samplers in uniform structs, so they are lifted out for "vulkan", and an
@@ -106,20 +104,18 @@ def compile_program(
     Args:
         stages: at least one source, in any order; at most one for each stage.
         targets: some of `ALL_TARGETS`.
-        engine: by default `engines.choose()`.
 
     Raises:
         ShaderError: no stages, two of one stage, stages that can't be linked, or an unknown
             target. What is wrong with the text never raises; it is in the verdicts.
     """
     ordered = order_stages(stages, targets)
-    engine = engine or choose()
-    checked = plain = check_stages(ordered, engine)
+    checked = plain = check_stages(ordered)
     results: dict[str, Result] = {}
     if checked.ok and "opengl" in targets:
-        results["opengl"] = compile_spirv(ordered, "opengl", engine)
+        results["opengl"] = compile_spirv(ordered, "opengl")
     if checked.ok and not ("opengl" in results and _links_as_plain(ordered, results["opengl"])):
-        plain = link_stages(checked, ordered, engine)
+        plain = link_stages(checked, ordered)
     if not plain.ok:
         results.clear()
     results["glsl"] = plain
@@ -127,9 +123,9 @@ def compile_program(
         if target in results:
             continue
         if not checked.ok:
-            results[target] = _compile_refused(ordered, target, plain, engine)
+            results[target] = _compile_refused(ordered, target, plain)
         else:
-            results[target] = compile_spirv(ordered, target, engine) if plain.ok else plain
+            results[target] = compile_spirv(ordered, target) if plain.ok else plain
 
     def interface() -> Interface | None:
         modules = results["opengl"].modules if "opengl" in results else None
@@ -138,7 +134,7 @@ def compile_program(
         newer = tuple(map(raise_version, ordered))
         if "opengl" in results and newer == tuple(ordered):
             return None
-        return compile_program(newer, ("glsl", "opengl"), engine=engine).interface
+        return compile_program(newer, ("glsl", "opengl")).interface
 
     return Compiled(
         verdicts=tuple(
@@ -157,21 +153,17 @@ def _links_as_plain(stages: Sequence[Source], opengl: Result) -> bool:
     return opengl.linked and not any("GL_SPIRV" in stage.code for stage in stages)
 
 
-def _compile_refused(
-    sources: Sequence[Source], target: str, plain: Result, engine: Engine
-) -> Result:
+def _compile_refused(sources: Sequence[Source], target: str, plain: Result) -> Result:
     """Return what a SPIR-V target says of stages that plain GLSL refuses: it may know more words.
     Where it refuses the same lines, what `plain` GLSL says is the answer."""
     if plain.deadly:
         return plain
     if target == "vulkan":
         # Relaxed rules crash on some mistakes that Vulkan's own rules report.
-        own = compile_spirv(
-            [apply_own_rules(source) for source in sources], "vulkan-strict", engine
-        )
-        own = compile_spirv(sources, target, engine) if own.ok else own
+        own = compile_spirv([apply_own_rules(source) for source in sources], "vulkan-strict")
+        own = compile_spirv(sources, target) if own.ok else own
     else:
-        own = compile_spirv(sources, target, engine)
+        own = compile_spirv(sources, target)
     return plain if _lines(own) == _lines(plain) else own
 
 
@@ -270,50 +262,50 @@ class Result:
         )
 
 
-def check_stages(sources: Sequence[Source], engine: Engine) -> Result:
+def check_stages(sources: Sequence[Source]) -> Result:
     """Check each stage by itself, as plain GLSL."""
-    deadly = tuple(d for d in (find_crash(source, engine) for source in sources) if d)
+    deadly = tuple(d for d in (find_crash(source) for source in sources) if d)
     if deadly:
         return Result(deadly, deadly=True)
     diagnostics: list[Diagnostic] = []
     log = ""
     for source in sources:
-        checked = engine.check(source)
+        checked = check(source)
         log += checked.log
         found = parse_stage_log(checked.log, source) if checked.log else ()
         diagnostics += _require_error(found, checked.ok, source)
     return Result(tuple(diagnostics), log)
 
 
-def link_stages(plain: Result, sources: Sequence[Source], engine: Engine) -> Result:
+def link_stages(plain: Result, sources: Sequence[Source]) -> Result:
     """Link stages that `check_stages` accepted, as plain GLSL."""
-    linked = engine.link(sources, "glsl")
+    linked = link(sources, "glsl")
     new = [d for d in _parse_logs(linked, sources) if d not in plain.diagnostics]
     return Result((*plain.diagnostics, *new), plain.log + linked.log)
 
 
-def compile_spirv(sources: Sequence[Source], target: str, engine: Engine) -> Result:
+def compile_spirv(sources: Sequence[Source], target: str) -> Result:
     """Link the stages, make SPIR-V for a target and validate it."""
     old = tuple(d for d in (check_version(source, target) for source in sources) if d)
     if old:
         return Result(old)
     notes: tuple[Diagnostic, ...] = ()
     if target == "vulkan":
-        sources, notes = lift_samplers(sources, engine)
-    linked = engine.link(sources, target)
+        sources, notes = lift_samplers(sources)
+    linked = link(sources, target)
     log = "".join(linked.stage_logs.values()) + linked.log
     diagnostics = (*notes, *_parse_logs(linked, sources)) if log or not linked.ok else notes
     if has_errors(diagnostics):
         return Result(diagnostics, log)
     # Validated before they are read, since glslang can make modules that can't be parsed.
-    problems = _validate(linked.modules, sources, target, engine)
+    problems = _validate(linked.modules, sources, target)
     valid, modules = not problems, linked.modules
     if valid and len(sources) > 1:
         modules = match_locations(linked.modules, sources)
         changed = {s: m for s, m in modules.items() if m != linked.modules[s]}
         problems = [
             *find_unwritten_inputs(sources, modules),
-            *_validate(changed, sources, target, engine),
+            *_validate(changed, sources, target),
         ]
     log += "".join(f"{d.message}\n" for d in problems)
     return Result(
@@ -326,12 +318,12 @@ def compile_spirv(sources: Sequence[Source], target: str, engine: Engine) -> Res
 
 
 def _validate(
-    modules: Mapping[str, bytes], sources: Sequence[Source], target: str, engine: Engine
+    modules: Mapping[str, bytes], sources: Sequence[Source], target: str
 ) -> list[Diagnostic]:
     """SPIRV-Tools' errors."""
     environment = SETTINGS[target].environment
     made = [source for source in sources if source.stage in modules]
-    messages = [engine.validate(modules[source.stage], environment) for source in made]
+    messages = [validate(modules[source.stage], environment) for source in made]
     return [
         describe_invalid(m, source)
         for m, source in zip(messages, made, strict=True)
@@ -364,7 +356,7 @@ _DECLARATOR = re.compile(r"\s*(?P<name>\w+)\s*(?P<array>\[[^\]]*\])?\s*")
 
 
 def lift_samplers(
-    sources: Sequence[Source], engine: Engine
+    sources: Sequence[Source],
 ) -> tuple[Sequence[Source], tuple[Diagnostic, ...]]:
     """Return the stages with samplers lifted out of uniform structs, and a note on each struct.
 
@@ -373,7 +365,7 @@ def lift_samplers(
     found = [_lift(source) for source in sources]
     lifted = [source for source, _ in found]
     notes = [note for _, its_notes in found for note in its_notes]
-    if not notes or not all(engine.check(source).ok for source in lifted):
+    if not notes or not all(check(source).ok for source in lifted):
         return sources, ()
     return lifted, tuple(notes)
 

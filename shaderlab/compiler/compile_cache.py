@@ -26,7 +26,7 @@ from shaderlab.files import cache_root, open_regular, write_bytes
 from shaderlab.model.records import Diagnostic, Verdict
 
 from .compile import Compile, Compiled, compile_program, order_stages
-from .engines import COMMAND_VARIABLE, choose, files
+from .glslang import files, link
 from .reflection import Block, Interface, Member, Variable
 from .sources import Source
 
@@ -170,10 +170,9 @@ def compile_with_lines(source: Source) -> Compiled:
 
 
 def _compile_with_lines(source: Source) -> Compiled:
-    engine = choose()
-    compiled = compile_program([source], ("opengl", "vulkan"), engine=engine)
+    compiled = compile_program([source], ("opengl", "vulkan"))
     for target in compiled.spirv:
-        linked = engine.link([source], target, lines=True)
+        linked = link([source], target, lines=True)
         if linked.ok:
             return replace(compiled, spirv={target: linked.modules})
     return replace(compiled, spirv={})
@@ -198,8 +197,8 @@ class CompileCache:
         self._compilers = functools.cache(compilers)
 
     def compile(self, stages: Sequence[Source], targets: Sequence[str]) -> Compiled:
-        """As `compile_program`, with the default engine."""
-        compilers = self._digest()
+        """As `compile_program`."""
+        compilers = self._compilers()
         if compilers is None:
             return compile_program(stages, targets)
         ordered = tuple(order_stages(stages, targets))
@@ -208,7 +207,7 @@ class CompileCache:
 
     def compile_with_lines(self, source: Source) -> Compiled:
         """As the function of this name."""
-        compilers = self._digest()
+        compilers = self._compilers()
         if compilers is None:
             return _compile_with_lines(source)
         key = program_key([source], ("lines",), compilers)
@@ -217,10 +216,6 @@ class CompileCache:
             found = _compile_with_lines(source)
             self._store.put(key, encode(Entry(found.verdicts, found.spirv, found.logs)))
         return found
-
-    def _digest(self) -> str | None:
-        """The digest of the compilers; None where nothing is cached."""
-        return None if os.environ.get(COMMAND_VARIABLE) else self._compilers()
 
     def _load(
         self, key: str, ordered: tuple[Source, ...], targets: Sequence[str]
@@ -238,12 +233,10 @@ class CompileCache:
         return Compiled(entry.verdicts, entry.spirv, entry.logs, ordered, interface)
 
     def _compile(self, key: str, ordered: tuple[Source, ...], targets: Sequence[str]) -> Compiled:
-        engine = choose()
-        compiled = compile_program(ordered, targets, engine=engine)
-        if engine.name == "library":
-            interface = compiled.interface if "opengl" in targets else None
-            entry = Entry(compiled.verdicts, compiled.spirv, compiled.logs, interface)
-            self._store.put(key, encode(entry))
+        compiled = compile_program(ordered, targets)
+        interface = compiled.interface if "opengl" in targets else None
+        entry = Entry(compiled.verdicts, compiled.spirv, compiled.logs, interface)
+        self._store.put(key, encode(entry))
         return compiled
 
 

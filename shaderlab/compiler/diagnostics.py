@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from shaderlab.model.records import Diagnostic, Severity, Verdict
 
-from .engines import SETTINGS, Engine
+from .glslang import SETTINGS, preprocess
 from .sources import Source
 
 _MESSAGE = re.compile(r"^(?P<severity>(?:INTERNAL )?ERROR|WARNING|NOTE): (?P<rest>.*)$")
@@ -205,11 +205,11 @@ _HARMLESS = re.compile(r"\w+(?:[ \t]+(?!(?:if|else|for|while|do|switch)\b)[\w.]+
 _BRANCHES = frozenset(["if", "else", "for", "while", "do", "switch", "?"])
 
 
-def find_crash(source: Source, engine: Engine) -> Diagnostic | None:
+def find_crash(source: Source) -> Diagnostic | None:
     """Return an error if the text would crash the compiler, or None."""
     code = source.code
     if "define" in code and not all(map(_HARMLESS.match, _DEFINE.findall(code))):
-        code = engine.preprocess(source) or code  # a few macros can expand to many operators
+        code = preprocess(source) or code  # a few macros can expand to many operators
     found = _find_crashing_block(code) or (None if _is_small(code) else _find_deep_nesting(code))
     if found is None:
         return None

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import os
-import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -16,23 +14,12 @@ from shaderlab.model.records import Diagnostic, Verdict
 
 from .compile import compile_program
 from .diagnostics import DRIVER, mark_disagreement
-from .engines import (
-    ALL_TARGETS,
-    COMMAND_VARIABLE,
-    ENGINES,
-    TARGETS,
-    CompilerDiedError,
-    Engine,
-    choose,
-)
+from .glslang import ALL_TARGETS, TARGETS
 from .shader_files import STAGES, ShaderFile, find_shaders, stage_of
 from .sources import Shaders, Source
 
 WORK = "shaderlab.compiler.harness:work"
 """What a pool of processes runs, by name: takes `CompileJob`s, yields `FileResult`s."""
-
-# One check, then for each of three SPIR-V targets the compiler and the validator; rounded up.
-_COMMANDS_PER_FILE = 8
 
 
 class Workers(Protocol):
@@ -51,23 +38,18 @@ class CompileOptions:
         include: folders to include from, after a file's own root.
         defines: macros to put after each `#version` line.
         stage: every file's stage; by default its extension or `#pragma shader_stage` says it.
-        engine: "library", "process", or None for the default.
-        seconds: time limit for one file, enforced by worker processes and by the "process" engine;
-            a library in this process can't be stopped.
         driver: the function that returns a driver's verdict on a program, as "module:function".
         driver_name: the driver to use, and what its verdicts' target is called.
         keep: whether to return SPIR-V modules.
 
     Raises:
-        ShaderError: unknown target, stage or engine.
+        ShaderError: unknown target or stage.
     """
 
     targets: Sequence[str] = TARGETS
     include: Sequence[str | Path] = ()
     defines: Mapping[str, str] = field(default_factory=dict)
     stage: str | None = None
-    engine: str | None = None
-    seconds: float = 10.0
     driver: str = ""
     driver_name: str = ""
     keep: bool = False
@@ -76,7 +58,6 @@ class CompileOptions:
         for what, words, known in (
             ("compile target", self.targets, ALL_TARGETS),
             ("stage", filter(None, [self.stage]), STAGES),
-            ("engine", filter(None, [self.engine]), ENGINES),
         ):
             for word in words:
                 if word not in known:
@@ -139,7 +120,7 @@ def compile_glsl(
 
     Raises:
         UsageError: a path does not exist, or a folder holds no shader.
-        ShaderError: unknown target, stage or engine, or no compiler is installed. What is wrong
+        ShaderError: unknown target or stage, or no compiler is installed. What is wrong
             with a file never raises; it is in the file's result.
     """
     how = CompileOptions(**options)
@@ -180,27 +161,15 @@ def work(jobs: Iterable[CompileJob]) -> Iterator[FileResult]:
     shaders: dict[str, Shaders] = {}  # what loads files, by their root
     for job in jobs:
         options = job.options
-        engine = choose(options.engine, options.seconds)
         try:
             for root in {file.root for file in job.files} - shaders.keys():
                 folders = dict.fromkeys([root, *map(str, options.include)])
                 shaders[root] = Shaders(list(map(Path, folders)), defines=options.defines)
             stages = [shaders[file.root].load(file.name, options.stage) for file in job.files]
-            yield _compile(job, stages, engine)
-        except CompilerDiedError as error:
-            yield _report_death(job, error.status, error.message)
+            yield _compile(job, stages)
         except ShaderError as error:
             message = error.message + (f" ({error.remedy})" if error.remedy else "")
             yield _report_failure(job, message, error.file, error.line)
-
-
-def time_limit(engine: str | None, seconds: float) -> float:
-    """Return the time limit for a process that compiles a file: an engine's commands, of which a
-    file takes several, may each take so many seconds."""
-    commands = engine == "process" or (
-        engine is None and (COMMAND_VARIABLE in os.environ or sys.platform != "linux")
-    )
-    return seconds * _COMMANDS_PER_FILE if commands else seconds
 
 
 def _report_death(job: CompileJob, status: str, message: str) -> FileResult:
@@ -230,8 +199,8 @@ def _report_failure(
     return FileResult(path=job.path, stage=stage, verdicts=tuple(verdicts))
 
 
-def _compile(job: CompileJob, stages: Sequence[Source], engine: Engine) -> FileResult:
-    compiled = compile_program(stages, job.options.targets, engine=engine)
+def _compile(job: CompileJob, stages: Sequence[Source]) -> FileResult:
+    compiled = compile_program(stages, job.options.targets)
     verdicts = compiled.verdicts
     module, _, function = job.options.driver.partition(":")
     if module:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.engines import disassemble_stages
+from shaderlab.compiler.glslang import disassemble_stages
 from shaderlab.drivers import Backend
 from shaderlab.drivers.programs.prepare import Programs
 from shaderlab.files import replace_file, write_bytes

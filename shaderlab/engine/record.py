@@ -12,7 +12,7 @@ from itertools import groupby
 import numpy as np
 
 from shaderlab.compiler.diagnostics import mark_disagreement
-from shaderlab.compiler.engines import ALL_TARGETS
+from shaderlab.compiler.glslang import ALL_TARGETS
 from shaderlab.compiler.reflection import Interface
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs import bind

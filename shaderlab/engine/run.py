@@ -14,7 +14,7 @@ from typing import Self
 
 from shaderlab.compiler.compile import Compiled, find_below_highp
 from shaderlab.compiler.compile_cache import cached_compiler
-from shaderlab.compiler.engines import TARGETS
+from shaderlab.compiler.glslang import TARGETS
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Backend, open_backend
 from shaderlab.drivers.programs.prepare import Preparer, Programs

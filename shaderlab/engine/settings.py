@@ -161,7 +161,7 @@ def _parse_words(value: Any, root: Path) -> tuple[str, ...]:
 
 
 def _parse_targets(value: Any, root: Path) -> tuple[str, ...]:
-    from shaderlab.compiler.engines import ALL_TARGETS
+    from shaderlab.compiler.glslang import ALL_TARGETS
 
     words = _parse_words(value, root)
     for word in words:

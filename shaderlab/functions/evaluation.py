@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.compiler.compile_cache import cached_compiler
-from shaderlab.compiler.engines import choose
+from shaderlab.compiler.glslang import preprocess
 from shaderlab.compiler.shader_files import strip_comments, version_of
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.drivers import Evaluation
@@ -255,7 +255,7 @@ class Preprocess:
 
     def perform(self, worker: Worker) -> str:
         worker.note("preprocessing")
-        text = choose().preprocess(self.source)
+        text = preprocess(self.source)
         if text is None:
             cached_compiler()((self.source,), ("glsl",)).require()
             raise ShaderError("the preprocessor fails", file=self.source.path)

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from shaderlab.compiler.compile import compile_program, raise_version
-from shaderlab.compiler.engines import SPIRV_TOOLS_WHEEL, find
+from shaderlab.compiler.glslang import SPIRV_TOOLS_WHEEL, find
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.engine.evaluation import Evaluation

@@ -20,7 +20,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
-from shaderlab.compiler import compile_cache, engines
+from shaderlab.compiler import compile_cache, glslang
 from shaderlab.compiler.compile_cache import Store, decode, encode
 from shaderlab.model.records import Diagnostic
 
@@ -35,7 +35,7 @@ def settled(monkeypatch: pytest.MonkeyPatch) -> None:
     digest = compile_cache.files_digest
     monkeypatch.setattr(compile_cache, "files_digest", lambda paths: digest(paths, time.time()))
     code = Path(compile_cache.__file__).parent
-    files = [*engines.files(), *code.glob("*.py"), *code.parent.glob("*.py")]
+    files = [*glslang.files(), *code.glob("*.py"), *code.parent.glob("*.py")]
     newest = max(os.stat(file).st_ctime for file in files)
     time.sleep(max(0.0, newest + 3.0 - time.time()))
 

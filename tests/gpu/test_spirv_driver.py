@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from shaderlab.compiler.compile import compile_program
-from shaderlab.compiler.engines import validate
+from shaderlab.compiler.glslang import validate
 from shaderlab.compiler.reflection import add_feedback
 from shaderlab.compiler.sources import Shaders
 from shaderlab.drivers.opengl import device

@@ -63,7 +63,7 @@ def test_listing_cases_loads_nothing_heavy() -> None:
 
 
 def test_a_worker_loads_nothing_heavy() -> None:
-    loaded = modules_after("import shaderlab.compiler.engines, shaderlab.engine.worker")
+    loaded = modules_after("import shaderlab.compiler.glslang, shaderlab.engine.worker")
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"click", "cattrs"})
 
 

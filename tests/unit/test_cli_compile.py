@@ -139,14 +139,6 @@ def test_a_program_is_linked(tmp_path: Path) -> None:
     )
 
 
-def test_the_process_engine_says_the_same(tmp_path: Path) -> None:
-    (tmp_path / "bad.frag").write_text(BAD)
-    (tmp_path / "good.frag").write_text(GOOD)
-    library, process = compile_(tmp_path), compile_(tmp_path, "--engine", "process")
-    assert process.output == library.output
-    assert process.exit_code == library.exit_code == 1
-
-
 def test_a_file_that_takes_too_long_is_counted_apart(tmp_path: Path) -> None:
     (tmp_path / "a.frag").write_text(GOOD)
     result = compile_(tmp_path, "--timeout", "0.000001")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.cli.doctor import examine
-from shaderlab.compiler import compile_cache, compile_program, engines
+from shaderlab.compiler import compile_cache, compile_program, glslang
 from shaderlab.compiler.compile_cache import (
     Store,
     cache_folder,
@@ -84,8 +84,8 @@ def test_the_digest_covers_the_libraries_and_the_code_around_them(
     seen: list[Path] = []
     monkeypatch.setattr(compile_cache, "files_digest", lambda paths: seen.extend(paths) or "digest")
     assert compilers_digest() == "digest"
-    assert set(engines.files()) < set(seen)
-    assert {path.name for path in engines.files()} == {
+    assert set(glslang.files()) < set(seen)
+    assert {path.name for path in glslang.files()} == {
         "libglslang.so", "libSPIRV.so", "libglslang-default-resource-limits.so",
         "libSPIRV-Tools-shared.so",
     }  # fmt: skip
@@ -93,7 +93,7 @@ def test_the_digest_covers_the_libraries_and_the_code_around_them(
     lab = repository / "shaderlab"
     shared = ("errors.py", "files.py", "model/__init__.py", "model/records.py")
     own |= {lab / name for name in shared}
-    assert set(seen) == own | set(engines.files())
+    assert set(seen) == own | set(glslang.files())
 
 
 def test_the_digest_covers_all_that_compiling_imports_of_the_lab(
@@ -102,7 +102,7 @@ def test_the_digest_covers_all_that_compiling_imports_of_the_lab(
     import subprocess
 
     show = (
-        "import sys, shaderlab.compiler.compile_cache, shaderlab.compiler.commands\n"
+        "import sys, shaderlab.compiler.compile_cache\n"
         "print('\\n'.join(m.__file__ for n, m in sys.modules.items() if n[:9] == 'shaderlab'))"
     )
     done = subprocess.run([sys.executable, "-c", show], capture_output=True, text=True, check=True)

@@ -13,7 +13,7 @@ import pytest
 
 from benchmarks.verdicts import DIALECTS, EXPLAINED
 from shaderlab.compiler import ALL_TARGETS, Shaders, compile_program
-from shaderlab.compiler.engines import TARGETS
+from shaderlab.compiler.glslang import TARGETS
 from shaderlab.compiler.sources import Source
 
 ACCEPTED: dict[str, list[str]] = tomllib.loads((DIALECTS / "accepted.toml").read_text())

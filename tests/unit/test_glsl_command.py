@@ -13,7 +13,7 @@ import pytest
 from benchmarks.trees import SUFFIX, mutant, own_shaders
 from shaderlab.compiler import Shaders, Source, compile_program
 from shaderlab.compiler.diagnostics import check_version
-from shaderlab.compiler.engines import GLSLANG_WHEEL, choose, find
+from shaderlab.compiler.glslang import GLSLANG_WHEEL, check, find, link
 
 VERTEX = """#version 330 core
 layout (location = 0) in vec3 aPos;
@@ -142,14 +142,13 @@ def tree(tmp_path_factory: pytest.TempPathFactory, repository: Path) -> list[Sou
 
 
 def test_plain_verdicts_and_messages_are_the_commands_own(tree: list[Source]) -> None:
-    library = choose("library")
     folder = Path(tree[0].path).parent
     printed = run_command(["-d", *(source.name for source in tree)], folder)
     theirs = dict(re.findall(r"^(m\d+\.\w+)\n(.*?)(?=^m\d+\.|\Z)", printed, re.M | re.S))
     assert len(theirs) == len(tree) > 300
     rejected = 0
     for source in tree:
-        checked = library.check(source)
+        checked = check(source)
         rejected += not checked.ok
         ours = checked.log if not checked.ok or "WARNING" in checked.log else ""
         assert theirs[source.name].strip() == ours.strip(), source.name
@@ -170,24 +169,23 @@ def test_linked_verdicts_and_modules_are_the_commands_own(
     """One process a file and target, since the command links all the files that it is given: for
     the texts that do not link, and one in eight of those that do. `benchmarks.verdicts` takes all.
     """
-    library = choose("library")
-    accepted = [source for source in tree if library.check(source).ok]
+    accepted = [source for source in tree if check(source).ok]
     assert len(accepted) > 80
-    linking = [source for source in accepted if library.link([source], "glsl").ok]
+    linking = [source for source in accepted if link([source], "glsl").ok]
     accepted = [source for source in accepted if source not in linking] + linking[::8]
 
     def compare(number: int) -> tuple[int, int]:
         source = accepted[number]
         folder = tmp_path / str(number)
         folder.mkdir()
-        linked = library.link([source], "glsl")
+        linked = link([source], "glsl")
         made = 0
         for target, flags in FLAGS.items():
             if check_version(source, target):
                 continue
             printed = run_command([*flags, "--aml", "--amb", source.path], folder)
             # Some texts are wrong for SPIR-V alone: two inputs at one location, for one.
-            made_here = library.link([source], target)
+            made_here = link([source], target)
             assert ("ERROR: " in printed) is (not made_here.ok), source.name
             assert linked.ok or not made_here.ok, source.name
             if linked.ok is made_here.ok:
@@ -209,11 +207,10 @@ def test_linked_verdicts_and_modules_are_the_commands_own(
 @pytest.mark.parametrize("target", ["opengl", "vulkan"])
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda p: "+".join(p))
 def test_modules_are_the_commands_own(tmp_path: Path, program: dict[str, str], target: str) -> None:
-    library = choose("library")
     sources = _sources(program, tmp_path)
     flags = ["-G"] if target == "opengl" else ["-V", "-R"]
     run_command([*flags, "--aml", "--amb", *(s.name for s in sources)], tmp_path)
-    ours = library.link(sources, target).modules
+    ours = link(sources, target).modules
     for extension in program:
         theirs = (tmp_path / f"{extension}.spv").read_bytes()
         assert ours[STAGES[extension]] == theirs, extension
@@ -222,7 +219,6 @@ def test_modules_are_the_commands_own(tmp_path: Path, program: dict[str, str], t
 
 
 def test_link_messages_are_the_commands_own(tmp_path: Path) -> None:
-    library = choose("library")
     wrong = [
         {"vert": VERTEX, "frag": FRAGMENT.replace("in vec3 Normal", "in vec4 Normal")},
         {"vert": VERTEX.replace("void main", "void mane")},
@@ -238,7 +234,7 @@ def test_link_messages_are_the_commands_own(tmp_path: Path) -> None:
         folder.mkdir()
         sources = _sources(program, folder)
         printed = run_command(["-d", "-l", *(s.name for s in sources)], folder)
-        ours = library.link(sources, "glsl")
+        ours = link(sources, "glsl")
         assert not ours.ok, number
         assert ours.log.strip() in printed, number
         assert ours.log.strip() or any(ours.stage_logs.values()), number

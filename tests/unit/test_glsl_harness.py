@@ -133,7 +133,6 @@ def test_glsl_for_vulkan_reaches_the_vulkan_compiler(tmp_path: Path) -> None:
     [
         ({"targets": ["vulcan"]}, "no such compile target: 'vulcan'"),
         ({"stage": "pixel"}, "no such stage: 'pixel'"),
-        ({"engine": "steam"}, "no such engine: 'steam'"),
     ],
 )
 def test_an_unknown_option_is_an_error_at_once(

@@ -23,8 +23,7 @@ GOOD = HEAD + "void main() { c = vec4(x); }\n"
 # Calls the libraries without the lab's guards.
 UNGUARDED = """
 from shaderlab.compiler import Shaders
-from shaderlab.compiler.engines import choose
-from shaderlab.compiler.engines import validate
+from shaderlab.compiler.glslang import link, validate
 
 class Work:
     def __init__(self, channel):
@@ -35,7 +34,7 @@ class Work:
             source = Shaders([]).from_text(text, "fragment", "killer.frag")
             if "if (" in text:  # takes minutes
                 self.channel.restart_limit(1.0)
-            linked = choose("library").link([source], "vulkan")
+            linked = link([source], "vulkan")
             yield [validate(module, "vulkan1.0") for module in linked.modules.values()]
 """
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from shaderlab.compiler.compile import Compile, Compiled, compile_program
-from shaderlab.compiler.engines import TARGETS
+from shaderlab.compiler.glslang import TARGETS
 from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, suggest

