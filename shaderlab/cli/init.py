@@ -41,12 +41,12 @@ jobs:
           python-version: "3.12"
       - run: sudo apt-get update && sudo apt-get install -y libegl1 libgl1-mesa-dri
       - run: pip install 'shaderlab[pytest]'  # or its wheel, or the address of its repository
-      - run: shaderlab compile {shaders} --annotations -
+      - run: shaderlab compile {shaders}
       - run: pytest --shaderlab-report reports/ci  # cases, and tests of GLSL functions
       - if: always()
         run: >
           test ! -f reports/ci/run.json ||
-          shaderlab report reports/ci --annotations - --sarif shaderlab.sarif
+          shaderlab report reports/ci --sarif shaderlab.sarif
           --junit shaderlab.xml --markdown "$GITHUB_STEP_SUMMARY"
       - if: always()
         continue-on-error: true  # a private repository may have no code scanning

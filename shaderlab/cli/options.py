@@ -456,10 +456,6 @@ def require_no_foreign_page(folder: Path) -> None:
     """Raise UsageError where a report would replace an index.html that is none."""
     page = folder / "index.html"
     if page.exists() and not any((folder / name).exists() for name in _OWN_FILES):
-        from shaderlab.report.html import is_run_list
-
-        if is_run_list(page):
-            return
         raise UsageError(
             "this page is not a shaderlab report, and a report would replace it",
             file=page,

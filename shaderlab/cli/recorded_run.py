@@ -447,7 +447,6 @@ def finish(
         point_latest(recorded.folder)
         _remove_old(recorded.folder.parent)
     if page is not None:
-        problems += _write_index(recorded.folder.parent, new=is_latest)
         show.where(page)
     unwritten = report_problems(problems)
     if not recorded.complete:
@@ -467,18 +466,6 @@ def _remove_old(parent: Path) -> None:
     if count:
         what = "an old run" if count == 1 else f"{count} old runs"
         click.echo(f"removed {what} from {parent}/ (keep in [tool.shaderlab])", err=True)
-
-
-def _write_index(parent: Path, *, new: bool) -> list[ShaderlabError]:
-    """Write the list of all runs there, made where it is `new` only; what was wrong with that."""
-    from shaderlab.report import html
-
-    try:
-        if new or html.is_run_list(parent / html.FILE_NAME):
-            html.write_run_list(parent)
-    except ShaderlabError as error:
-        return [error]
-    return []
 
 
 def write_report(

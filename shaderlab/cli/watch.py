@@ -7,8 +7,8 @@ import datetime
 import os
 import sys
 import time
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,19 +22,16 @@ from shaderlab.cli.options import (
     jobs_option,
     limits_option,
     make_local_executor,
-    make_run_folder,
 )
 from shaderlab.engine.settings import FILE, have_settings_changed, load_settings
-from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.errors import UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits, RunOptions
-from shaderlab.model.records import Record, Run
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
     from shaderlab.cli.watching import Changes, Contents, Session
     from shaderlab.engine.jobs import CaseInfo, Job, LocalExecutor
-    from shaderlab.report.live import LiveReport
 
 
 _SHOWN = 4
@@ -47,12 +44,6 @@ _SHOWN = 4
 @DRIVER
 @jobs_option()
 @limits_option("Stop a variant that takes longer than S seconds.")
-@click.option(
-    "--open",
-    "open_report",
-    is_flag=True,
-    help="Show the report in a browser, where it reloads by itself.",
-)
 def command(
     targets: tuple[str, ...],
     includes: tuple[Path, ...],
@@ -60,7 +51,6 @@ def command(
     driver: str | None,
     workers: int | None,
     limits: Limits,
-    open_report: bool,
 ) -> int:
     """Run cases and tests of GLSL functions, then rerun those that depend on a file whenever it is
     saved: a shader or an included file, a case or test file or a module that it imports, an
@@ -73,7 +63,6 @@ def command(
     Examples:
       shaderlab watch                     watch all cases and tests below this folder
       shaderlab watch tests/test_light.py
-      shaderlab watch my_case.py --open   show the report in a browser
       shaderlab watch 'attenuation[50]'   watch one variant
 
     Exit code: 0 ended by Ctrl-C, 2 wrong usage.
@@ -104,11 +93,8 @@ def command(
         session = stack.enter_context(
             contextlib.closing(Session(start, wanted.jobs, options, warm_up))
         )
-        page = None
-        if open_report:
-            page = stack.enter_context(live_page(options))
         changes.add({file.parent for file in wanted.settings()}, below=False)
-        _Watch(session, changes, Contents(), wanted, show, page).run(case_files, test_files)
+        _Watch(session, changes, Contents(), wanted, show).run(case_files, test_files)
         restart = True
     if restart:  # options, workers and what they keep come of the settings
         os.execv(sys.executable, [sys.executable, "-m", "shaderlab", *sys.argv[1:]])
@@ -172,7 +158,6 @@ class _Watch:
     _contents: Contents
     _wanted: _Wanted
     _show: Show
-    _page: LivePage | None
 
     def run(self, case_files: Collection[Path], test_files: Collection[Path]) -> None:
         """Judge all files, then wait for changes, until the settings are other ones."""
@@ -235,55 +220,3 @@ class _Watch:
         files = self._session.files
         self._contents.learn(files, since)
         self._changes.add({path.parent for path in files})
-        if self._page is not None and not self._changes.pending():
-            self._page.write(self._session, case_files)
-
-
-class LivePage:
-    """The report of all that is watched, in a browser."""
-
-    def __init__(self, report: LiveReport, folder: Path, options: RunOptions) -> None:
-        self._report, self._folder = report, folder
-        self._options = replace(options, folder=folder, pictures=True)
-        self._records: dict[tuple[str, str], Record] = {}
-        self._started = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
-        self._opened = False
-
-    def write(self, session: Session, case_files: Collection[Path]) -> None:
-        """Run what was judged once more, with pictures, and write the page anew."""
-        from shaderlab.model import store
-        from shaderlab.report import html
-
-        began = time.perf_counter()
-        jobs = [job for job in session.jobs if Path(job.file) in case_files]
-        for _, record in session.executor.run(jobs, self._options):
-            self._records[record.id, record.variant] = record
-        about = session.executor.about()
-        run = Run(
-            driver=about.driver,
-            versions=about.versions,
-            started=self._started,
-            seconds=time.perf_counter() - began,
-            records=tuple(self._records.get((r.id, r.variant), r) for r in session.records),
-        )
-        try:
-            store.save(run, self._folder)
-            html.write(run, self._folder)
-        except ShaderlabError as error:
-            click.echo(f"shaderlab: {error}", err=True)
-            return
-        self._report.changed()
-        if not self._opened:
-            self._opened = True
-            click.echo(f"report: {self._report.address}")
-            click.launch(self._report.address)
-
-
-@contextlib.contextmanager
-def live_page(options: RunOptions) -> Iterator[LivePage]:
-    """A page in a new folder of runs, served until the end."""
-    from shaderlab.report.live import live_report
-
-    folder = make_run_folder()
-    with live_report(folder) as report:
-        yield LivePage(report, folder, options)

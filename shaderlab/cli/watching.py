@@ -341,11 +341,6 @@ class Session:
                 executor.close()
 
     @property
-    def executor(self) -> LocalExecutor:
-        """What runs the jobs now."""
-        return self._executor
-
-    @property
     def records(self) -> list[Record]:
         """The latest record of each variant and of each test, in order."""
         found = []
@@ -353,11 +348,6 @@ class Session:
             names = [job.variant for job in watched.jobs] or list(watched.records)
             found += [watched.records[name] for name in names if name in watched.records]
         return found
-
-    @property
-    def jobs(self) -> list[Job]:
-        """All jobs, in order."""
-        return [job for _, job in self._in_order()]
 
     @property
     def files(self) -> set[Path]:

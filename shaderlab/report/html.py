@@ -1,5 +1,4 @@
-"""The report as a small site in the run's folder: a front page, and a page for each case; and the
-list of all runs in a folder such as reports/.
+"""The report as a small site in the run's folder: a front page, and a page for each case.
 
 It opens from disk, where a page may not read files but may link to them and run scripts: what is
 shown on demand is a script. It requests nothing from any network. The same as one file is for
@@ -9,34 +8,20 @@ mailing.
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
-from urllib.parse import quote
 
-from shaderlab.files import read_regular, write_text
+from shaderlab.files import write_text
 from shaderlab.model.records import Run
 from shaderlab.report import rendering
-from shaderlab.report.comparison import (
-    SUMMARY_NAME,
-    compare_drivers,
-    compare_runs,
-    compare_with_past,
-    save_summary,
-)
-from shaderlab.report.grouping import STATUSES
+from shaderlab.report.comparison import compare_drivers, compare_runs
 from shaderlab.report.page import CaseView, Page, build_page, load_mutants
 from shaderlab.report.pictures import Pictures
 from shaderlab.report.sources import collect_words
 
 FILE_NAME = "index.html"
 AGAINST_NAME = "against.html"
-_RUN_LIST = "shaderlab: all runs"
-"""The generator that the list of runs names: it tells that page from one that somebody else put
-there."""
 
 
 def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None) -> Path:
@@ -46,8 +31,7 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
     `folder`/against.html and begins with what changed. Cases are in `folder`/cases, what the pages
     share in `folder`/page. Each file is written whole or not at all, the front page last.
 
-    The results of `shaderlab mutate --report` in that folder are shown too, and what changed since
-    earlier runs whose folders stand beside it.
+    The results of `shaderlab mutate --report` in that folder are shown too.
 
     Raises:
         ShaderlabError: a file can't be written, or `mutation.json` is damaged. Missing pictures
@@ -59,7 +43,6 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
     write_text(shared / "style.css", rendering.style())
     write_text(shared / "script.js", rendering.script())
     links = page.links(single=False)
-    past = compare_with_past(run, target, links)
     render = partial(
         rendering.render, page=page, run=run, single=False, policy=rendering.SITE_POLICY
     )
@@ -72,7 +55,6 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
             case=case,
             earlier=earlier,
             later=later,
-            trend=past and past.trends.get(case.group.id),
         )
         write_text(target / case.page, pieces)
     write_text(shared / "search.js", _search_script(page))
@@ -84,9 +66,7 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
         against=against and compare_runs(run, target, *against, links),
         drivers=compare_drivers(run, links),
         links=links,
-        past=past,
     )
-    save_summary(run, target)
     write_text(path, front)
     return path
 
@@ -113,7 +93,6 @@ def write_single(run: Run, folder: str | Path, path: str | Path) -> None:
         against=None,
         drivers=compare_drivers(run, links),
         links=links,
-        past=compare_with_past(run, Path(folder), links),
     )
     write_text(path, pieces)
 
@@ -133,73 +112,3 @@ def _search_script(page: Page) -> Iterator[str]:
         words = json.dumps(collect_words(case.group.records), ensure_ascii=False)
         yield f"{json.dumps(case.anchor)}: {words},\n"
     yield "};\n"
-
-
-@dataclass(frozen=True)
-class RunLine:
-    """A run in the list: its folder's name, when it began, its status ("" where its summary has
-    none), its summary, whether it was interrupted, its driver, and the shaders that were
-    replaced."""
-
-    name: str
-    started: str
-    status: str
-    summary: str
-    interrupted: bool
-    renderer: str
-    replaced: tuple[str, ...]
-
-    @property
-    def link(self) -> str:
-        return f"{quote(os.fsencode(self.name))}/{FILE_NAME}"
-
-
-def write_run_list(folder: Path) -> None:
-    """Write `folder`/index.html: the runs whose folders lie there, the last one first.
-
-    A page that is not of this kind stays as it is.
-
-    Raises:
-        ShaderlabError: it can't be written.
-    """
-    path = folder / FILE_NAME
-    if path.exists() and not is_run_list(path):
-        return
-    lines = sorted(_run_lines(folder), key=lambda line: (line.started, line.name), reverse=True)
-    pieces = rendering.render(
-        "runs.html.j2",
-        lines=lines,
-        style=rendering.style(),
-        policy=rendering.plain_policy(),
-        generator=_RUN_LIST,
-    )
-    write_text(path, pieces)
-
-
-def is_run_list(path: Path) -> bool:
-    """Whether a file is a list of runs that was written earlier."""
-    try:
-        text = read_regular(path).decode("utf-8", "replace")
-    except OSError:
-        return False
-    return f'name="generator" content="{_RUN_LIST}"' in text
-
-
-def _run_lines(folder: Path) -> Iterator[RunLine]:
-    for path in folder.glob(f"*/{SUMMARY_NAME}"):
-        if path.parent.is_symlink() or not (path.parent / FILE_NAME).is_file():
-            continue
-        try:
-            found: dict[str, Any] = json.loads(read_regular(path))
-            status = found.get("status")
-            yield RunLine(
-                name=path.parent.name,
-                started=str(found["started"]),
-                status=status if status in STATUSES else "",
-                summary=str(found.get("said", "")),
-                interrupted=bool(found.get("missing")),
-                renderer=str(found["renderer"]),
-                replaced=tuple(map(str, found["replaced"])),
-            )
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            continue

@@ -71,7 +71,6 @@ def environment() -> Environment:
             "uncovered": _css(pictures.UNCOVERED),
         },
         script_colours=_script_colours,
-        generator=None,
     )
     # An attribute is one, and an error where there is none: Jinja would look for an item, too.
     made.getattr = getattr  # type: ignore[method-assign, assignment]
@@ -128,11 +127,6 @@ def single_policy() -> str:
         f"{_NOTHING_ELSE}; img-src data:; style-src '{_hash(style())}'; "
         f"script-src '{_hash(script())}'"
     )
-
-
-def plain_policy() -> str:
-    """Return the content security policy of a page of text in one file, without scripts."""
-    return f"{_NOTHING_ELSE}; style-src '{_hash(style())}'"
 
 
 def _join(folder: str, names: tuple[str, ...], suffix: str) -> str:

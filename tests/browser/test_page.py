@@ -128,14 +128,13 @@ def test_chapters_and_neighbours_are_one_click_away(visit: Visit, lamp: Sample) 
     assert_at_the_top(page, "#case-blend")
     way = page.locator("nav.way")
     assert way.bounding_box()["y"] == 0
-    assert way.locator("li a").first.inner_text().split() == ["5", "Lighting"]
-    assert way.locator("[aria-current]").text_content().strip().startswith("6")
+    assert way.locator("li a").first.text_content().strip().startswith("5")
     page.locator("article", has=page.locator("#case-blend")).locator("a[rel=prev]").click()
     assert_at_the_top(page, "#case-lamp")
     page.locator("article", has=page.locator("#case-lamp")).locator("a[rel=next]").click()
     assert_at_the_top(page, "#case-blend")
     way.locator("a", has_text="5").click()
-    wait_until(page, lambda: way.locator("[aria-current]").inner_text()[0] == "5")
+    assert_at_the_top(page, "#chapter-5")
 
 
 def test_a_cases_page_knows_its_chapter_and_its_neighbours(visit: Visit, lamp: Sample) -> None:
@@ -251,7 +250,7 @@ def test_nothing_sticks_out(visit: Visit, lamp: Sample, options: dict[str, Any])
         assert len({place["y"] for place in places}) == 1
 
 
-def test_two_runs_are_compared_and_their_pictures_blink(visit: Visit, tmp_path: Path) -> None:
+def test_two_runs_are_compared(visit: Visit, tmp_path: Path) -> None:
     later, earlier = lamp(tmp_path / "later"), lamp(tmp_path / "earlier")
     records = list(earlier.run.records)
     records[1] = replace(records[1], status="pass")
@@ -264,9 +263,5 @@ def test_two_runs_are_compared_and_their_pictures_blink(visit: Visit, tmp_path: 
     row = page.locator(".changes tr", has_text="bad")
     assert [b.strip() for b in row.locator(".badge").all_text_contents()] == ["passed", "failed"]
     assert page.locator(".drivers .is-changed", has_text="softpipe").count() == 1
-    button = page.locator(".blink button").first
-    button.click()
-    assert page.locator(".blink").first.locator("img.is-off").count() == 1
-    assert page.locator(".blink .which").first.text_content() in ("now", "before")
-    button.click()
-    assert page.locator(".blink .which").first.text_content() == "before and now"
+    pictures = page.locator(".pairs-of-pictures figure")
+    assert pictures.count() > 0 and pictures.first.locator("img").count() == 2

@@ -14,7 +14,6 @@ from click.testing import CliRunner
 from shaderlab.cli import cli
 from shaderlab.cli.options import make_report_folder, mark_named, remove_old_runs
 from shaderlab.errors import UsageError
-from shaderlab.report import html
 
 
 def run(parent: Path, name: str, age: int) -> Path:
@@ -63,11 +62,6 @@ def test_a_page_of_anothers_is_not_replaced(tmp_path: Path) -> None:
     assert make_report_folder(tmp_path) == tmp_path
 
 
-def test_the_list_of_runs_may_be_replaced(tmp_path: Path) -> None:
-    html.write_run_list(tmp_path)
-    assert make_report_folder(tmp_path) == tmp_path
-
-
 def test_a_run_removes_what_the_project_does_not_keep(
     fake_lab: Callable[..., list[Any]],
     case_folder: Path,
@@ -86,9 +80,3 @@ def test_a_run_removes_what_the_project_does_not_keep(
     assert result.exit_code == 0 and "removed 2 old runs from reports/" in result.output
     assert [folder.exists() for folder in old] == [False, False, True]
     assert Path("reports/latest/index.html").is_file()
-    index = Path("reports/index.html").read_text()
-    assert index.count("/index.html") == 1 and "1 case:" in index  # none of those that went
-    CliRunner().invoke(cli, ["run", "lamp.py", "--report", "reports/mine"])
-    assert 'href="mine/index.html"' in Path("reports/index.html").read_text()
-    CliRunner().invoke(cli, ["run", "lamp.py", "--report", "elsewhere/mine"])
-    assert not Path("elsewhere/index.html").exists()

@@ -1,4 +1,4 @@
-"""Findings at their file and line, as annotations of GitHub and as SARIF."""
+"""Findings at their file and line, as SARIF."""
 
 from __future__ import annotations
 
@@ -28,7 +28,6 @@ from shaderlab.model.records import (
 )
 from shaderlab.report.findings import WORKSPACE, Finding, collect_findings
 from shaderlab.report.formats import sarif
-from shaderlab.report.formats.annotations import render_findings as annotated
 
 CASE = "\n\ncase = ...\n\nfactor()\n"
 # What each object of SARIF 2.1.0 that is written here may have, and must have (OASIS, section 3).
@@ -166,30 +165,6 @@ def test_an_interrupted_run_and_another_driver_are_findings() -> None:
     assert log["invocations"] == [{"executionSuccessful": False}]
 
 
-def test_annotations_are_escaped() -> None:
-    finding = Finding(
-        rule="a", file="50%,a:b\n.frag", line=3, message="100 %\r\n::error::\x1b[0m, fine: yes"
-    )
-    text = annotated([finding], "compile")
-    assert text == (
-        "::error file=50%25%2Ca%3Ab%0A.frag,line=3,title=shaderlab compile%3A a"
-        "::100 %25%0A::error::\ufffd[0m, fine: yes\n"
-    )
-
-
-def test_errors_are_annotated_before_warnings_and_a_place_may_be_missing() -> None:
-    some = [
-        Finding(rule="w", file="a", line=0, severity="warning", message="later"),
-        Finding(rule="e", file="", line=0, message="first"),
-        Finding(rule="i", file="", line=0, severity="info", message="last"),
-    ]
-    assert annotated(some, "run").splitlines() == [
-        "::error title=shaderlab run%3A e::first",
-        "::warning file=a,title=shaderlab run%3A w::later",
-        "::notice title=shaderlab run%3A i::last",
-    ]
-
-
 def test_paths_are_those_of_the_repository(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     subprocess.run(["git", "init", "-q"], check=True)
     (here / "sub folder").mkdir()
@@ -207,9 +182,9 @@ def test_paths_are_those_of_the_repository(here: Path, monkeypatch: pytest.Monke
     ]  # fmt: skip
     assert all(" " not in one["uri"] and one["uri"].isascii() for one in where)
     assert [one.get("uriBaseId") for one in where] == ["SRCROOT", "SRCROOT", None]
-    assert "file=sub folder/é.frag,line=1" in annotated(some, "run")
     monkeypatch.setenv(WORKSPACE, str(here / "sub folder"))
-    assert "file=é.frag,line=1" in annotated(some, "run")
+    first = check(sarif.render_findings(some, "run"))["results"][0]["locations"][0]
+    assert unquote(first["physicalLocation"]["artifactLocation"]["uri"]) == "é.frag"
 
 
 def test_fingerprints_stay_where_lines_move_and_figures_change(here: Path) -> None:
@@ -253,13 +228,12 @@ def test_an_expectation_knows_its_line_whoever_makes_it(here: Path) -> None:
     assert Case(title="t", passes=fullscreen("a.frag"), expect=[made]).expect[0] is made
 
 
-def test_compile_writes_both(here: Path) -> None:
+def test_compile_writes_sarif(here: Path) -> None:
     (here / "bad.frag").write_text("#version 330 core\nout vec4 c;\nvoid main() { c = vec4(x); }\n")
-    command = ["compile", "bad.frag", "--annotations", "-", "--sarif", "out.sarif", "-j", "0"]
+    command = ["compile", "bad.frag", "--sarif", "out.sarif", "-j", "0"]
     result = CliRunner().invoke(cli, command, catch_exceptions=False)
     assert result.exit_code == 1
-    assert result.stdout.startswith("::error file=bad.frag,line=3,title=shaderlab compile%3A comp")
-    assert "bad.frag:3: error:" in result.stderr
+    assert "bad.frag:3: error:" in result.output
     log = check((here / "out.sarif").read_text())
     assert [result["ruleId"] for result in log["results"]] == ["compile-error"]
     assert log["automationDetails"] == {"id": "shaderlab/compile/"}
@@ -267,9 +241,10 @@ def test_compile_writes_both(here: Path) -> None:
 
 def test_shaders_that_compile_are_no_findings(here: Path) -> None:
     (here / "good.frag").write_text("#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1); }")
-    command = ["compile", "good.frag", "--annotations", "-", "-j", "0"]
+    command = ["compile", "good.frag", "--sarif", "-", "-j", "0"]
     result = CliRunner().invoke(cli, command, catch_exceptions=False)
-    assert (result.exit_code, result.stdout) == (0, "")
+    assert result.exit_code == 0
+    assert check(result.stdout)["results"] == []
 
 
 def test_a_formula_of_a_function_is_related_to_its_sources() -> None:

@@ -183,9 +183,9 @@ def test_init_writes_what_is_missing_and_keeps_what_is_there(
     assert Path(".gitignore").read_text() == "*.o\n/reports/\n"
     workflow = Path(".github/workflows/shaders.yml")
     text = workflow.read_text()
-    assert "shaderlab compile engine shaders tests --annotations -\n" in text
+    assert "shaderlab compile engine shaders tests\n" in text
     assert "pytest --shaderlab-report reports/ci" in text
-    assert "shaderlab report reports/ci --annotations - --sarif shaderlab.sarif" in text
+    assert "shaderlab report reports/ci --sarif shaderlab.sarif" in text
     workflow.write_text("mine\n")
     result = CliRunner().invoke(cli, ["init"])
     assert result.output.count("already") == 3

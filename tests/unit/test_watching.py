@@ -1,12 +1,10 @@
-"""Saved files: what editors do to them, what was changed, and a report that reloads itself."""
+"""Saved files: what editors do to them, and what was changed."""
 
 from __future__ import annotations
 
 import os
 import sys
 import time
-import urllib.error
-import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,7 +12,6 @@ import pytest
 
 from shaderlab.cli.watching import Changes, Contents, OpenedFiles
 from shaderlab.engine.catalogue import imported_files
-from shaderlab.report.live import live_report
 
 
 @pytest.fixture
@@ -150,31 +147,3 @@ def test_modules_of_a_project_are_followed(tmp_path: Path) -> None:
     (tmp_path / "sub" / "three.py").write_text("")
     names = {path.relative_to(tmp_path).as_posix() for path in imported_files(tmp_path / "case.py")}
     assert names == {"case.py", "one.py", "two.py", "sub/three.py"}
-
-
-def test_the_report_is_served_and_reloaded_on_this_machine_alone(tmp_path: Path) -> None:
-    (tmp_path / "index.html").write_text("<title>run</title>")
-    (tmp_path.parent / "secret").write_text("x")
-
-    def get(path: str, **headers: str) -> str:
-        request = urllib.request.Request(report.address.rstrip("/") + path, headers=headers)
-        with urllib.request.urlopen(request, timeout=5) as answer:
-            text: str = answer.read().decode()
-        return text
-
-    with live_report(tmp_path) as report:
-        assert "EventSource" in get("/")
-        assert get("/report/index.html") == "<title>run</title>"
-        for path in ("/index.html", "/report/../secret", "/report/%2e%2e/secret"):
-            with pytest.raises(urllib.error.HTTPError, match="404"):
-                get(path)
-        with pytest.raises(urllib.error.HTTPError, match="403"):
-            get("/report/index.html", Host="example.org")
-        with urllib.request.urlopen(f"{report.address}changes", timeout=5) as stream:
-            report.changed()
-            assert stream.readline() == b"data: changed\n"
-            assert stream.readline() == b"\n"
-            report.changed()
-            assert stream.readline() == b"data: changed\n"
-    with pytest.raises(urllib.error.URLError):
-        get("/")

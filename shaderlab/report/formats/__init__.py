@@ -46,6 +46,5 @@ FORMATS = (
     Format("junit", "Write results as JUnit XML; - for stdout."),
     Format("markdown", "Write a summary in Markdown; - for stdout."),
     Format("sarif", "Write failures with file and line as SARIF; - for stdout.", findings=True),
-    Format("annotations", "Write failures as GitHub annotations; - for stdout.", findings=True),
 )
 FINDING_FORMATS = tuple(format for format in FORMATS if format.findings)

@@ -50,39 +50,6 @@ function readChart(chart, svg, rows) {
     show(rank < 0 ? 0 : rank + step * (event.shiftKey ? 8 : 1));
   });
 }
-// Two runs' pictures of one variant in one place, one after the other, while a button is on.
-const BLINK_MS = 500;
-
-for (const figure of document.querySelectorAll(".blink")) blinkable(figure);
-
-function blinkable(figure) {
-  const images = [...figure.querySelectorAll("img")];
-  const which = figure.querySelector(".which");
-  const button = document.createElement("button");
-  let timer = 0;
-  let shown = 1;
-  if (images.length < 2) return;
-  button.type = "button";
-  button.textContent = "blink";
-  button.setAttribute("aria-pressed", "false");
-  figure.querySelector("figcaption").append(button);
-
-  function turn() {
-    shown = 1 - shown;
-    images.forEach((image, n) => image.classList.toggle("is-off", n !== shown));
-    which.textContent = shown ? "now" : "before";
-  }
-
-  button.addEventListener("click", () => {
-    const on = !timer;
-    clearInterval(timer);
-    timer = on ? setInterval(turn, BLINK_MS) : 0;
-    button.setAttribute("aria-pressed", String(on));
-    figure.classList.toggle("is-stacked", on);
-    if (on) turn();
-    else which.textContent = "before and now";
-  });
-}
 // Shows the cases whose text holds every word of the box and whose status is switched on: their
 // titles, lessons, checks and shaders.
 
@@ -243,39 +210,6 @@ function arriveAt(goal) {
 }
 addEventListener("hashchange", reveal);
 if (location.hash) reveal();
-// Marks the chapter that is being read in the line of chapters at the top; on a case's own page the
-// chapter is marked already.
-const way = document.querySelector(".way");
-if (way && !document.documentElement.dataset.root) followChapters(way);
-const marked = way?.querySelector("[aria-current]");
+// On a case's own page its chapter is marked in the line of chapters, which may be longer than wide.
+const marked = document.querySelector(".way [aria-current]");
 if (marked) marked.closest("ol").scrollLeft = marked.offsetLeft - marked.closest("ol").offsetLeft;
-
-function followChapters(nav) {
-  const links = [...nav.querySelectorAll("ol a")];
-  const heads = links.map((link) => document.getElementById(link.hash.slice(1)));
-  let current = null;
-  let waiting = false;
-
-  function mark() {
-    waiting = false;
-    const line = nav.getBoundingClientRect().bottom + 90;
-    // A hidden chapter's heading has no place.
-    const passed = heads.filter((head) => head.offsetParent
-      && head.getBoundingClientRect().top < line);
-    const next = passed.length ? links[heads.indexOf(passed.at(-1))] : null;
-    if (next === current) return;
-    current?.removeAttribute("aria-current");
-    current = next;
-    if (!current) return;
-    current.setAttribute("aria-current", "true");
-    // Only the line itself is scrolled, never the page.
-    const list = current.closest("ol");
-    list.scrollLeft = current.offsetLeft - list.offsetLeft - list.clientWidth / 3;
-  }
-
-  addEventListener("scroll", () => {
-    if (!waiting) requestAnimationFrame(mark);
-    waiting = true;
-  }, { passive: true });
-  mark();
-}
