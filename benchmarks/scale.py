@@ -1,10 +1,9 @@
-"""How runs grow: `python -m benchmarks.scale [COUNT …] [--sweep POINTS] [--cluster CASES]`.
+"""How runs grow: `python -m benchmarks.scale [COUNT …] [--sweep POINTS]`.
 
 Runs folders of so many small cases (500 and 2,000 by default; 10,000 take minutes), each a shader
 of its own with 16 × 16 judged pixels, or as `--size` says: records a second, milliseconds of the
 processors for each, the largest process, and the page, made once more. `--sweep` judges one case at
-so many points. `--cluster` compares one and two workers of a Dask cluster on this machine with
-`-j 1`, which is the same work without a cluster.
+so many points.
 """
 
 from __future__ import annotations
@@ -40,10 +39,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("counts", type=int, nargs="*", metavar="COUNT")
     parser.add_argument("--sweep", type=int, metavar="POINTS")
-    parser.add_argument("--cluster", type=int, metavar="CASES")
     parser.add_argument("--size", type=int, default=16, metavar="PIXELS")
     asked = parser.parse_args()
-    counts = asked.counts or ([] if asked.sweep or asked.cluster else [500, 2000])
+    counts = asked.counts or ([] if asked.sweep else [500, 2000])
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if counts:
@@ -52,8 +50,6 @@ def main() -> None:
             grown(folder, count, asked.size)
         if asked.sweep:
             swept(folder, asked.sweep, asked.size)
-        if asked.cluster:
-            clustered(folder, asked.cluster, asked.size)
 
 
 def grown(folder: Path, count: int, size: int) -> None:
@@ -82,32 +78,6 @@ def swept(folder: Path, points: int, size: int) -> None:
         f"largest process {taken.largest:.0f} MiB",
         flush=True,
     )
-
-
-def clustered(folder: Path, count: int, size: int) -> None:
-    """The same cases by one process, and by clusters of one and two workers."""
-    from distributed import LocalCluster
-
-    cases = str(folder / "clustered")
-    running_programs.write(Path(cases), count, size)
-    ran = "run", cases, "--no-pictures", "--report"
-    lab(folder, *ran, str(folder / "first"))  # what is compiled is kept from here on
-    alone = lab(folder, *ran, str(folder / "alone"), "-j", "1").clock
-    print(f"{count} cases, -j 1: {alone:.1f} s", flush=True)
-    least = alone
-    for workers in (1, 2):
-        with LocalCluster(
-            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0"
-        ) as cluster:
-            asked = *ran, str(folder / "cluster"), "--scheduler", cluster.scheduler_address
-            lab(folder, *asked)  # the workers' own processes start
-            clock = lab(folder, *asked).clock
-        least = clock if workers == 1 else least
-        print(
-            f"a cluster's {workers}: {clock:.1f} s, {1000 * (clock - alone / workers) / count:.1f} "
-            f"ms a case more than its share of -j 1, {least / clock:.2f} × one worker's speed",
-            flush=True,
-        )
 
 
 def lab(folder: Path, *arguments: str) -> Taken:

@@ -19,7 +19,7 @@ from shaderlab.cli.options import (
     has_functions_only,
     jobs_option,
     limits_option,
-    make_local_executor,
+    make_executor,
     report_problems,
     resolve_shaders,
     uses_stdout,
@@ -95,7 +95,7 @@ def command(
     files = dict(outputs) if json_file is None else {**outputs, "json": json_file}
     to_stderr = uses_stdout(files)
     audits: list[Audit] = []
-    with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
+    with contextlib.closing(make_executor(driver, limits, workers, early=False)) as executor:
         options = RunOptions(driver=driver, include=includes, limits=limits)
         requests = list(
             _make_requests(targets, Plan(ranges=ranges, precision=precision), stage, options)

@@ -23,7 +23,7 @@ from shaderlab.cli.options import (
     has_functions_only,
     jobs_option,
     limits_option,
-    make_local_executor,
+    make_executor,
     resolve_shader,
     write_json,
 )
@@ -34,7 +34,7 @@ from shaderlab.model.options import Limits, RunOptions
 if TYPE_CHECKING:
     from shaderlab.analysis.answer import Answer
     from shaderlab.analysis.comparison import Plan
-    from shaderlab.engine.jobs import LocalExecutor
+    from shaderlab.engine.jobs import Executor
 
 
 NO_ANSWER = USAGE
@@ -143,7 +143,7 @@ class _Comparison:
             ShaderlabError: there is none.
         """
         with contextlib.closing(
-            make_local_executor(None, self.limits, self.workers, early=False)
+            make_executor(None, self.limits, self.workers, early=False)
         ) as executor:
             request = self._make_request(old, new, then, executor)
             (result,) = executor.perform([request])
@@ -160,7 +160,7 @@ class _Comparison:
         old: Path,
         new: Path,
         then: Callable[[Path], Path] | None,
-        executor: LocalExecutor,
+        executor: Executor,
     ) -> object:
         from shaderlab.analysis import requests
 

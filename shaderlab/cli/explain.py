@@ -20,7 +20,7 @@ from shaderlab.cli.options import (
     collect,
     jobs_option,
     limits_option,
-    make_local_executor,
+    make_executor,
     resolve_shader,
     write_json,
 )
@@ -31,7 +31,7 @@ from shaderlab.model.records import Explanation, Step
 
 if TYPE_CHECKING:
     from shaderlab.analysis.requests import ExplainFile, ExplainPixel
-    from shaderlab.engine.jobs import LocalExecutor
+    from shaderlab.engine.jobs import Executor
 
 _MOST = 3  # of the steps that lose most, in words
 
@@ -116,7 +116,7 @@ def command(arguments: ExplainArguments) -> int:
     from shaderlab.analysis.answer import format_inputs
 
     with contextlib.closing(
-        make_local_executor(arguments.driver, arguments.limits, arguments.workers, early=False)
+        make_executor(arguments.driver, arguments.limits, arguments.workers, early=False)
     ) as executor:
         request = _make_request(arguments, executor)
         value = _perform(request, executor)
@@ -135,9 +135,7 @@ def command(arguments: ExplainArguments) -> int:
     return FAILED if any(s.by_driver and not s.inside for s in explained.steps) else OK
 
 
-def _make_request(
-    arguments: ExplainArguments, executor: LocalExecutor
-) -> ExplainFile | ExplainPixel:
+def _make_request(arguments: ExplainArguments, executor: Executor) -> ExplainFile | ExplainPixel:
     """Return the request for what was named. Raises UsageError, CaseError."""
     from shaderlab.analysis.requests import ExplainFile, ExplainPixel
     from shaderlab.cli.selecting import select_one
@@ -165,7 +163,7 @@ def _make_request(
     )
 
 
-def _perform(request: ExplainFile | ExplainPixel, executor: LocalExecutor) -> Any:
+def _perform(request: ExplainFile | ExplainPixel, executor: Executor) -> Any:
     """Return the result of a request. Raises ShaderlabError."""
     from shaderlab.engine.jobs import format_error
 

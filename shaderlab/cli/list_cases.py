@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.options import JSON, make_local_executor
+from shaderlab.cli.options import JSON, make_executor
 from shaderlab.cli.selecting import KEPT
 from shaderlab.engine.jobs import CaseInfo
 from shaderlab.errors import UsageError, suggest
@@ -99,7 +99,7 @@ def _load_cases(targets: Sequence[str]) -> list[CaseInfo]:
     from shaderlab.cli.selecting import find_files, make_ids_distinct
     from shaderlab.engine.catalogue import sort_key
 
-    with contextlib.closing(make_local_executor(None, Limits(), None, early=False)) as executor:
+    with contextlib.closing(make_executor(None, Limits(), None, early=False)) as executor:
         found = make_ids_distinct(executor.load(find_files(targets)))
     return sorted(found, key=lambda case: sort_key(case.section, case.id))
 

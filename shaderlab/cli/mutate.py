@@ -17,7 +17,7 @@ from shaderlab.cli.options import (
     JSON,
     jobs_option,
     limits_option,
-    make_local_executor,
+    make_executor,
     make_report_folder,
     report_option,
     write_json,
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from shaderlab.cli.showing import Show
-    from shaderlab.engine.jobs import LocalExecutor
+    from shaderlab.engine.jobs import Executor
     from shaderlab.mutation import CaseResult, MutationPlan, MutationRun, MutationTarget
 
 
@@ -146,7 +146,7 @@ def _measure(
     console = shown.console
     if not console.is_terminal:
         console.width = 120  # a file has no width, and cut numbers are of no use
-    with contextlib.closing(make_local_executor(None, limits, workers, early=False)) as executor:
+    with contextlib.closing(make_executor(None, limits, workers, early=False)) as executor:
         run = MutationRun(_targets(targets, every, plan, executor), executor)
         stopped = not _judge(run, shown)
     results = run.results(complete=stopped)
@@ -193,7 +193,7 @@ def _into_report(data: Mapping[str, Any], folder: Path) -> None:
 
 
 def _targets(
-    targets: Sequence[str], every: bool, plan: MutationPlan, executor: LocalExecutor
+    targets: Sequence[str], every: bool, plan: MutationPlan, executor: Executor
 ) -> list[MutationTarget]:
     """The cases that are named, and the files of tests. Raises UsageError, CaseError."""
     from shaderlab.cli.selecting import exclude_test_files, find_test_files
@@ -218,7 +218,7 @@ def _targets(
 
 
 def _cases(
-    targets: Sequence[str], every: bool, variants: tuple[str, ...], executor: LocalExecutor
+    targets: Sequence[str], every: bool, variants: tuple[str, ...], executor: Executor
 ) -> dict[Path, str]:
     """The files of the cases that are named, and their ids. Raises UsageError, CaseError."""
     from shaderlab.cli.selecting import select_jobs

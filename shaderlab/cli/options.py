@@ -28,7 +28,7 @@ from shaderlab.report.formats import FINDING_FORMATS, FORMATS, Format
 
 if TYPE_CHECKING:
     from shaderlab.analysis.requests import ShaderOfFile
-    from shaderlab.engine.jobs import Executor, LocalExecutor
+    from shaderlab.engine.jobs import Executor
     from shaderlab.model.records import Run
     from shaderlab.report.findings import Finding
 
@@ -55,11 +55,6 @@ TARGET = click.option(
 )
 JSON = click.option(
     "--json", "json_file", metavar="FILE", help="Write results as JSON; - writes to stdout."
-)
-SCHEDULER = click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    help="Run on the Dask cluster of this scheduler, such as tcp://host:8786, instead of -j.",
 )
 DRIVER = click.option(
     "--driver",
@@ -147,7 +142,6 @@ class RunningOptions:
     includes: tuple[Path, ...]
     compile_targets: tuple[str, ...]
     driver: str | None
-    scheduler: str | None
     workers: int | None
     limits: Limits
     folder: str | None
@@ -166,7 +160,6 @@ def running_options(what: str) -> Callable[[Command], Command]:
             INCLUDE,
             TARGET,
             DRIVER,
-            SCHEDULER,
             jobs_option(),
             limits_option(f"Stop a {what} that takes longer than S seconds."),
             report_option("Write the report to DIR instead of a new folder in reports/."),
@@ -178,21 +171,8 @@ def running_options(what: str) -> Callable[[Command], Command]:
 
 
 def make_executor(
-    driver: str | None, limits: Limits, workers: int | None, scheduler: str | None = None
-) -> Executor:
-    """Return what runs the jobs of a command. Raises UsageError."""
-    if scheduler is None:
-        return make_local_executor(driver, limits, workers)
-    if workers == 0:
-        raise UsageError("--scheduler can't be combined with -j 0")
-    from shaderlab.cli.cluster import DaskExecutor
-
-    return DaskExecutor(scheduler, driver, limits)
-
-
-def make_local_executor(
     driver: str | None, limits: Limits, workers: int | None, early: bool = True
-) -> LocalExecutor:
+) -> Executor:
     """Return an executor on this machine: in this process for 0 workers."""
     from shaderlab.engine.jobs import InProcessExecutor, ProcessExecutor
 

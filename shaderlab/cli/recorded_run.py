@@ -397,10 +397,9 @@ def measure_coverage(
     recorded: RecordedRun, executor: Executor, plan: RunPlan, show: Show
 ) -> RecordedRun:
     """The run with the code coverage of its cases that passed, measured now."""
-    from shaderlab.engine.jobs import LocalExecutor, format_error
+    from shaderlab.engine.jobs import format_error
     from shaderlab.mutation.code_coverage import CoverCase
 
-    assert isinstance(executor, LocalExecutor)
     passed = {record.key for record in recorded.run.records if record.status == "pass"}
     cases: dict[tuple[str, str], list[str]] = {}
     for job in plan.jobs:

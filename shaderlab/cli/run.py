@@ -60,8 +60,6 @@ class RunArguments:
                 "--drivers can't be combined with --driver, --resume or -j 0",
                 remedy="--resume uses the drivers of its run" if self.resume is not None else None,
             )
-        if self.coverage and running.scheduler is not None:
-            raise UsageError("--coverage runs on this machine: leave out --scheduler")
         if self.resume is not None and (
             self.targets or self.every or self.variants or running.folder
         ):
@@ -169,14 +167,9 @@ def command(arguments: RunArguments) -> int:
       shaderlab run spotlight --coverage            list what its inputs never exercise
       shaderlab run mesh-class --gl-calls           list the OpenGL calls
       shaderlab run --resume                        resume after Ctrl-C or a power cut
-      shaderlab run --all --scheduler tcp://host:8786
 
     Each variant runs in a worker process. If it crashes or takes too long, that variant is a
     "crash" or a "timeout", and all others still run.
-
-    With --scheduler (pip install 'shaderlab[cluster]') the processes run on the workers of a Dask
-    cluster. These need the same package versions and nothing else: a case of your own is sent with
-    everything below its folder, and records and pictures come back to the run's folder here.
 
     Exit code: 0 all passed, 1 something failed, 2 wrong usage. A case that needs a feature which
     the driver lacks is "unsupported", not a failure. Checks of OpenGL calls are skipped on drivers
@@ -190,7 +183,7 @@ def command(arguments: RunArguments) -> int:
         options = plan.options
     # The first worker gets ready while what follows is imported.
     with contextlib.closing(
-        make_executor(options.driver, running.limits, running.workers, running.scheduler)
+        make_executor(options.driver, running.limits, running.workers)
     ) as executor:
         from shaderlab.cli.recorded_run import measure_coverage, run_plan
         from shaderlab.cli.showing import Show

@@ -99,7 +99,6 @@ def command(arguments: SweepArguments) -> int:
     Examples:
       shaderlab sweep attenuation --param light.linear=0.01:1:50log --param size=64,256,1024
       shaderlab sweep 'blinn-phong[shininess 8]' --param shininess=1:1024:11log --table s.parquet
-      shaderlab sweep attenuation --param light.quadratic=0:2:40 --scheduler tcp://host:8786
 
     The table has a row per point: the parameters, the status, the largest distance in half band
     widths (up to 1 is inside) and in ULP, the number of values outside and of those judged, the
@@ -117,7 +116,7 @@ def command(arguments: SweepArguments) -> int:
     swept = _parse_parameters(arguments)
     options = arguments.run_options if plan is None else plan.options
     with contextlib.closing(
-        make_executor(options.driver, running.limits, running.workers, running.scheduler)
+        make_executor(options.driver, running.limits, running.workers)
     ) as executor:
         from shaderlab.cli.selecting import select_one
         from shaderlab.cli.showing import Show

@@ -21,7 +21,7 @@ from shaderlab.cli.options import (
     TARGET,
     jobs_option,
     limits_option,
-    make_local_executor,
+    make_executor,
 )
 from shaderlab.engine.settings import FILE, have_settings_changed, load_settings
 from shaderlab.errors import UsageError
@@ -31,7 +31,7 @@ from shaderlab.model.options import Limits, RunOptions
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
     from shaderlab.cli.watching import Changes, Contents, Session
-    from shaderlab.engine.jobs import CaseInfo, Job, LocalExecutor
+    from shaderlab.engine.jobs import CaseInfo, Executor, Job
 
 
 _SHOWN = 4
@@ -73,8 +73,8 @@ def command(
         pictures=False, include=includes, targets=compile_targets, driver=driver, limits=limits
     )
 
-    def start() -> LocalExecutor:
-        return make_local_executor(driver, limits, workers)
+    def start() -> Executor:
+        return make_executor(driver, limits, workers)
 
     from shaderlab.cli.showing import Show
     from shaderlab.cli.watching import Changes, Contents, Session, warm_up

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any
 from shaderlab.engine.catalogue import imported_files, is_project_file
 from shaderlab.engine.jobs import (
     CaseInfo,
+    Executor,
     Job,
-    LocalExecutor,
     RunJob,
     format_error,
     make_failed_record,
@@ -36,7 +36,7 @@ from shaderlab.mutation.function_tests import RunTestFile
 from shaderlab.workers.pool import ItemResult
 
 if TYPE_CHECKING:
-    from shaderlab.engine.jobs import LocalExecutor
+    from shaderlab.engine.jobs import Executor
     from shaderlab.engine.worker import Worker
     from shaderlab.model.records import Record
 
@@ -185,7 +185,7 @@ class WarmUp:
             same.check(lambda x: x, [1.0, 2.0])
 
 
-def warm_up(executor: LocalExecutor) -> None:
+def warm_up(executor: Executor) -> None:
     """Have an executor's worker get ready, in the background."""
 
     def perform() -> None:
@@ -318,18 +318,18 @@ class Session:
 
     def __init__(
         self,
-        start: Callable[[], LocalExecutor],
+        start: Callable[[], Executor],
         select: Select,
         options: RunOptions,
-        warm: Callable[[LocalExecutor], None] = lambda executor: None,
+        warm: Callable[[Executor], None] = lambda executor: None,
     ) -> None:
         self._start = start
         self._warm = warm
         self._select = select
         self._options = options
         self._executor = start()
-        self._spare: LocalExecutor | None = None
-        self._retired: list[LocalExecutor] = []
+        self._spare: Executor | None = None
+        self._retired: list[Executor] = []
         self._stale = False
         self._unfinished: set[Path] = set()
         self._watched: dict[Path, Watched] = {}

@@ -1,6 +1,5 @@
 """Jobs and requests as plain data that crosses processes, and the executors that turn jobs into
-records: a `ProcessExecutor` in worker processes, an `InProcessExecutor` in this one, a
-`shaderlab.cli.cluster.DaskExecutor` on a cluster.
+records: a `ProcessExecutor` in worker processes, an `InProcessExecutor` in this one.
 
 A request is a picklable object with `perform(worker)`; features define requests of their own. The
 commands import this module before the first worker is ready, so it imports little.
@@ -288,14 +287,33 @@ LAB_WORK = "shaderlab.engine.worker:Worker"
 Key = Callable[[Any], Hashable]
 
 
-class Executor(Protocol):
-    """Turns jobs into records. Give it back with `close`."""
+class Executor:
+    """Performs requests, and turns jobs into records. Give it back with `close`."""
+
+    limits = Limits()
+    """Of each job."""
 
     def about(self) -> DriverInfo:
         """The driver and the packages that jobs run on."""
+        raise NotImplementedError
+
+    def perform(
+        self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
+    ) -> Generator[ItemResult]:
+        """The results of requests as they complete; see `WorkerPool.run`."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """End everything, whatever it is doing."""
+        raise NotImplementedError
 
     def load(self, files: Sequence[Path]) -> list[CaseInfo]:
         """What is in each case file; one that is wrong costs nothing but itself."""
+        results = self.perform(
+            [LoadCase(file) for file in files], batch=choose_load_batch(len(files))
+        )
+        found = {result.number: _case_info(files[result.number], result) for result in results}
+        return [found[number] for number in range(len(files))]
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
         """The jobs with their records, as they complete. Every job gets a record, also one whose
@@ -304,31 +322,6 @@ class Executor(Protocol):
         Raises:
             ShaderlabError: no worker can be started at all.
         """
-
-    def close(self) -> None:
-        """End everything, whatever it is doing."""
-
-
-class LocalExecutor(Executor):
-    """An `Executor` on this machine, which also performs the requests of other packages."""
-
-    limits = Limits()
-    """Of each job."""
-
-    def perform(
-        self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
-    ) -> Generator[ItemResult]:
-        """The results of requests as they complete; see `WorkerPool.run`."""
-        raise NotImplementedError
-
-    def load(self, files: Sequence[Path]) -> list[CaseInfo]:
-        results = self.perform(
-            [LoadCase(file) for file in files], batch=choose_load_batch(len(files))
-        )
-        found = {result.number: _case_info(files[result.number], result) for result in results}
-        return [found[number] for number in range(len(files))]
-
-    def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
         for job in jobs:
             if job.broken:
                 yield job, make_failed_record(job, job.broken, job.trouble)
@@ -357,7 +350,7 @@ class LocalExecutor(Executor):
         return job.driver or self.about().driver.get("renderer", "")
 
 
-class ProcessExecutor(LocalExecutor):
+class ProcessExecutor(Executor):
     """Runs jobs in worker processes. The first one starts at once, so that it gets ready while
     the caller does.
 
@@ -428,7 +421,7 @@ class ProcessExecutor(LocalExecutor):
         return DriverInfo(driver={"renderer": "none", "vendor": "", "version": said, "glsl": ""})
 
 
-class InProcessExecutor(LocalExecutor):
+class InProcessExecutor(Executor):
     """Runs jobs in this very process: nothing is isolated or limited, and debuggers work.
 
     Args:
@@ -453,7 +446,7 @@ class InProcessExecutor(LocalExecutor):
     def perform(
         self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
     ) -> Generator[ItemResult]:
-        """See `LocalExecutor`; in the order of the requests."""
+        """In the order of the requests."""
         for number, request in enumerate(requests):
             began = time.monotonic()
             try:

@@ -26,7 +26,7 @@ from shaderlab.compiler.glslang import preprocess
 from shaderlab.compiler.shader_files import strip_comments, version_of
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.drivers import Evaluation
-from shaderlab.engine.jobs import InProcessExecutor, LocalExecutor, ProcessExecutor
+from shaderlab.engine.jobs import Executor, InProcessExecutor, ProcessExecutor
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CallError, ShaderError
 from shaderlab.functions.call import Argument, Call, build_result, collect_opaque
@@ -311,7 +311,7 @@ def as_version(source: Source, version: int) -> Source:
 class Caller:
     """A worker that stays warm, and the memory shared with it. One call at a time."""
 
-    def __init__(self, executor: LocalExecutor, driver: str | None = None) -> None:
+    def __init__(self, executor: Executor, driver: str | None = None) -> None:
         self._driver = driver
         self._executor = executor
         self._lock = threading.Lock()
@@ -389,7 +389,7 @@ def get_caller() -> Caller:
 @functools.cache
 def _process_caller() -> Caller:
     """This process's own, started at the first call; SHADERLAB_JOBS=0 calls in this process."""
-    executor: LocalExecutor
+    executor: Executor
     settings = load_settings(Path.cwd())
     if os.environ.get("SHADERLAB_JOBS") == "0":
         executor = InProcessExecutor(settings.driver)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from shaderlab.engine.jobs import LocalExecutor, Request, format_error
+from shaderlab.engine.jobs import Executor, Request, format_error
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.case import Case
 from shaderlab.model.options import RunOptions
@@ -162,7 +162,7 @@ class MutationRun:
         ShaderlabError: the mutants of a case can't be made, as a shader can't be read.
     """
 
-    def __init__(self, targets: Sequence[MutationTarget], executor: LocalExecutor) -> None:
+    def __init__(self, targets: Sequence[MutationTarget], executor: Executor) -> None:
         self._executor = executor
         self._runs = [_TargetRun(target) for target in targets]
         for result in executor.perform([target.make() for target in targets]):

@@ -1,5 +1,5 @@
 """A tree of cases with a shared folder, and helpers of one name in two folders: every command loads
-it, and so do pytest and the workers of a Dask cluster."""
+it, and so does pytest."""
 
 from __future__ import annotations
 
@@ -107,17 +107,3 @@ def test_mutate_and_sweep(tree: Path) -> None:
 
 def test_pytest(tree: Path, pytester: pytest.Pytester) -> None:
     pytester.runpytest_inprocess(tree).assert_outcomes(passed=2)
-
-
-def test_a_cluster_is_sent_the_whole_tree(tree: Path) -> None:
-    distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=":0"
-    ) as dask:
-        words = ("--scheduler", dask.scheduler_address, "--no-pictures", "--report", "there")
-        assert statuses("./tree", *words) == dict.fromkeys(LAMPS, "pass")
-    records = json.loads(Path("there", "run.json").read_text())["records"]
-    assert [Path(record["file"]).as_posix() for record in records] == [
-        "tree/blue/blue_lamp.py",
-        "tree/red/red_lamp.py",
-    ]

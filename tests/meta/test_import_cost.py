@@ -22,8 +22,6 @@ HEAVY = {
     "trimesh",
     "scipy",
     "glm",
-    "distributed",
-    "dask",
     "pyarrow",
 }
 PRINTING = {"rich", "markdown_it"}

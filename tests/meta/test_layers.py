@@ -43,16 +43,12 @@ OWNERS: dict[str, set[str]] = {
     "rich": {"cli"},
     "hypothesis": {"functions", "mutation"},
     "pytest": {"mutation", "pytest_plugin"},
-    "distributed": {"cli"},
-    "dask": {"cli"},
     "pyarrow": {"report"},
     "watchfiles": {"cli"},
 }
 
 # What only comes with an extra, by the name of that extra.
 OPTIONAL = {
-    "distributed": "cluster",
-    "dask": "cluster",
     "OpenImageIO": "images",
     "pypcd4": "models",
     "trimesh": "models",

@@ -112,7 +112,6 @@ def test_what_an_interrupt_left_out_is_run_later(
         ("--drivers", "llvmpipe,softpipe", "--resume", "out"),
         ("--drivers", "llvmpipe,softpipe", "-j", "0"),
         ("--driver", "mystery"),
-        ("--scheduler", "tcp://127.0.0.1:9", "-j", "0"),
     ],
 )
 def test_options_that_do_not_go_together_are_wrong_usage(
