@@ -22,7 +22,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, Literal
+from typing import Any, Literal
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import open_memory_file, sort_search_path
@@ -35,92 +35,119 @@ END_SECONDS = 5.0
 GROWTH = 256 << 20
 """A worker that holds this many bytes more than after its first batch is replaced by a fresh one
 before its next batch: drivers keep a little of every scene."""
+BATCH = 32
+"""Items sent at once: enough that sending costs little, few enough that progress is visible."""
 # Libraries for matrices and pictures start a thread per core and let all of them wait busily;
 # workers share the cores already, and multiply matrices of four rows.
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 _PROGRAM = "from shaderlab.workers.worker import main; main()"
 
 
-def worker_environment() -> dict[str, str]:
-    """Return the environment of a worker: this process's as it is now, with its module path."""
-    path = os.pathsep.join(sort_search_path(sys.path))
-    return {**_ONE_THREAD, **os.environ, "PYTHONPATH": path}
+@dataclass(frozen=True)
+class ItemResult:
+    """The result of one item.
+
+    Attributes:
+        number: the item's position among those passed to `run`.
+        item: the item itself.
+        status: "done"; "crash" or "timeout" where the worker died on it; "error" where the work
+            raised an exception.
+        value: the work's result, the exception where it raised one, else None.
+        message: how the worker died.
+        step: the last step that the work noted before the worker died.
+        seconds: the time from the result before it, or from when the item was sent.
+    """
+
+    number: int
+    item: Any
+    status: Literal["done", "crash", "timeout", "error"]
+    value: Any = None
+    message: str = ""
+    step: str = ""
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Batch:
+    """Items that one worker gets at once, and the queue for their results, which None ends."""
+
+    items: list[tuple[int, Any]]
+    key: Hashable
+    results: queue.SimpleQueue[ItemResult | BaseException | None]
 
 
 @dataclass(eq=False)
 class WorkerDiedError(Exception):
-    """A worker is gone.
-
-    Attributes:
-        status: "crash" or "timeout".
-        message: how it ended.
-        step: the last step that it noted, "" if there was none.
-        fresh: whether it had answered nothing yet.
-    """
+    """A worker is gone: how it ended, with the step that it noted last."""
 
     status: Literal["crash", "timeout"]
     message: str
-    step: str
-    fresh: bool
+    step: str = ""
 
 
-class WorkerProcess:
-    """A worker that answers batches, as `shaderlab.workers.pool.WorkerPool` says.
+class _Worker:
+    """A process that answers batches, as `WorkerPool` says.
 
     It is started with the first batch, and again with the first one after it died. One thread uses
     it; any thread may call `close`.
+
+    Attributes:
+        inbox: what that thread is to do; None ends it.
+        key: that of its last batch.
+        fresh: whether the process has answered nothing yet.
     """
 
     def __init__(
         self, work: str, limits: Limits, folder: Path, environment: Mapping[str, str]
     ) -> None:
-        self._work = work
+        self.inbox: queue.SimpleQueue[_Batch | None] = queue.SimpleQueue()
+        self.key: Hashable = None
+        self.fresh = True
         self._limits = limits
         self._folder = folder
         self._environment = environment
-        self._lock = threading.Lock()  # for the three below
+        memory = int(limits.gigabytes * (1 << 30))
+        self._arguments = [str(os.getpid()), work, str(limits.seconds), str(memory)]
+        self._lock = threading.Lock()  # for the two below
         self._closed = False
         self._process: subprocess.Popen[bytes] | None = None
         self._streams: Sequence[Any] = ()
         self._ready = False
-        self._fresh = True
+        self._pid = 0
         self._memory = 0  # after the first batch
 
-    def answers(self, batch: Sequence[Any]) -> Iterator[tuple[Any, Any]]:
+    def answers(self, items: Sequence[Any]) -> Iterator[tuple[Any, Any]]:
         """Yield an answer for each item, in order, each as soon as it is there.
 
         Raises:
             WorkerDiedError: it crashed or took too long over the item after the last one answered.
             ShaderlabError: no worker can be started at all.
         """
-        if self._has_grown():
-            self._end()
-        self.start()
-        self._send(batch)
-        for _ in batch:
+        self._send(items)
+        for _ in items:
             kind, value = self._receive(self._limits.seconds)
             while kind == "limit":
                 kind, value = self._receive(value)
-            self._fresh = False
+            self.fresh = False
             yield kind, value
             if kind == "error":
                 break
-        if self._process is not None and not self._memory:
-            self._memory = _own_memory(self._process.pid)
-
-    def _has_grown(self) -> bool:
-        if self._process is None or not self._memory:
-            return False
-        return _own_memory(self._process.pid) - self._memory > GROWTH
+        self._memory = self._memory or _own_memory(self._pid)
 
     def launch(self) -> None:
-        """Start the process, if there is none, without waiting until it is ready."""
+        """Start the process, if there is none, without waiting until it is ready.
+
+        Raises:
+            ShaderlabError: none can be started.
+        """
+        if self._memory and _own_memory(self._pid) - self._memory > GROWTH:
+            self.end()
         with self._lock:
             if self._process is not None:
                 return
             if self._closed:
                 raise ShaderlabError("the pool of workers is closed")
-            self._ready, self._fresh, self._memory = False, True, 0
+            self._ready, self.fresh = False, True
             try:
                 self._start_process()
             except OSError as error:
@@ -128,15 +155,9 @@ class WorkerProcess:
                     f"can't start a worker process: {error.strerror or error}",
                     remedy="see what limits this system has: ulimit -a",
                 ) from error
-        memory = int(self._limits.gigabytes * (1 << 30))
-        self._send((self._work, self._limits.seconds, memory))
 
-    def start(self) -> None:
-        """Start the process, if there is none, and wait until it is ready.
-
-        Raises:
-            ShaderlabError: none can be started.
-        """
+    def wait_until_ready(self) -> None:
+        """Launch the process, if there is none, and wait for it. Raises as `launch`."""
         self.launch()
         if self._ready:
             return
@@ -156,9 +177,17 @@ class WorkerProcess:
             if self._process is not None:
                 _kill_group(self._process)
 
-    def release(self) -> None:
-        """Give everything back, once no thread waits for the process."""
-        self._end()
+    def end(self) -> int:
+        """End the process and close its streams; return its exit status."""
+        with self._lock:
+            process, self._process = self._process, None
+            if process is not None:
+                _kill_group(process)
+                process.wait()
+        for stream in self._streams:
+            stream.close()
+        self._memory = 0
+        return 0 if process is None else process.returncode
 
     def _start_process(self) -> None:
         self._socket, theirs = socket.socketpair()
@@ -170,27 +199,16 @@ class WorkerProcess:
         inherited = [theirs.fileno(), self._steps.fileno()]
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-c", _PROGRAM, *map(str, [*inherited, os.getpid()])],
+                [sys.executable, "-P", "-c", _PROGRAM, *map(str, inherited), *self._arguments],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=self._errors,
                 cwd=self._folder,
-                env=dict(self._environment),
+                env=self._environment,
                 pass_fds=inherited,
                 process_group=0,  # so that what it starts can be ended with it
             )
-
-    def _end(self) -> int:
-        """End the process and close its streams; return its exit status."""
-        with self._lock:
-            process, self._process = self._process, None
-            streams, self._streams = self._streams, ()
-            if process is not None:
-                _kill_group(process)
-                process.wait()
-        for stream in streams:
-            stream.close()
-        return 0 if process is None else process.returncode
+        self._pid = self._process.pid
 
     def _send(self, value: Any) -> None:
         self._socket.settimeout(None)
@@ -212,12 +230,15 @@ class WorkerProcess:
     def _died(self, seconds: float, late: bool = False) -> WorkerDiedError:
         """Return how the process ended, once it is gone with everything that it started."""
         assert self._process is not None
-        ended = not late and _wait_for_end(self._process.pid)
+        ended = not late and _wait_for_end(self._pid)
         _kill_group(self._process)  # before its last line is read
-        step, last_line = self._noted_step(), last_stderr_line(self._errors)
-        code = self._end()
+        self._steps.seek(0)
+        step = self._steps.read(STEP_BYTES).rstrip(b"\0").decode("utf-8", "ignore")
+        self._errors.seek(max(self._errors.seek(0, os.SEEK_END) - 2000, 0))
+        lines = self._errors.read().decode("utf-8", "replace").split("\n")
+        code = self.end()
         if late or -code == signal.SIGALRM:
-            return WorkerDiedError("timeout", f"took longer than {seconds:g} s", step, self._fresh)
+            return WorkerDiedError("timeout", f"took longer than {seconds:g} s", step)
         how = f"exit status {code}"
         if not ended:
             how = "it closed its connection, but did not end"
@@ -225,20 +246,9 @@ class WorkerProcess:
             how = f"signal {-code}"
             with contextlib.suppress(ValueError):
                 how += f" ({signal.Signals(-code).name})"
-        message = f"the process died: {how}" + (f", {last_line}" if last_line else "")
-        return WorkerDiedError("crash", message, step, self._fresh)
-
-    def _noted_step(self) -> str:
-        self._steps.seek(0)
-        return self._steps.read(STEP_BYTES).rstrip(b"\0").decode("utf-8", "ignore")
-
-
-def last_stderr_line(errors: BinaryIO) -> str:
-    """Return the last line that a process wrote to its standard error."""
-    size = errors.seek(0, os.SEEK_END)
-    errors.seek(max(size - 2000, 0))
-    lines = errors.read().decode("utf-8", "replace").split("\n")
-    return next((line.strip() for line in reversed(lines) if line.strip()), "")
+        last_lines = filter(None, (line.strip() for line in reversed(lines)))
+        message = ", ".join([how, *itertools.islice(last_lines, 1)])
+        return WorkerDiedError("crash", f"the process died: {message}", step)
 
 
 def _kill_group(process: subprocess.Popen[bytes]) -> None:
@@ -277,62 +287,10 @@ def _own_memory(process: int) -> int:
     """Return the bytes of memory that a process shares with no file; 0 where the system has no
     /proc."""
     try:
-        with open(f"/proc/{process}/statm", "rb", buffering=0) as file:
-            _, resident, shared, *_ = map(int, file.read().split())
+        _, resident, shared, *_ = map(int, Path(f"/proc/{process}/statm").read_text().split())
     except (OSError, ValueError):
         return 0
     return (resident - shared) * os.sysconf("SC_PAGE_SIZE")
-
-
-BATCH = 32
-"""Items sent at once: enough that sending costs little, few enough that progress is visible."""
-
-
-@dataclass(frozen=True)
-class ItemResult:
-    """The result of one item.
-
-    Attributes:
-        number: the item's position among those passed to `run`.
-        item: the item itself.
-        status: "done"; "crash" or "timeout" where the worker died on it; "error" where the work
-            raised an exception.
-        value: the work's result, the exception where it raised one, else None.
-        message: how the worker died.
-        step: the last step that the work noted before the worker died.
-        seconds: the time from the result before it, or from when the item was sent.
-    """
-
-    number: int
-    item: Any
-    status: Literal["done", "crash", "timeout", "error"]
-    value: Any = None
-    message: str = ""
-    step: str = ""
-    seconds: float = 0.0
-
-
-_Results = queue.SimpleQueue[ItemResult | BaseException | None]
-
-
-@dataclass(frozen=True, eq=False)
-class _Batch:
-    """Items that one worker gets at once, and the queue for their results, which None ends."""
-
-    items: list[tuple[int, Any]]
-    key: Hashable
-    results: _Results
-
-
-class _Worker:
-    """A process, the thread that feeds it as long as the pool lives, and the key of its last
-    batch."""
-
-    def __init__(self, process: WorkerProcess) -> None:
-        self.process = process
-        self.key: Hashable = None
-        self.inbox: queue.SimpleQueue[_Batch | None] = queue.SimpleQueue()
-        self.thread: threading.Thread | None = None
 
 
 class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
@@ -361,10 +319,13 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         batch: int = BATCH,
         folder: Path | None = None,
     ) -> None:
+        path = os.pathsep.join(sort_search_path(sys.path))
+        environment = {**_ONE_THREAD, **os.environ, "PYTHONPATH": path}
         self._make = functools.partial(
-            WorkerProcess, work, limits or Limits(), folder or Path.cwd(), worker_environment()
+            _Worker, work, limits or Limits(), folder or Path.cwd(), environment
         )
         self._batch = max(batch, 1)
+        self._threads: list[threading.Thread] = []
         self._lock = threading.Lock()  # for all below
         self._closed = False
         self._workers: list[_Worker] = []
@@ -382,12 +343,10 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             while self._pending:
                 self._pending.popleft().results.put(None)
         for worker in self._workers:
-            worker.process.close()
+            worker.close()
             worker.inbox.put(None)
-        for worker in self._workers:
-            if worker.thread is not None:
-                worker.thread.join()
-            worker.process.release()
+        for thread in self._threads:
+            thread.join()
 
     def start(self) -> None:
         """Start the first worker without waiting for it or for the first items."""
@@ -396,9 +355,13 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
     def widen(self, jobs: int) -> None:
         """Grow the pool to at least `jobs` workers."""
         with self._lock:
-            added = [_Worker(self._make()) for _ in range(jobs - len(self._workers))]
-            self._workers += added
-            self._idle[:0] = reversed(added)
+            for _ in range(jobs - len(self._workers)):
+                worker = self._make()
+                self._workers.append(worker)
+                self._idle.insert(0, worker)
+                thread = threading.Thread(target=self._serve, args=[worker], daemon=True)
+                thread.start()
+                self._threads.append(thread)
 
     def run(
         self,
@@ -421,7 +384,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             ShaderlabError: no worker can be started at all.
         """
         size = max(batch or self._batch, 1)
-        results: _Results = queue.SimpleQueue()
+        results: queue.SimpleQueue[ItemResult | BaseException | None] = queue.SimpleQueue()
         numbered = enumerate(items)
         batches = (
             _Batch(some, key(some[0][1]) if key is not None else None, results)
@@ -447,67 +410,61 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         with self._lock:
             if self._closed:
                 return False
-            if not self._idle:
+            if self._idle:
+                worker = next(
+                    (w for w in reversed(self._idle) if w.key == batch.key), self._idle[-1]
+                )
+                self._idle.remove(worker)
+                worker.key = batch.key
+                worker.inbox.put(batch)
+            else:
                 self._pending.append(batch)
-                return True
-            same = [w for w in self._idle if w.key == batch.key]
-            worker = same[-1] if same and batch.key is not None else self._idle[-1]
-            self._idle.remove(worker)
-            worker.key = batch.key
-            worker.inbox.put(batch)
-            if worker.thread is None:
-                worker.thread = threading.Thread(target=self._serve, args=[worker], daemon=True)
-                worker.thread.start()
         return True
 
     def _serve(self, worker: _Worker) -> None:
-        """Run a worker's thread: one batch after the other, until the pool is closed."""
-        batch = worker.inbox.get()
-        while batch is not None:
+        """Give a worker one batch after the other, until the pool is closed."""
+        while (batch := worker.inbox.get()) is not None:
             try:
-                for result in self._results(worker.process, batch):
+                for result in self._results(worker, batch):
                     batch.results.put(result)
             except BaseException as error:
                 if not self._closed:
                     batch.results.put(error)
             with self._lock:
-                following = self._take_pending(worker)
-                if following is None:
+                if self._pending:
+                    worker.inbox.put(self._take_pending(worker))
+                else:
                     self._idle.append(worker)
             batch.results.put(None)
-            batch = following or worker.inbox.get()
+        worker.end()
 
-    def _take_pending(self, worker: _Worker) -> _Batch | None:
+    def _take_pending(self, worker: _Worker) -> _Batch:
         """Take the batch that suits a worker best off the queue."""
-        if self._closed or not self._pending:
-            return None
-        best = self._pending[0]
-        if best.key is not None and best.key != worker.key:
-            taken = {other.key for other in self._workers if other is not worker}
-            mine = (b for b in self._pending if b.key == worker.key and b.key is not None)
-            free = (b for b in self._pending if b.key not in taken)
-            best = next(mine, None) or next(free, best)
+        taken = {other.key for other in self._workers if other is not worker}
+        mine = (b for b in self._pending if b.key == worker.key)
+        free = (b for b in self._pending if b.key not in taken)
+        best = next(mine, None) or next(free, self._pending[0])
         worker.key = best.key
         self._pending.remove(best)
         return best
 
-    def _results(self, process: WorkerProcess, batch: _Batch) -> Iterator[ItemResult]:
-        process.launch()
+    def _results(self, worker: _Worker, batch: _Batch) -> Iterator[ItemResult]:
+        worker.launch()
         rest = deque(batch.items)
         alone = False
         while rest and not self._closed:
-            process.start()
+            worker.wait_until_ready()
             began = time.monotonic()
             try:
                 sent = itertools.islice(rest, 1 if alone else None)
-                for kind, value in process.answers([item for _, item in sent]):
+                for kind, value in worker.answers([item for _, item in sent]):
                     now = time.monotonic()
                     yield ItemResult(*rest.popleft(), kind, value, seconds=now - began)
                     began = now
                 alone = False
             except WorkerDiedError as error:
                 # Perhaps an earlier item left the memory in disorder: try once more, alone.
-                alone = error.status == "crash" and not error.fresh and not self._closed
+                alone = error.status == "crash" and not worker.fresh and not self._closed
                 if not alone:
                     seconds = time.monotonic() - began
                     number, item = rest.popleft()

@@ -58,19 +58,7 @@ class Channel:
         """Give the current item this many seconds from now on, by default the limit of any item."""
         allowed = self._seconds if seconds is None else seconds
         self.send("limit", allowed)
-        self.set_alarm(allowed)
-
-    def begin_item(self) -> None:
-        """Clear the noted step and start the clock of an item."""
-        self.note("")
-        self.set_alarm(self._seconds)
-
-    def set_alarm(self, seconds: float) -> None:
-        """End this process some time after the limit, in case its parent no longer watches.
-
-        The default action of the alarm ends the process even inside C code.
-        """
-        signal.setitimer(signal.ITIMER_REAL, seconds * GRACE)
+        set_alarm(allowed)
 
     def send(self, kind: str, value: Any) -> str:
         """Send an answer; return its kind, which is "error" if the value can't be sent."""
@@ -84,66 +72,71 @@ class Channel:
         self._parent.sendall(data)
         return kind
 
+    def answer(self, work: Any, batch: Sequence[Any]) -> None:
+        """Send ("done", result) for each item of a batch; after ("error", exception) the rest of
+        it stays unanswered."""
+        results = iter(work(batch))
+        for _ in batch:
+            self.note("")
+            set_alarm(self._seconds)
+            try:
+                kind, value = "done", next(results)
+            except MemoryError:
+                os.abort()  # what is left of the heap can't be trusted
+            except Exception as error:
+                if os.environ.get("SHADERLAB_DEBUG"):
+                    import traceback
+
+                    error.add_note("".join(traceback.format_exception(error)))
+                kind, value = "error", error
+            except BaseException as error:  # SystemExit or KeyboardInterrupt of the user's own code
+                message = f"raised {type(error).__name__}: {error}".rstrip(": ")
+                kind, value = "error", CaseError(message)
+            if self.send(kind, value) == "error":
+                break
+        set_alarm(0.0)
+
+
+def set_alarm(seconds: float) -> None:
+    """End this process some time after the limit, in case its parent no longer watches.
+
+    The default action of the alarm ends the process even inside C code.
+    """
+    signal.setitimer(signal.ITIMER_REAL, seconds * GRACE)
+
 
 def main() -> None:
     """Answer batches from the parent's socket, as pickles, until the parent closes it.
 
-    Each answer is ("done", result) or ("error", exception); after an error the rest of the batch
-    stays unanswered. `sys.argv` has the descriptors of the socket and of the file for steps, and
-    the parent's process id.
+    `sys.argv` has the descriptors of the socket and of the file for steps, the parent's process id,
+    the name of the work, and an item's limits in seconds and bytes.
     """
-    socket_number, steps, parent_id = map(int, sys.argv[1:])
+    name, seconds = sys.argv[4], float(sys.argv[5])
+    socket_number, steps, parent_id, memory = map(int, (*sys.argv[1:4], sys.argv[6]))
     del sys.argv[1:]
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
     die_with_parent(parent_id)
-    parent = socket.socket(fileno=socket_number)
-    requests = parent.makefile("rb")
-    name, seconds, memory = pickle.load(requests)
     _limit_memory(memory)
     keep_freed_memory()
+    parent = socket.socket(fileno=socket_number)
     channel = Channel(parent, seconds, steps)
     os.register_at_fork(after_in_child=channel.detach_copy)
     work = _load_work(name)
     if isinstance(work, type):
         work = work(channel)
     channel.send("ready", None)
+    requests = parent.makefile("rb")
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
-            _answer(work, pickle.load(requests), channel)
+            channel.answer(work, pickle.load(requests))
 
 
 def _load_work(name: str) -> Any:
     """Import the work called "module:name" and what its `preload` says that it will need."""
     module, _, attribute = name.partition(":")
     work = getattr(importlib.import_module(module), attribute)
-    preload = getattr(work, "preload", None)
-    if preload is not None:
-        preload()
+    getattr(work, "preload", lambda: None)()
     return work
-
-
-def _answer(work: Any, batch: Sequence[Any], channel: Channel) -> None:
-    results = iter(work(batch))
-    for _ in batch:
-        channel.begin_item()
-        try:
-            result = next(results)
-        except MemoryError:
-            os.abort()  # what is left of the heap can't be trusted
-        except Exception as error:
-            if os.environ.get("SHADERLAB_DEBUG"):
-                import traceback
-
-                error.add_note("".join(traceback.format_exception(error)))
-            channel.send("error", error)
-            break
-        except BaseException as error:  # SystemExit or KeyboardInterrupt of the user's own code
-            message = f"raised {type(error).__name__}: {error}".rstrip(": ")
-            channel.send("error", CaseError(message))
-            break
-        if channel.send("done", result) == "error":
-            break
-    channel.set_alarm(0.0)
 
 
 def die_with_parent(parent: int) -> None:
