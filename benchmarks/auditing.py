@@ -80,12 +80,9 @@ layout (local_size_x = 32) in;
 layout (std430) buffer Results { float result; };
 uniform float x; // range: -1..1
 uniform int n; // range: 0..6
-shared float sums[32];
-shared float total;
 float held;
 void main()
 {
-    uint i = gl_LocalInvocationIndex;
 """,
 }
 _ENDS = {

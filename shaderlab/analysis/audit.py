@@ -34,9 +34,8 @@ from .inputs import (
     unknown_names,
 )
 from .interpreter import Program
-from .interpreter.values import NUMBERS
 from .portability import Spread, find_spreads, widest_spreads
-from .undefined import between_invocations, divergent, undefined_values
+from .undefined import divergent, excess_vertices, undefined_values
 
 RANDOM, ZERO, EQUAL = range(3)
 """What is special about an invocation: nothing; a place that is 0; two places that are equal."""
@@ -48,8 +47,7 @@ _SHRINKING, _START = 0.4, 0.5  # of the steps of a search, in widths of the rang
 _GENERATIONS = 18
 _PARENTS = 6
 _CHILDREN = 4, 16  # of each parent, at least and at most
-_MAX_CHILDREN = 4096  # in a generation, each invocation of a workgroup counted
-_MIN_WORKGROUPS = 128  # their invocations run together
+_MAX_CHILDREN = 4096  # in a generation
 _STEPS = 8  # on the way between both signs of a margin
 _TINY = 1e-6  # of the usual margin: so near to a change of sign it passes through 0
 
@@ -168,7 +166,7 @@ class Counterexample:
 
 def watch_batch(program: Program, batch: InputBatch) -> dict[Place, WatchedInstruction]:
     """How far each instruction is from going wrong on some invocations."""
-    watcher = Watcher(batch.count, program.workgroup_size)
+    watcher = Watcher(batch.count)
     run_batch(program, batch, watch=watcher)
     return watcher.found
 
@@ -206,9 +204,6 @@ class InputSearch:
         self._program, self._inputs, self._domains = program, inputs, domains
         self._continuous = [n for n, one in inputs.items() if is_continuous(one, domains[n])]
         self._rng = np.random.default_rng(11)
-        size = program.workgroup_size
-        self._max_children = max(_MAX_CHILDREN // size, _MIN_WORKGROUPS)
-        count = max(count // size, _MIN_WORKGROUPS)
         batch = first_batch(inputs, domains, count)
         self.first = batch.part(np.arange(count))
         self.tried = 0
@@ -276,8 +271,8 @@ class InputSearch:
 
     def _children(self, generation: int) -> Iterator[InputBatch]:
         open_ones = [parents for place, (parents, _) in self._best.items() if self._is_open(place)]
-        each = int(np.clip(self._max_children // (_PARENTS * max(len(open_ones), 1)), *_CHILDREN))
-        for parents in open_ones[: self._max_children // (_PARENTS * each)]:
+        each = int(np.clip(_MAX_CHILDREN // (_PARENTS * max(len(open_ones), 1)), *_CHILDREN))
+        for parents in open_ones[: _MAX_CHILDREN // (_PARENTS * each)]:
             rows = np.repeat(np.arange(parents.count), each)
             yield self._move(parents.part(rows), generation)
 
@@ -393,8 +388,6 @@ def audit_program(
         tried = sum(batch.count for batch in batches)
         words = dict.fromkeys(inputs, "as in the case")
     else:
-        if program.workgroup_size > 1:
-            inputs = _workgroup_inputs(inputs)
         domains = domains_of(inputs.values(), declared_ranges(program), plan.ranges)
         search = InputSearch(program, inputs, domains, plan.count)
         search.run()
@@ -405,7 +398,7 @@ def audit_program(
     for batch in batches:
         hazards += undefined_values(program, batch, inputs)
         hazards += divergent(program, batch, inputs, made_up=not captured)
-        hazards += between_invocations(program, batch, inputs)
+        hazards += excess_vertices(program, batch, inputs)
         if plan.precision:
             spreads += find_spreads(program, batch, inputs)
     return Audit(
@@ -420,16 +413,6 @@ def audit_program(
 def _captured_examples(program: Program, batch: InputBatch) -> Iterator[Counterexample]:
     origins = np.full(batch.count, RANDOM)
     return find_counterexamples(watch_batch(program, batch), batch, origins)
-
-
-def _workgroup_inputs(inputs: Mapping[str, Input]) -> dict[str, Input]:
-    """The inputs of whole workgroups: the group's own number in place of its invocations'."""
-    found = {name: one for name, one in inputs.items() if name not in NUMBERS}
-    numbers = [inputs[name] for name in NUMBERS if name in inputs]
-    if numbers:
-        name = NUMBERS[0]
-        found[name] = Input(name, "uvec3", uniform=False, workgroup=numbers[0].workgroup)
-    return found
 
 
 def _hazards(
@@ -461,7 +444,7 @@ def _hazards(
             message=words if words.startswith(place.kind) else f"{place.kind}: {words}",
             evident=example.origin == RANDOM and not one.check.possible,
             inputs=example.batch.example(example.row, inputs),
-            outputs=values if program.workgroup_size == 1 else {},
+            outputs=values,
             calls=tuple(program.place(call)[1] for call in place.calls),
         ),
     )

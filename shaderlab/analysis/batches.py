@@ -14,7 +14,6 @@ from shaderlab.model.frame import Array, Bindings, Fragments, Samples
 
 from .interpreter import FLOAT32, Arithmetic, Interpreted, Program, interpret
 from .interpreter.running import Trace, Watch
-from .interpreter.values import local_ids, number_invocations
 
 _DERIVATIVES = range(Op.DPdx, Op.FwidthCoarse + 1)
 _HUGE = float(np.finfo(np.float32).max)
@@ -90,33 +89,17 @@ def run_batch(
     trace: Trace | None = None,
     unwritten: bool = True,
 ) -> Interpreted:
-    """Run a program on a batch; on whole workgroups where those share variables or wait: an output
-    then holds what all of one gave, and is as wide. Raises as `interpret` does."""
-    size, count = program.workgroup_size, batch.count
-    found = interpret(
+    """Run a program on a batch. Raises as `interpret` does."""
+    return interpret(
         program,
-        batch.each if size == 1 else _each_of_workgroups(program, batch),
+        batch.each,
         batch.bindings,
         arithmetic,
-        count=count * size,
-        workgroup_size=size,
+        count=batch.count,
         watch=watch,
         trace=trace,
         unwritten=unwritten,
     )
-    if size == 1:
-        return found
-    outputs = {name: v.reshape(count, -1) for name, v in flatten_outputs(found.outputs)}
-    return replace(found, outputs=outputs, discarded=TriBool.of(np.zeros(count, np.bool_)))
-
-
-def _each_of_workgroups(program: Program, batch: InputBatch) -> dict[str, Array]:
-    """What each invocation of workgroups gets."""
-    size, shape = program.workgroup_size, program.local_size
-    each = {n: v if len(v) == 1 else np.repeat(v, size, axis=0) for n, v in batch.each.items()}
-    groups = batch.each.get("gl_WorkGroupID", np.zeros((batch.count, 3), np.int64))
-    local = np.tile(local_ids(shape), (batch.count, 1))
-    return each | number_invocations(shape, np.repeat(groups, size, axis=0), local)
 
 
 def flatten_outputs(outputs: Mapping[str, Any], finite: bool = True) -> list[tuple[str, Array]]:

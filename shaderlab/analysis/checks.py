@@ -59,9 +59,8 @@ class Watcher:
         found: what may go wrong, by place.
     """
 
-    def __init__(self, count: int, workgroup_size: int = 1) -> None:
+    def __init__(self, count: int) -> None:
         self.count = count
-        self.workgroup_size = workgroup_size
         self.found: dict[Place, WatchedInstruction] = {}
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
@@ -131,13 +130,8 @@ class Watcher:
         least = (
             np.take_along_axis(own, nearest, -1) if check.crosses else own.min(-1, keepdims=True)
         )
-        least = np.where(here, least, np.inf)[:, 0].reshape(-1, self.workgroup_size)
-        closest = np.abs(least).argmin(axis=1) if check.crosses else least.argmin(axis=1)
-        least = least[np.arange(self.count), closest]
-        flags: Flags = np.asarray((here & bad).any(axis=-1))
-        groups = flags.reshape(-1, self.workgroup_size)
-        fails = groups.any(axis=1)
-        lane = np.where(fails, groups.argmax(axis=1), closest)
+        least = np.where(here, least, np.inf)[:, 0]
+        fails: Flags = np.asarray((here & bad).any(axis=-1))
         known = self.found.get(place)
         if known is None:
             known = WatchedInstruction(
@@ -150,10 +144,9 @@ class Watcher:
         if check.crosses and not fails.any():
             rows = [row for row in (int(np.abs(least).argmin()),) if row not in known.operands]
         for row in rows:
-            one = row * self.workgroup_size + int(lane[row])
-            known.operands[row] = _component(values, margin, bad, one)
+            known.operands[row] = _component(values, margin, bad, row)
         known.bad = known.bad | fails
-        return flags
+        return fails
 
 
 _KEPT = 4  # rows whose operands are kept

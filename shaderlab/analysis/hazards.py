@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Integer
+from shaderlab.bands import Integer, TriBool
 from shaderlab.files import display_path
 from shaderlab.model.frame import Array
 
@@ -141,7 +141,7 @@ class _Replacing:
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         if at.id == self.place.id and tuple(run.calls) == self.place.calls:
-            return result if self.value is None else _other(result, self.value)
+            return result if self.value is None else fill_value(result, self.value)
         if isinstance(result, np.ndarray) and at.op in FLOATS and not np.isfinite(result).all():
             values = run.values(arguments_of(at.op, at.operands))
             if all(np.isfinite(v).all() for v in values if isinstance(v, np.ndarray)):
@@ -169,14 +169,15 @@ class _Zeroing:
         return result
 
 
-def _other(result: Any, value: float) -> Any:
-    if isinstance(result, tuple):
-        return tuple(_other(part, value) for part in result)
-    if isinstance(result, Integer):
-        return Integer(np.full_like(result.lo, int(abs(value))), unsigned=result.unsigned)
-    if isinstance(result, np.ndarray):
-        return np.full_like(result, value)
-    return result
+def fill_value(value: Any, number: float) -> Any:
+    """The value with a number in place of each of its own, true where that is above 1."""
+    if isinstance(value, tuple):
+        return tuple(fill_value(part, number) for part in value)
+    if isinstance(value, Integer):
+        return Integer(np.full_like(value.lo, int(abs(number))), unsigned=value.unsigned)
+    if isinstance(value, TriBool):
+        return TriBool.of(np.full_like(value.all_true, number > 1.0))
+    return np.full_like(value, number) if isinstance(value, np.ndarray) else value
 
 
 def written_outputs(

@@ -19,13 +19,13 @@ from shaderlab.model.frame import Array, Texels
 
 from .batches import InputBatch, flatten_outputs, quads_of, run_batch
 from .checks import Place
-from .hazards import Hazard, find_dependents
+from .hazards import Hazard, fill_value, find_dependents
 from .inputs import Input
 from .interpreter import Interpreted, Numbers, Program
 from .interpreter.flow import HANDLERS
-from .interpreter.program import Instruction, Type
+from .interpreter.program import Instruction
 from .interpreter.running import Run
-from .interpreter.values import Flags, PathState, Pointer, fetch, format_place, null
+from .interpreter.values import PathState, null
 
 READ, UNWRITTEN = "uninitialised read", "output not written"
 _VALUES = (0.21, 3.4)
@@ -48,12 +48,12 @@ class _Filled(Numbers):
 @dataclass
 class _Filling:
     """A `Watch` that stores a number to variables, those outside of functions too, or to one of
-    them alone; it keeps what is loaded at some rows."""
+    them alone; it keeps what is loaded at a row."""
 
     value: float
     only: int | None = None
-    rows: slice | None = None
-    loads: list[tuple[int, str, Array]] = field(default_factory=list)
+    row: int | None = None
+    loads: list[tuple[int, Array]] = field(default_factory=list)
     filled: dict[int, None] = field(default_factory=dict)
     began: bool = False
 
@@ -65,55 +65,33 @@ class _Filling:
         if at.op == Op.Variable and len(at.operands) == 1:
             self.filled[at.id] = None
             type_, _ = run.program.variables[at.id]
-            state.memory[at.id] = _stand_in(null(type_, run.arithmetic), self._value(at.id))
+            state.memory[at.id] = fill_value(null(type_, run.arithmetic), self._value(at.id))
         elif at.op == Op.Undef:
             self.filled[at.id] = None
-            result = _stand_in(result, self._value(at.id))
-        elif at.op == Op.Load and self.rows is not None and state.mask[self.rows].any():
-            self._keep(run, at, state, result)
+            result = fill_value(result, self._value(at.id))
+        elif at.op == Op.Load and self.row is not None and state.mask[self.row]:
+            pointer = run.value(at.operands[0])
+            if run.program.name(pointer.variable) != _ARGUMENT and _has_numbers(result):
+                parts = [v[self.row if len(v) > 1 else 0] for _, v in flatten_outputs({"": result})]
+                self.loads.append((at.line, np.concatenate(parts)))
         return result
 
     def _fill_globals(self, run: Run, state: PathState) -> bool:
-        memories: dict[int, dict[int, Any]] = {
-            StorageClass.Private: state.memory,
-            StorageClass.Workgroup: run.shared,
-        }
         before = len(self.filled)
         for id_, (type_, storage) in run.program.variables.items():
-            if storage in memories and memories[storage].get(id_) is None:
+            if storage == StorageClass.Private and state.memory.get(id_) is None:
                 self.filled[id_] = None
-                value = _stand_in(null(type_, run.arithmetic), self._value(id_))
-                memories[storage][id_] = value
+                state.memory[id_] = fill_value(null(type_, run.arithmetic), self._value(id_))
         return len(self.filled) > before
 
     def _value(self, id_: int) -> float:
         return self.value if self.only in (None, id_) else _VALUES[0]
-
-    def _keep(self, run: Run, at: Instruction, state: PathState, result: Any) -> None:
-        pointer = run.value(at.operands[0])
-        assert isinstance(pointer, Pointer) and self.rows is not None
-        type_, _ = run.program.variables[pointer.variable]
-        name = format_place(run.program.name(pointer.variable), type_, pointer.path)
-        parts = [v for _, v in flatten_outputs({"": result})] if _has_numbers(result) else []
-        here = state.mask[self.rows]
-        values = [(v[self.rows][here] if len(v) > 1 else v).ravel() for v in parts]
-        self.loads.append((at.line, name, np.concatenate(values) if values else np.zeros(0)))
 
 
 def _has_numbers(value: Any) -> bool:
     if isinstance(value, tuple):
         return all(_has_numbers(part) for part in value)
     return isinstance(value, np.ndarray | Integer | TriBool)
-
-
-def _stand_in(value: Any, number: float) -> Any:
-    if isinstance(value, tuple):
-        return tuple(_stand_in(part, number) for part in value)
-    if isinstance(value, Integer):
-        return Integer(np.full_like(value.lo, int(number)), unsigned=value.unsigned)
-    if isinstance(value, TriBool):
-        return TriBool.of(np.full_like(value.all_true, number > 1.0))
-    return np.full_like(value, number)
 
 
 def undefined_values(
@@ -175,17 +153,15 @@ def _read(
 ) -> Hazard:
     """The hazard of an uninitialised variable: at the first line that loads it."""
     some, own = batch.alone(row, program)
-    size = program.workgroup_size
-    rows = slice(own * size, (own + 1) * size)
-    watches = [_Filling(value, id_, rows) for value in _VALUES]
+    watches = [_Filling(value, id_, own) for value in _VALUES]
     for watch in watches:
         _run(program, some, watch)
     inside = program.definitions.get(id_)
     file, line = (
         _declaration(program, program.name(id_)) if inside is None else program.place(inside.line)
     )
-    for (at, name, a), (_, _, b) in zip(*(watch.loads for watch in watches), strict=False):
-        if name != _ARGUMENT and not np.array_equal(a, b, equal_nan=True):
+    for (at, a), (_, b) in zip(*(watch.loads for watch in watches), strict=False):
+        if not np.array_equal(a, b, equal_nan=True):
             file, line = program.place(at)
             break
     name = program.name(id_) or "a function's result"
@@ -317,134 +293,22 @@ def _smooth(batch: InputBatch, inputs: Mapping[str, Input]) -> InputBatch:
     return InputBatch(each, batch.bindings, batch.count)
 
 
-RACE, DIVERGENT, TOO_MANY = (
-    "race", "barrier in divergent control flow", "more vertices than max_vertices"
-)  # fmt: skip
-_NOBODY, _SEVERAL = -1, -2
-_MOST = 256  # workgroups that are looked at
+TOO_MANY = "more vertices than max_vertices"
 
 
-@dataclass
-class _Accesses:
-    """A `Watch` that keeps who wrote and read each element of shared variables since the last
-    barrier, and the first workgroup in which two invocations meet.
-
-    Attributes:
-        found: by kind and line, the workgroup, and what happens in words.
-    """
-
-    workgroup_size: int
-    found: dict[tuple[str, int], tuple[int, str]] = field(default_factory=dict)
-    wrote: dict[int, Array] = field(default_factory=dict)
-    read: dict[int, Array] = field(default_factory=dict)
-    values: dict[int, Array] = field(default_factory=dict)
-
-    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
-        if at.op == Op.ControlBarrier:
-            self._barrier(at, state)
-        elif at.op in (Op.Load, Op.Store):
-            pointer = run.value(at.operands[0])
-            if isinstance(pointer, Pointer):
-                type_, storage = run.program.variables[pointer.variable]
-                if storage == StorageClass.Workgroup:
-                    self._access(run, at, state, pointer, type_)
-        return result
-
-    def _barrier(self, at: Instruction, state: PathState) -> None:
-        here = state.mask.reshape(-1, self.workgroup_size)
-        split = here.any(axis=1) & ~here.all(axis=1)
-        if split.any():
-            words = "not all invocations of the workgroup come here"
-            self.found.setdefault((DIVERGENT, at.line), (int(split.argmax()), words))
-        for table in (self.wrote, self.read):
-            for accesses in table.values():
-                accesses[here.any(axis=1)] = _NOBODY
-
-    def _access(
-        self, run: Run, at: Instruction, state: PathState, pointer: Pointer, type_: Type
-    ) -> None:
-        element, size, inside = _element(pointer, type_, run.count)
-        groups, members = np.divmod(np.arange(run.count), self.workgroup_size)
-        wrote, read = (
-            table.setdefault(pointer.variable, np.full((groups[-1] + 1, size), _NOBODY))
-            for table in (self.wrote, self.read)
-        )
-        rows = np.flatnonzero(state.mask & inside)
-        place = (groups[rows], element[rows])
-        name = run.program.name(pointer.variable)
-        if at.op == Op.Load:
-            other = (wrote[place] != _NOBODY) & (wrote[place] != members[rows])
-            words = f"{name} is read that another invocation wrote without a barrier between"
-            self._note(at, groups[rows], other, words)
-            _mark(read, place, members[rows])
-            return
-        before = (read[place] != _NOBODY) & (read[place] != members[rows])
-        words = f"{name} is written that another invocation reads without a barrier between"
-        self._note(at, groups[rows], before, words)
-        # What the store left behind is the last invocation's value; others' are lost.
-        value = _numbers(run.value(at.operands[1]), run.count)[rows]
-        kept = _numbers(fetch(run.shared[pointer.variable], pointer.path, state.mask), run.count)
-        lost = (value != kept[rows]).any(axis=1)
-        words = f"several invocations write to the same element of {name}"
-        self._note(at, groups[rows], lost, words)
-        _mark(wrote, place, members[rows])
-
-    def _note(self, at: Instruction, groups: Array, flags: Flags, words: str) -> None:
-        if flags.any():
-            self.found.setdefault((RACE, at.line), (int(groups[flags.argmax()]), words))
-
-
-def _mark(table: Array, place: tuple[Array, Array], members: Array) -> None:
-    """Note which invocation accessed each element of each workgroup."""
-    before = table[place]
-    table[place] = members
-    alone = ((before == _NOBODY) | (before == members)) & (table[place] == members)
-    table[place[0][~alone], place[1][~alone]] = _SEVERAL
-
-
-def _element(pointer: Pointer, type_: Type, count: int) -> tuple[Array, int, Flags]:
-    """A number for the element that each invocation means, how many there are, and whether it is
-    one of them."""
-    number, size, inside = np.zeros(count, np.int64), 1, np.ones(count, np.bool_)
-    for index in pointer.path:
-        parts = len(type_.members) or type_.count
-        own = index.lo[:, 0] if isinstance(index, Integer) else np.array([index])
-        inside = inside & (own >= 0) & (own < parts)
-        number = number * parts + np.clip(own, 0, parts - 1)
-        size, type_ = size * parts, type_.part(0 if isinstance(index, Integer) else index)
-    return np.broadcast_to(number, (count,)), size, inside
-
-
-def _numbers(value: Any, count: int) -> Array:
-    if isinstance(value, tuple):
-        return np.concatenate([_numbers(part, count) for part in value], axis=1)
-    flat = np.asarray(getattr(value, "lo", getattr(value, "all_true", value)), np.float64)
-    return np.broadcast_to(flat.reshape(len(flat), -1), (count, flat[0].size))
-
-
-def between_invocations(
+def excess_vertices(
     program: Program, batch: InputBatch, inputs: Mapping[str, Input]
 ) -> Iterator[Hazard]:
-    """Races for shared variables, barriers that not all come to, and more vertices than a geometry
-    stage declares."""
-    if program.workgroup_size > 1:
-        batch = batch.part(np.arange(min(batch.count, _MOST)))
-        watch = _Accesses(program.workgroup_size)
-        run_batch(program, batch, watch=watch)
-        for (kind, line), (row, words) in watch.found.items():
-            yield _hazard(program, kind, line, words, batch.example(row, inputs))
-    if program.stage == "geometry":
-        most = program.module.modes[ExecutionMode.OutputVertices][0]
-        emitted = run_batch(program, batch).outputs["EmitVertex()"].lo[:, 0]
-        if (emitted > most).any():
-            row = int(emitted.argmax())
-            words = f"{emitted[row]} are emitted, {most} declared"
-            line = program.line_of(Op.EmitVertex)
-            yield _hazard(program, TOO_MANY, line, words, batch.example(row, inputs))
-
-
-def _hazard(
-    program: Program, kind: str, line: int, words: str, inputs: Mapping[str, tuple[float, ...]]
-) -> Hazard:
-    file, own = program.place(line)
-    return Hazard(file=file, line=own, kind=kind, message=f"{kind}: {words}", inputs=inputs)
+    """More vertices than a geometry stage declares."""
+    if program.stage != "geometry":
+        return
+    most = program.module.modes[ExecutionMode.OutputVertices][0]
+    emitted = run_batch(program, batch).outputs["EmitVertex()"].lo[:, 0]
+    if (emitted > most).any():
+        row = int(emitted.argmax())
+        file, line = program.place(program.line_of(Op.EmitVertex))
+        yield Hazard(
+            file=file, line=line, kind=TOO_MANY,
+            message=f"{TOO_MANY}: {emitted[row]} are emitted, {most} declared",
+            inputs=batch.example(row, inputs),
+        )  # fmt: skip

@@ -14,7 +14,7 @@ import numpy as np
 
 from shaderlab.bands import Band
 from shaderlab.bands.exact import as_tri_bool
-from shaderlab.compiler.spirv import Op, StorageClass
+from shaderlab.compiler.spirv import Op
 from shaderlab.errors import NotInterpretedError
 
 from .operations import COMPOSITES, DERIVATIVES, EXTENDED, FLOATS, INTEGERS, LOGIC, Handler
@@ -32,7 +32,6 @@ from .values import (
     known_index,
     part_type,
     replace_part,
-    store_shared,
     undefined,
 )
 
@@ -56,8 +55,6 @@ def _access_chain(run: Run, at: Instruction, state: PathState) -> Pointer:
 def _load(run: Run, at: Instruction, state: PathState) -> Any:
     pointer: Pointer = run.value(at.operands[0])
     value = state.memory.get(pointer.variable)
-    if value is None:
-        value = run.shared.get(pointer.variable)
     if value is not None and pointer.path:
         whole, path = value, pointer.path
         if all(isinstance(index, int) for index in path):
@@ -77,19 +74,14 @@ def _load(run: Run, at: Instruction, state: PathState) -> Any:
 def _store(run: Run, at: Instruction, state: PathState) -> None:
     pointer: Pointer = run.value(at.operands[0])
     value = run.value(at.operands[1])
-    type_, storage = run.program.variables[pointer.variable]
-    is_shared = storage == StorageClass.Workgroup
-    memory = run.shared if is_shared else state.memory
+    type_, _ = run.program.variables[pointer.variable]
     stored = value
-    if pointer.path or is_shared:
-        old = memory.get(pointer.variable)
+    if pointer.path:
+        old = state.memory.get(pointer.variable)
         if old is None:
             old = undefined(type_, run.arithmetic)
-        if is_shared:
-            stored = store_shared(old, type_, pointer.path, value, state.mask, run.workgroup_size)
-        else:
-            stored = replace_part(old, type_, pointer.path, value, state.mask)
-    memory[pointer.variable] = stored
+        stored = replace_part(old, type_, pointer.path, value, state.mask)
+    state.memory[pointer.variable] = stored
     name = run.program.name(pointer.variable) if run.trace is not None else ""
     if name:
         part = part_type(type_, pointer.path)
@@ -115,7 +107,7 @@ def _call(run: Run, at: Instruction, state: PathState) -> Any:
 
 
 def _nothing(run: Run, at: Instruction, state: PathState) -> None:
-    """Where paths meet follows from the order of blocks, and workgroups take each step together."""
+    """Where paths meet follows from the order of blocks."""
 
 
 VARIABLES: Mapping[int, Handler] = {
@@ -130,7 +122,6 @@ VARIABLES: Mapping[int, Handler] = {
     Op.Phi: lambda run, at, state: state.memory.pop(at.id),
     Op.LoopMerge: _nothing,
     Op.SelectionMerge: _nothing,
-    Op.ControlBarrier: _nothing,
     Op.MemoryBarrier: _nothing,
     Op.EmitVertex: lambda run, at, state: run.emission.emit(run, at, state),
     Op.EndPrimitive: lambda run, at, state: run.emission.end(state),
@@ -149,6 +140,7 @@ HANDLERS: Mapping[int, Handler] = {
 }
 
 NAMES: Mapping[int, str] = {
+    Op.ControlBarrier: "barrier",
     Op.ImageTexelPointer: "an atomic operation on an image",
     Op.CopyMemory: "CopyMemory",
     Op.FConvert: "a double",

@@ -15,7 +15,7 @@ import numpy as np
 
 from shaderlab.bands import Integer, TriBool
 from shaderlab.compiler.reflection import leaves
-from shaderlab.compiler.spirv import Decoration, Op, StorageClass, unwrap
+from shaderlab.compiler.spirv import Decoration, StorageClass, unwrap
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array, Bindings
 
@@ -35,6 +35,8 @@ def memory_of(
     reader = _InputReader(each, bindings, arithmetic)
     memory: dict[int, Value] = {}
     for id_, (type_, storage) in program.variables.items():
+        if storage == StorageClass.Workgroup:
+            raise program.not_interpreted(f"{program.name(id_)}, which a workgroup shares", 0)
         if storage in INPUTS:
             memory[id_] = reader.value(type_, interface_name(program, id_))
     return memory
@@ -178,7 +180,6 @@ def interpret(
     *,
     count: int | None = None,
     places: Array | None = None,
-    workgroup_size: int = 1,
     max_loop_iterations: int = MAX_LOOP_ITERATIONS,
     max_blocks: int = MAX_BLOCKS,
     trace: Trace | None = None,
@@ -197,7 +198,6 @@ def interpret(
         count: the number of invocations; by default that of the rows of `each`, or 1.
         places: the pixels, by which derivatives and mipmaps find neighbours, (count, 2 or more); by
             default gl_FragCoord.
-        workgroup_size: how many invocations in a row are one workgroup and share variables.
         max_loop_iterations: of a loop, each time that it is entered.
         max_blocks: how many blocks may be run in all.
         trace: is called with each value that a variable or a part of one is given, each argument of
@@ -213,14 +213,10 @@ def interpret(
     for name, values in each.items():
         if len(values) not in (1, count):
             raise FormulaError(f"{name!r} has {len(values)} rows, others {count}")
-    if workgroup_size != program.workgroup_size:
-        line = program.line_of(Op.ControlBarrier)
-        raise program.not_interpreted("what a workgroup shares", line)
     run = Run(
         program, arithmetic, count,
         places=each.get("gl_FragCoord") if places is None else places,
-        workgroup_size=workgroup_size, max_loop_iterations=max_loop_iterations,
-        max_blocks=max_blocks, trace=trace, watch=watch,
+        max_loop_iterations=max_loop_iterations, max_blocks=max_blocks, trace=trace, watch=watch,
     )  # fmt: skip
     # What is no number is a result like any other.
     with warnings.catch_warnings(), np.errstate(all="ignore"):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -200,13 +199,6 @@ class Program:
         """A compute stage's workgroup in x, y and z; one invocation of other stages."""
         x, y, z = (*self.module.modes.get(ExecutionMode.LocalSize, ()), 1, 1, 1)[:3]
         return x, y, z
-
-    @functools.cached_property
-    def workgroup_size(self) -> int:
-        """How many invocations are to be run together: a workgroup where it shares variables or
-        waits, else one."""
-        shares = any(storage == StorageClass.Workgroup for _, storage in self.variables.values())
-        return math.prod(self.local_size) if shares or self.line_of(Op.ControlBarrier) else 1
 
     def line_of(self, op: int) -> int:
         """The first line that has an instruction of this opcode, 0 if none does."""

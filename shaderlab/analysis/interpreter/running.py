@@ -240,9 +240,7 @@ class Run:
     Attributes:
         program, arithmetic, count: what is run, in what, for how many invocations.
         places: gl_FragCoord of each invocation, if it is given.
-        workgroup_size: how many invocations in a row share variables.
         max_loop_iterations, max_blocks, trace, watch: as of `interpret`.
-        shared: what variables of workgroups hold by id, on whatever path an invocation is.
         emission: the vertices that a geometry stage emitted.
         results: each instruction's result by id, as of its last execution, and each constant.
         calls: the lines of the calls under way.
@@ -255,14 +253,12 @@ class Run:
     count: int
     _: KW_ONLY
     places: Array | None = None
-    workgroup_size: int = 1
     max_loop_iterations: int = MAX_LOOP_ITERATIONS
     max_blocks: int = MAX_BLOCKS
     trace: Trace | None = None
     watch: Watch | None = None
 
     def __post_init__(self) -> None:
-        self.shared: dict[int, Value] = {}
         self.emission: Emission = Emission(self.count)
         self.results: dict[int, Value] = {}
         self.calls: list[int] = []

@@ -305,38 +305,3 @@ def number_invocations(size: Size, groups: Array, local: Array) -> dict[str, Arr
     each = groups * np.array(size) + local
     index = (local @ np.array([1, x, x * y]))[:, None]
     return dict(zip(NUMBERS, (groups, local, each, index), strict=True))
-
-
-def local_ids(size: Size) -> Array:
-    """Each invocation's gl_LocalInvocationID in a workgroup, by gl_LocalInvocationIndex, (n, 3)."""
-    z, y, x = (axis.ravel() for axis in np.indices(size[::-1]))
-    return np.stack([x, y, z], axis=1)
-
-
-def store_shared(
-    old: Value, type_: Type, path: Sequence[int | Integer], new: Value, mask: Flags, group: int
-) -> Value:
-    """A variable of whole workgroups after a store, the same for all of each: of several that store
-    to one element the last counts."""
-    if not path:
-        return _last(old, new, mask, group)
-    index, rest = path[0], path[1:]
-    size = len(old) if isinstance(old, tuple) else old.shape[-1]
-    parts = [component(old, k) for k in range(size)]
-    here = indices(index, size, mask) if isinstance(index, Integer) else range(size)
-    for k in here:
-        at_k = index.lo[:, 0] == k if isinstance(index, Integer) else index == k
-        stores = mask & at_k
-        if stores.any():
-            parts[k] = store_shared(parts[k], type_.part(k), rest, new, stores, group)
-    return compose(type_, parts)
-
-
-def _last(old: Value, new: Value, mask: Flags, group: int) -> Value:
-    if isinstance(old, tuple):
-        return tuple(_last(a, b, mask, group) for a, b in zip(old, new, strict=True))
-    stores = mask.reshape(-1, group)
-    last = group - 1 - stores[:, ::-1].argmax(axis=1)
-    rows = np.repeat(np.arange(len(stores)) * group + last, group)
-    wrote = np.repeat(stores.any(axis=1), group)[:, None]
-    return select(TriBool.of(wrote), broadcast(new, len(mask))[rows], old)
