@@ -88,7 +88,7 @@ def fit_argument(value: Any, kind: Type, label: str) -> Argument:
     Raises:
         CallError: it does not fit; names the label, the type and what was given.
     """
-    leaves = tuple(_leaves(value, kind, label))
+    leaves = tuple(_numbers(leaf, its, name) for name, its, leaf in _walk(value, kind, label))
     try:
         batch = np.broadcast_shapes(*(leaf.shape[:-1] for leaf in leaves))
     except ValueError:
@@ -98,31 +98,29 @@ def fit_argument(value: Any, kind: Type, label: str) -> Argument:
     return Argument(kind, batch, leaves, given if given in ("i", "u") else "")
 
 
-def _leaves(value: Any, kind: Type, label: str) -> Iterator[Array]:
-    if kind.members and kind.dims:
-        if isinstance(value, Mapping | str) or not isinstance(value, Sequence):
-            raise _misfit_error(value, kind, label, f"a sequence of {kind.dims[0]} values")
-        if len(value) != kind.dims[0]:
-            raise _misfit_error(value, kind, label, f"a sequence of {kind.dims[0]} values")
+def _walk(value: Any, kind: Type, label: str) -> Iterator[tuple[str, Type, Any]]:
+    """The name, the type and the value of each member that is no struct, as in `Type.leaves`."""
+    if kind.dims and (kind.members or kind.opaque):
+        count = kind.dims[0]
+        if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str):
+            raise _misfit_error(value, kind, label, f"a sequence of {count} values")
+        if len(value) != count:
+            raise _misfit_error(value, kind, label, f"a sequence of {count} values")
         for number, element in enumerate(value):
-            yield from _leaves(element, kind.element, f"{label}[{number}]")
+            yield from _walk(element, kind.element, f"{label}[{number}]")
     elif kind.members:
-        yield from _members(value, kind, label)
+        names = [name for name, _ in kind.members]
+        if not isinstance(value, Mapping):
+            raise _misfit_error(value, kind, label, f"a mapping of {', '.join(names)}")
+        if set(value) != set(names):
+            missing = [name for name in names if name not in value]
+            surplus = [repr(name) for name in value if name not in names]
+            what = f"lacks {', '.join(missing)}" if missing else f"has no member {surplus[0]}"
+            raise CallError(f"{label}: {kind} {what}", remedy=f"it has {', '.join(names)}")
+        for name, member in kind.members:
+            yield from _walk(value[name], member, f"{label}.{name}")
     else:
-        yield _numbers(value, kind, label)
-
-
-def _members(value: Any, kind: Type, label: str) -> Iterator[Array]:
-    names = [name for name, _ in kind.members]
-    if not isinstance(value, Mapping):
-        raise _misfit_error(value, kind, label, f"a mapping of {', '.join(names)}")
-    missing = [name for name in names if name not in value]
-    surplus = [name for name in value if name not in names]
-    if missing or surplus:
-        what = f"lacks {', '.join(missing)}" if missing else f"has no member {surplus[0]!r}"
-        raise CallError(f"{label}: {kind} {what}", remedy=f"it has {', '.join(names)}")
-    for name, member in kind.members:
-        yield from _leaves(value[name], member, f"{label}.{name}")
+        yield label, kind, value
 
 
 def _numbers(value: Any, kind: Type, label: str) -> Array:
@@ -322,84 +320,38 @@ def _pair(
             )
 
 
-_ARRAY = "give a shaderlab.Texture, or an array (height, width, channels)"
-_REMEDIES = {
-    **dict.fromkeys(("sampler2D", "isampler2D", "usampler2D"), _ARRAY),
-    **dict.fromkeys(
-        ("sampler2DArray", "isampler2DArray", "usampler2DArray"), "give a shaderlab.TextureArray"
-    ),
-    "samplerCube": "give a shaderlab.CubeTexture",
-    "sampler2DShadow": 'give a shaderlab.Texture with compare="lequal"',
-}
 _TEXTURES = (Texture, TextureArray, CubeTexture, CompressedTexture)
+Textures = dict[str, tuple[str, Any]]
+"""The type of each sampler, and its texture."""
 
 
 def collect_opaque(
-    name: str,
-    value: Any,
-    kind: Type,
-    label: str,
-    uniforms: dict[str, Array],
-    textures: dict[str, tuple[str, Any]],
-) -> None:
-    """Uniforms by the names that a driver has for them: "material.shininess", "maps[0]"."""
-    if kind.dims and (kind.opaque or kind.members):
-        if isinstance(value, Mapping | str) or len(value) != kind.dims[0]:
-            raise CallError(f"{label} is {kind}: give a sequence of {kind.dims[0]} values")
-        for n, element in enumerate(value):
-            collect_opaque(
-                f"{name}[{n}]", element, kind.element, f"{label}[{n}]", uniforms, textures
-            )
-    elif kind.members:
-        names = [member for member, _ in kind.members]
-        if not isinstance(value, Mapping) or set(value) != set(names):
-            raise CallError(f"{label} is {kind}: give a mapping of {', '.join(names)}")
-        for member, its in kind.members:
-            collect_opaque(
-                f"{name}.{member}", value[member], its, f"{label}.{member}", uniforms, textures
-            )
-    elif kind.opaque:
-        textures[name] = kind.name, _texture(value, kind, label)
-    else:
-        given = fit_argument(value, kind, label)
+    name: str, value: Any, kind: Type, label: str
+) -> tuple[dict[str, Array], Textures]:
+    """The uniforms and the textures of a sampler, or of a struct with samplers, by the names that a
+    driver has for them: "material.shininess", "maps[0]". Raises CallError."""
+    uniforms: dict[str, Array] = {}
+    textures: Textures = {}
+    for place, its, inner in _walk(value, kind, label):
+        key = name + place.removeprefix(label)
+        if its.opaque:
+            textures[key] = its.name, _texture(inner, its, place)
+            continue
+        given = fit_argument(inner, its, place)
         if given.varies:
-            raise CallError(f"{label} is in a struct with samplers: it has one value for a call")
-        array = given.leaves[0].reshape(kind.shape or (1,))
-        uniforms[name] = array.astype(np.float32) if kind.kind == "float" else array
+            raise CallError(f"{place} is in a struct with samplers: it has one value for a call")
+        array = given.leaves[0].reshape(its.shape or (1,))
+        uniforms[key] = array.astype(np.float32) if its.kind == "float" else array
+    return uniforms, textures
 
 
-@dataclass(frozen=True)
-class Opaque:
-    """What a call's samplers, and structs with samplers, are to references; `unread` says why the
-    texels of some are not known without a driver."""
-
-    uniforms: Mapping[str, Array]
-    textures: Mapping[str, Texels]
-    unread: Mapping[str, CallError]
-
-
-def read_textures(call: Call, folder: Path) -> Opaque:
-    """A call's textures, as references sample them.
+def read_texels(source: Any, label: str, folder: Path) -> Texels:
+    """A texture as references sample it.
 
     Raises:
-        CaseError, AssetError: as `shaderlab.drivers.programs.textures.contents`.
+        CallError: its texels are not known without a driver.
+        CaseError, AssetError: as `shaderlab.drivers.programs.textures.texture_contents`.
     """
-    uniforms: dict[str, Array] = {}
-    sources: dict[str, tuple[str, Any]] = {}
-    for one in (*call.signature.given, *call.signature.globals):
-        if one.name in call.opaque:
-            label = f"{call.signature.name}: {one.name}"
-            collect_opaque(one.name, call.opaque[one.name], one.type, label, uniforms, sources)
-    textures, unread = {}, {}
-    for name, (_, source) in sources.items():
-        try:
-            textures[name] = _texels(source, f"{call.signature.name}: {name}", folder)
-        except CallError as error:
-            unread[name] = error
-    return Opaque(uniforms, textures, unread)
-
-
-def _texels(source: Any, label: str, folder: Path) -> Texels:
     depth = getattr(source, "format", "").startswith("depth") and source.format != "depth32f"
     if depth or isinstance(source, CompressedTexture) or source.mipmaps is True:
         raise CallError(
@@ -408,11 +360,11 @@ def _texels(source: Any, label: str, folder: Path) -> Texels:
             "case, where the driver's texels are read back",
         )
     made = texture_contents(source, folder, {})
-    single = texture_kind(source, "", 0) == "2D"
+    kind = texture_kind(source, "", 0)
     return Texels(
-        made.layers[0] if single else np.stack(made.layers),
+        made.layers[0] if kind == "2D" else np.stack(made.layers),
         source.filter, source.wrap, source.border,
-        kind=texture_kind(source, "", 0), format=source.format, smaller=tuple(made.smaller),
+        kind=kind, format=source.format, smaller=tuple(made.smaller),
         compare=source.compare, lod=source.lod, seamless=getattr(source, "seamless", True),
     )  # fmt: skip
 
@@ -425,7 +377,8 @@ def _texture(value: Any, kind: Type, label: str) -> Any:
     if letter not in ("", "i", "u") or array.ndim not in (2, 3) or array.dtype.kind not in "fiu":
         raise CallError(
             f"{label} is {kind}; given was {type(value).__name__}",
-            remedy=_REMEDIES.get(kind.name, "the lab has no textures for it"),
+            remedy="give a shaderlab.Texture, TextureArray or CubeTexture, or for a sampler2D an "
+            "array (height, width, channels)",
         )
     pixels = array.reshape(*array.shape[:2], -1)
     if letter:
@@ -433,7 +386,7 @@ def _texture(value: Any, kind: Type, label: str) -> Any:
             raise CallError(f"{label} is {kind}: it takes whole numbers in 1, 2 or 4 channels")
         word = {1: "r32", 2: "rg32", 4: "rgba32"}[pixels.shape[2]] + {"i": "i", "u": "ui"}[letter]
         return Texture(image=pixels, format=word)
+    channels = ("r", "rg", "rgb", "rgba")[pixels.shape[2] - 1]
     if array.dtype == np.uint8:
-        return Texture(image=pixels, format=("r8", "rg8", "rgb8", "rgba8")[pixels.shape[2] - 1])
-    format = ("r32f", "rg32f", "rgb32f", "rgba32f")[pixels.shape[2] - 1]
-    return Texture(image=pixels.astype(np.float32), format=format)
+        return Texture(image=pixels, format=f"{channels}8")
+    return Texture(image=pixels.astype(np.float32), format=f"{channels}32f")

@@ -7,10 +7,10 @@ import functools
 import inspect
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,13 +18,13 @@ from shaderlab.engine.judging.banded import judge_band
 from shaderlab.engine.judging.laws import Close, Finding, Law
 from shaderlab.engine.judging.references import Inputs, parameter_name
 from shaderlab.errors import CallError, FormulaError
-from shaderlab.functions.call import Call, Opaque, read_textures
+from shaderlab.functions.call import Call, Textures, collect_opaque, read_texels
 from shaderlab.functions.signatures import Type
 from shaderlab.glslmath.choice import where
 from shaderlab.glslmath.vector import stack
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Outcome, SourceText
-from shaderlab.report.text import format_numbers, format_outcome
+from shaderlab.report.text import format_outcome
 
 if TYPE_CHECKING:
     from shaderlab.functions.library import Function
@@ -153,12 +153,12 @@ def judge_function(function: Function, law: Law | CallLaw | Reference, call: Cal
         inputs = match_inputs(law, call, kept.reshape(-1), function.folder)
         return [_judge_reference(function, law, call, part, inputs, kept) for part in found]
     if not isinstance(got, np.ndarray | np.generic):
-        names = ", ".join(part.name for part in found)
+        names = ", ".join(part.named("").removeprefix(".") for part in found)
         raise CallError(
             f"{law.title} is a law of one value; {function.__name__} returns {names}",
             remedy="check a reference that returns them all, or call it and compare its results",
         )
-    return [_judge_law(function, law, call, found[0], kept)]
+    return [_judge_law(function, law, call, np.ma.getdata(got), kept)]
 
 
 def format_failures(call: Call, outcomes: Sequence[Outcome]) -> str:
@@ -175,12 +175,7 @@ def function_source(function: Function, call: Call) -> SourceText:
 
 
 def _judge_reference(
-    function: Function,
-    reference: Reference,
-    call: Call,
-    part: Part,
-    inputs: Inputs,
-    kept: Array,
+    function: Function, reference: Reference, call: Call, part: Part, inputs: Inputs, kept: Array
 ) -> Outcome:
     measured = part.rows(kept)
     banded = judge_band(measured, part.of(reference), inputs, rules=None)
@@ -201,54 +196,41 @@ def _judge_reference(
 
 
 def _judge_law(
-    function: Function, law: Law | CallLaw, call: Call, part: Part, kept: Array
+    function: Function, law: Law | CallLaw, call: Call, got: Array, kept: Array
 ) -> Outcome:
-    got = part.values.data if isinstance(part.values, np.ma.MaskedArray) else part.values
     finding = judge_law(law, function, call, got)
-    holds = finding.holds.all(axis=tuple(range(len(call.batch), finding.holds.ndim)))
-    wrong = np.flatnonzero(~holds & kept)
-    name = law.title
+    parts = (len(call.batch), finding.holds.ndim)
+    rows = kept.reshape(*kept.shape, *[1] * (parts[1] - parts[0]))
+    finding = replace(finding, slack=np.where(rows, finding.slack, np.inf))
+    wrong = np.count_nonzero(~finding.holds.all(axis=tuple(range(*parts))) & kept)
     judged = int(np.count_nonzero(kept))
     message = ""
-    if wrong.size:
-        message = f"{name} does not hold of {wrong.size} of {judged} elements\n"
-        message += "\n".join(_describe_element(call, finding, int(wrong[0])))
+    if wrong:
+        message = f"{law.title} does not hold of {wrong} of {judged} elements"
     elif not judged:
         message = "nothing was judged: there is no element, or all are discarded"
     elif finding.trivial:
-        message = f"{name} could hardly fail: {finding.trivial}"
+        message = f"{law.title} could hardly fail: {finding.trivial}"
+    worst = None
+    if wrong:
+        count = math.prod(call.batch)
+        worst = finding.find_worst(count, lambda index: inputs_at(call, index), broken=True)
     return Outcome(
         name=function.__name__,
-        kind=name,
+        kind=law.title,
         status="fail" if message else "pass",
         message=message,
         judged=judged,
-        outside=int(wrong.size),
+        outside=int(wrong),
+        worst=worst,
         sources=(function_source(function, call),),
     )
-
-
-def _describe_element(call: Call, finding: Finding, index: int) -> Iterator[str]:
-    """One element: what it got, what was expected, its inputs, and a line that calls it again."""
-    count = math.prod(call.batch)
-    rows = finding.values.reshape(count, -1)[index]
-    yield f"  got        {format_numbers(rows)}"
-    if finding.expected:
-        yield f"  expected   {finding.expected}"
-    else:
-        other = finding.reference.reshape(count, -1)[index]
-        yield f"  expected   {format_numbers(other)}"
-        with np.errstate(all="ignore"):
-            apart = np.abs(rows.astype(np.float64) - other) / np.spacing(np.abs(np.float32(other)))
-        yield f"  apart      {np.max(apart):.3g} ulp"
-    for name, values in inputs_at(call, index).items():
-        yield f"  {name} = {format_numbers(values)}"
 
 
 def inputs_at(call: Call, index: int) -> dict[str, tuple[float, ...]]:
     """The numbers that an element of a call got, by name."""
     found = {}
-    for name, leaf in leaves(call):
+    for name, _, leaf in leaves(call):
         rows = np.broadcast_to(leaf, (*call.batch, leaf.shape[-1])).reshape(-1, leaf.shape[-1])
         values = rows[index]
         found[name] = tuple(float(np.float32(v)) if values.dtype.kind == "f" else v for v in values)
@@ -258,42 +240,48 @@ def inputs_at(call: Call, index: int) -> dict[str, tuple[float, ...]]:
 Reference = Callable[..., Any]
 
 
-Steps = tuple[tuple[tuple[str, ...], int], ...]
-"""The way from a result to one of its parts: names of members, and the place of one of them."""
-
-
 @dataclass(frozen=True)
 class Part:
-    """A part of a call's result: its values, shaped as the batch and then the type, which may be
-    masked, and the way to it."""
+    """A part of a call's result that is no struct and no array: its values, shaped as the batch and
+    then the type, which may be masked; and the way to it, for each step the names of all members
+    and the place of one of them."""
 
     type: Type
     values: Any
-    steps: Steps
-
-    @property
-    def name(self) -> str:
-        """Such as "hit.normal", "lights[2].color"; "" where the result is one value."""
-        return ".".join(names[n] for names, n in self.steps).replace(".[", "[")
+    steps: tuple[tuple[tuple[str, ...], int], ...]
 
     def named(self, function: str) -> str:
         """Such as "sphere.normal", "corners[1]"; the function's name where there is one value."""
-        return f"{function}.{self.name}".replace(".[", "[").removesuffix(".")
+        return ".".join([function, *(names[n] for names, n in self.steps)]).replace(".[", "[")
 
     def rows(self, kept: Array) -> Array:
         """Its numbers for the elements that are kept, (count, numbers); booleans as 0.0 and 1.0."""
-        values = np.asarray(getattr(self.values, "data", self.values))
-        found = values.reshape(kept.size, -1)[kept.reshape(-1)]
+        found = np.ma.getdata(self.values).reshape(kept.size, -1)[kept.reshape(-1)]
         return found.astype(np.float32) if found.dtype == bool else found
 
     def of(self, reference: Reference) -> Reference:
         """This part of a reference's result, as a reference with the same parameters."""
-        plain = self.type.kind != "bool" and not self.type.dims and len(self.type.shape) < 2
-        if plain and not self.steps:
+        if self.type.kind != "bool" and len(self.type.shape) < 2 and not self.steps:
             return reference
-        found = functools.partial(_part, reference, self.steps, self.type)
-        functools.update_wrapper(found, reference, assigned=(), updated=())
-        return found
+
+        @functools.wraps(reference, assigned=(), updated=())
+        def find_part(*given: Any, **named: Any) -> Any:
+            value = reference(*given, **named)
+            kind = self.type
+            for names, index in self.steps:
+                value = _take(value, names, index)
+            if len(kind.shape) < 2:
+                return where(value, 1.0, 0.0) if kind.kind == "bool" else value
+            shape = getattr(value, "shape", ())
+            if tuple(shape[-2:]) != kind.shape:
+                rows, columns = kind.shape
+                raise FormulaError(
+                    f"gives shape {shape} for a {kind}",
+                    remedy=f"build it of its columns, or return an array (…, {rows}, {columns})",
+                )
+            return stack([value[..., row, :] for row in range(kind.shape[0])], -1)
+
+        return find_part
 
 
 def split_result(outputs: Sequence[tuple[str, Type]], got: Any) -> list[Part]:
@@ -302,11 +290,11 @@ def split_result(outputs: Sequence[tuple[str, Type]], got: Any) -> list[Part]:
     return list(_parts(whole, got, ()))
 
 
-def _parts(kind: Type, got: Any, steps: Steps) -> Iterator[Part]:
-    if kind.dims and (kind.members or kind.kind in ("int", "uint")):
+def _parts(kind: Type, got: Any, steps: tuple[Any, ...]) -> Iterator[Part]:
+    if kind.dims:
         names = tuple(f"[{n}]" for n in range(kind.dims[0]))
         kinds: tuple[Type, ...] = (kind.element,) * len(names)
-        if not kind.members:  # one by one: side by side integers would become floats
+        if not kind.members:
             got = [np.ma.take(got, n, axis=-len(kind.shape)) for n in range(len(names))]
     elif kind.members:
         names, kinds = (tuple(each) for each in zip(*kind.members, strict=True))
@@ -318,15 +306,9 @@ def _parts(kind: Type, got: Any, steps: Steps) -> Iterator[Part]:
         yield from _parts(inner, piece, (*steps, (names, n)))
 
 
-def _part(reference: Reference, steps: Steps, kind: Type, /, *given: Any, **named: Any) -> Any:
-    value = reference(*given, **named)
-    for names, index in steps:
-        value = _take(value, names, index)
-    return _flatten(value, kind)
-
-
 def _take(value: Any, members: Sequence[str], index: int) -> Any:
-    """A member by its name from a mapping, a named tuple or a data class, else by its place."""
+    """A member by its name from a mapping, a named tuple or a data class, else by its place; of an
+    array's elements, which may be components of a vector."""
     names = getattr(value, "_fields", ())
     if dataclasses.is_dataclass(value):
         names = [field.name for field in dataclasses.fields(value)]
@@ -336,9 +318,15 @@ def _take(value: Any, members: Sequence[str], index: int) -> Any:
         return getattr(value, members[index])
     if isinstance(value, list | tuple) and len(value) == len(members) and not names:
         return value[index]
-    raise FormulaError(
-        f"gives {_describe(value)}, not {', '.join(members)}", remedy=f"return {_remedy(members)}"
-    )
+    is_array = members[0].startswith("[")
+    if is_array and getattr(value, "shape", ())[-1:] == (len(members),):
+        return value[..., index : index + 1]
+    shown = ", ".join(members)
+    pairs = ", ".join(f'"{name}": …' for name in members)
+    remedy = f"return {{{pairs}}}, or a tuple in that order"
+    if is_array:
+        remedy = f"return a list of {len(members)}"
+    raise FormulaError(f"gives {_describe(value)}, not {shown}", remedy=remedy)
 
 
 def _describe(value: Any) -> str:
@@ -349,138 +337,86 @@ def _describe(value: Any) -> str:
     return "one value"
 
 
-def _remedy(names: Sequence[str]) -> str:
-    if names[0].startswith("["):
-        return f"a list of {len(names)}"
-    members = ", ".join(f'"{name}": …' for name in names)
-    return f"{{{members}}}, or a tuple in that order"
-
-
-def _flatten(value: Any, kind: Type) -> Any:
-    """A matrix's or an array's numbers side by side, in the order of `Part.rows`."""
-    if kind.dims:
-        return _flatten_array(value, kind)
-    if len(kind.base_shape) < 2:
-        return where(value, 1.0, 0.0) if kind.kind == "bool" else value
-    rows, columns = kind.base_shape
-    shape = getattr(value, "shape", ())
-    if tuple(shape[-2:]) != kind.base_shape:
-        raise FormulaError(
-            f"gives shape {shape} for a {kind}",
-            remedy=f"build it of its columns, or return an array (…, {rows}, {columns})",
-        )
-    return stack([value[..., row, :] for row in range(rows)], -1)
-
-
-def _flatten_array(value: Any, kind: Type) -> Any:
-    count = kind.dims[0]
-    if not isinstance(value, list | tuple):
-        shape, inner = getattr(value, "shape", ()), kind.element.shape
-        if not inner and shape[-1:] == (count,):
-            return value
-        axis = -1 - len(inner)
-        if not inner or len(shape) < -axis or shape[axis] != count:
-            raise FormulaError(
-                f"gives shape {shape} for {kind}", remedy=f"return a list of {count}"
-            )
-        value = [value[(..., n, *[slice(None)] * len(inner))] for n in range(count)]
-    if len(value) != count:
-        raise FormulaError(f"gives {len(value)} elements for {kind}")
-    size = math.prod(kind.element.shape)
-    elements = []
-    for each in value:
-        element = _flatten(each, kind.element)
-        # One number may stand for all components.
-        single = getattr(element, "shape", ())[-1:] in ((), (1,))
-        elements.append(stack([element] * size, -1) if size > 1 and single else element)
-    return stack(elements, -1)
-
-
-Input = TypeVar("Input")
-
-
 def match_inputs(reference: Reference, call: Call, kept: Array, folder: str) -> Inputs:
     """The inputs under the names that the reference has for them: the function's own, or in the
     order of its parameters.
 
     Raises:
-        CallError: the reference's parameters are not the function's.
+        CallError: the reference's parameters are not the function's, or one is a texture whose
+            texels are not known without a driver.
     """
-    opaque = read_textures(call, Path(folder))
-    inputs = _inputs(call, kept, opaque)
-    wanted = [p for p in inspect.signature(reference).parameters.values()]
-    required = [p.name for p in wanted if p.default is p.empty]
-    known = inputs.parameters()
-    if all(name in known for name in required):
-        return inputs
-    for name, error in opaque.unread.items():
-        if parameter_name(name) in required:
-            raise error
-    every = [*_in_order(call, [*inputs.exact, *inputs.textures, *opaque.unread])]
-    numbers = [name for name in every if name in inputs.exact]
-    for names in (every, numbers):
+    uniforms, textures = _opaque_inputs(call)
+    numbers = _number_inputs(call, kept)
+    numbers = replace(numbers, shared={**numbers.shared, **uniforms})
+    new = _match_names(reference, call, numbers, textures)
+    folders = Path(folder)
+    label = call.signature.name
+    return Inputs(
+        shared={new[n]: value for n, value in numbers.shared.items() if n in new},
+        each={new[n]: value for n, value in numbers.each.items() if n in new},
+        textures={
+            new[n]: read_texels(source, f"{label}: {n}", folders)
+            for n, (_, source) in textures.items()
+            if n in new
+        },
+        arrays=frozenset(new[n] for n in numbers.arrays if n in new),
+    )
+
+
+def _match_names(
+    reference: Reference, call: Call, numbers: Inputs, textures: Collection[str]
+) -> dict[str, str]:
+    """The reference's name for each input that it may read."""
+    parameters = inspect.signature(reference).parameters.values()
+    wanted = [p.name for p in parameters]
+    required = [p.name for p in parameters if p.default is p.empty]
+    inputs = (*call.signature.given, *call.signature.globals)
+    every = [name for one in inputs for name, _ in one.type.leaves(one.name)]
+    every = [name for name in every if name in numbers.exact or name in textures]
+    known = {*numbers.parameters(), *map(parameter_name, textures)}
+    if known.issuperset(required):
+        return {n: n for n in every if n not in textures or parameter_name(n) in wanted}
+    for names in (every, [name for name in every if name not in textures]):
         if len(names) in (len(required), len(wanted)):
-            return _match_by_order(inputs, names, [p.name for p in wanted], opaque)
-    shown = ", ".join(parameter_name(n) for n in every)
+            return dict(zip(names, wanted, strict=False))
+    shown = ", ".join(map(parameter_name, every))
     raise CallError(
-        f"{reference.__name__} takes {', '.join(p.name for p in wanted)}; "
-        f"{call.signature.name} gets {shown}",
+        f"{reference.__name__} takes {', '.join(wanted)}; {call.signature.name} gets {shown}",
         remedy="name the reference's parameters so, or take as many in the same order",
     )
 
 
-def _match_by_order(
-    inputs: Inputs, names: Sequence[str], wanted: Sequence[str], opaque: Opaque
-) -> Inputs:
-    new = dict(zip(names, wanted, strict=False))
-    for name in new.keys() & opaque.unread.keys():
-        raise opaque.unread[name]
-    return Inputs(
-        shared=_rename(inputs.shared, new),
-        each=_rename(inputs.each, new),
-        textures=_rename(inputs.textures, new),
-        arrays=frozenset(new[name] for name in inputs.arrays if name in new),
-    )
-
-
-def leaves(call: Call) -> Iterator[tuple[str, Array]]:
-    """Each number or vector that a call has, with its name: "light.constant"."""
-    for name, given in call.values.items():
-        for (word, _), leaf in zip(given.type.leaves(name), given.leaves, strict=True):
-            yield word, leaf
-
-
-def _in_order(call: Call, known: Sequence[str]) -> Iterator[str]:
-    """The inputs in the order of the function's parameters, then the others'."""
+def _opaque_inputs(call: Call) -> tuple[dict[str, Array], Textures]:
+    uniforms: dict[str, Array] = {}
+    textures: Textures = {}
     for one in (*call.signature.given, *call.signature.globals):
-        yield from (name for name, _ in one.type.leaves(one.name) if name in known)
+        if one.name in call.opaque:
+            label = f"{call.signature.name}: {one.name}"
+            found = collect_opaque(one.name, call.opaque[one.name], one.type, label)
+            uniforms |= found[0]
+            textures |= found[1]
+    return uniforms, textures
 
 
-def _inputs(call: Call, kept: Array, opaque: Opaque) -> Inputs:
+def leaves(call: Call) -> Iterator[tuple[str, Type, Array]]:
+    """Each number or vector that a call has, with its name, such as "light.constant"."""
+    for name, given in call.values.items():
+        for (word, kind), leaf in zip(given.type.leaves(name), given.leaves, strict=True):
+            yield word, kind, leaf
+
+
+def _number_inputs(call: Call, kept: Array) -> Inputs:
     shared: dict[str, Array] = {}
     each: dict[str, Array] = {}
     arrays = set()
-    for name, given in call.values.items():
-        for (word, kind), leaf in zip(given.type.leaves(name), given.leaves, strict=True):
-            exact = leaf.astype(np.float32) if leaf.dtype.kind in "fb" else leaf
-            if kind.kind == "float":
-                exact = leaf.astype(np.float32)
-            own = kind.shape or (1,)
-            if kind.dims:
-                arrays.add(word)
-                own = (*kind.dims, *(kind.base_shape or (1,)))
-            if math.prod(leaf.shape[:-1]) == 1:
-                shared[word] = exact.reshape(own)
-            else:
-                whole = np.broadcast_to(exact, (*call.batch, exact.shape[-1]))
-                each[word] = whole.reshape(-1, *own)[kept]
-    return Inputs(
-        shared={**shared, **opaque.uniforms},
-        each=each,
-        textures=opaque.textures,
-        arrays=frozenset(arrays),
-    )
-
-
-def _rename(values: Mapping[str, Input], new: Mapping[str, str]) -> dict[str, Input]:
-    return {new[name]: value for name, value in values.items() if name in new}
+    for word, kind, leaf in leaves(call):
+        exact = leaf.astype(np.float32) if leaf.dtype.kind in "fb" or kind.kind == "float" else leaf
+        own = (*kind.dims, *(kind.base_shape or (1,)))
+        if kind.dims:
+            arrays.add(word)
+        if math.prod(leaf.shape[:-1]) == 1:
+            shared[word] = exact.reshape(own)
+        else:
+            whole = np.broadcast_to(exact, (*call.batch, exact.shape[-1]))
+            each[word] = whole.reshape(-1, *own)[kept]
+    return Inputs(shared=shared, each=each, arrays=frozenset(arrays))

@@ -29,7 +29,7 @@ from shaderlab.drivers import Evaluation
 from shaderlab.engine.jobs import Executor, InProcessExecutor, ProcessExecutor
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CallError, ShaderError
-from shaderlab.functions.call import Argument, Call, build_result, collect_opaque
+from shaderlab.functions.call import Argument, Call, Textures, build_result, collect_opaque
 from shaderlab.functions.signatures import PREFIX, Input, Signature, Type, declare, rename
 from shaderlab.model.frame import Array
 from shaderlab.model.options import CALL_LIMITS, RunOptions
@@ -451,12 +451,14 @@ def _evaluation(source: Source, folder: str, call: Call, kernel: Kernel) -> Eval
     if words:
         shared.reshape(-1)[: kernel.shared_words] = np.concatenate(words)
     uniforms: dict[str, Array] = {}
-    textures: dict[str, tuple[str, Any]] = {}
+    textures: Textures = {}
     parameters = {p.name for p in kernel.signature.parameters}
     for one in kernel.opaque:
         name = local_name(one.name) if one.name in parameters else rename(one.name)
         label = f"{kernel.signature.name}: {one.name}"
-        collect_opaque(name, call.opaque[one.name], one.type, label, uniforms, textures)
+        found = collect_opaque(name, call.opaque[one.name], one.type, label)
+        uniforms |= found[0]
+        textures |= found[1]
     return Evaluation(
         passes=build_passes(source, kernel),
         size=(0, 0),

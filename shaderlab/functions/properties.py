@@ -23,6 +23,7 @@ from shaderlab.model.records import Outcome, SourceText
 
 if TYPE_CHECKING:
     from shaderlab.functions.library import Function
+    from shaderlab.functions.signatures import Type
 
 
 _NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
@@ -84,6 +85,8 @@ class Floats(Domain):
         around = [np.nextafter(points, np.float32(end)) for end in (-np.inf, np.inf)]
         points = np.concatenate([points, *around])
         inside = (points >= np.float32(self.low)) & (points <= np.float32(self.high))
+        if math.copysign(1.0, self.low) > 0.0:  # −0.0 lies below 0.0: 1/x has another sign there
+            inside &= ~np.signbit(points)
         special: Array = points[inside & ((points == 0.0) | (np.abs(points) >= _TINY))]
         return special
 
@@ -194,11 +197,8 @@ def weight(value: float) -> float:
         return 0.0 if math.copysign(1.0, value) > 0.0 else 0.25
     if not math.isfinite(value):
         return 50.0
-    digits, _, exponent = f"{np.float32(value):.9g}".partition("e")
-    written = shortest(value).partition("e")[0]
-    figures = len(written.strip("-0.").replace(".", ""))
-    power = abs(int(exponent)) if exponent else max(len(digits.split(".")[0].strip("-")) - 2, 0)
-    return figures + 0.5 * (value < 0) + power + (0.0 if value == 1 else 0.5) + abs(value) * 1e-9
+    written = len(shortest(abs(value)))
+    return written + 0.5 * (value < 0) - 0.5 * (value == 1) + abs(value) * 1e-9
 
 
 def weights(values: Any) -> float:
@@ -228,29 +228,14 @@ def nest(values: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def take_rows(values: Values, rows: slice) -> Values:
-    return {name: value[rows] for name, value in values.items()}
+def take(values: Mapping[str, Any], rows: int | slice) -> dict[str, Any]:
+    """Some rows of all arrays in nested mappings."""
+    return nest({name: value[rows] for name, value in flatten(values)})
 
 
-def stretch(value: Any, count: int) -> Any:
-    """Fixed values as many as there are samples."""
-    if isinstance(value, Mapping):
-        return {name: stretch(v, count) for name, v in value.items()}
-    array = np.asanyarray(value)
-    return (
-        array
-        if array.ndim and len(array) == count
-        else np.broadcast_to(array, (count, *array.shape))
-    )
+def format_arguments(values: Mapping[str, Any]) -> Iterator[str]:
+    """The first row of each argument as a keyword."""
 
-
-def element(value: Any, n: int) -> Any:
-    if isinstance(value, Mapping):
-        return {name: element(v, n) for name, v in value.items()}
-    return value[n]
-
-
-def format_arguments(values: Values) -> Iterator[str]:
     def text(value: Any) -> str:
         if isinstance(value, dict):
             return "{" + ", ".join(f"{n!r}: {text(v)}" for n, v in value.items()) + "}"
@@ -273,17 +258,8 @@ SAMPLES = 10_000
 _ROUNDS = 6
 
 Test = Callable[..., Any]
-
-
-@dataclass(frozen=True)
-class Batch:
-    """What one draw tries: samples by a seed, or some values."""
-
-    seed: int | None
-    values: tuple[tuple[str, Any], ...] = ()
-
-    def __repr__(self) -> str:
-        return f"{SAMPLES} samples of seed {self.seed}" if self.seed is not None else "an example"
+Batch = int | dict[str, Any]
+"""What one draw tries: samples by a seed, or the values of an example."""
 
 
 class Search:
@@ -291,8 +267,9 @@ class Search:
 
     def __init__(self, function: Function, domains: Mapping[str, Any], test: Test) -> None:
         self._function = function
-        self._domains = domains
         self._test = test
+        self._domains = {n: d for n, d in flatten(domains) if isinstance(d, Domain)}
+        self._fixed = {n: d for n, d in flatten(domains) if not isinstance(d, Domain)}
         self._one_by_one = False
 
     @cached_property
@@ -300,71 +277,70 @@ class Search:
         return hints_of("".join(s.code for s in self._function.signatures))
 
     @cached_property
-    def _types(self) -> dict[str, Any]:
-        """The type of each argument that is searched, members by their whole names."""
-        inputs = {i.name: i.type for s in self._function.signatures for i in (*s.given, *s.globals)}
-        found = {}
-        for name, _ in flatten(self._domains):
-            head, *members = name.split(".")
-            if head not in inputs:
-                known = ", ".join(inputs)
-                message = f"given: {self._function.__name__} takes no {head!r}"
-                raise CallError(message, remedy=f"there is: {known}")
-            kind = inputs[head]
-            for member in members:
-                kind = dict(kind.members)[member]
-            found[name] = kind
-        return found
+    def _inputs(self) -> dict[str, Type]:
+        """The types of what the function takes, by name."""
+        signatures = self._function.signatures
+        return {i.name: i.type for s in signatures for i in (*s.given, *s.globals)}
 
     @cached_property
     def _result_names(self) -> list[str]:
         """The test's parameters that get the result, or parts of it."""
-        signatures = self._function.signatures
-        inputs = {i.name for s in signatures for i in (*s.given, *s.globals)}
-        outputs = {name for s in signatures for name, _ in s.outputs}
-        others = [n for n in inspect.signature(self._test).parameters if n not in inputs]
+        outputs = {name for s in self._function.signatures for name, _ in s.outputs}
+        others = [n for n in inspect.signature(self._test).parameters if n not in self._inputs]
         if len(others) > 1 and not outputs.issuperset(others):
             raise CallError(
                 f"{self._test.__name__} has parameters {', '.join(others)}, of which only one can "
                 f"be the result of {self._function.__name__}",
-                remedy=f"{self._function.__name__} takes {', '.join(sorted(inputs))}",
+                remedy=f"{self._function.__name__} takes {', '.join(sorted(self._inputs))}",
             )
         return others
 
     def run(self, batch: Batch) -> None:
         """Try a batch. Raises what the test raises for its smallest counterexample."""
         __tracebackhide__ = True
-        if batch.seed is None:
-            values = {n: np.asarray(v)[None] for n, v in flatten(dict(batch.values))}
+        if isinstance(batch, dict):
+            values = {n: np.asarray(v)[None] for n, v in flatten(batch)}
         else:
-            rng = np.random.default_rng(batch.seed)
-            searched = {n: d for n, d in flatten(self._domains) if isinstance(d, Domain)}
+            rng = np.random.default_rng(batch)
             values = {
-                name: domain.sample(rng, (SAMPLES, *self._types[name].shape), self._hints)
-                for name, domain in searched.items()
+                name: domain.sample(rng, (SAMPLES, *self._type_of(name).shape), self._hints)
+                for name, domain in self._domains.items()
             }
         if not values:
             raise CallError(f"given: nothing of {self._function.__name__} is searched")
-        count = len(next(iter(values.values())))
-        wrong = self._find_failure(values, count)
-        if wrong is None:
+        arguments = self._arguments(values)
+        if not self._fails(arguments):
             return
+        wrong = self._halve(arguments)
+        values = {name: value[wrong] for name, value in values.items()}
         if wrong.stop - wrong.start > 1:  # no single one fails: it is about several together
-            self._call_test(self._arguments(take_rows(values, wrong)))
-            return
-        self._report(self._simplify(take_rows(values, wrong)))
+            self._test(**self._arguments(values))
+        else:
+            self._report(self._simplify(values))
+
+    def _type_of(self, name: str) -> Type:
+        """The type of an argument, or of a member by its whole name."""
+        head, *members = name.split(".")
+        if head not in self._inputs:
+            raise CallError(
+                f"given: {self._function.__name__} takes no {head!r}",
+                remedy=f"there is: {', '.join(self._inputs)}",
+            )
+        kind = self._inputs[head]
+        for member in members:
+            kind = dict(kind.members)[member]
+        return kind
 
     def _report(self, values: Values) -> None:
         """Run the test on one element, to fail as it does."""
         __tracebackhide__ = True
         arguments = self._arguments(values)
-        single = {name: element(value, 0) for name, value in arguments.items()}
         place = display_path(*self._function.place)
         note = f"smallest counterexample for {self._function.__name__} of {place}:\n"
         note += f"@glsl.example({', '.join(format_arguments(values))})"
         results = {n: v for n, v in arguments.items() if n in self._result_names}
         note += "".join(f"\n{line}" for line in format_arguments(results)).replace("=", " = ")
-        for some in (single, arguments):
+        for some in (take(arguments, 0), arguments):
             try:
                 holds = self._test(**some)
             except Exception as error:
@@ -376,109 +352,89 @@ class Search:
     def _simplify(self, values: Values) -> Values:
         """The same failure with simpler values, one number after the other."""
         for _ in range(_ROUNDS):
-            before = sum(weights(v) for v in values.values())
-            for name in values:
-                domain = dict(flatten(self._domains)).get(name)
-                if not isinstance(domain, Domain):
-                    continue
-                shape = values[name].shape
-                places: list[Any] = [...]
-                if domain.by_component and len(shape) > 1:
-                    places = list(np.ndindex(shape[1:]))
-                for place in places:
+            before = sum(map(weights, values.values()))
+            for name in [n for n in values if n in self._domains]:
+                domain, shape = self._domains[name], values[name].shape[1:]
+                for place in np.ndindex(shape) if domain.by_component else [()]:
                     values = self._simplify_number(values, name, domain, place)
-            if sum(weights(v) for v in values.values()) >= before:
+            if sum(map(weights, values.values())) >= before:
                 break
         return values
 
-    def _simplify_number(self, values: Values, name: str, domain: Domain, place: Any) -> Values:
-        old = values[name]
-        whole = (0, ...) if place is ... else (0, *place)
-        choices = domain.simpler(old[whole])
+    def _simplify_number(
+        self, values: Values, name: str, domain: Domain, place: tuple[int, ...]
+    ) -> Values:
+        choices = domain.simpler(values[name][(0, *place)])
         if not choices:
             return values
-        many = np.repeat(old, len(choices), axis=0)
+        tried = {n: np.repeat(v, len(choices), axis=0) for n, v in values.items()}
         for n, choice in enumerate(choices):
-            many[(n, *whole[1:])] = choice
-        tried = {n: np.repeat(v, len(choices), axis=0) for n, v in values.items()} | {name: many}
+            tried[name][(n, *place)] = choice
         arguments = self._arguments(tried)
         for n in range(len(choices)):
-            if self._fails({k: v[n : n + 1] for k, v in flatten(arguments)}):
-                return take_rows(tried, slice(n, n + 1))
+            if self._fails(take(arguments, slice(n, n + 1))):
+                return {name: value[n : n + 1] for name, value in tried.items()}
         return values
-
-    def _find_failure(self, values: Values, count: int) -> slice | None:
-        """The rows of a failure, one where one is enough; None where the test passes."""
-        arguments = self._arguments(values)
-        if not self._one_by_one:
-            try:
-                holds = self._call_test(arguments)
-            except ValueError as error:
-                if "truth value of an array" not in str(error):
-                    return self._halve(arguments)
-                self._one_by_one = True
-            except Exception:
-                return self._halve(arguments)
-            else:
-                if holds is None or np.all(holds):
-                    return None
-                if np.ndim(holds) == 0:
-                    return self._halve(arguments)
-                wrong = ~np.asarray(holds).reshape(len(holds), -1).all(axis=1)
-                first = int(np.argmax(wrong))
-                return slice(first, first + 1)
-        for n in range(count):
-            if self._fails_at({name: element(value, n) for name, value in arguments.items()}):
-                return slice(n, n + 1)
-        return None
 
     def _halve(self, arguments: dict[str, Any]) -> slice:
         """The fewest rows that fail, found by halving."""
-        parts = dict(flatten(arguments))
-        start, stop = 0, len(next(iter(parts.values())))
+        start, stop = 0, _count(arguments)
         while stop - start > 1:
             middle = (start + stop) // 2
             for half in (slice(start, middle), slice(middle, stop)):
-                if self._fails({name: value[half] for name, value in parts.items()}):
+                if self._fails(take(arguments, half)):
                     start, stop = half.start, half.stop
                     break
             else:
                 break
         return slice(start, stop)
 
-    def _fails(self, parts: Values) -> bool:
-        """Whether the test fails on some rows, given by whole names."""
-        arguments = nest(parts)
-        if self._one_by_one:
-            arguments = {name: element(value, 0) for name, value in arguments.items()}
-        return self._fails_at(arguments)
+    def _fails(self, arguments: dict[str, Any]) -> bool:
+        """Whether the test fails on some rows: on all as arrays, or, if it is written for single
+        numbers, on one of them."""
+        if not self._one_by_one:
+            try:
+                return self._fails_at(arguments)
+            except ValueError:
+                self._one_by_one = True
+        return any(self._fails_at(take(arguments, n)) for n in range(_count(arguments)))
 
     def _fails_at(self, arguments: dict[str, Any]) -> bool:
+        """Whether the test fails. Raises ValueError: it takes an array for one number."""
         try:
-            holds = self._test(**arguments)
-        except Exception:
+            with np.errstate(all="ignore"):
+                holds = self._test(**arguments)
+        except Exception as error:
+            if isinstance(error, ValueError) and "truth value of an array" in str(error):
+                raise
             return True
         return not (holds is None or np.all(holds))
 
-    def _call_test(self, arguments: dict[str, Any]) -> Any:
-        with np.errstate(all="ignore"):
-            return self._test(**arguments)
-
     def _arguments(self, values: Values) -> dict[str, Any]:
         """What the test gets for some values: those among its parameters, and the result."""
-        fixed = {n: d for n, d in flatten(self._domains) if not isinstance(d, Domain)}
-        named = nest({**fixed, **values})
+        count = len(next(iter(values.values())))
+        named = nest({**self._fixed, **values})
         result = self._function(**named)
         parts: dict[str, Any] = getattr(result, "_asdict", dict)()
-        wanted = inspect.signature(self._test).parameters
-        count = len(next(iter(values.values())))
         found = {}
-        for name in wanted:
+        for name in inspect.signature(self._test).parameters:
             if name in self._result_names:
                 found[name] = parts.get(name, parts or result)
             elif name in named:
                 found[name] = named[name]
-        return {name: stretch(value, count) for name, value in found.items()}
+        return nest({name: _stretch(value, count) for name, value in flatten(found)})
+
+
+def _count(arguments: Mapping[str, Any]) -> int:
+    return len(next(value for _, value in flatten(arguments)))
+
+
+def _stretch(value: Any, count: int) -> Any:
+    """A fixed value as often as there are samples."""
+    array = np.asanyarray(value)
+    if array.ndim and len(array) == count:
+        return array
+    return np.broadcast_to(array, (count, *array.shape))
 
 
 DRAWS = 10
@@ -527,10 +483,10 @@ def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
             phases=[p for p in hypothesis.Phase if p.name in ("explicit", "reuse", "generate")],
             suppress_health_check=list(hypothesis.HealthCheck),
         )
-        batches = strategies.integers(0, 2**32 - 1).map(Batch)
-        found: Test = settings(hypothesis.given(batch=batches)(run))
+        seeds = strategies.integers(0, 2**32 - 1)
+        found: Test = settings(hypothesis.given(batch=seeds)(run))
         for values in reversed(getattr(test, "shaderlab_examples", ())):
-            found = hypothesis.example(batch=Batch(None, tuple(values.items())))(found)
+            found = hypothesis.example(batch=values)(found)
         return found
 
     return decorate
@@ -546,7 +502,7 @@ def _note_outcome(function: Function, test: Test, batch: Batch) -> Iterator[None
         name=function.__name__,
         kind="given",
         status="pass",
-        judged=1 if batch.seed is None else SAMPLES,
+        judged=1 if isinstance(batch, dict) else SAMPLES,
         sources=(SourceText(file=file, line=line, language="glsl", text=str(function.__doc__)),),
         line=test.__code__.co_firstlineno,
     )

@@ -21,11 +21,11 @@ from shaderlab.errors import CaseError
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs
 from shaderlab.model.frame import Array, Frame, Samples
-from shaderlab.model.records import Outcome, Row, Worst
+from shaderlab.model.records import Outcome, Row
 from shaderlab.model.scene import UniformValue
 
 from ..judging import laws
-from ..judging.banded import format_value, to_tuple, ulp_distance
+from ..judging.banded import format_value, to_tuple
 from .base import OutputExpectation
 from .needs import Probe
 
@@ -122,6 +122,14 @@ class EachValue(OutputLaw):
             message = f"{self.law.title} does not hold at {wrong} of {found.holds.size} values"
         elif found.trivial:
             message = f"{self.law.title} could hardly fail: {found.trivial}"
+
+        def inputs_of(run: int) -> dict[str, tuple[float, ...]]:
+            return {
+                name: to_tuple(samples.inputs[name][run])
+                for name in dict.fromkeys((*self.steps[run], *self.at))
+                if name in samples.inputs and samples.inputs[name][run].ndim == 1
+            }
+
         outcome = Outcome(
             name=self.name,
             kind=self.kind,
@@ -129,32 +137,9 @@ class EachValue(OutputLaw):
             message=message,
             judged=measured.size,
             outside=wrong,
-            worst=self._find_worst(found, samples, broken=bool(message)),
+            worst=found.find_worst(count, inputs_of, broken=bool(message)),
         )
         return Judgement(outcome=outcome)
-
-    def _find_worst(self, found: laws.Finding, samples: Samples, broken: bool) -> Worst:
-        place = np.unravel_index(int(np.argmin(found.slack)), found.slack.shape)
-        i, c = (int(n) for n in place)
-        parts = (found.values, found.reference, found.low, found.high)
-        measured, reference, low, high = (
-            to_tuple(np.broadcast_to(part, found.values.shape)[i]) for part in parts
-        )
-        return Worst(
-            pixel=None,
-            component=c,
-            measured=measured,
-            reference=reference,
-            low=low,
-            high=high,
-            ulp=ulp_distance(measured[c], reference[c]),
-            widths=math.inf if broken else 0.0,
-            inputs={
-                name: to_tuple(samples.inputs[name][i])
-                for name in dict.fromkeys((*self.steps[i], *self.at))
-                if name in samples.inputs and samples.inputs[name][i].ndim == 1
-            },
-        )
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
@@ -16,7 +16,10 @@ import numpy as np
 
 from shaderlab.errors import CallError, CaseError
 from shaderlab.model.frame import Array
+from shaderlab.model.records import Worst
 from shaderlab.model.state import check_choice
+
+from .banded import to_tuple, ulp_distance
 
 Batch = tuple[int, ...]
 DIRECTIONS = ("increasing", "decreasing")
@@ -32,7 +35,6 @@ class Finding:
         slack: how far each is from breaking it, negative where it does.
         reference: what each is compared with.
         low, high: the bounds that follow from it.
-        expected: the reference in words, where it is not a value to be met; or "".
         trivial: why the law could hardly fail on these inputs; "" if it could.
     """
 
@@ -42,8 +44,31 @@ class Finding:
     reference: Array
     low: Any
     high: Any
-    expected: str = ""
     trivial: str = ""
+
+    def find_worst(
+        self, count: int, inputs: Callable[[int], Mapping[str, tuple[float, ...]]], *, broken: bool
+    ) -> Worst:
+        """Return the value of `count` elements that is nearest to breaking the law, or furthest
+        beyond it; `inputs` gives an element's inputs."""
+        slack = self.slack.reshape(count, -1)
+        i, c = (int(n) for n in np.unravel_index(int(np.argmin(slack)), slack.shape))
+        parts = (self.values, self.reference, self.low, self.high)
+        measured, reference, low, high = (
+            to_tuple(np.broadcast_to(part, self.values.shape).reshape(count, -1)[i])
+            for part in parts
+        )
+        return Worst(
+            pixel=None,
+            component=c,
+            measured=measured,
+            reference=reference,
+            low=low,
+            high=high,
+            ulp=ulp_distance(measured[c], reference[c]),
+            widths=math.inf if broken else 0.0,
+            inputs=inputs(i),
+        )
 
 
 class Law(ABC):
@@ -108,7 +133,6 @@ class Bounded(Law):
             reference=np.clip(numbers, low, high),
             low=low,
             high=high,
-            expected=f"{self.low} … {self.high}",
         )
 
 
