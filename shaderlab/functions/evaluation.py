@@ -6,7 +6,6 @@ import atexit
 import functools
 import keyword
 import math
-import mmap
 import os
 import re
 import threading
@@ -40,7 +39,6 @@ if TYPE_CHECKING:
 
 MAX_WORDS = 8
 """Attachments that every driver has; what is more goes into another pass."""
-_UNROLLED = 8
 _INPUT, _SHARED = f"{PREFIX}input", f"{PREFIX}shared"
 _READS = {
     "float": "uintBitsToFloat({})", "int": "int({})", "uint": "{}", "bool": "(({}) != 0u)",
@@ -107,8 +105,7 @@ class Kernel:
         call = f"{signature.name}({', '.join(local_name(p.name) for p in signature.parameters)})"
         values = [local_name(p.name) for p in signature.parameters if p.direction != "in"]
         if signature.result.name != "void":
-            dims = "".join(f"[{n}]" for n in signature.result.dims)
-            call = f"{signature.result.name}{dims} {PREFIX}result = {call}"
+            call = f"{signature.result} {PREFIX}result = {call}"
             values.insert(0, f"{PREFIX}result")
         lines.append(f"  {call};")
         outputs = zip(values, signature.outputs, strict=True)
@@ -129,7 +126,7 @@ class Kernel:
                 if given.name in parameters:
                     name = local_name(given.name)
                     yield f"  {declare(given.type, name)};"
-                yield from _assign(name, given.type, word, str(at))
+                yield from _assign(name, given.type, word, at)
                 at += given.type.words
         for name, default in self.signature.state:
             yield f"  {name} = {' '.join(default.split())};"
@@ -140,111 +137,40 @@ def local_name(name: str) -> str:
     return f"{PREFIX}p_{name}"
 
 
-def _varying_word(index: str) -> str:
+def _varying_word(index: int) -> str:
     return f"{PREFIX}words[{index}]"
 
 
-def _shared_word(index: str) -> str:
-    if index.isdecimal():
-        return f"{_SHARED}[{int(index) // 4}].{'xyzw'[int(index) % 4]}"
-    return f"{_SHARED}[({index}) >> 2][({index}) & 3]"
+def _shared_word(index: int) -> str:
+    return f"{_SHARED}[{index // 4}].{'xyzw'[index % 4]}"
 
 
-def _assign(
-    target: str, kind: Type, word: Callable[[str], str], at: str, depth: int = 0
-) -> Iterator[str]:
+def _assign(target: str, kind: Type, word: Callable[[int], str], at: int) -> Iterator[str]:
     """Statements that read a value from its words, the first of which is `at`."""
-    if kind.dims:
-        inner, count = kind.element, kind.dims[0]
-        if count <= _UNROLLED:
-            for n in range(count):
-                yield from _assign(f"{target}[{n}]", inner, word, _plus(at, n * inner.words), depth)
-            return
-        i = f"i{depth}"
-        yield f"  for (int {i} = 0; {i} < {count}; {i}++) {{"
-        where = f"{at} + {i} * {inner.words}"
-        yield from _assign(f"{target}[{i}]", inner, word, where, depth + 1)
-        yield "  }"
-    elif kind.members:
-        for name, member in kind.members:
-            yield from _assign(f"{target}.{name}", member, word, at, depth)
-            at = _plus(at, member.words)
-    else:
-        read = [_READS[kind.kind].format(word(_plus(at, n))) for n in _constructor_order(kind)]
-        yield f"  {target} = {kind.name}({', '.join(read)});"
-
-
-def _plus(at: str, n: int) -> str:
-    return str(int(at) + n) if at.isdecimal() else f"{at} + {n}"
-
-
-def _constructor_order(kind: Type) -> list[int]:
-    """The words of one element in the order of GLSL's constructor; a matrix's words are row by row,
-    as in NumPy."""
-    if len(kind.base_shape) == 2:
-        rows, columns = kind.base_shape
-        return [r * columns + c for c in range(columns) for r in range(rows)]
-    return list(range(kind.words))
+    for name, leaf in kind.leaves(target):
+        size = math.prod(leaf.base_shape)
+        for place in np.ndindex(leaf.dims):
+            # A matrix's words are row by row, as in NumPy; GLSL's constructor takes columns.
+            words = np.arange(at, at + size).reshape(leaf.base_shape).T.ravel()
+            read = ", ".join(_READS[leaf.kind].format(word(int(n))) for n in words)
+            yield f"  {name}{_subscripts(place)} = {leaf.name}({read});"
+            at += size
 
 
 def _write_words(value: str, kind: Type) -> Iterator[str]:
     """The words of a value, as expressions."""
-    if kind.dims:
-        for n in range(kind.dims[0]):
-            yield from _write_words(f"{value}[{n}]", kind.element)
-    elif kind.members:
-        for name, member in kind.members:
-            yield from _write_words(f"{value}.{name}", member)
-    elif len(kind.base_shape) == 2:
-        rows, columns = kind.base_shape
-        for r in range(rows):
-            for c in range(columns):
-                yield _WRITES[kind.kind].format(f"{value}[{c}][{r}]")
-    elif kind.base_shape:
-        for n in range(kind.words):
-            yield _WRITES[kind.kind].format(f"{value}[{n}]")
-    else:
-        yield _WRITES[kind.kind].format(value)
+    for name, leaf in kind.leaves(value):
+        for place in np.ndindex(leaf.shape):
+            if len(leaf.base_shape) == 2:
+                place = (*place[:-2], place[-1], place[-2])
+            yield _WRITES[leaf.kind].format(f"{name}{_subscripts(place)}")
+
+
+def _subscripts(place: tuple[int, ...]) -> str:
+    return "".join(f"[{n}]" for n in place)
 
 
 _VERSION = re.compile(r"#version \d+")
-
-
-@dataclass(frozen=True)
-class Region:
-    """Shared memory as another process sees it: a path that opens it, and its size in bytes."""
-
-    path: str
-    size: int
-
-    def open(self) -> mmap.mmap:
-        descriptor = os.open(self.path, os.O_RDWR)
-        try:
-            return mmap.mmap(descriptor, self.size)
-        finally:
-            os.close(descriptor)
-
-
-class SharedMemory:
-    """Memory that the calling process and a worker share, so that arrays are not sent. It has no
-    name and no size limit: the worker opens this process's file descriptor. It grows as
-    needed; what was in it is lost then."""
-
-    def __init__(self) -> None:
-        self._file = os.fdopen(os.memfd_create("shaderlab"), "r+b")
-        self._map: mmap.mmap | None = None
-        self._size = 0
-
-    def words(self, count: int) -> Array:
-        if 4 * count > self._size or self._map is None:
-            self._size = max(4 * count, 2 * self._size, mmap.PAGESIZE)
-            os.ftruncate(self._file.fileno(), self._size)
-            self._map = mmap.mmap(self._file.fileno(), self._size)
-        return np.frombuffer(self._map, np.uint32, count)
-
-    @property
-    def region(self) -> Region:
-        return Region(f"/proc/{os.getpid()}/fd/{self._file.fileno()}", self._size)
 
 
 @dataclass(frozen=True)
@@ -264,25 +190,20 @@ class Preprocess:
 
 @dataclass(frozen=True)
 class Evaluate:
-    """Asks for an evaluation; inputs are at the start of the memory, outputs behind them.
+    """Asks for an evaluation's results, (words, height, width), of inputs (words, height, width).
     The `versions` of GLSL are tried in turn; one later than the driver's becomes that."""
 
     evaluation: Evaluation
     versions: tuple[int, ...]
-    layers: int
+    inputs: Array
     words: int
-    region: Region
     note: str
     driver: str | None
 
-    def perform(self, worker: Worker) -> None:
+    def perform(self, worker: Worker) -> Array:
         worker.note(self.note)
         lab = worker.lab(RunOptions(driver=self.driver))
-        memory = worker.keep("memory", self.region, self.region.open)
-        width, height = self.evaluation.size
-        count = self.layers + self.words
-        whole = np.frombuffer(memory, np.uint32, count * height * width)
-        layers = whole.reshape(count, height, width)
+        results = np.zeros((self.words, *self.inputs.shape[1:]), np.uint32)
         newest = int(lab.backend.info["glsl"].replace(".", "")[:3])
         refused: ShaderError | None = None
         for version in self.versions:
@@ -291,11 +212,11 @@ class Evaluate:
             )
             evaluation = replace(self.evaluation, passes=passes)
             try:
-                lab.backend.evaluate(evaluation, layers[: self.layers], layers[self.layers :])
+                lab.backend.evaluate(evaluation, self.inputs, results)
             except ShaderError as error:
                 refused = refused or error
             else:
-                return
+                return results
         assert refused is not None
         for source, _ in self.evaluation.passes:  # glslang's words are the better ones
             cached_compiler()((source,), ("glsl",)).require()
@@ -309,18 +230,16 @@ def as_version(source: Source, version: int) -> Source:
 
 
 class Caller:
-    """A worker that stays warm, and the memory shared with it. One call at a time."""
+    """A worker that stays warm. One call at a time."""
 
     def __init__(self, executor: Executor, driver: str | None = None) -> None:
         self._driver = driver
         self._executor = executor
         self._lock = threading.Lock()
-        self._memory = SharedMemory()
 
     def preprocess(self, source: Source) -> str:
         """A source's text after the preprocessor. Raises ShaderError, CallError."""
-        with self._lock:
-            text: str = self._perform(Preprocess(source), f"preprocessing {source.path}")
+        text: str = self._perform(Preprocess(source), f"preprocessing {source.path}")
         return text
 
     def evaluate(
@@ -329,10 +248,10 @@ class Caller:
         versions: tuple[int, ...],
         arguments: Sequence[Argument],
         batch: tuple[int, ...],
-        results: Array,
+        words: int,
         what: str,
-    ) -> None:
-        """Evaluate arguments, broadcast to `batch`, into `results`, (words, count) of uint32.
+    ) -> Array:
+        """Return the results for arguments that are broadcast to `batch`: (words, count) of uint32.
         `versions` are those of GLSL to try, `what` names the evaluation in messages.
 
         Raises:
@@ -340,25 +259,21 @@ class Caller:
                 or takes its process down.
         """
         width, height = evaluation.size
-        layers, words = sum(argument.type.words for argument in arguments), len(results)
-        with self._lock:
-            memory = self._memory.words((layers + words) * width * height)
-            whole = memory.reshape(-1, height, width)
-            at = 0
-            for argument in arguments:
-                argument.fill(whole[at:], batch)
-                at += argument.type.words
-            request = Evaluate(
-                evaluation, versions, layers, words, self._memory.region, what, self._driver
-            )
-            self._perform(request, what)
-            np.copyto(results, whole[layers:].reshape(words, -1)[:, : results.shape[1]])
+        layers = sum(argument.type.words for argument in arguments)
+        inputs, at = np.zeros((layers, height, width), np.uint32), 0
+        for argument in arguments:
+            argument.fill(inputs[at:], batch)
+            at += argument.type.words
+        request = Evaluate(evaluation, versions, inputs, words, what, self._driver)
+        results: Array = self._perform(request, what)
+        return results.reshape(words, -1)[:, : math.prod(batch)]
 
     def close(self) -> None:
         self._executor.close()
 
     def _perform(self, request: Any, what: str) -> Any:
-        (result,) = self._executor.perform([request])
+        with self._lock:
+            (result,) = self._executor.perform([request])
         if result.status == "done":
             return result.value
         if result.status == "error":
@@ -403,7 +318,7 @@ def _process_caller() -> Caller:
 
 _MAX_SIDE = 16384
 _WIDTH = 4096
-_WORDS = 1 << 25
+_WORDS = 1 << 23
 """Words of inputs and outputs that are evaluated at a time: more would only take more memory."""
 _NEWEST, _OLDEST = 450, 330
 
@@ -423,24 +338,27 @@ def evaluate(source: Source, folder: str, call: Call) -> Any:
         tuple(i for i in numbers if not call.values[i.name].varies),
         tuple(i for i in inputs if i.name in call.opaque),
     )
-    results = np.zeros((kernel.result_words, count), np.uint32)
     varying = [call.values[i.name] for i in kernel.varying]
     evaluation = _evaluation(source, folder, call, kernel)
 
-    def run(arguments: Sequence[Argument], batch: tuple[int, ...], part: Array) -> None:
+    def run(arguments: Sequence[Argument], batch: tuple[int, ...]) -> Array:
         what = f"{signature.name} of {source.path}"
         sized = replace(evaluation, size=_grid(batch) or _fold(math.prod(batch)))
-        get_caller().evaluate(sized, glsl_versions(source), arguments, batch, part, what)
+        words = kernel.result_words
+        return get_caller().evaluate(sized, glsl_versions(source), arguments, batch, words, what)
 
     chunk = max(_WORDS // (kernel.planes + kernel.result_words), 1)
-    if count and (count <= chunk or (signature.per_pixel and _grid(call.batch))):
-        run(varying, call.batch, results)
-    elif count:
-        flat = [_flatten(argument, call.batch) for argument in varying]
+    if not count:
+        results = np.zeros((kernel.result_words, 0), np.uint32)
+    elif count <= chunk or (signature.per_pixel and _grid(call.batch)):
+        results = run(varying, call.batch)
+    else:
+        parts = []
         for start in range(0, count, chunk):
-            some = slice(start, min(start + chunk, count))
-            parts = [_part(argument, some) for argument in flat]
-            run(parts, (some.stop - start,), results[:, some])
+            some = np.arange(start, min(start + chunk, count))
+            taken = [_part(argument, call.batch, some) for argument in varying]
+            parts.append(run(taken, some.shape))
+        results = np.concatenate(parts, axis=1)
     return _results(call, results)
 
 
@@ -536,15 +454,8 @@ def _fold(count: int) -> tuple[int, int]:
     return width, -(-count // width)
 
 
-def _flatten(given: Argument, batch: tuple[int, ...]) -> Argument:
-    count = math.prod(batch)
-    leaves = tuple(
-        np.broadcast_to(leaf, (*batch, leaf.shape[-1])).reshape(count, leaf.shape[-1])
-        for leaf in given.leaves
-    )
-    return Argument(given.type, (count,), leaves)
-
-
-def _part(given: Argument, some: slice) -> Argument:
-    leaves = tuple(leaf[some] for leaf in given.leaves)
-    return Argument(given.type, (some.stop - some.start,), leaves)
+def _part(given: Argument, batch: tuple[int, ...], some: Array) -> Argument:
+    """An argument for some of the elements, by their numbers."""
+    places = np.unravel_index(some, batch)
+    leaves = tuple(np.broadcast_to(leaf, (*batch, leaf.shape[-1]))[places] for leaf in given.leaves)
+    return Argument(given.type, some.shape, leaves)

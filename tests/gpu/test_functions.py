@@ -12,7 +12,7 @@ import pytest
 from shaderlab import Texture, glsl
 from shaderlab.errors import CallError, ShaderError, ShaderlabError
 from shaderlab.functions import evaluation
-from shaderlab.functions.evaluation import SharedMemory, get_caller
+from shaderlab.functions.evaluation import get_caller
 
 KINDS = """
 struct Light { vec3 color; float power; };
@@ -371,15 +371,6 @@ def test_a_hang_costs_one_call(monkeypatch: pytest.MonkeyPatch) -> None:
         with pytest.raises(CallError, match=r"endless of text: took longer than 0.3 s"):
             library.endless(np.zeros(1 << 21))
     assert library.good(1.0) == 1.0
-
-
-def test_shared_memory_is_one_memory() -> None:
-    memory = SharedMemory()
-    memory.words(10)[:] = 7
-    other = np.frombuffer(memory.region.open(), np.uint32, 10)
-    assert (other == 7).all()
-    memory.words(10)[0] = 8
-    assert other[0] == 8
 
 
 @pytest.mark.parametrize(("returned", "given"), [("x", "a word"), ("nothing", 0.5)])
