@@ -1,9 +1,8 @@
-"""How runs grow: `python -m benchmarks.scale [COUNT …] [--sweep POINTS]`.
+"""How runs grow: `python -m benchmarks.scale [COUNT …]`.
 
 Runs folders of so many small cases (500 and 2,000 by default; 10,000 take minutes), each a shader
 of its own with 16 × 16 judged pixels, or as `--size` says: records a second, milliseconds of the
-processors for each, the largest process, and the page, made once more. `--sweep` judges one case at
-so many points.
+processors for each, the largest process, and the page, made once more.
 """
 
 from __future__ import annotations
@@ -38,18 +37,15 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("counts", type=int, nargs="*", metavar="COUNT")
-    parser.add_argument("--sweep", type=int, metavar="POINTS")
     parser.add_argument("--size", type=int, default=16, metavar="PIXELS")
     asked = parser.parse_args()
-    counts = asked.counts or ([] if asked.sweep else [500, 2000])
+    counts = asked.counts or [500, 2000]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if counts:
             print(HEAD, flush=True)
         for count in counts:
             grown(folder, count, asked.size)
-        if asked.sweep:
-            swept(folder, asked.sweep, asked.size)
 
 
 def grown(folder: Path, count: int, size: int) -> None:
@@ -63,19 +59,6 @@ def grown(folder: Path, count: int, size: int) -> None:
         f"{count:>7} {taken.clock:>9.1f} {count / taken.clock:>10.1f} "
         f"{1000 * taken.processors / count:>20.1f} {taken.largest:>13.0f} {page:>8.2f} "
         f"{front / 1e3:>15.0f} {run / 1e6:>13.1f}",
-        flush=True,
-    )
-
-
-def swept(folder: Path, points: int, size: int) -> None:
-    """One case at so many points, into a table."""
-    (case,) = running_programs.write(folder / "swept", 1, size)
-    where = "--table", str(folder / "sweep.csv"), "--report", str(folder / "report-sweep")
-    taken = lab(folder, "sweep", str(case), "--param", f"gain=0:1:{points}", *where)
-    print(
-        f"sweep of {points} points: {taken.clock:.1f} s, {points / taken.clock:.0f} a second, "
-        f"{1000 * taken.processors / points:.2f} ms of the processors each, "
-        f"largest process {taken.largest:.0f} MiB",
         flush=True,
     )
 

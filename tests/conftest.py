@@ -240,12 +240,3 @@ def case_folder(tmp_path: Path) -> Path:
     (folder / "lamp.py").write_text(CASE_FILE)
     (folder / "lamp.frag").write_text(LAMP_SHADER)
     return folder
-
-
-@pytest.fixture
-def ramp(case_folder: Path) -> Path:
-    """The file of that case with a formula, so that it can be swept over `reach`."""
-    text = (case_folder / "lamp.py").read_text().replace("exact, ", "exact, formula, ")
-    text = text.replace("expect=[", "expect=[formula('FragColor', lambda reach: reach), ")
-    (case_folder / "lamp.py").write_text(text)
-    return case_folder / "lamp.py"

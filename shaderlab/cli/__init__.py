@@ -29,7 +29,6 @@ COMMANDS = {
     "list": ("list_cases", "List the cases."),
     "run": ("run", "Run cases, judge them, write the report."),
     "watch": ("watch", "Rerun whatever depends on a file as soon as it is saved."),
-    "sweep": ("sweep", "Run one case over a grid of inputs; write a table and plots."),
     "compile": ("compile", "Compile shaders without rendering."),
     "explain": ("explain", "Show what each line of a shader computes at a pixel."),
     "diff": ("diff", "Check whether a rewritten shader computes the same."),
@@ -127,7 +126,6 @@ def cli(context: click.Context, debug: bool) -> None:
       shaderlab run --all --open          run all, then open the report
       shaderlab run ./my_case.py          run a case file of your own
       shaderlab watch                     rerun whatever is saved
-      shaderlab sweep ID --param …        run one case over a grid of inputs
       shaderlab compile my_shaders/       compile without rendering
       shaderlab explain spotlight         show what each line computes at a pixel
       shaderlab diff old.frag new.frag    check that a rewrite computes the same

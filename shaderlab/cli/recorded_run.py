@@ -1,9 +1,8 @@
-"""Running a plan with its journal: what `shaderlab run` and `sweep` share.
+"""Running a plan with its journal, writing its report, resuming it.
 
-The journal has the plan and the records as lines of a file, each written as soon as it is there.
-`records.jsonl` begins with one line about the run (what was asked for), then has a line for each
-record, in the order in which they came. A line that was cut short counts as not written. Lines are
-read one at a time: a sweep has a hundred thousand.
+The journal, `records.jsonl`, begins with a line with the plan, then has a line for each record, in
+the order in which they came, written as soon as it is there. A line that was cut short counts as
+not written.
 """
 
 from __future__ import annotations
@@ -13,15 +12,12 @@ import datetime
 import errno
 import fcntl
 import json
-import math
 import os
 import time
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING
 
 import click
 
@@ -39,7 +35,7 @@ from shaderlab.cli.options import (
     write_outputs,
 )
 from shaderlab.cli.selecting import find_unused
-from shaderlab.engine.jobs import Job, Point
+from shaderlab.engine.jobs import Job
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import NO_ROOM, display_path, open_regular
@@ -51,93 +47,13 @@ if TYPE_CHECKING:
     from shaderlab.engine.jobs import Executor
 
 
-SIZE = "size"
-"""The parameter that sets the side of the judged frame in pixels; it is not a shader input."""
-_BLOCK = 1 << 16
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One parameter and its values; `log` if they are logarithmically spaced."""
-
-    name: str
-    values: tuple[float, ...]
-    log: bool = False
-
-    @cached_property
-    def spelt(self) -> list[str]:
-        """The values with six digits, or with all digits where others would look the same."""
-        short = [f"{value:.6g}" for value in self.values]
-        alike = Counter(short)
-        return [s if alike[s] == 1 else repr(v) for s, v in zip(short, self.values, strict=True)]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Grid:
-    """The points that parameters of one case span, the last parameter varying fastest. Each is
-    made when it is asked for.
-
-    Attributes:
-        file, id, title, section: of the case.
-        variant: whose inputs all points have, except the swept ones.
-        parameters: those that are swept.
-    """
-
-    file: str
-    id: str
-    title: str
-    section: str
-    variant: str
-    parameters: tuple[Parameter, ...]
-
-    def __len__(self) -> int:
-        return math.prod(len(parameter.values) for parameter in self.parameters)
-
-    def __iter__(self) -> Iterator[Job]:
-        return map(self.__getitem__, range(len(self)))
-
-    def __getitem__(self, number: int) -> Job:
-        """The job of a point."""
-        places = self.places(number)
-        swept = list(zip(self.parameters, places, strict=True))
-        given = {p.name: p.values[place] for p, place in swept}
-        size = int(given.pop(SIZE, 0))
-        return Job(
-            file=self.file,
-            id=self.id,
-            variant=", ".join(f"{p.name}={p.spelt[place]}" for p, place in swept),
-            title=self.title,
-            section=self.section,
-            point=Point(variant=self.variant, changes=given, size=size),
-        )
-
-    def places(self, number: int) -> list[int]:
-        """Where a point is among each parameter's values. Raises IndexError."""
-        if not 0 <= number < len(self):
-            raise IndexError(number)
-        places = []
-        for parameter in reversed(self.parameters):
-            number, place = divmod(number, len(parameter.values))
-            places.append(place)
-        return places[::-1]
-
-    def coordinates(self, number: int) -> dict[str, float]:
-        """The parameters of a point and their values; a size is a whole number."""
-        places = zip(self.parameters, self.places(number), strict=True)
-        found = {parameter.name: parameter.values[place] for parameter, place in places}
-        if SIZE in found:  # as the last one
-            found[SIZE] = int(found.pop(SIZE))
-        return found
-
-
 @dataclass(frozen=True, kw_only=True)
 class RunPlan:
-    """What was asked for, so that it can be resumed: jobs, or the points of a sweep."""
+    """What was asked for, so that it can be resumed."""
 
     started: str
     options: RunOptions
     jobs: tuple[Job, ...] = ()
-    grid: Grid | None = None
 
 
 class Journal(contextlib.AbstractContextManager["Journal"]):
@@ -170,7 +86,8 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
         try:
             _lock(self._file, folder)
             if plan is None:
-                self._file.truncate(_find_last_line_end(self._path))  # a line that was cut short
+                whole = self._path.read_bytes().rfind(b"\n") + 1
+                self._file.truncate(whole)  # a line that was cut short
             else:
                 self._file.truncate(0)
                 self.add(plan)
@@ -183,14 +100,11 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
 
     def add(self, value: RunPlan | Record) -> None:
         """Append one line. If the disk is full the run goes on, and `problem` says so."""
-        if not self.problem:
-            self.write(encode_line(value))
+        from shaderlab.model import store  # not before workers get ready: it takes its time
 
-    def write(self, line: bytes) -> int | None:
-        """Append a line that `encode_line` made, as `add` does; return where in the file it begins,
-        None if it is not there."""
         if self.problem:
-            return None
+            return
+        line = (store.encode(value) + "\n").encode("utf-8", "replace")
         start = os.fstat(self._file.fileno()).st_size
         try:
             while line:
@@ -199,88 +113,6 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
             self.problem = f"can't write {self._path}: {error.strerror}"
             with contextlib.suppress(OSError):
                 os.ftruncate(self._file.fileno(), start)
-            return None
-        return start
-
-
-def encode_line(data: Any) -> bytes:
-    """Plain data, or a dataclass of such, as a line of a journal."""
-    from shaderlab.model import store  # not before workers get ready: it takes its time
-
-    return (store.encode(data) + "\n").encode("utf-8", "replace")
-
-
-def read_journal(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
-    """What the journal of a run holds: what was asked for, the records that there are, and the
-    numbers of lines that are damaged.
-
-    Raises:
-        UsageError: there is none, or not even its first line is whole.
-        ShaderlabError: it was written by another version.
-    """
-    from shaderlab.model import store
-
-    plan = read_plan(folder)
-    records: list[Record] = []
-    damaged: list[int] = []
-    if plan.grid is None:
-        for number, _, line in read_lines(folder):
-            try:
-                records.append(store.parse(json.loads(line), Record))
-            except (ValueError, ShaderlabError):
-                damaged.append(number)
-    return plan, records, damaged
-
-
-def read_plan(folder: Path) -> RunPlan:
-    """Return what was asked for. Raises as `read_journal`."""
-    path = folder / FILE_NAME
-    try:
-        with open(open_regular(path), "rb") as file:
-            line = file.readline()
-    except (FileNotFoundError, NotADirectoryError) as error:
-        raise UsageError(
-            "there is no run to resume", file=path, remedy="name the folder of a run"
-        ) from error
-    except OSError as error:
-        raise UsageError(f"can't resume this run: {error.strerror}", file=path) from error
-    if not line.endswith(b"\n"):
-        raise UsageError("this run never began", file=path, remedy="start it again")
-    from shaderlab.model import store
-
-    try:
-        first = json.loads(line)
-    except ValueError as error:
-        raise UsageError(
-            "the first line, which holds the plan of the run, is damaged",
-            file=path,
-            line=1,
-            remedy="start it again",
-        ) from error
-    return store.parse(first, RunPlan, path)
-
-
-def read_lines(folder: Path) -> Iterator[tuple[int, int, bytes]]:
-    """Whole lines after the first: their numbers, where they begin, their bytes."""
-    with open(open_regular(folder / FILE_NAME), "rb") as file:
-        start = len(file.readline())
-        for number, line in enumerate(file, 2):
-            if line.endswith(b"\n"):
-                yield number, start, line
-            start += len(line)
-
-
-def _find_last_line_end(path: Path) -> int:
-    """The length of a file up to the end of its last whole line."""
-    with open(open_regular(path), "rb") as file:
-        end = file.seek(0, os.SEEK_END)
-        while end > 0:
-            start = file.seek(max(0, end - _BLOCK))
-            last = file.read(end - start).rfind(b"\n")
-            if last >= 0:
-                return start + last + 1
-            end = start
-    return 0
 
 
 def _lock(file: IO[bytes], folder: Path) -> None:
@@ -292,6 +124,48 @@ def _lock(file: IO[bytes], folder: Path) -> None:
             file=folder,
             remedy="give each run a folder with --report, or wait",
         ) from error
+
+
+def read_journal(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
+    """Return what the journal of a run holds: what was asked for, the records that there are, and
+    the numbers of lines that are damaged.
+
+    Raises:
+        UsageError: there is none, or not even its first line is whole.
+        ShaderlabError: it was written by another version.
+    """
+    from shaderlab.model import store
+
+    path = folder / FILE_NAME
+    try:
+        with open(open_regular(path), "rb") as file:
+            *lines, _ = file.read().split(b"\n")
+    except (FileNotFoundError, NotADirectoryError) as error:
+        raise UsageError(
+            "there is no run to resume", file=path, remedy="name the folder of a run"
+        ) from error
+    except OSError as error:
+        raise UsageError(f"can't resume this run: {error.strerror}", file=path) from error
+    if not lines:
+        raise UsageError("this run never began", file=path, remedy="start it again")
+    try:
+        first = json.loads(lines[0])
+    except ValueError as error:
+        raise UsageError(
+            "the first line, which holds the plan of the run, is damaged",
+            file=path,
+            line=1,
+            remedy="start it again",
+        ) from error
+    plan: RunPlan = store.parse(first, RunPlan, path)
+    records: list[Record] = []
+    damaged: list[int] = []
+    for number, line in enumerate(lines[1:], 2):
+        try:
+            records.append(store.parse(json.loads(line), Record))
+        except (ValueError, ShaderlabError):
+            damaged.append(number)
+    return plan, records, damaged
 
 
 @dataclass(frozen=True)
@@ -312,14 +186,11 @@ class RecordedRun:
     records: tuple[Record, ...] = ()
 
 
-def new_plan(jobs: Sequence[Job] | Grid, options: RunOptions, folder: str | None) -> RunPlan:
-    """A plan to run these jobs, or points, now, in `folder` or a new one, which is made."""
+def new_plan(jobs: Sequence[Job], options: RunOptions, folder: str | None) -> RunPlan:
+    """A plan to run these jobs now, in `folder` or a new one, which is made."""
     made = make_run_folder() if folder is None else make_report_folder(Path(folder))
     now = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
-    options = replace(options, folder=made)
-    if isinstance(jobs, Grid):
-        return RunPlan(started=now, options=options, grid=jobs)
-    return RunPlan(started=now, options=options, jobs=tuple(jobs))
+    return RunPlan(started=now, options=replace(options, folder=made), jobs=tuple(jobs))
 
 
 def load_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
@@ -338,17 +209,12 @@ def load_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
     if word:
         mark_named(folder)
     plan, done, damaged = read_journal(folder)
-    report_damaged_lines(folder, damaged)
+    for line in damaged:
+        place = display_path(folder / FILE_NAME, line)
+        click.echo(f"shaderlab: {place}: this record is damaged; its job runs again", err=True)
     frames = plan.options.frames and folder / plan.options.frames.name
     options = replace(plan.options, folder=folder, limits=limits, frames=frames)
     return replace(plan, options=options), done
-
-
-def report_damaged_lines(folder: Path, lines: Iterable[int]) -> None:
-    """Say of each damaged line of a journal that its record is made again."""
-    for line in lines:
-        place = display_path(folder / FILE_NAME, line)
-        click.echo(f"shaderlab: {place}: this record is damaged; its job runs again", err=True)
 
 
 def run_plan(
@@ -423,25 +289,23 @@ def measure_coverage(
 def finish(
     recorded: RecordedRun,
     show: Show,
-    command: str,
     *,
     verdict: int,
     is_latest: bool,
-    outputs: Mapping[str, str] | None = None,
+    outputs: Mapping[str, str],
     open_report: bool = False,
 ) -> int:
-    """Write and show where everything is; returns the exit status.
+    """Write and show where everything is; return the exit status.
 
     Args:
         recorded, show: the run, and what says where it is.
-        command: what resumes it, "run" or "sweep".
         verdict: the exit status of its records. One that failed stays so whatever can't be
             written.
         is_latest: whether `latest` is to point to its folder.
         outputs: files to write besides the page, by format.
         open_report: whether the page is opened in a browser.
     """
-    page, problems = write_report(recorded, outputs or {})
+    page, problems = write_report(recorded, outputs)
     if is_latest:
         point_latest(recorded.folder)
         _remove_old(recorded.folder.parent)
@@ -450,7 +314,7 @@ def finish(
     unwritten = report_problems(problems)
     if not recorded.complete:
         folder = display_path(recorded.folder)
-        show.console.print(f"resume with: shaderlab {command} --resume {folder}")
+        show.console.print(f"resume with: shaderlab run --resume {folder}")
         return INTERRUPTED
     if problems:
         return verdict or unwritten

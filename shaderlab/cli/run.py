@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from shaderlab.cli.recorded_run import RecordedRun, RunPlan
     from shaderlab.cli.showing import Show
     from shaderlab.engine.jobs import Executor
-    from shaderlab.model.records import Record, Run
+    from shaderlab.model.records import Run
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -179,7 +179,9 @@ def command(arguments: RunArguments) -> int:
     running, plan, done = arguments.running, None, None
     options = arguments.run_options
     if arguments.resume is not None:
-        plan, done = _resume(arguments)
+        from shaderlab.cli.recorded_run import load_plan
+
+        plan, done = load_plan(arguments.resume, running.limits)
         options = plan.options
     # The first worker gets ready while what follows is imported.
     with contextlib.closing(
@@ -200,20 +202,6 @@ def command(arguments: RunArguments) -> int:
         if arguments.coverage and recorded.complete:
             recorded = measure_coverage(recorded, executor, plan, show)
     return _finish(arguments, recorded, show)
-
-
-def _resume(arguments: RunArguments) -> tuple[RunPlan, list[Record]]:
-    """Return the plan of the run that is resumed, and the records that it has. Raises
-    UsageError."""
-    from shaderlab.cli.recorded_run import load_plan
-
-    plan, done = load_plan(arguments.resume or "", arguments.running.limits)
-    if plan.grid is not None:
-        folder = plan.options.folder
-        raise UsageError(
-            "this is a sweep", file=folder, remedy=f"use shaderlab sweep --resume {folder}"
-        )
-    return plan, done
 
 
 def _make_plan(arguments: RunArguments, options: RunOptions, executor: Executor) -> RunPlan:
@@ -248,7 +236,6 @@ def _finish(arguments: RunArguments, recorded: RecordedRun, show: Show) -> int:
     return finish(
         recorded,
         show,
-        "run",
         verdict=_verdict(run),
         is_latest=arguments.running.folder is None and arguments.resume is None,
         outputs=arguments.outputs,

@@ -29,7 +29,6 @@ from shaderlab.report.text import (
     MARKS,
     duration,
     format_conditions,
-    format_counts,
     format_coverage,
     format_failure,
     format_gl_calls,
@@ -43,7 +42,6 @@ from shaderlab.report.text import (
 )
 
 if TYPE_CHECKING:
-    from shaderlab.cli.sweep_table import SweepTable
     from shaderlab.engine.jobs import Job
 
 
@@ -190,7 +188,6 @@ HEARTBEAT = 10.0
 MOST_ROWS = 40
 MOST_CASES = 200
 """More than the catalogue has, and more than people read."""
-MOST_MESSAGES = 5
 SLOWEST = 5
 
 
@@ -207,11 +204,10 @@ class Show:
         )
 
     @contextmanager
-    def progress(self, total: int, most_said: float = math.inf) -> Iterator[Reporter]:
-        """A bar on a terminal; elsewhere a line for each failure, at most so many of them, and one
-        now and then."""
+    def progress(self, total: int) -> Iterator[Reporter]:
+        """A bar on a terminal; elsewhere a line for each failure, and one now and then."""
         with self.bar() as bar:
-            yield Reporter(self.console, bar, total, most_said)
+            yield Reporter(self.console, bar, total)
 
     def bar(self) -> Progress:
         """A progress bar, drawn on a terminal only."""
@@ -294,34 +290,6 @@ class Show:
             for gap in gaps:
                 self.console.print(f"  {gap}")
 
-    def sweep(self, points: SweepTable, run: Run) -> None:
-        """A sweep's table; of a long one the worst points, and how many there are."""
-        count = points.statuses.total()
-        shown = [points.row(point) for point in sorted(points.worst(MOST_ROWS))]
-        swept = list(shown[0])[: list(shown[0]).index("status")] if shown else []
-        numbers = ("half widths", "ulp", "outside", "vacuous", "seconds")
-        table = plain_table(*swept, "status", *numbers, right=(*swept, *numbers))
-        for row in shown:
-            style = STYLES.get(str(row["status"]), "red")
-            outside = f"{row['outside']} of {row['judged']}"
-            table.add_row(
-                *(f"{row[name]:.6g}" for name in swept),
-                Text(str(row["status"]), style),
-                *("" if row[n] is None else f"{row[n]:.3g}" for n in ("widths", "ulp")),
-                outside,
-                "" if row["vacuous"] is None else f"{row['vacuous']:.0%}",
-                f"{row['seconds']:.3f}",
-            )
-        self.console.print(table)
-        if len(shown) < count:
-            self.console.print(f"the {len(shown)} worst of {count} points", style="dim")
-        for message in points.messages[:MOST_MESSAGES]:
-            self.console.print(message, style="red")
-        words = (
-            f"{count} points: {format_counts(points.statuses, run.missing)} in {run.seconds:.1f} s"
-        )
-        self._summary(run, f"\n{words}", bad=points.failed > 0)
-
     def where(self, page: Path) -> None:
         """The path of the page."""
         self.console.print(f"report: {display_path(page)}")
@@ -350,14 +318,12 @@ class Show:
 class Reporter:
     """The progress of a run: in a bar, or in lines where that is not drawn."""
 
-    def __init__(self, console: Console, bar: Progress, total: int, most_said: float) -> None:
+    def __init__(self, console: Console, bar: Progress, total: int) -> None:
         self._console = console
         self._bar = bar
         self._task = bar.add_task("", total=total)
         self._total = total
         self._done = 0
-        self._failed = 0
-        self._most_said = most_said
         self._began = time.monotonic()
         self._next = self._began + HEARTBEAT
 
@@ -390,14 +356,8 @@ class Reporter:
         """A scene is done."""
         self.advance()
         if has_failed(record):
-            self._failed += 1
             where = f" on {record.driver_name}" if record.driver_name else ""
-            if self._failed <= self._most_said:
-                self._print_line(
-                    f"{record.status}: {format_label(record.id, record.variant)}{where}"
-                )
-            elif self._failed == self._most_said + 1:
-                self._print_line("more do not pass, which are not named here")
+            self._print_line(f"{record.status}: {format_label(record.id, record.variant)}{where}")
 
     def advance(self) -> None:
         """A scene, or something else, is done."""

@@ -34,9 +34,6 @@ class CaseInfo:
     """What a case file holds, as far as choosing among its variants needs it.
 
     Attributes:
-        formulas: for each variant, how many formulas its outputs are held against.
-        parameters: how many components each uniform and ramp has, by name.
-        sized: whether a pass has the size of the frame that is judged.
         error: why the file could not be loaded; then `variants` is empty.
         status: "error" if the file is wrong, "crash" or "timeout" if it took its process with it.
     """
@@ -46,21 +43,8 @@ class CaseInfo:
     title: str = ""
     section: str = ""
     variants: tuple[str, ...] = ()
-    formulas: tuple[int, ...] = ()
-    parameters: Mapping[str, int] = field(default_factory=dict)
-    sized: bool = True
     error: CaseError | None = None
     status: str = "pass"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Point:
-    """One point of a sweep: the variant it starts from, the parameters' values, and the side of
-    the frame that is judged (0: the run's)."""
-
-    variant: str
-    changes: Mapping[str, float]
-    size: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,8 +55,6 @@ class Job:
         broken: for a case file that could not be loaded, how that ended: "error", "crash" or
             "timeout".
         trouble: why it could not be loaded.
-        point: runs the variant with other inputs, judged by its formulas alone; `variant` is then
-            the point's own name.
         driver: where it is run, if the run has several drivers; "" for the run's own.
     """
 
@@ -83,7 +65,6 @@ class Job:
     section: str = ""
     broken: str = ""
     trouble: str = ""
-    point: Point | None = None
     driver: str = ""
 
     @property
@@ -136,9 +117,6 @@ class RunJob:
 
     def perform(self, worker: Worker) -> Record:
         job, options = self.job, self.options
-        size = options.size if job.point is None else job.point.size or options.size
-        if size != options.size:
-            options = replace(options, size=size)
         runner = worker.lab(_options_for_driver(job.driver, options))
         worker.note("loading the case file")
         record = runner.run(_find_scene(job, worker.scenes(job.file)))
@@ -160,16 +138,10 @@ def _options_for_driver(driver: str, options: RunOptions) -> RunOptions:
 
 
 def _find_scene(job: Job, scenes: Mapping[str, Scene]) -> Scene:
-    scene = scenes[job.variant if job.point is None else job.point.variant]
+    scene = scenes[job.variant]
     if scene.case.id != job.id:  # another file of the run has this one's name
         scene = replace(scene, case=replace(scene.case, id=job.id))
-    if job.point is None:
-        return scene
-    try:
-        scene = scene.changed(job.variant, job.point.changes)
-    except CaseError as error:
-        raise CaseError(error.message, file=job.file, remedy=error.remedy) from error
-    return replace(scene, expect=scene.formulas())
+    return scene
 
 
 def make_jobs(facts: CaseInfo) -> list[Job]:

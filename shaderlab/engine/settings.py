@@ -214,7 +214,6 @@ def option_defaults(settings: Settings) -> dict[str, dict[str, Any]]:
     running = {**limits, **dict(_drop_missing(driver=settings.driver))}
     return {
         "run": running,
-        "sweep": running,
         "watch": running,
         "mutate": dict(_drop_missing(gigabytes=settings.memory)),
         "compile": dict(

@@ -11,8 +11,6 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from shaderlab import drivers as backends
 from shaderlab.drivers import known_driver, prepare_process
 from shaderlab.engine.catalogue import load_case
@@ -21,7 +19,6 @@ from shaderlab.engine.jobs import CaseInfo, Request
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.options import RunOptions
-from shaderlab.model.scene import Ramp
 
 if TYPE_CHECKING:
     from shaderlab.workers.worker import Channel
@@ -93,16 +90,12 @@ class Worker:
         """What is in a case file. Raises CaseError."""
         scenes = list(self.scenes(str(file)).values())
         case = scenes[0].case
-        inputs = {name: value for scene in scenes for name, value in scene.inputs.items()}
         return CaseInfo(
             file=case.file,
             id=case.id,
             title=case.title,
             section=case.section,
             variants=tuple(scene.variant for scene in scenes),
-            formulas=tuple(len(scene.formulas()) for scene in scenes),
-            parameters={name: _count_components(value) for name, value in inputs.items()},
-            sized=any(p.target.size is None for scene in scenes for p in scene.passes),
         )
 
     def keep(self, slot: str, key: Hashable, make: Callable[[], Any]) -> Any:
@@ -126,8 +119,3 @@ class Worker:
         """Close the lab."""
         if self._lab is not None:
             self._lab.close()
-
-
-def _count_components(value: Any) -> int:
-    value = value.origin if isinstance(value, Ramp) else value
-    return int(np.size(value))

@@ -151,19 +151,6 @@ class Scene:
                 found.setdefault(name, value)
         return found
 
-    def changed(self, name: str, changes: Mapping[str, Any]) -> Scene:
-        """This scene with other inputs, as a variant of that name would have them.
-
-        Raises:
-            CaseError: a change is of something that no draw has.
-        """
-        return replace(
-            self,
-            variant=name,
-            passes=_apply_changes(self.passes, Variant(name, changes)),
-            changes={**self.changes, **changes},
-        )
-
     def find_pass(self, name: str | None) -> Pass:
         """The pass called `name`; the last one for None."""
         if name is None:
@@ -198,12 +185,6 @@ class Scene:
         if not -count <= draw < count:
             raise CaseError(f"pass {description.name!r} has {count} draws, there is no draw {draw}")
         return description.name, draw % count
-
-    def formulas(self) -> tuple[Expectation, ...]:
-        """What holds outputs against a formula, whatever the inputs are: at every pixel, or else
-        along curves."""
-        of_pixels = tuple(e for e in self.expect if e.judges == "pixels")
-        return of_pixels or tuple(e for e in self.expect if e.judges == "curve")
 
     @property
     def picture(self) -> Output | None:

@@ -12,7 +12,7 @@ import sys
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from shaderlab.model.checked import Checked
 from shaderlab.model.scene import Pixel
@@ -66,14 +66,11 @@ class Expectation(Checked, ABC):
     Attributes:
         kind: how records call this kind.
         once: whether it is judged with a case's first variant alone, since no input changes it.
-        judges: "pixels" or "curve" where it holds an output against a reference whatever the
-            inputs are; "" where what it says belongs to the case's own inputs.
         name: how outcomes call this one.
     """
 
     kind: ClassVar[str]
     once: ClassVar[bool] = False
-    judges: ClassVar[Literal["pixels", "curve", ""]] = ""
 
     name: str = field(default_factory=str)  # no class attribute: a kind may take it first
 

@@ -542,36 +542,10 @@ class CodeCoverage:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Points:
-    """All points of a sweep, where the run's records are some of them only: how many have each
-    status, how many checks and judged values there were, and how many values were outside. `file`
-    has all of them: its path, relative to the run's folder where it is in there."""
-
-    statuses: Mapping[Status, int]
-    checks: int
-    judged: int
-    outside: int
-    file: str
-
-    @property
-    def count(self) -> int:
-        """How many there are."""
-        return sum(self.statuses.values())
-
-    @property
-    def failed(self) -> int:
-        """How many did not pass; a feature that the driver lacks is not a failure."""
-        passable = ("pass", "unsupported")
-        return sum(n for status, n in self.statuses.items() if status not in passable)
-
-
-@dataclass(frozen=True, kw_only=True)
 class Run:
     """All records of one command, with where they were made. `driver` has at least the keys
     "renderer", "vendor", "version" and "glsl"; `versions` maps package names to versions.
 
-    `plots` show figures over all records, where these are the points of one case's sweep;
-    `points` says what all points were, where there are too many to have a record each here.
     With several drivers, `records` and `driver` are those of the first, `drivers`
     has every scene on every driver, and `disagreements` compares each two of them.
 
@@ -585,13 +559,11 @@ class Run:
     started: str
     seconds: float
     records: tuple[Record, ...]
-    plots: tuple[Plot, ...] = ()
     drivers: tuple[DriverResult, ...] = ()
     disagreements: tuple[Disagreement, ...] = ()
     replaced: Mapping[str, str] = field(default_factory=dict)
     missing: int = 0
     code_coverage: tuple[CodeCoverage, ...] = ()
-    points: Points | None = None
 
     @property
     def failing_drivers(self) -> tuple[str, ...]:

@@ -64,15 +64,13 @@ class Change:
 @dataclass(frozen=True)
 class Comparison:
     """Two runs side by side; `same` counts the variants that agree in all but their time, `facts`
-    are (what, earlier, later) of drivers and versions, `differs` says if any of them do. `alone`
-    counts points of sweeps that one run lists and the other, which does not list all, may have."""
+    are (what, earlier, later) of drivers and versions, `differs` says if any of them do."""
 
     before: Run
     name: str
     changes: tuple[Change, ...]
     same: int
     facts: tuple[tuple[str, str, str], ...]
-    alone: int = 0
 
     @property
     def differs(self) -> bool:
@@ -88,12 +86,9 @@ def compare_runs(
     )
     keys = list(dict.fromkeys((*new, *old)))
     seen = Pictures(before_folder), Pictures(folder)
-    changes, alone = [], 0
+    changes = []
     for key in keys:
         pair = old.get(key), new.get(key)
-        if (before.points and pair[0] is None) or (run.points and pair[1] is None):
-            alone += 1
-            continue
         pictures = _pictures(pair, seen)
         sides = _side(pair[0]), _side(pair[1])
         if pictures is None and sides[0] == sides[1]:
@@ -107,9 +102,8 @@ def compare_runs(
         before=before,
         name=before_folder.resolve().name,
         changes=tuple(sorted(changes, key=_urgency)),
-        same=len(keys) - len(changes) - alone,
+        same=len(keys) - len(changes),
         facts=tuple(_facts(before, run)),
-        alone=alone,
     )
 
 

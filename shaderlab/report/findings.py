@@ -13,7 +13,6 @@ from shaderlab.model.records import Diagnostic, Outcome, Record, Run, Severity, 
 from shaderlab.report.grouping import PASSABLE, STATUS_WORDS
 from shaderlab.report.text import (
     format_label,
-    format_listed_points,
     format_outcome,
     make_printable,
     plural,
@@ -64,11 +63,6 @@ def collect_findings(run: Run) -> list[Finding]:
     if run.missing:
         message = f"the run was interrupted: {plural(run.missing, 'variant')} not run"
         merged.append(Finding(rule="interrupted", file="", line=0, message=message))
-    if run.points is not None:
-        note = Finding(
-            rule="sweep", file="", line=0, message=format_listed_points(run), severity="info"
-        )
-        merged.append(note)
     return merged
 
 

@@ -119,13 +119,12 @@ def count_totals(run: Run, cases: Sequence[CaseGroup]) -> Totals:
         for program in record.programs
     }
     verdicts = [verdict for group in programs.values() for verdict in group]
-    points = run.points  # of a sweep that has too many for a record each
     return Totals(
         cases=Counter(case.status for case in cases),
-        variants=Counter(points.statuses if points else (record.status for record in run.records)),
-        expectations=points.checks if points else len(outcomes),
-        judged=points.judged if points else sum(outcome.judged for outcome in outcomes),
-        outside=points.outside if points else sum(outcome.outside for outcome in outcomes),
+        variants=Counter(record.status for record in run.records),
+        expectations=len(outcomes),
+        judged=sum(outcome.judged for outcome in outcomes),
+        outside=sum(outcome.outside for outcome in outcomes),
         programs=len(programs),
         targets=tuple(dict.fromkeys(verdict.target for verdict in verdicts)),
         refused=sum(not verdict.ok for verdict in verdicts),

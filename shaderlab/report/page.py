@@ -323,9 +323,6 @@ def build_page(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | No
         )
         for group in groups
     )
-    if run.plots and cases:  # a sweep has one case
-        over_all = (*(("", plot) for plot in run.plots), *cases[0].points)
-        cases = (replace(cases[0], points=over_all), *cases[1:])
     chapters = []
     for (number, name), members in groupby(cases, lambda case: case.group.chapter):
         anchor = anchors.new(f"chapter-{number}")

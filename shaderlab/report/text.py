@@ -317,8 +317,7 @@ def format_gl_calls(record: Record) -> Iterator[str]:
 def format_conditions(run: Run) -> Iterator[str]:
     """Yield a line for each thing that makes a run another one than its cases were written for.
 
-    That is a file in a shader's place, another size where something failed, and the points of a
-    sweep that are not listed.
+    That is a file in a shader's place, and another size where something failed.
     """
     for name, file in run.replaced.items():
         yield make_printable(f"{file} was judged in place of {name}")
@@ -330,33 +329,11 @@ def format_conditions(run: Run) -> Iterator[str]:
             "figures that are measured on them belong to a size, so what failed may have failed "
             "for that alone; run it without --size, or give the target of the case a size"
         )
-    if run.points is not None:
-        yield format_listed_points(run)
-
-
-def format_listed_points(run: Run) -> str:
-    """Say which points of a sweep its report lists, where there are more."""
-    assert run.points is not None
-    failing = sum(map(has_failed, run.records))
-    others = len(run.records) - failing
-    parts = []
-    if bad := run.points.failed:
-        of = "all" if failing == bad else f"the {count(failing)} worst of"
-        parts.append(f"{of} {count(bad)} that did not pass")
-    if others:
-        parts.append(f"the {count(others)} worst of {count(run.points.count - bad)} that passed")
-    return make_printable(
-        f"{count(len(run.records))} of {count(run.points.count)} points are listed: "
-        f"{' and '.join(parts) or 'none could be written'}; all are in {run.points.file}"
-    )
 
 
 def format_summary(run: Run) -> str:
-    """Return `12 cases: 40 passed, 2 failed in 3.1 s`: variants, or the points of a sweep."""
-    tally = format_tally(run.records, run.missing)
-    if run.points is not None:
-        tally = f"{run.points.count} points: {format_counts(run.points.statuses, run.missing)}"
-    return f"{tally} in {run.seconds:.1f} s"
+    """Return `12 cases: 40 passed, 2 failed in 3.1 s`."""
+    return f"{format_tally(run.records, run.missing)} in {run.seconds:.1f} s"
 
 
 def format_tally(records: Iterable[Record], missing: int = 0) -> str:

@@ -97,12 +97,10 @@ def test_one_case_alone_from_within_its_folder(tree: Path, monkeypatch: pytest.M
     assert statuses("./blue_lamp.py", "--no-pictures") == {"blue-lamp": "pass"}
 
 
-def test_mutate_and_sweep(tree: Path) -> None:
+def test_mutate(tree: Path) -> None:
     file = str(tree / "red" / "red_lamp.py")
     done = CliRunner().invoke(cli, ["mutate", file, "--json", "mutants.json"])
     assert done.exit_code in (0, 1) and Path("mutants.json").is_file(), done.output
-    done = CliRunner().invoke(cli, ["sweep", file, "--param", "reach=0:1:3"])
-    assert done.exit_code == 0, done.output
 
 
 def test_pytest(tree: Path, pytester: pytest.Pytester) -> None:

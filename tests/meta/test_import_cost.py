@@ -22,7 +22,6 @@ HEAVY = {
     "trimesh",
     "scipy",
     "glm",
-    "pyarrow",
 }
 PRINTING = {"rich", "markdown_it"}
 

@@ -43,7 +43,6 @@ OWNERS: dict[str, set[str]] = {
     "rich": {"cli"},
     "hypothesis": {"functions", "mutation"},
     "pytest": {"mutation", "pytest_plugin"},
-    "pyarrow": {"report"},
     "watchfiles": {"cli"},
 }
 
@@ -54,7 +53,6 @@ OPTIONAL = {
     "trimesh": "models",
     "pytest": "pytest",
     "hypothesis": "pytest",
-    "pyarrow": "sweep",
     "watchfiles": "watch",
     "vulkan": "vulkan",
     "playwright": "webgl",

@@ -104,7 +104,7 @@ def test_many_case_files_are_sent_together(pools: list[Pool]) -> None:
     assert list(dict.fromkeys(pools[0].batches)) == [1, 2, 6, 8]
 
 
-@pytest.mark.parametrize("command", ["run", "sweep", "mutate"])
+@pytest.mark.parametrize("command", ["run", "mutate"])
 def test_help_says_how_many_there_are(command: str) -> None:
     said = " ".join(CliRunner().invoke(cli, [command, "-h"]).output.split())
     assert f"[default: ({jobs.WORDS}); x>=0]" in said

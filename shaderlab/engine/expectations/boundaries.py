@@ -48,7 +48,6 @@ class Boundaries(ReferenceExpectation):
     """
 
     kind = "boundaries"
-    judges = "curve"
 
     output: str
     reference: Reference

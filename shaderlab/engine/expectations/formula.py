@@ -94,7 +94,6 @@ class Formula(ReferenceExpectation):
     """
 
     kind = "formula"
-    judges = "pixels"
 
     output: str
     reference: Reference
@@ -203,7 +202,6 @@ class Sweep(ReferenceExpectation):
     """
 
     kind = "sweep"
-    judges = "curve"
 
     output: str
     reference: Reference

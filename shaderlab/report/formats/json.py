@@ -36,7 +36,6 @@ def render(run: Run) -> str:
         "replaced": whole["replaced"],
         "missing": whole["missing"],
         "coverage": whole["code_coverage"],
-        "points": whole["points"],
     }
     return json.dumps(public, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 

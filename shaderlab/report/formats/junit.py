@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 
 from shaderlab.model.records import Record, Run
 from shaderlab.report.grouping import group_cases
-from shaderlab.report.text import clean, format_listed_points, format_outcome, plural
+from shaderlab.report.text import clean, format_outcome, plural
 
 # What a status is called in the schema: nothing (passed), failure, error, or skipped.
 _TAGS = {
@@ -36,8 +36,6 @@ def render(run: Run) -> str:
             _add_record(suite, record)
         _set_counts(suite)
         suite.set("time", _seconds(sum(record.seconds for record in case.records)))
-        if run.points is not None:
-            ET.SubElement(suite, "system-out").text = clean(format_listed_points(run))
     if run.missing:
         suite = ET.SubElement(root, "testsuite", name="shaderlab", time=_seconds(0.0))
         test = ET.SubElement(suite, "testcase", classname="shaderlab", name="run", time="0")

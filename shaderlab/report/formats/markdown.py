@@ -75,9 +75,8 @@ def render(run: Run) -> str:
         lines += ["", "### Failures", ""]
         for record in failed[:_MOST_FAILURES]:
             lines += _failure(record)
-        more = (run.points.failed if run.points else len(failed)) - len(failed[:_MOST_FAILURES])
-        if more:
-            lines.append(f"- and {plural(more, 'more variant')}")
+        if len(failed) > _MOST_FAILURES:
+            lines.append(f"- and {plural(len(failed) - _MOST_FAILURES, 'more variant')}")
     lines += _drivers(run)
     unjudged = list(format_unread(run.records))
     if unjudged:

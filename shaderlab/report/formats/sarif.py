@@ -33,7 +33,6 @@ _RULES = {
     "hazard": "A shader does what GLSL does not define, on some inputs",
     "interrupted": "The run was interrupted",
     "not-audited": "A shader can't be audited",
-    "sweep": "A sweep has more points than are listed",
     "timeout": "A case took too long",
 }
 
