@@ -31,14 +31,7 @@ from shaderlab.model.records import (
     Run,
     Status,
 )
-from shaderlab.report.charts import (
-    Chart,
-    PlotView,
-    WorstPanel,
-    lay_out_curve,
-    lay_out_plot,
-    lay_out_worst,
-)
+from shaderlab.report.charts import Chart, WorstPanel, draw_curve, draw_plot, lay_out_worst
 from shaderlab.report.grouping import (
     PASSABLE,
     CaseGroup,
@@ -244,14 +237,11 @@ class CaseView:
     def formula(self) -> Markup:
         return render_formula(self.group.first.formula)
 
-    @cached_property
+    @property
     def charts(self) -> list[tuple[str, Chart]]:
-        """Its curves, each with the names of its variants, "" if all share it."""
-        return [(names, lay_out_curve(curve)) for names, curve in self.curves]
-
-    @cached_property
-    def plots(self) -> list[tuple[str, PlotView]]:
-        return [(names, lay_out_plot(plot)) for names, plot in self.points]
+        """Its plots and curves, each with the names of its variants, "" if all share it."""
+        plots = [(names, draw_plot(plot)) for names, plot in self.points]
+        return plots + [(names, draw_curve(curve)) for names, curve in self.curves]
 
     @property
     def several(self) -> bool:

@@ -297,9 +297,11 @@ def plot(**changes: Any) -> Plot:
 def test_plots_are_drawn_with_series_bounds_and_a_table(tmp_path: Path) -> None:
     page = Page(write(run(record(plots=(plot(),))), tmp_path))
     words = page.words()
-    assert "Wrongly dark" in words and "2 out of bounds" in words and "NaN" in words
-    assert "1 figure outside this chart" in words and "≤ 0.01" in words
-    lines = [str(a["d"]) for t, a in page.tags if t == "path" and a.get("class") == "line"]
+    assert "Wrongly dark" in words and "2 outside" in words and "NaN" in words
+    assert "1 point outside this chart" in words and "≤ 0.01" in words
+    lines = [
+        str(a["d"]) for t, a in page.tags if t == "path" and str(a.get("class")).startswith("line ")
+    ]
     assert len(lines) == 2 and lines[0].count("L") == 1 and lines[1] == ""
 
 
@@ -310,7 +312,11 @@ def test_a_logarithmic_axis_spreads_small_figures(tmp_path: Path) -> None:
     heights = {}
     for log in (False, True):
         page = Page(write(run(record(plots=(plot(points=points, log_y=log),))), tmp_path))
-        line = next(str(a["d"]) for t, a in page.tags if t == "path" and a.get("class") == "line")
+        line = next(
+            str(a["d"])
+            for t, a in page.tags
+            if t == "path" and str(a.get("class")).startswith("line ")
+        )
         ys = [float(y) for y in re.findall(r"[ML][\d.]+ ([\d.]+)", line)]
         heights[log] = ys[3] - ys[2]
     assert heights[True] > 40 > heights[False]
