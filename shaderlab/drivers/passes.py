@@ -28,7 +28,7 @@ from shaderlab.model.scene import Pass, Target
 
 from . import Answers, Backend, Drawn, Session, Size
 from .programs import bind, captures
-from .programs.captures import PassCapture, probe_fragments, set_draw_number
+from .programs.captures import probe_fragments
 from .programs.prepare import (
     PreparedDraw,
     Programs,
@@ -75,9 +75,6 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
         self._sample_positions: dict[str, Array] = {}
-        self._captures: dict[str, PassCapture] = {}
-        # They draw by this session: it and all its images would stay until cycles are collected.
-        stack.callback(self._captures.clear)
 
     # What a driver does by its API.
 
@@ -112,10 +109,6 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
     def compute(self, key: PassDraw, draw: PreparedDraw) -> None:
         """Run a compute shader, and take what it leaves in its buffers for images of its pass."""
         raise UnsupportedError("compute passes: this driver has none")
-
-    def number_text(self, text: str, bindings: Bindings, index: int) -> tuple[str, Bindings]:
-        """Give a text its draw's number in its pass; returns the text and the draw's bindings."""
-        return set_draw_number(text, index), bindings
 
     def at(self, pass_name: str, draw: int | None = None) -> None:
         """Note the pass and the draw that calls are made for from now on."""
@@ -240,7 +233,8 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
     def redraw_with_text(
         self, key: PassDraw, text: str, outputs: Mapping[str, str]
     ) -> Mapping[str, Array]:
-        return self._capture(key[0]).redraw_with_text(key[1], text, outputs)
+        draws, redraw = self._redraw_of(key[0])
+        return captures.redraw_with_text(draws, key[1], redraw, text, outputs)
 
     def redraw_with_texts(
         self, description: Pass, target: Target, texts: Sequence[str]
@@ -250,31 +244,28 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         name, colors = description.name, dict(target.colors or {})
         with self.new_target(target, colors, self.extent(description)) as made:
             for index, (draw, text) in enumerate(zip(self.programs[name], texts, strict=True)):
-                own, bindings = self.number_text(text, self.bindings[name, index], index)
-                stages = {**draw.texts, "fragment": own}
+                stages = {**draw.texts, "fragment": text}
                 plain = replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4)
                 changed = replace(draw.draw, state=plain)
-                self.render(replace(draw, draw=changed, rewritten=stages), bindings, made)
+                rewritten = replace(draw, draw=changed, rewritten=stages)
+                self.render(rewritten, self.bindings[name, index], made)
             return {name: made.read(name).values for name in colors}
 
     # Captures and probes.
 
     def capture_fragments(self, key: PassDraw) -> Fragments:
-        return self._capture(key[0]).fragments(key[1])
+        draws, redraw = self._redraw_of(key[0])
+        return captures.capture_fragments(draws, key[1], redraw)
 
-    def _capture(self, name: str) -> PassCapture:
-        """Return the captures of a pass's draws. Those of one pass are kept: they are as large as
-        pictures."""
-        if name not in self._captures:
-            self._captures.clear()
-            draws, description = self.programs[name], self.scene.find_pass(name)
+    def _redraw_of(self, name: str) -> tuple[Sequence[PreparedDraw], captures.Redraw]:
+        """Return a pass's draws, and what redraws them without blending into other attachments."""
+        description = self.scene.find_pass(name)
 
-            def redraw(texts: Sequence[str], colors: Mapping[str, str]) -> Mapping[str, Array]:
-                plain = replace(description.target, colors=colors, clear=(0.0,) * 4, samples=0)
-                return self.redraw_with_texts(description, plain, texts)
+        def redraw(texts: Sequence[str], colors: Mapping[str, str]) -> Mapping[str, Array]:
+            plain = replace(description.target, colors=colors, clear=(0.0,) * 4, samples=0)
+            return self.redraw_with_texts(description, plain, texts)
 
-            self._captures[name] = PassCapture(draws, redraw)
-        return self._captures[name]
+        return self.programs[name], redraw
 
     def capture_vertices(self, key: PassDraw) -> Samples:
         draw = self.programs[key[0]][key[1]]

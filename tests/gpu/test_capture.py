@@ -4,6 +4,7 @@ integers, every interpolation, many outputs. Real draws, each with a reference t
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,10 @@ from shaderlab import (
     sweep,
     value,
 )
+from shaderlab.drivers.passes import PassSession
 from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import dot, mul, vec4
+from shaderlab.model.frame import Fragments, PassDraw
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 
@@ -382,3 +385,32 @@ def test_an_output_that_is_never_written_keeps_no_other_from_being_judged(
     passes = mesh_pass("idle.vert", "idle.frag", QUAD)
     record = run(lab, folder, passes, formula("double_", doubled), formula("idle", nothing))
     assert [o.status for o in record.expectations] == ["pass", "fail"], record
+
+
+@pytest.mark.parametrize("off", [(0.0, 1.0), (-1.0, 0.0), (np.nan, 0.0), (0.0, 0.0)])
+def test_a_driver_with_another_idea_of_places_is_found_out(
+    lab: SceneRunner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, off: tuple[float, float]
+) -> None:
+    captured = PassSession.capture_fragments
+
+    def shifted(self: Any, key: PassDraw) -> Fragments:
+        found = captured(self, key)
+        return replace(found, frag_coord=found.frag_coord + np.float32([*off, 0.0, 0.0]))
+
+    monkeypatch.setattr(PassSession, "capture_fragments", shifted)
+    (tmp_path / "any.vert").write_text(
+        "#version 330 core\nin vec3 aPos; out vec2 uv;\n"
+        "void main() { uv = aPos.xy; gl_Position = vec4(aPos, 1.0); }\n"
+    )
+    (tmp_path / "any.frag").write_text(
+        "#version 330 core\nin vec2 uv; out vec4 color;\n"
+        "void main() { color = vec4(uv, 0.0, 1.0); }\n"
+    )
+    check = formula("main.color", lambda uv: vec4(uv, 0.0, 1.0))
+    draw = Draw(vertex="any.vert", fragment="any.frag", mesh=QUAD)
+    passes = [Pass(name="main", draws=[draw])]
+    case = Case(title="t", id="t", file=str(tmp_path / "t.py"), passes=passes, expect=[check])
+    (outcome,) = lab.run(case.scene("default")).expectations
+    expected = "pass" if off == (0.0, 0.0) else "fail"
+    assert outcome.status == expected, outcome.message
+    assert ("the driver is wrong: gl_FragCoord is (" in outcome.message) == (expected == "fail")

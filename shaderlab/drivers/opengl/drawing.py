@@ -25,7 +25,7 @@ from .. import Drawn, Evaluation, Size
 from ..passes import PassSession
 from ..programs import bind, stages, storage
 from ..programs.prepare import PreparedDraw, Programs, describe_draw
-from ..programs.stages import NUMBER, VaryingPart
+from ..programs.stages import VaryingPart
 from ..programs.textures import components_of, numpy_type
 from ..resources import COVERING
 from .buffers import UniformBuffers, VertexArray, bind_storage_buffer, make_vertex_array
@@ -117,13 +117,6 @@ class Drawing(PassSession[RenderTarget, Linker]):
         program, vao = self.set_up(draw, bindings, target)
         submit(vao, program, draw)
         drain_errors()
-
-    def number_text(self, text: str, bindings: Bindings, index: int) -> tuple[str, Bindings]:
-        if self.device.takes_spirv:
-            return super().number_text(text, bindings, index)
-        # Draws of one text have one program.
-        number = np.array(index + 1, np.float32)
-        return text, replace(bindings, uniforms={**bindings.uniforms, NUMBER: number})
 
     def set_up(
         self, draw: PreparedDraw, bindings: Bindings, target: RenderTarget

@@ -4,10 +4,9 @@ touches a device: the caller draws.
 
 from __future__ import annotations
 
-import functools
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -114,198 +113,87 @@ def _points_of(
 
 Redraw = Callable[[Sequence[str], Mapping[str, str]], Mapping[str, Array]]
 """Draws a pass once more, each of its draws with another fragment text, into attachments of these
-formats by name; gives what they hold. The uniform `stages.NUMBER`, where a text declares it, is the
-draw's number, counted from 1; `set_draw_number` makes it a constant."""
+formats by name; gives what they hold."""
 
 
-class PassCapture:
-    """What the fragment shaders of a pass's draws got, at each pixel that a draw was the last to
-    write; the draws of a pass are captured together where their inputs go into the same
-    attachments.
+def capture_fragments(draws: Sequence[PreparedDraw], index: int, redraw: Redraw) -> Fragments:
+    """Return what the fragment shader of one of a pass's draws got, at each pixel that the draw was
+    the last to write.
+
+    The pass's other draws run as well and wipe out what they cover, so `covered` is what is seen
+    of the draw in the end. A shader that may keep fragments out is captured a second time keeping
+    them all.
 
     Args:
         draws: the pass's.
-        redraw: draws it once more.
+        index: the number of the draw among them.
+        redraw: draws the pass once more.
+
+    Raises:
+        UnsupportedError: the fragment shader has so many outputs that none can be added, and they
+            are declared in a way that leaves none out.
     """
+    found = _capture(draws, index, redraw)
+    text = draws[index].text("fragment") or ""
+    if not (stages.may_discard(text) or stages.writes_depth(text)):
+        return found
+    return replace(found, undiscarded=_capture(draws, index, redraw, keep_all=True))
 
-    def __init__(self, draws: Sequence[PreparedDraw], redraw: Redraw) -> None:
-        self._draws = draws
-        self._redraw = redraw
-        self._together: dict[int, _Captured] = {}
 
-    def fragments(self, index: int) -> Fragments:
-        """Return what one draw's fragment shader got.
+def redraw_with_text(
+    draws: Sequence[PreparedDraw],
+    index: int,
+    redraw: Redraw,
+    text: str,
+    outputs: Mapping[str, str],
+) -> Mapping[str, Array]:
+    """Redraw a pass with another fragment text for one draw; returns these outputs of it (formats
+    by name), 0 where the draw is not seen."""
+    ending, _ = stages.capture_fragment(text, (), calls=True)
+    images = redraw(_with_blanks(draws, index, ending), {**outputs, stages.COORD: "rgba32f"})
+    unseen = images[stages.COORD][..., 3:] <= 0.0
+    for name in outputs:
+        np.copyto(images[name], 0, where=unseen)
+    return {name: images[name] for name in outputs}
 
-        The pass's other draws run as well and wipe out what they cover, so `covered` is what is
-        seen of the draw in the end. A shader that may keep fragments out is captured a second time
-        keeping them all.
 
-        Raises:
-            UnsupportedError: the fragment shader has so many outputs that none can be added, and
-                they are declared in a way that leaves none out.
-        """
-        found = (self._together.get(index) or self._capture(index)).fragments(index)
-        text = self._draws[index].text("fragment") or ""
-        if not (stages.may_discard(text) or stages.writes_depth(text)):
-            return found
-        everything = self._capture_alone(index, keep_all=True).fragments(index)
-        return replace(found, undiscarded=everything)
-
-    def redraw_with_text(
-        self, index: int, text: str, outputs: Mapping[str, str]
-    ) -> Mapping[str, Array]:
-        ending, _ = stages.capture_fragment(text, (), calls=True)
-        images = self._redraw(
-            self._with_blanks({index: ending}), {**outputs, stages.COORD: "rgba32f"}
+def _capture(
+    draws: Sequence[PreparedDraw], index: int, redraw: Redraw, *, keep_all: bool = False
+) -> Fragments:
+    """Capture one draw, among others that only mark where they are seen."""
+    draw = draws[index]
+    text, outputs = draw.text("fragment") or "", draw.interface.outputs
+    parts = stages.fragment_input_parts(text, draw.interface.varyings.values())
+    crowded = len(outputs) + 2 > stages.MOST_OUTPUTS  # a place and an input do not fit beside them
+    room = stages.MOST_OUTPUTS - 1 - (0 if crowded else len(outputs))
+    values: dict[VaryingPart, Array] = {}
+    for start in range(0, max(len(parts), 1), room):
+        made, captured = stages.capture_fragment(
+            text, parts[start : start + room], outputs if crowded else (), keep_all=keep_all
         )
-        unseen = images[stages.COORD][..., 3:] <= 0.0
-        for name in outputs:
-            np.copyto(images[name], 0, where=unseen)
-        return {name: images[name] for name in outputs}
-
-    def _capture(self, index: int) -> _Captured:
-        """Capture a draw, and the others with it that can be: their captures share memory."""
-        together = _group_draws(self._draws, index)
-        if len(together) > 1:
-            try:
-                self._together |= self._capture_together(together)
-                return self._together[index]
-            except (ShaderError, UnsupportedError):
-                pass  # one of the others may be what the driver refuses
-        return self._capture_alone(index)
-
-    def _capture_together(self, draws: Mapping[int, Sequence[VaryingPart]]) -> dict[int, _Captured]:
-        """Capture several draws, with the parts of their inputs, by one redraw."""
-        made = {
-            index: stages.capture_fragment(
-                self._draws[index].text("fragment") or "", parts, numbered=True
-            )
-            for index, parts in draws.items()
-        }
-        colors = {stages.COORD: "rgba32f", stages.NUMBERED: "r32f"}
-        for _, captured in made.values():
-            colors |= _attachment_formats(captured)
-        images = self._redraw(
-            self._with_blanks({index: text for index, (text, _) in made.items()}), colors
-        )
-        number = images[stages.NUMBERED][..., 0]
-        of = _attachment_reader(images)  # most draws take the same of an attachment
-        return {
-            index: _Captured(images[stages.COORD], _part_values(of, captured), number)
-            for index, (_, captured) in made.items()
-        }
-
-    def _capture_alone(self, index: int, *, keep_all: bool = False) -> _Captured:
-        """Capture one draw, among others that only mark where they are seen."""
-        draw = self._draws[index]
-        text, outputs = draw.text("fragment") or "", draw.interface.outputs
-        parts = stages.fragment_input_parts(text, draw.interface.varyings.values())
-        crowded = stages.fills_outputs(outputs)
-        room = stages.MOST_OUTPUTS - 1 - (0 if crowded else len(outputs))
-        values: dict[VaryingPart, Array] = {}
-        for start in range(0, max(len(parts), 1), room):
-            made, captured = stages.capture_fragment(
-                text, parts[start : start + room], outputs if crowded else None, keep_all=keep_all
-            )
-            colors = {stages.COORD: "rgba32f", **_attachment_formats(captured)}
-            images = self._redraw(self._with_blanks({index: made}), colors)
-            values.update(_part_values(_attachment_reader(images), captured))
-        return _Captured(images[stages.COORD], values)
-
-    def _with_blanks(self, texts: Mapping[int, str]) -> list[str]:
-        """Add texts for the other draws, which only mark where they are seen."""
-        return [
-            texts[index] if index in texts else _write_blank(draw)
-            for index, draw in enumerate(self._draws)
-        ]
+        colors = {stages.COORD: "rgba32f"}
+        for piece, name in captured.items():
+            colors[name] = textures.output_format(stages.attachment_type(piece))
+        images = redraw(_with_blanks(draws, index, made), colors)
+        for piece, name in captured.items():
+            values[piece] = leading(images[name], textures.components_of(piece.type))
+    coord = images[stages.COORD]
+    return Fragments(covered=coord[..., 3] > 0.0, frag_coord=coord, inputs=join_parts(values))
 
 
-@dataclass(frozen=True)
-class _Captured:
-    """What a redraw left: `gl_FragCoord`, 1/w as −1 where a draw was only seen, pieces of inputs,
-    and of several draws the numbers of those that are seen."""
-
-    coord: Array
-    values: Mapping[VaryingPart, Array]
-    number: Array | None = None
-
-    def fragments(self, index: int) -> Fragments:
-        """Those of one draw."""
-        coord, covered = self.coord, self.coord[..., 3] > 0.0
-        if self.number is not None:
-            covered &= self.number == index + 1
-            others = np.where(coord[..., 3:] != 0.0, _SEEN, np.float32(0.0))
-            coord = np.where(covered[..., None], coord, others)
-        return Fragments(covered=covered, frag_coord=coord, inputs=join_parts(self.values))
-
-
-# `gl_FragCoord` where another draw is seen.
-_SEEN = np.array([0.0, 0.0, 0.0, -1.0], np.float32)
-
-
-def set_draw_number(text: str, index: int) -> str:
-    """The text of a pass's draw with its number in it, for an API whose uniforms have no names."""
-    return text.replace(f"uniform {_NUMBER}", f"const {_NUMBER[:-1]} = {index + 1}.0;")
-
-
-_NUMBER = f"float {stages.NUMBER};"
-
-
-def _group_draws(draws: Sequence[PreparedDraw], index: int) -> dict[int, Sequence[VaryingPart]]:
-    """Find the draws that one redraw can capture together with a draw, itself among them, each with
-    the parts of its inputs; none where it can only be captured alone."""
-    found: dict[int, Sequence[VaryingPart]] = {}
-    types: list[str] = []  # of the attachments
-    for other in (index, *(k for k in range(len(draws)) if k != index)):
-        draw = draws[other]
-        parts = _parts_that_fit(draw)
-        if parts is None:
-            if other == index:
-                return {}
-            continue
-        own = [stages.attachment_type(piece) for piece in parts]
-        if own[: len(types)] == types[: len(own)]:
-            types = max(types, own, key=len)
-            found[other] = parts
-    return found
-
-
-def _parts_that_fit(draw: PreparedDraw) -> Sequence[VaryingPart] | None:
-    """Return the parts of all inputs of a draw if they fit beside outputs, place and number."""
-    outputs = draw.interface.outputs
-    try:
-        parts = stages.fragment_input_parts(
-            draw.text("fragment") or "", draw.interface.varyings.values()
-        )
-    except UnsupportedError:
-        return None
-    fit = len(outputs) + len(parts) + 2 <= stages.MOST_OUTPUTS
-    return parts if fit else None
+def _with_blanks(draws: Sequence[PreparedDraw], index: int, text: str) -> list[str]:
+    """Return the fragment texts of a redraw: one draw's, and for the others texts that only mark
+    where they are seen, by −1 for 1/w."""
+    return [text if number == index else _write_blank(draw) for number, draw in enumerate(draws)]
 
 
 def _write_blank(draw: PreparedDraw) -> str:
-    """Write a draw's fragment shader that marks where it is seen: by −1 for 1/w."""
-    crowded = len(draw.interface.outputs) + 1 > stages.MOST_OUTPUTS
-    unwanted = draw.interface.outputs if crowded else None
+    outputs = draw.interface.outputs
+    unwanted = outputs if len(outputs) + 1 > stages.MOST_OUTPUTS else ()
     text, _ = stages.capture_fragment(draw.text("fragment") or "", (), unwanted)
     return text.replace(
         f"{stages.COORD} = gl_FragCoord;", f"{stages.COORD} = vec4(0.0, 0.0, 0.0, -1.0);"
     )
-
-
-def _attachment_formats(captured: Mapping[VaryingPart, str]) -> dict[str, str]:
-    return {name: textures.output_format(stages.attachment_type(p)) for p, name in captured.items()}
-
-
-def _attachment_reader(images: Mapping[str, Array]) -> Callable[[str, int], Array]:
-    """Return a reader of an attachment's first components, which gives the same array each time."""
-    return functools.cache(lambda name, count: leading(images[name], count))
-
-
-def _part_values(
-    of: Callable[[str, int], Array], captured: Mapping[VaryingPart, str]
-) -> dict[VaryingPart, Array]:
-    return {piece: of(name, textures.components_of(piece.type)) for piece, name in captured.items()}
 
 
 _CORNERS = {"points": 1, "lines": 2, "line_strip": 2, "triangles": 3}

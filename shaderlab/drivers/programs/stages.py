@@ -9,16 +9,15 @@ instance's name, and the declarations that a vertex stage must repeat to the let
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from tree_sitter import Node
 
 from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.compiler.shader_files import strip_comments
-from shaderlab.compiler.syntax import Syntax, name_of
+from shaderlab.compiler.syntax import Declarator, GlslDeclaration, Syntax
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array
 
@@ -40,60 +39,17 @@ class VaryingPart:
     type: str
 
 
-@dataclass(frozen=True)
-class InterfaceBlock:
-    """A block of inputs in a shader's text; `instance` is "" where members are named alone."""
-
-    name: str
-    body: str
-    instance: str
-    array: str
-    members: tuple[str, ...]
-
-
 class GlslDeclarations:
     """The declarations of inputs in a fragment shader's text (after includes); with "out" for a
-    direction, of a vertex or geometry shader's outputs.
-
-    Attributes:
-        blocks: each block by its name.
-        structs: all struct declarations, as written.
-    """
+    direction, of a vertex or geometry shader's outputs."""
 
     def __init__(self, text: str, direction: str = "in") -> None:
-        self.blocks: dict[str, InterfaceBlock] = {}
-        self.structs: list[str] = []
-        self._plain: dict[str, tuple[str, str, str]] = {}  # qualifiers, type and array by name
-        file = Syntax(strip_comments(text))
-        for node in _top_level(file.root):
-            if node.type == "struct_specifier":
-                self.structs.append(f"{file.of(node)};")
-            elif node.type == "declaration":
-                self._read(file, node, direction)
-
-    def _read(self, file: Syntax, node: Node, direction: str) -> None:
-        way = next((child for child in node.children if child.type == direction), None)
-        if way is None:
-            return
-        body = next((c for c in node.children if c.type == "field_declaration_list"), None)
-        if body is not None:
-            name, *instance = (file.of(c) for c in node.named_children if c.type in _NAMING)
-            own, bracket, size = (instance[0] if instance else "").partition("[")
-            members = tuple(
-                file.of(name_of(declarator))
-                for member in body.named_children
-                for declarator in member.children_by_field_name("declarator")
-            )
-            inside = file.of(body)[1:-1]
-            self.blocks[name] = InterfaceBlock(name, inside, own.strip(), bracket + size, members)
-            return
-        before = file.bytes[node.start_byte : way.start_byte].decode().split()
-        kind = node.child_by_field_name("type")
-        for declarator in node.children_by_field_name("declarator"):
-            name = file.of(name_of(declarator))
-            array = file.of(declarator).removeprefix(name).strip()
-            qualifiers = "".join(f"{word} " for word in before)
-            self._plain[name] = qualifiers, "" if kind is None else file.of(kind), array
+        found = read_declarations(text)
+        own = [declared for declared in found if direction in declared.qualifiers]
+        self._structs = [d for d in found if d.kind == "struct"]
+        self._blocks = {d.name: d for d in own if d.kind == "block"}
+        # Each variable with the words before its type.
+        self._plain = {m.name: (d.prefix, m) for d in own for m in d.members if not d.name}
 
     def spell(self, name: str) -> str:
         """Write an input as the shader itself does: a block's name becomes its instance's.
@@ -102,15 +58,18 @@ class GlslDeclarations:
         'fs_in.FragPos'
         """
         head = _head(name)
-        block = self.blocks.get(head) if "." in name else None
-        return name if block is None else block.instance + name.removeprefix(head)
+        block = self._blocks.get(head) if "." in name else None
+        if block is None:
+            return name
+        instance = "" if block.instance is None else block.instance.name
+        return instance + name.removeprefix(head)
 
-    def block_of(self, name: str) -> InterfaceBlock | None:
+    def _block_of(self, name: str) -> GlslDeclaration | None:
         """Find the block that an input is a member of."""
         head = _head(name)
-        if "." in name and head in self.blocks:
-            return self.blocks[head]
-        return next((b for b in self.blocks.values() if not b.instance and head in b.members), None)
+        if "." in name and head in self._blocks:
+            return self._blocks[head]
+        return next((block for block in self._blocks.values() if head in block.declares), None)
 
     def declare_outputs(self, variables: Sequence[Variable]) -> list[str]:
         """Declare outputs that fit a fragment shader's inputs; blocks and structs to the letter, as
@@ -122,40 +81,49 @@ class GlslDeclarations:
         lines: dict[str, None] = {}
         for variable in variables:
             name, head = variable.name, _head(variable.name)
-            block = self.block_of(name)
-            qualifiers, kind, array = self._plain.get(head, ("", "", ""))
+            block = self._block_of(name)
+            prefix, member = self._plain.get(head, ("", None))
+            qualifiers = re.sub(r"\bin\b", "out", prefix)
             if block is not None:
-                own = f"{PREFIX}to_{block.name}" if block.instance else ""
-                lines[f"out {block.name} {{{block.body}}} {own}{block.array};"] = None
+                instance = ""
+                if block.instance is not None:
+                    instance = f"{PREFIX}to_{block.name}{_spell_lengths(block.instance)}"
+                lines[f"out {block.name} {{{block.body}}} {instance};"] = None
             elif "." in name:
-                if not kind:
+                if member is None:
                     raise UnsupportedError(
                         f"the declaration of the input {name!r} can't be read",
                         remedy="declare it on its own (in Type name;), or draw a mesh",
                     )
-                lines[f"{qualifiers}out {kind} {head}{array};"] = None
+                lines[f"{qualifiers} {member.type.name} {head}{_spell_lengths(member)};"] = None
             else:
                 array = "" if variable.array is None else f"[{variable.array}]"
-                own = "" if variable.interpolation == "smooth" else f"{variable.interpolation} "
-                lines[f"{qualifiers or own}out {variable.type} {name}{array};"] = None
-        structs = self.structs if any("." in variable.name for variable in variables) else []
-        return [*structs, *lines]
+                smooth = variable.interpolation == "smooth"
+                own = "out" if smooth else f"{variable.interpolation} out"
+                lines[f"{qualifiers or own} {variable.type} {name}{array};"] = None
+        structs = self._structs if any("." in variable.name for variable in variables) else []
+        return [*(f"struct {struct.name} {{{struct.body}}};" for struct in structs), *lines]
 
     def spell_output(self, name: str) -> str:
         """Write an input's name as of the vertex stage that `declare_outputs` is for."""
-        block = self.block_of(name)
+        block = self._block_of(name)
         return f"{PREFIX}to_{name}" if block is not None and block.instance else name
 
 
-_NAMING = ("identifier", "array_declarator")  # a block's name and its instance's
+@lru_cache(maxsize=64)
+def read_declarations(text: str) -> tuple[GlslDeclaration, ...]:
+    """Read what a shader's text declares outside of functions."""
+    return Syntax(strip_comments(text)).declarations
 
 
-def _top_level(node: Node) -> Iterator[Node]:
-    """All that stands outside of functions, whatever `#if` it depends on."""
-    for child in node.children:
-        yield child
-        if child.type.startswith("preproc_"):
-            yield from _top_level(child)
+def _default_layout(text: str, direction: str) -> set[str]:
+    """Return the words of all layouts that a stage gives its inputs or outputs by default."""
+    layouts = (d.qualifiers for d in read_declarations(text) if d.kind == "layout")
+    return {word for words in layouts if direction in words for word in words}
+
+
+def _spell_lengths(declarator: Declarator) -> str:
+    return "".join(f"[{length}]" for length in declarator.type.lengths)
 
 
 def _head(name: str) -> str:
@@ -206,13 +174,9 @@ def join_parts(parts: Mapping[VaryingPart, Array]) -> dict[str, Array]:
 
 PREFIX = "shaderlab_"
 COORD = PREFIX + "coord"
-# A draw's number in its pass: the uniform that has it, and the output that it goes to.
-NUMBER = PREFIX + "draw"
-NUMBERED = PREFIX + "drawn"
 VERSION = re.compile(r"^[ \t]*#[ \t]*version[^\n]*", re.MULTILINE)
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)[^\n]*\n?", re.MULTILINE)
 MOST_OUTPUTS = 8
-_POINTS_OUT = re.compile(r"\blayout\s*\([^)]*\bpoints\b[^)]*\)\s*out\b")
 _MAY_KEEP_OUT = ("discard", "gl_FragDepth", "gl_SampleMask")
 # Words that change the value of an input, or of gl_FragCoord, in the shader that has them.
 _CHANGE_INPUTS = ("mediump", "lowp", "origin_upper_left", "pixel_center_integer")
@@ -230,11 +194,6 @@ def fragment_input_parts(text: str, inputs: Iterable[Variable]) -> list[VaryingP
     found = [piece for variable in array_elements(inputs) for piece in split_parts(variable)]
     used = {name: kind for name, kind in _BUILT_IN.items() if re.search(rf"\b{name}\b", text)}
     return [*found, *(VaryingPart(name, "", kind) for name, kind in used.items())]
-
-
-def fills_outputs(outputs: Sized) -> bool:
-    """Whether a fragment shader has so many outputs that a place and an input do not fit beside."""
-    return len(outputs) + 2 > MOST_OUTPUTS
 
 
 def may_drop_fragments(text: str) -> bool:
@@ -269,11 +228,10 @@ def changes_inputs(text: str) -> bool:
 def capture_fragment(
     text: str,
     group: Sequence[VaryingPart],
-    unwanted: Mapping[str, Variable] | None = None,
+    unwanted: Collection[str] = (),
     *,
     keep_all: bool = False,
     calls: bool = False,
-    numbered: bool = False,
 ) -> tuple[str, dict[VaryingPart, str]]:
     """Write a fragment shader, unchanged but for a new ending that writes what it got.
 
@@ -288,7 +246,6 @@ def capture_fragment(
         keep_all: whether every fragment is kept, with the depth that it comes with: the author's
             main is not called then.
         calls: whether the author's main is called in any case.
-        numbered: whether the uniform NUMBER, the draw's number, goes to the output NUMBERED.
 
     Returns:
         Its text, and the output of each piece, of the type `attachment_type`.
@@ -296,15 +253,11 @@ def capture_fragment(
     captured = {piece: f"{PREFIX}out{i}" for i, piece in enumerate(group)}
     shader = GlslDeclarations(text)
     calls = not keep_all and (calls or may_drop_fragments(text))
-    for variable in (unwanted or {}).values():
-        text = _demote_output(text, variable)
+    text = _demote_outputs(text, unwanted)
     declared = [f"out vec4 {COORD};"]
     declared += [f"out {attachment_type(piece)} {name};" for piece, name in captured.items()]
     written = [f"    {COORD} = gl_FragCoord;"]
     written += [f"    {name} = {_attachment_value(p, shader)};" for p, name in captured.items()]
-    if numbered:
-        declared += [f"uniform float {NUMBER};", f"out float {NUMBERED};"]
-        written.append(f"    {NUMBERED} = {NUMBER};")
     if keep_all and writes_depth(text):  # what names it has to write it
         written.append("    gl_FragDepth = gl_FragCoord.z;")
     return replace_main(text, declared, written, calls=calls), captured
@@ -350,7 +303,7 @@ def pass_instance_on(text: str) -> str:
 
 def emits_points(texts: Mapping[str, str]) -> bool:
     """Whether a program has a geometry stage that makes points."""
-    return bool(_POINTS_OUT.search(texts.get("geometry", "")))
+    return "points" in _default_layout(texts.get("geometry", ""), "out")
 
 
 def replace_main(
@@ -390,34 +343,34 @@ def count_emitted(text: str) -> str:
 
 
 def _wrap_emit(text: str, written: Sequence[str], declared: Sequence[str]) -> str:
-    """Make a geometry shader do more as it emits each vertex."""
-    added = [
-        *declared,
-        f"void {PREFIX}emit() {{",
-        *written,
-        "    EmitVertex();",
-        "}",
-        f"#define EmitVertex {PREFIX}emit",
-        "",
-    ]
+    """Make a geometry shader do more as it emits each vertex. What it does stands behind the
+    author's own text, as it needs the layout of the inputs' array."""
     at = end_of_directives(text)
-    # The function needs the layout of the inputs' array, so it follows the author's own.
-    layout = re.search(r"\blayout\s*\([^)]*\)\s*in\s*;", text[at:])
-    at += layout.end() if layout else 0
-    return text[:at] + "\n" + "\n".join(added) + text[at:]
+    first = [f"void {PREFIX}emit();", f"#define EmitVertex {PREFIX}emit", ""]
+    body = [f"void {PREFIX}emit() {{", *written, "    EmitVertex();", "}", ""]
+    return "\n".join([text[:at], *first, text[at:], "#undef EmitVertex", *declared, *body])
 
 
-def _demote_output(text: str, variable: Variable) -> str:
-    name = re.escape(variable.name)
-    pattern = rf"(?:layout\s*\([^)]*\)\s*)?\bout\s+((?:(?:high|medium|low)p\s+)?\w+\s+{name}\b)"
-    changed, count = re.subn(pattern, r"\1", text)
-    if count != 1:
+def _demote_outputs(text: str, names: Collection[str]) -> str:
+    """Make these outputs plain variables.
+
+    Raises:
+        UnsupportedError: the declaration of one can't be read.
+    """
+    found = [d for d in read_declarations(text) if d.kind == "variables" and "out" in d.qualifiers]
+    own = [d for d in found if {member.name for member in d.members} <= set(names)]
+    missing = set(names).difference(member.name for d in own for member in d.members)
+    if missing:
         raise UnsupportedError(
-            f"the declaration of the output {variable.name!r} can't be read, so there is no room "
-            "to capture inputs beside all outputs",
+            f"the declaration of the output {min(missing)!r} can't be read, so there is no room to "
+            "capture inputs beside all outputs",
             remedy="declare each output on its own (out Type name;)",
         )
-    return changed
+    for declaration in reversed(own):
+        precision = declaration.qualifiers & {"highp", "mediump", "lowp"}
+        rest = text[declaration.start :].removeprefix(declaration.prefix)
+        text = f"{text[: declaration.start]}{' '.join(precision)}{rest}"
+    return text
 
 
 def attachment_type(piece: VaryingPart) -> str:
@@ -438,7 +391,6 @@ BLOCK = PREFIX + "Stored"
 PER_INSTANCE = PREFIX + "per_instance"
 """The uniform that holds how many vertices are stored for an instance at most (int)."""
 _EXTENSIONS = ("GL_ARB_shader_storage_buffer_object", "GL_ARB_shader_bit_encoding")
-_EMITTED = "    EmitVertex();\n}\n#define EmitVertex"
 _WORDS = {"f": "floatBitsToUint({})", "v": "floatBitsToUint({})", "i": "uint({})", "u": "{}"}
 _FRAGMENT = "#version 330 core\nvoid main() {}\n"
 _SIZE = PREFIX + "point_size"
@@ -473,25 +425,12 @@ def store_outputs(
         return {"vertex": replace_main(text, _declare_storage(), written), "fragment": _FRAGMENT}
     instance, primitive, index = EMITTED.values()
     place = f"{instance} * {PER_INSTANCE} + {primitive} * {most} + {index}"
-    # What is stored is declared further down than what emits.
-    before, mark, after = text.partition(_EMITTED)
-    head, _, body = before.rpartition(f"void {PREFIX}emit() {{")
-    assert mark, "a geometry stage that counts"
-    body = "\n".join([body.rstrip("\n"), f"    {PREFIX}store();", *size, ""])
-    emitting = f"{head}void {PREFIX}store();\nvoid {PREFIX}emit() {{{body}{mark}"
-    lines = [
-        *_declare_storage(),
-        f"void {PREFIX}store() {{",
-        _begin_store(place, parts),
-        *stored,
-        "}",
-        "",
-    ]
-    return {
-        "vertex": texts["vertex"],
-        "geometry": "\n".join([emitting + after, *lines]),
-        "fragment": _FRAGMENT,
-    }
+    # The last function is the one that emits.
+    head, mark, body = text.rpartition(f"void {PREFIX}emit() {{\n")
+    counting, emitting, _ = body.rpartition("    EmitVertex();\n")
+    lines = [*_declare_storage(), f"{mark}{counting}{_begin_store(place, parts)}", *stored, *size]
+    geometry = "\n".join([head, *lines, f"{emitting}}}", ""])
+    return {"vertex": texts["vertex"], "geometry": geometry, "fragment": _FRAGMENT}
 
 
 def unpack_outputs(parts: Sequence[VaryingPart], words: Array) -> dict[VaryingPart, Array]:
@@ -551,10 +490,10 @@ def patch_primitive(text: str) -> str:
     >>> patch_primitive("layout (quads, equal_spacing) in;")
     'triangles'
     """
-    inputs = " ".join(re.findall(r"\blayout\s*\(([^)]*)\)\s*in\s*;", strip_comments(text)))
-    if re.search(r"\bpoint_mode\b", inputs):
+    words = _default_layout(text, "in")
+    if "point_mode" in words:
         return "points"
-    return "lines" if re.search(r"\bisolines\b", inputs) else "triangles"
+    return "lines" if "isolines" in words else "triangles"
 
 
 def control_outputs(interface: Interface) -> Iterator[VaryingPart]:
