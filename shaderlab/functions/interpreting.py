@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
 
 from shaderlab.analysis.answer import Answer, OutputAnswer
 from shaderlab.analysis.audit import Audit, Plan as AuditPlan, audit_program
@@ -31,9 +34,6 @@ if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
 
 
-_RANGES = {"bool": " // range: 0..1"}
-
-
 @dataclass(frozen=True)
 class EntryPoint:
     """A function with a `main` that calls it once; a source for each version of GLSL to try."""
@@ -53,62 +53,64 @@ def find_entry_points(
     known = read_declarations(preprocessed)
     taken = {name for one in known.all for name in one.declares}
     own_file = source.parts[0][0] if source.parts else source.path
+    places = [(*source.place(n + 1), 1) for n in range(source.text.count("\n") + 1)]
     found = []
-    for overloads in find_signatures(known).values():
-        for signature in overloads:
-            place = source.place(signature.line)
-            if place[0] == own_file:
-                made = _entry_source(source, signature, place, taken)
-                sources: tuple[Source, ...] = (made,)
-                if len(versions) > 1:  # a file with a version keeps it
-                    sources = tuple(as_version(made, number) for number in versions)
-                found.append(EntryPoint(signature, sources))
+    for signature in itertools.chain.from_iterable(find_signatures(known).values()):
+        place = source.place(signature.line)
+        if place[0] != own_file:
+            continue
+        added = "\n".join(_main_lines(signature, taken)) + "\n"
+        lines = LineMap.of(places + [(*place, 1)] * added.count("\n"))
+        text = f"{source.text}\n{added}"
+        made = replace(source, stage="fragment", text=text, lines=lines, stripped=None)
+        # A file with a version keeps it.
+        several = [as_version(made, n) for n in versions] if len(versions) > 1 else [made]
+        found.append(EntryPoint(signature, tuple(several)))
     return sorted(found, key=lambda one: one.signature.line)
 
 
-def _entry_source(
-    source: Source, signature: Signature, place: tuple[str, int], taken: Collection[str]
-) -> Source:
-    added = "\n".join(_main_lines(signature, taken)) + "\n"
-    spans = [(*source.place(n + 1), 1) for n in range(source.text.count("\n") + 1)]
-    spans += [(*place, 1)] * added.count("\n")
-    text = f"{source.text}\n{added}"
-    return replace(source, stage="fragment", text=text, lines=LineMap.of(spans), stripped=None)
-
-
 def _main_lines(signature: Signature, taken: Collection[str]) -> Iterator[str]:
+    """A `main` that calls the function, and what it reads and writes."""
     body, arguments, written = [], [], []
+
+    def free(name: str) -> str:
+        while name in taken:
+            name += "_"
+        return name
+
     for parameter in signature.parameters:
         name = local_name(parameter.name)
-        arguments.append(name)
         if parameter.type.opaque:
-            arguments[-1] = _free_name(parameter.name, taken)
+            arguments.append(free(parameter.name))
             yield f"uniform {declare(parameter.type, arguments[-1])};"
             continue
+        arguments.append(name)
         body.append(f"{declare(parameter.type, name)};")
         if parameter.direction != "out":
             for target, label, kind in _leaves(name, parameter.name, parameter.type):
-                given = _free_name(label, taken)
-                held = _carrier_type(kind)
+                given = free(label)
                 flat = "" if kind.kind == "float" else "flat "
-                yield f"{flat}in {held} {given};{_RANGES.get(kind.kind, '')}"
+                range_ = " // range: 0..1" if kind.kind == "bool" else ""
+                yield f"{flat}in {_carrier_type(kind)} {given};{range_}"
                 body.append(f"{target} = {kind.name}({given});")
         if parameter.direction != "in":
             after = "_after" if parameter.direction == "inout" else ""
             written.append((name, parameter.name + after, parameter.type))
     call = f"{signature.name}({', '.join(arguments)})"
     if signature.result.name != "void":
-        result = f"{PREFIX}result"
-        dims = "".join(f"[{n}]" for n in signature.result.dims)
-        call = f"{signature.result.name}{dims} {result} = {call}"
-        written.insert(0, (result, signature.outputs[0][0], signature.result))
+        call = f"{signature.result} {PREFIX}result = {call}"
+        written.insert(0, (f"{PREFIX}result", signature.outputs[0][0], signature.result))
     body.append(f"{call};")
     for value, name, kind in written:
         for target, label, leaf in _leaves(value, name, kind):
-            for n, (part, held) in enumerate(_columns(target, leaf)):
-                out = _free_name(f"{label}_{n}" if len(leaf.base_shape) == 2 else label, taken)
+            columns = [("", "", _carrier_type(leaf))]
+            if len(leaf.base_shape) == 2:  # matrices are written column by column
+                rows, count = leaf.base_shape
+                columns = [(f"[{n}]", f"_{n}", f"vec{rows}") for n in range(count)]
+            for place, suffix, held in columns:
+                out = free(label + suffix)
                 yield f"out {held} {out};"
-                body.append(f"{out} = {held}({part});")
+                body.append(f"{out} = {held}({target}{place});")
     yield "void main() {"
     yield from body
     yield "}"
@@ -116,36 +118,16 @@ def _main_lines(signature: Signature, taken: Collection[str]) -> Iterator[str]:
 
 def _leaves(target: str, label: str, kind: Type) -> Iterator[tuple[str, str, Type]]:
     """The numbers, vectors and matrices of a value, each with its name."""
-    if kind.dims:
-        for n in range(kind.dims[0]):
-            yield from _leaves(f"{target}[{n}]", f"{label}_{n}", kind.element)
-    elif kind.members:
-        for name, member in kind.members:
-            yield from _leaves(f"{target}.{name}", f"{label}_{name}", member)
-    else:
-        yield target, label, kind
+    for name, leaf in kind.leaves(""):
+        for place in np.ndindex(leaf.dims):
+            whole = name + "".join(f"[{n}]" for n in place)
+            element = Type(leaf.name)
+            yield target + whole, label + re.sub(r"\[(\d+)\]|\.(\w+)", r"_\1\2", whole), element
 
 
 def _carrier_type(kind: Type) -> str:
     """The type that carries such a value between stages, which have no conditions."""
     return re.sub(r"^bool$", "int", re.sub(r"^bvec", "ivec", kind.name))
-
-
-def _columns(value: str, kind: Type) -> Iterator[tuple[str, str]]:
-    """What is written of a value, with its type: matrices column by column."""
-    if len(kind.base_shape) < 2:
-        yield value, _carrier_type(kind)
-        return
-    rows, columns = kind.base_shape
-    for n in range(columns):
-        yield f"{value}[{n}]", f"vec{rows}"
-
-
-def _free_name(name: str, taken: Collection[str]) -> str:
-    """The name, or one like it where the file has something of this name."""
-    while name in taken:
-        name += "_"
-    return name
 
 
 Plan = TypeVar("Plan", AuditPlan, ComparisonPlan)
@@ -222,16 +204,8 @@ class CompareFunctions:
             notes += [f"{name}: {note}" for note in answer.notes]
             inputs |= {f"{name}: {word}": role for word, role in answer.inputs.items()}
         notes += [f"only {self.new.file.path} has {signature}" for signature in others]
-        files = self.old.file.path, self.new.file.path
-        return [
-            Answer(
-                old=files[0],
-                new=files[1],
-                outputs=tuple(outputs),
-                notes=tuple(notes),
-                inputs=inputs,
-            )
-        ]
+        files = {"old": self.old.file.path, "new": self.new.file.path}
+        return [Answer(**files, outputs=tuple(outputs), notes=tuple(notes), inputs=inputs)]
 
 
 def _functions(worker: Worker, shader: ShaderOfFile) -> list[EntryPoint]:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import os
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 from shaderlab.compiler.shader_files import EXTENSIONS, version_of
 from shaderlab.compiler.sources import LineMap, Shaders, Source
@@ -25,6 +26,17 @@ from shaderlab.functions.checks import CallLaw
 from shaderlab.functions.evaluation import evaluate, get_caller
 from shaderlab.functions.signatures import Signature, find_signatures, read_declarations
 from shaderlab.model.records import Outcome, ProgramRecord, Record, SourceText, Status
+
+Kept = TypeVar("Kept")
+
+
+@contextmanager
+def _keeping(variable: ContextVar[Kept | None], value: Kept) -> Iterator[Kept]:
+    token = variable.set(value)
+    try:
+        yield value
+    finally:
+        variable.reset(token)
 
 
 @dataclass
@@ -51,14 +63,8 @@ def current_notes() -> Notes | None:
     return _NOTES.get()
 
 
-@contextmanager
-def take_notes() -> Iterator[Notes]:
-    found = Notes()
-    token = _NOTES.set(found)
-    try:
-        yield found
-    finally:
-        _NOTES.reset(token)
+def take_notes() -> AbstractContextManager[Notes]:
+    return _keeping(_NOTES, Notes())
 
 
 def record_of_test(
@@ -80,15 +86,12 @@ def record_of_test(
     found = notes or Notes()
     outcomes = tuple(_merge_outcomes(found.outcomes))
     if not outcomes and found.called and status in ("pass", "fail"):
-        own = Outcome(
-            name=name,
-            kind="test",
-            status="pass" if status == "pass" else "fail",
-            message=message,
-            sources=tuple(found.called.values()),
-            line=line,
+        calls = tuple(found.called.values())
+        outcomes = (
+            Outcome(
+                name=name, kind="test", status=status, message=message, sources=calls, line=line
+            ),
         )
-        outcomes = (own,)
     is_explained = any(outcome.status != "pass" for outcome in outcomes)
     return Record(
         id=stem,
@@ -101,7 +104,7 @@ def record_of_test(
         status=status,
         message="" if is_explained else message,
         seconds=seconds,
-        programs=tuple(_programs(found)),
+        programs=tuple(map(_program_of, found.sources.values())),
         expectations=tuple(
             replace(o, sources=tuple(replace(s, file=display_path(s.file)) for s in o.sources))
             for o in outcomes
@@ -111,30 +114,24 @@ def record_of_test(
 
 def _merge_outcomes(outcomes: list[Outcome]) -> Iterator[Outcome]:
     """The outcomes, those of one property as one: its batches were judged one by one."""
-    together: dict[tuple[str, str, int], Outcome] = {}
+    together: dict[tuple[str, int], Outcome] = {}
     for number, outcome in enumerate(outcomes):
-        same = outcome.kind == "given"
-        key = (outcome.name, outcome.kind, outcome.line if same else -1 - number)
-        before = together.get(key)
-        judged = outcome.judged + (before.judged if before else 0)
+        key = (outcome.name, outcome.line if outcome.kind == "given" else -1 - number)
+        judged = outcome.judged + (together[key].judged if key in together else 0)
         together[key] = replace(outcome, judged=judged)
-    names: dict[str, int] = {}
+    names: Counter[str] = Counter()
     for outcome in together.values():
-        names[outcome.name] = names.get(outcome.name, 0) + 1
+        names[outcome.name] += 1
         number = names[outcome.name]
         yield outcome if number == 1 else replace(outcome, name=f"{outcome.name} ({number})")
 
 
-def _programs(found: Notes) -> Iterator[ProgramRecord]:
-    for source in found.sources.values():
-        parts = [(display_path(path), text) for path, text in source.parts]
-        yield ProgramRecord(
-            files=tuple(path for path, _ in parts),
-            sources=tuple(
-                SourceText(file=path, line=1, language="glsl", text=text) for path, text in parts
-            ),
-            verdicts=(),
-        )
+def _program_of(source: Source) -> ProgramRecord:
+    texts = tuple(
+        SourceText(file=display_path(path), line=1, language="glsl", text=text)
+        for path, text in source.parts
+    )
+    return ProgramRecord(files=tuple(t.file for t in texts), sources=texts, verdicts=())
 
 
 @dataclass
@@ -159,20 +156,9 @@ class Loads:
 _LOADS: ContextVar[Loads | None] = ContextVar("_LOADS", default=None)
 
 
-def current_loads() -> Loads | None:
-    """What notes and replaces what is loaded; None for nothing."""
-    return _LOADS.get()
-
-
-@contextmanager
-def record_loads(texts: Mapping[str, str]) -> Iterator[Loads]:
+def record_loads(texts: Mapping[str, str]) -> AbstractContextManager[Loads]:
     """Take these texts in place of others, and note what is loaded."""
-    found = Loads(texts)
-    token = _LOADS.set(found)
-    try:
-        yield found
-    finally:
-        _LOADS.reset(token)
+    return _keeping(_LOADS, Loads(texts))
 
 
 class Function:
@@ -191,40 +177,31 @@ class Function:
     def __init__(
         self, source: Source, overloads: Sequence[Signature], folder: str, given: Mapping[str, Any]
     ) -> None:
+        self.signatures = tuple(overloads)
+        self.folder = folder  # what paths of textures are relative to
         self._source = source
-        self._overloads = tuple(overloads)
-        self._folder = folder
         self._given = given
         self.__name__ = overloads[0].name
         self.__doc__ = "\n".join(map(str, overloads))
 
     @property
-    def signatures(self) -> tuple[Signature, ...]:
-        return self._overloads
-
-    @property
-    def folder(self) -> str:
-        """What paths of textures are relative to."""
-        return self._folder
-
-    @property
     def place(self) -> tuple[str, int]:
-        return self.place_of(self._overloads[0])
+        return self.place_of(self.signatures[0])
 
     def __getitem__(self, types: str) -> Function:
         """The overload with parameters of these types, such as `f["vec3, float"]`."""
         wanted = [word.strip() for word in types.split(",") if word.strip()]
-        for one in self._overloads:
+        for one in self.signatures:
             if [str(p.type) for p in one.parameters] == wanted:
-                return Function(self._source, [one], self._folder, self._given)
+                return Function(self._source, [one], self.folder, self._given)
         raise CallError(
             f"{self.__name__} has no overload ({types})",
-            remedy=f"there is {', '.join(map(str, self._overloads))}",
+            remedy=f"there is {', '.join(map(str, self.signatures))}",
         )
 
     def __repr__(self) -> str:
         file, line = self.place
-        return f"<{'; '.join(map(str, self._overloads))} of {file}:{line}>"
+        return f"<{'; '.join(map(str, self.signatures))} of {file}:{line}>"
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
         """The function's results for its arguments; see the class.
@@ -276,7 +253,7 @@ class Function:
         found = current_notes()
         if found is not None:
             found.add_call(self._source, checks.function_source(self, call))
-        elif (known := current_loads()) is not None:
+        elif (known := _LOADS.get()) is not None:
             known.called_outside.add(self._source.path)
         return found
 
@@ -289,10 +266,10 @@ class Function:
 
     def bind(self, *arguments: Any, **named: Any) -> Call:
         """The overload that arguments fit, with them. Raises CallError."""
-        return bind_arguments(self._overloads, arguments, named, self._given)
+        return bind_arguments(self.signatures, arguments, named, self._given)
 
     def evaluate(self, call: Call) -> Any:
-        return evaluate(self._source, self._folder, call)
+        return evaluate(self._source, self.folder, call)
 
 
 def _short_traceback(error: ShaderlabError) -> TracebackType | None:
@@ -335,7 +312,7 @@ class Library:
 
     def __init__(self, source: Source, folder: str, given: Mapping[str, Any]) -> None:
         self._written = source
-        self._source = source if (known := current_loads()) is None else known.take(source)
+        self._source = source if (known := _LOADS.get()) is None else known.take(source)
         self._folder = folder
         self._given = dict(given)
 
@@ -354,7 +331,7 @@ class Library:
         if found is None:
             message = f"{self._source.path} has no function {name!r}"
             raise AttributeError(f"{message}\n  → {suggest(name, self._functions)}")
-        if (known := current_loads()) is not None:
+        if (known := _LOADS.get()) is not None:
             known.use(self._written, name)
         return Function(self._read, found, self._folder, self._given)
 
@@ -391,9 +368,7 @@ def with_version(source: Source) -> Source:
 
 
 def _find(path: Path, beside: Path | None) -> Path:
-    tried = [Path.cwd()]
-    if beside is not None:
-        tried[:0] = load_settings(beside).shader_folders(beside)
+    tried = [*(load_settings(beside).shader_folders(beside) if beside else ()), Path.cwd()]
     for folder in tried:
         if (folder / path).is_file():
             return Path(os.path.abspath(folder / path))

@@ -7,12 +7,9 @@ of structs a sequence of such mappings.
 
 from __future__ import annotations
 
-import ast
-import itertools
 import math
-import operator
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -87,9 +84,7 @@ class Type:
     @cached_property
     def known(self) -> bool:
         """Whether it can be passed and returned as numbers."""
-        if self.members:
-            return all(t.known for _, t in self.members)
-        return bool(self.kind)
+        return all(t.known for _, t in self.members) if self.members else bool(self.kind)
 
     @cached_property
     def words(self) -> int:
@@ -118,18 +113,6 @@ class Declarations:
     all: tuple[GlslDeclaration, ...]
     constants: Mapping[str, int]
 
-    @cached_property
-    def _structs(self) -> dict[str, GlslDeclaration]:
-        return {one.name: one for one in self.all if one.kind in ("struct", "block")}
-
-    def functions(self) -> dict[str, list[GlslDeclaration]]:
-        """Function definitions by name; several where it is overloaded."""
-        found: dict[str, list[GlslDeclaration]] = {}
-        for one in self.all:
-            if one.kind == "function":
-                found.setdefault(one.name, []).append(one)
-        return found
-
     def needed_by(self, function: GlslDeclaration) -> list[GlslDeclaration]:
         """What a function needs, itself included, in order."""
         by_name: dict[str, list[GlslDeclaration]] = {}
@@ -153,11 +136,9 @@ class Declarations:
             if value is None or value < 1:
                 raise LookupError(f"the length of {written.name}[{length}] is not known")
             dims.append(value)
-        struct = self._structs.get(written.name)
-        members = () if struct is None else struct.members
-        return Type(
-            written.name, tuple(dims), tuple((m.name, self.type_of(m.type)) for m in members)
-        )
+        structs = {one.name: one.members for one in self.all if one.kind in ("struct", "block")}
+        members = ((m.name, self.type_of(m.type)) for m in structs.get(written.name, ()))
+        return Type(written.name, tuple(dims), tuple(members))
 
 
 def read_declarations(text: str) -> Declarations:
@@ -181,35 +162,18 @@ def read_declarations(text: str) -> Declarations:
     return Declarations(text, extensions, found, constants)
 
 
-_OPERATIONS: Mapping[type[ast.operator], Callable[[int, int], int]] = {
-    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
-    ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.LShift: operator.lshift,
-    ast.RShift: operator.rshift,
-}  # fmt: skip
-
-
 def _constant(expression: str, known: Mapping[str, int]) -> int | None:
     """The value of an integer constant expression; None if it is anything else."""
-    code = re.sub(r"(?<=\d)[uU]\b", "", expression).replace("/", "//").strip()
-    try:
-        return _evaluate(ast.parse(code, mode="eval").body, known)
-    except (SyntaxError, KeyError, TypeError, ZeroDivisionError, ValueError):
+    code = re.sub(r"(?<=[\da-fA-F])[uU]\b", "", expression).replace("/", "//").strip()
+    code = re.sub(r"\bu?int\b", "", code)
+    code = re.sub(r"\b[A-Za-z_]\w*", lambda name: str(known.get(name[0], name[0])), code)
+    if not re.fullmatch(r"(?:0[xX][\da-fA-F]+|\d+|[\s()+*/%<>-])+", code):
         return None
-
-
-def _evaluate(node: ast.expr, known: Mapping[str, int]) -> int:
-    match node:
-        case ast.Constant(value=int() as value):
-            return value
-        case ast.Name(id=name):
-            return known[name]
-        case ast.UnaryOp(op=ast.USub(), operand=operand):
-            return -_evaluate(operand, known)
-        case ast.Call(func=ast.Name(id="int" | "uint"), args=[argument]):
-            return _evaluate(argument, known)
-        case ast.BinOp(left=left, op=op, right=right):
-            return _OPERATIONS[type(op)](_evaluate(left, known), _evaluate(right, known))
-    raise TypeError
+    try:
+        value = eval(code)
+    except (SyntaxError, TypeError, ArithmeticError, ValueError):
+        return None
+    return value if type(value) is int else None
 
 
 PREFIX = "shaderlab_"
@@ -318,12 +282,12 @@ class Signature:
 
 
 def find_signatures(found: Declarations) -> dict[str, list[Signature]]:
-    """The signatures of a file's functions by name, but for `main`."""
-    return {
-        name: [_signature(found, function) for function in functions]
-        for name, functions in found.functions().items()
-        if name != "main"
-    }
+    """The signatures of a file's functions by name, several where it is overloaded; not `main`."""
+    signatures: dict[str, list[Signature]] = {}
+    for one in found.all:
+        if one.kind == "function" and one.name != "main":
+            signatures.setdefault(one.name, []).append(_signature(found, one))
+    return signatures
 
 
 def _signature(found: Declarations, own: GlslDeclaration) -> Signature:
@@ -349,8 +313,9 @@ def _signature(found: Declarations, own: GlslDeclaration) -> Signature:
         for one in _variables_to_give(needed)
     ) + tuple(Input(name, type_) for name, type_ in built_in.items())
     obstacles += _obstacles(needed, used, parameters, globals_)
-    if not obstacles:
-        obstacles += itertools.islice(_unknown_types(result, parameters), 1)
+    for name, type_ in (("result", result), *((p.name, p.type) for p in parameters)):
+        if not obstacles and not (type_.name == "void" or type_.known or type_.opaque):
+            obstacles.append(f"{name} is a {type_}, which has no counterpart in NumPy's float32")
     declared = built_in | {n: Type(t) for n, t in _STAGE_OUTPUTS.items() if n in used}
     before = "".join(
         f"{'uniform ' * type_.opaque}{declare(type_, name)}; " for name, type_ in declared.items()
@@ -403,12 +368,6 @@ def _obstacles(
     yield from (f"uses {name}, of another stage" for name in sorted(used & _OTHER_STAGES))
 
 
-def _unknown_types(result: Type, parameters: tuple[Input, ...]) -> Iterator[str]:
-    for name, type_ in (("result", result), *((p.name, p.type) for p in parameters)):
-        if type_.name != "void" and not type_.known and not type_.opaque:
-            yield f"{name} is a {type_}, which has no counterpart in NumPy's float32"
-
-
 def declare(kind: Type, name: str) -> str:
     """A variable's declaration.
 
@@ -427,14 +386,10 @@ def _modernise(text: str) -> str:
     return _OLD.sub(r"texture\1\2", _GL.sub(rf"{PREFIX}\1", text))
 
 
-def _redeclares(one: GlslDeclaration) -> bool:
-    return any(name.startswith("gl_") for name in one.declares)
-
-
 def _variables_to_give(needed: list[GlslDeclaration]) -> Iterator[Declarator]:
     """The variables that the application or other stages set, but for redeclared built-in ones."""
     for one in needed:
-        if not one.qualifiers & _GIVEN or _redeclares(one):
+        if not one.qualifiers & _GIVEN or any(name.startswith("gl_") for name in one.declares):
             continue
         if one.kind == "struct":
             yield from one.variables
@@ -455,19 +410,18 @@ def _text_of(found: Declarations, needed: list[GlslDeclaration]) -> str:
     """The file's text with nothing but what is needed, each on its own lines. What other stages and
     callers set becomes plain variables, which a kernel assigns."""
     parts, at = [], 0
-    text = found.text
     for one in needed:
-        parts.append("\n" * text.count("\n", at, one.start))
-        whole = text[one.start : one.end]
+        whole = found.text[one.start : one.end]
         new = _as_variables(found, one, whole)
-        parts.append(new + "\n" * (whole.count("\n") - new.count("\n")))
+        parts.append("\n" * found.text.count("\n", at, one.start) + new)
+        parts.append("\n" * (whole.count("\n") - new.count("\n")))
         at = one.end
     return "".join(parts)
 
 
 def _as_variables(found: Declarations, one: GlslDeclaration, whole: str) -> str:
     """A declaration's own text, or plain variables for what other stages and callers set."""
-    if _redeclares(one):
+    if any(name.startswith("gl_") for name in one.declares):
         return ""
     if one.kind == "block":
         members = "".join(f"{_declaration_text(m)}; " for m in one.members)
