@@ -123,15 +123,16 @@ def get_prefetcher(config: pytest.Config) -> Prefetcher:
     """Return what runs this process's cases, made when it is first needed."""
     prefetcher = config.stash.get(_PREFETCHER, None)
     if prefetcher is None:
+        from shaderlab.analysis import CHECKING_WORK
         from shaderlab.engine.jobs import InProcessExecutor, Prefetcher, ProcessExecutor
         from shaderlab.model.options import RunOptions
 
         workers, settings = _workers(config), _settings(config)
         limits = _limits(config)
         executor = (
-            InProcessExecutor(settings.driver)
+            InProcessExecutor(settings.driver, CHECKING_WORK)
             if workers == 0
-            else ProcessExecutor(settings.driver, limits, workers, early=False)
+            else ProcessExecutor(settings.driver, limits, workers, early=False, work=CHECKING_WORK)
         )
         folder = _report_folder(config)
         options = RunOptions(

@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from shaderlab.engine.evaluation import FEATURES, Evaluation
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.engine.judging.bands import store_band
+from shaderlab.engine.worker import Worker
 from shaderlab.errors import DeviceLostError, NotInterpretedError, ShaderlabError
 from shaderlab.model.expectation import Judgement, Need
 from shaderlab.model.frame import PassDraw
@@ -32,6 +33,9 @@ from shaderlab.model.phases import phase
 from shaderlab.model.records import Explanation, ModulesRecord, Outcome, Row
 
 from .invocations import Invocations, program_of, sample_fragments, stage_of
+
+if TYPE_CHECKING:
+    from shaderlab.workers.worker import Channel
 
 PIXELS = 1024
 """Of each draw in a sample."""
@@ -266,6 +270,14 @@ def _message(
 def _passes_captured(needs: Iterable[Need]) -> set[str]:
     """The passes of which some needs are captured fragments."""
     return {need.key[0] for need in needs if isinstance(need, CapturedFragments)}
+
+
+class CheckingWorker(Worker):
+    """A worker that holds draws against their shaders, and explains formulas that fail."""
+
+    def __init__(self, channel: Channel | None = None) -> None:
+        register()
+        super().__init__(channel)
 
 
 def register() -> None:

@@ -174,11 +174,12 @@ def make_executor(
     driver: str | None, limits: Limits, workers: int | None, early: bool = True
 ) -> Executor:
     """Return an executor on this machine: in this process for 0 workers."""
+    from shaderlab.analysis import CHECKING_WORK
     from shaderlab.engine.jobs import InProcessExecutor, ProcessExecutor
 
     if workers == 0:
-        return InProcessExecutor(driver)
-    return ProcessExecutor(driver, limits, workers, early=early)
+        return InProcessExecutor(driver, CHECKING_WORK)
+    return ProcessExecutor(driver, limits, workers, early=early, work=CHECKING_WORK)
 
 
 def _parse_range(word: str) -> tuple[str, str]:

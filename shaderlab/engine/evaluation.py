@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import importlib
 from collections.abc import Callable, Iterable, Iterator, Set
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -200,11 +199,3 @@ class Features:
 
 
 FEATURES = Features()
-PROVIDERS = ("shaderlab.analysis.self_check",)
-"""Modules with a function `register`, which fills in `FEATURES`."""
-
-
-def register_features() -> None:
-    """Register what all providers add; the engine imports none of them by itself."""
-    for name in PROVIDERS:
-        importlib.import_module(name).register()

@@ -16,6 +16,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
@@ -218,11 +219,6 @@ MOST = 4
 what more of them gain was not measured."""
 VARIANTS_EACH = 4
 """A worker takes about as long to start as so many variants to run, so fewer do not repay it."""
-LOADS = 8
-"""So many case files are sent to a worker at once, where there are many: to load a small one takes
-a worker little longer than sending it."""
-TURNS = 4
-"""Each of as many workers as there may be gets files so often, lest one waits for another's."""
 WORDS = f"one per {VARIANTS_EACH} variants, at most one per core and {MOST} in all"
 
 
@@ -243,15 +239,6 @@ def choose_worker_count(variants: int) -> int:
     return max(1, min(variants // VARIANTS_EACH, count_cores(), MOST))
 
 
-def choose_load_batch(files: int) -> int:
-    """How many case files a worker is sent at once.
-
-    >>> choose_load_batch(5), choose_load_batch(64), choose_load_batch(1000)
-    (1, 4, 8)
-    """
-    return max(1, min(files // (MOST * TURNS), LOADS))
-
-
 # Workers are started before anything that they do not need is imported here.
 
 LAB_WORK = "shaderlab.engine.worker:Worker"
@@ -269,9 +256,7 @@ class Executor:
         """The driver and the packages that jobs run on."""
         raise NotImplementedError
 
-    def perform(
-        self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
-    ) -> Generator[ItemResult]:
+    def perform(self, requests: Iterable[Any], key: Key | None = None) -> Generator[ItemResult]:
         """The results of requests as they complete; see `WorkerPool.run`."""
         raise NotImplementedError
 
@@ -281,11 +266,9 @@ class Executor:
 
     def load(self, files: Sequence[Path]) -> list[CaseInfo]:
         """What is in each case file; one that is wrong costs nothing but itself."""
-        results = self.perform(
-            [LoadCase(file) for file in files], batch=choose_load_batch(len(files))
-        )
+        results = self.perform(map(LoadCase, files))
         found = {result.number: _case_info(files[result.number], result) for result in results}
-        return [found[number] for number in range(len(files))]
+        return [info for _, info in sorted(found.items())]
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
         """The jobs with their records, as they complete. Every job gets a record, also one whose
@@ -330,7 +313,7 @@ class ProcessExecutor(Executor):
         driver: as in `shaderlab.drivers.open_backend`.
         limits: of each job.
         workers: how many there are; None for as many as the jobs are worth.
-        folder: their working directory, by default this process's.
+        work: what they call: `Worker`, or a class derived from it, as "module:name".
         early: whether one is asked for its driver at once, and not when that is first needed.
     """
 
@@ -339,17 +322,13 @@ class ProcessExecutor(Executor):
         driver: str | None = None,
         limits: Limits | None = None,
         workers: int | None = 1,
-        folder: Path | None = None,
         early: bool = True,
+        work: str = LAB_WORK,
     ) -> None:
         self._driver = driver
         self.limits = limits or Limits()
         self._pool = WorkerPool(
-            LAB_WORK,
-            limits=self.limits,
-            jobs=1 if workers is None else workers,
-            batch=1,
-            folder=folder,
+            work, limits=self.limits, jobs=1 if workers is None else workers, batch=1
         )
         self._workers = workers
         self._thread = ThreadPoolExecutor(1)
@@ -367,13 +346,11 @@ class ProcessExecutor(Executor):
             self.about()  # now, while workers are free: a failed job's record names the driver
         yield from super().run(jobs, options)
 
-    def perform(
-        self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
-    ) -> Generator[ItemResult]:
+    def perform(self, requests: Iterable[Any], key: Key | None = None) -> Generator[ItemResult]:
         requests = list(requests)
         if self._workers is None:
             self._pool.widen(choose_worker_count(len(requests)))
-        yield from self._pool.run(requests, batch, key)
+        yield from self._pool.run(requests, key)
 
     def close(self) -> None:
         self._pool.close()
@@ -398,26 +375,26 @@ class InProcessExecutor(Executor):
 
     Args:
         driver: as in `shaderlab.drivers.open_backend`.
-        worker: performs the requests; by default one of its own.
+        work: the worker that performs the requests, or as in `ProcessExecutor`.
     """
 
-    def __init__(self, driver: str | None = None, worker: Worker | None = None) -> None:
+    def __init__(self, driver: str | None = None, work: str | Worker = LAB_WORK) -> None:
         self._driver = driver
-        self._given = worker
+        self._work = work
 
     @cached_property
     def _worker(self) -> Worker:
-        from shaderlab.engine.worker import Worker
-
-        return self._given or Worker()
+        if not isinstance(self._work, str):
+            return self._work
+        module, _, name = self._work.partition(":")
+        made: Worker = getattr(import_module(module), name)()
+        return made
 
     def about(self) -> DriverInfo:
         about = DescribeDriver(self._driver).perform(self._worker)
         return replace(about, versions=package_versions())
 
-    def perform(
-        self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
-    ) -> Generator[ItemResult]:
+    def perform(self, requests: Iterable[Any], key: Key | None = None) -> Generator[ItemResult]:
         """In the order of the requests."""
         for number, request in enumerate(requests):
             began = time.monotonic()

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 from shaderlab import drivers as backends
 from shaderlab.drivers import known_driver, prepare_process
 from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.evaluation import register_features
 from shaderlab.engine.jobs import CaseInfo, Request
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Case, Scene
@@ -33,7 +32,6 @@ class Worker:
     """
 
     def __init__(self, channel: Channel | None = None) -> None:
-        register_features()
         self._channel = channel
         self._lab: SceneRunner | None = None
         self._driver = ""

@@ -307,7 +307,6 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         limits: of each item.
         jobs: how many workers, to begin with; `widen` adds others.
         batch: how many items a worker is sent at once.
-        folder: the workers' working directory, by default this process's.
     """
 
     def __init__(
@@ -317,13 +316,10 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         limits: Limits | None = None,
         jobs: int = 1,
         batch: int = BATCH,
-        folder: Path | None = None,
     ) -> None:
         path = os.pathsep.join(sort_search_path(sys.path))
         environment = {**_ONE_THREAD, **os.environ, "PYTHONPATH": path}
-        self._make = functools.partial(
-            _Worker, work, limits or Limits(), folder or Path.cwd(), environment
-        )
+        self._make = functools.partial(_Worker, work, limits or Limits(), Path.cwd(), environment)
         self._batch = max(batch, 1)
         self._threads: list[threading.Thread] = []
         self._lock = threading.Lock()  # for all below
@@ -364,10 +360,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
                 self._threads.append(thread)
 
     def run(
-        self,
-        items: Iterable[Any],
-        batch: int | None = None,
-        key: Callable[[Any], Hashable] | None = None,
+        self, items: Iterable[Any], key: Callable[[Any], Hashable] | None = None
     ) -> Generator[ItemResult]:
         """Yield the items' results as they complete.
 
@@ -376,22 +369,20 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
 
         Args:
             items: what to work on.
-            batch: how many of these items a worker is sent at once, by default as set for the pool.
             key: a worker prefers items of the key that it had last, then those of a key that no
                 other worker has; items of one key should share one batch only.
 
         Raises:
             ShaderlabError: no worker can be started at all.
         """
-        size = max(batch or self._batch, 1)
         results: queue.SimpleQueue[ItemResult | BaseException | None] = queue.SimpleQueue()
         numbered = enumerate(items)
         batches = (
             _Batch(some, key(some[0][1]) if key is not None else None, results)
-            for some in iter(lambda: list(itertools.islice(numbered, size)), [])
+            for some in iter(lambda: list(itertools.islice(numbered, self._batch)), [])
         )
         try:
-            ahead = max(len(self._workers) + 1, BATCH // size)
+            ahead = max(len(self._workers) + 1, BATCH // self._batch)
             unfinished = sum(map(self._submit, itertools.islice(batches, ahead)))
             while unfinished:
                 result = results.get()

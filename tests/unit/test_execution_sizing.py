@@ -46,7 +46,6 @@ class Pool:
 
     def __init__(self, work: str, *, jobs: int, **_: Any) -> None:
         self.asked = [jobs]
-        self.batches: list[int | None] = []
         self.items: list[Any] = []
         POOLS.append(self)
 
@@ -59,13 +58,10 @@ class Pool:
     def widen(self, jobs: int) -> None:
         self.asked.append(jobs)
 
-    def run(
-        self, items: Sequence[Any], batch: int | None = None, key: object = None
-    ) -> Iterator[ItemResult]:
+    def run(self, items: Sequence[Any], key: object = None) -> Iterator[ItemResult]:
         self.items += items
         for number, item in enumerate(items):
             if isinstance(item, LoadCase):
-                self.batches.append(batch)
                 facts = CaseInfo(file=str(item.file), id=item.file.stem)
                 yield ItemResult(number, item, "done", facts)
             else:
@@ -95,13 +91,6 @@ def test_workers_are_added_when_it_is_known_what_there_is_to_do(
     assert set(found) == {*jobs, *broken}
     assert all(record.key == job.key for job, record in found.items())
     assert pools[0].asked == asked
-
-
-def test_many_case_files_are_sent_together(pools: list[Pool]) -> None:
-    with contextlib.closing(ProcessExecutor(workers=2, early=False)) as made:
-        for count in (1, 31, 32, 100, 1000):
-            made.load([Path(f"{n}.py") for n in range(count)])
-    assert list(dict.fromkeys(pools[0].batches)) == [1, 2, 6, 8]
 
 
 @pytest.mark.parametrize("command", ["run", "mutate"])

@@ -199,9 +199,9 @@ def test_workers_share_the_items_and_results_come_as_they_complete(
 
 
 def test_what_comes_after_a_lost_item_of_a_batch_is_sent_again(work: str) -> None:
-    with WorkerPool(work, limits=LIMITS, batch=1) as pool:
+    with WorkerPool(work, limits=LIMITS, batch=3) as pool:
         items = ["a", "hang", "b", "c", "d", "raise", "e"]
-        results = list(pool.run(items, batch=3))
+        results = list(pool.run(items))
     assert [r.item for r in results] == items
     expected = ["done", "timeout", "done", "done", "done", "error", "done"]
     assert [r.status for r in results] == expected
