@@ -224,7 +224,7 @@ def steps(program: Program, batch: InputBatch, row: int, arithmetic: Arithmetic)
     turns: Counter[str] = Counter()
 
     def note(stored: Stored) -> None:
-        if not stored.is_flow and stored.mask[own] and not isinstance(stored.value, tuple):
+        if stored.mask[own] and not isinstance(stored.value, tuple):
             value = stored.value
             lane = value[own : own + 1] if value.shape[0] > 1 else value
             found.append(Step(stored.name, turns[stored.name], stored.line, lane))

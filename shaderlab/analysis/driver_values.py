@@ -1,306 +1,151 @@
-"""What a driver computes inside of a fragment shader, step by step, by drawing the shader again
-with outputs added.
-
-`Watches` knows where in a shader's text each value that an interpretation stores can be watched;
-`driver_values` draws the shader with outputs for them.
-"""
+"""What a driver computes inside of a fragment shader, statement by statement: the shader is drawn
+again, with further outputs that hold what its statements store."""
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+import itertools
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+from tree_sitter import Node
 
-from shaderlab.analysis.instrument import (
-    VALUE,
-    Watch,
-    WatchPoint,
-    find_watch_points,
-    instrument,
-    watch_capacity,
-)
-from shaderlab.analysis.interpreter import Program, Stored
-from shaderlab.analysis.interpreter.program import Instruction, Type
-from shaderlab.analysis.interpreter.values import Flags, component
 from shaderlab.bands import Band, Integer, TriBool
 from shaderlab.compiler.spirv import Op
+from shaderlab.compiler.syntax import Syntax, field, name_of, walk
+from shaderlab.drivers.programs.stages import MOST_OUTPUTS, PREFIX, end_of_directives
 from shaderlab.drivers.programs.textures import output_format
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.errors import ShaderlabError, UnsupportedError
 from shaderlab.model.frame import Array, PassDraw, differ
 
-from .invocations import Invocations
+from .interpreter import Stored
 
 _FIRST_TURNS = 4  # of a statement that is passed more often, and the last one
-_LOOP_TURNS = 32  # of a loop's condition, likewise
 _MOST_REFUSED = 24  # values, where none is believed
-_Values = tuple[Array, Flags]
+_SEEN, _VALUE, _TURN = PREFIX + "seen", PREFIX + "value", PREFIX + "turn"
+_VALUES = 3  # in an output, whose last component says which of them were written
+_XYZW = {letter: i for letters in ("xyzw", "rgba", "stpq") for i, letter in enumerate(letters)}
 
 
-@dataclass(frozen=True, eq=False)
-class DriverValue:
-    """What a driver has where an interpretation of the same invocations stored a vector.
+@dataclass(frozen=True)
+class Statement:
+    """A statement that stores or returns a value.
 
     Attributes:
-        watched: what was stored.
-        values: the driver's, (count, components).
-        reached: the invocations that they are of: those that were there in both.
+        kind: "store" is a declaration or an assignment, "return" one with a value.
+        first, last: its lines, counted from 1.
+        name: the variable that is stored to, "f()" for a `return` of f.
+        place: what is stored to, as it is written: "light.position.y".
+        start, end: its bytes in the text.
+        value, type: of a `return`, where the bytes of its expression end, and its function's type.
+        braced: whether it stands in braces.
     """
 
-    watched: WatchedValue
-    values: Array
-    reached: Flags
+    kind: Literal["store", "return"]
+    first: int
+    last: int
+    name: str
+    place: str
+    start: int
+    end: int
+    value: int = 0
+    type: str = ""
+    braced: bool = True
+
+
+@dataclass(frozen=True)
+class _Watch:
+    """A value that is written when any of some statements is passed after `turn` passes before;
+    each statement has the expression that holds the value there."""
+
+    at: tuple[tuple[Statement, str], ...]
+    size: int
+    turn: int
 
 
 def driver_values(
     evaluation: Evaluation,
     key: PassDraw,
-    given: Invocations,
+    pixel: tuple[int, int],
     stored: Sequence[Stored],
-    undecided: Flags,
-) -> Iterator[DriverValue]:
-    """What the driver has for what was stored, in that order; drawn as it is asked for. Of what an
-    invocation passes again and again the first turns and the last one.
+    *,
+    undecided: bool,
+) -> dict[Stored, Array]:
+    """What the driver has at a pixel for the numbers and vectors that were stored there, where that
+    can be seen; of what is passed again and again the first turns and the last one.
 
     Args:
         evaluation: the scene, which is on the device.
         key: the draw.
-        given: its invocations.
-        stored: what an interpretation of them stored.
-        undecided: those of them that took both sides of a branch: what they passed more than once
-            is left out, for the driver may have passed it less often.
+        pixel: column and row.
+        stored: what an interpretation of the pixel's invocation stored, in order.
+        undecided: whether it took both sides of a branch: what it passed more than once is left
+            out, for the driver may have passed it less often.
 
     Raises:
         UnsupportedError: the shader has no room for another output, or whatever is watched, the
             driver computes others.
         ShaderlabError: the shader can't be drawn again.
     """
-    draw = evaluation.programs[key[0]][key[1]]
-    text = draw.text("fragment") or ""
-    wanted = list(_plan_watches(Watches(text, given.program), stored, undecided))
-    redraws = _Redraws(evaluation, key, given, text)
-    size = watch_capacity(len(redraws.colors))
+    text = evaluation.programs[key[0]][key[1]].text("fragment") or ""
+    wanted = _plan_watches(find_statements(text), stored, undecided)
+    redraws = _Redraws(evaluation, key, pixel, text)
+    size = _VALUES * (MOST_OUTPUTS - 1 - len(redraws.colors))
     if size < 4:
         raise UnsupportedError("the shader has no room for another output")
-    known: dict[Watch, _Values | None] = {}
-    for i, (watched, watch, rows) in enumerate(wanted):
-        if watch not in known:
-            left = [w for _, w, _ in wanted[i:] if w not in known]
-            known.update(redraws.values(_batch(left, size)))
-        values = known[watch]
-        if values is not None:
-            yield DriverValue(watched, values[0], rows & values[1])
-        elif len(known) >= _MOST_REFUSED and not any(known.values()):
-            break
-    if wanted and not any(known.values()):
+    known: dict[_Watch, Array] = {}
+    left = list(dict.fromkeys(wanted.values()))
+    refused = 0
+    while left and (known or refused < _MOST_REFUSED):
+        ends = itertools.accumulate(watch.size for watch in left)
+        some = [watch for watch, end in zip(left, ends, strict=True) if end <= size]
+        known |= redraws.values(some)
+        left, refused = left[len(some) :], refused + len(some)
+    if wanted and not known:
         raise UnsupportedError("the driver computes other outputs where the shader writes more")
+    return {event: known[watch] for event, watch in wanted.items() if watch in known}
 
 
 def _plan_watches(
-    watches: Watches, stored: Sequence[Stored], undecided: Flags
-) -> Iterator[tuple[WatchedValue, Watch, Flags]]:
-    """What to ask the driver for: a vector, what to write for it, and for which invocations. A
-    struct that is passed on whole is recognised by its first member."""
-    turns: dict[object, Array] = {}
-    before = []
+    statements: Sequence[Statement], stored: Sequence[Stored], undecided: bool
+) -> dict[Stored, _Watch]:
+    """What to watch for each event that a statement of the text stands for."""
+    total = Counter((event.line, event.name) for event in stored)
+    passed: Counter[tuple[int, str]] = Counter()
+    found = {}
     for event in stored:
-        slot = watches.slot(event)
-        turn = turns.setdefault(slot, np.zeros(len(undecided), np.int64))
-        before.append((slot, turn.copy()))
-        turn += event.mask
-    known: set[int] = set()
-    for event, (slot, turn) in zip(stored, before, strict=True):
-        parts = watches.of(event)
-        if all(id(part.value) in known for part in parts):
-            parts = parts[:1]
-        known.update(id(part.value) for part in parts)
-        first = _LOOP_TURNS if any(part.is_loop for part in parts) else _FIRST_TURNS
-        asked = (turn < first) | (turn == turns[slot] - 1)
-        asked &= ~undecided | (turns[slot] == 1)
-        for number in np.unique(turn[event.mask & asked]):
-            rows = event.mask & asked & (turn == number)
-            for watched in parts:
-                yield watched, replace(watched.watch, turn=int(number)), rows
+        slot = (event.line, event.name)
+        turn = passed[slot]
+        passed[slot] += 1
+        is_shown = turn < _FIRST_TURNS or turn == total[slot] - 1
+        if not is_shown or (undecided and total[slot] > 1):
+            continue
+        at = tuple(_find_statements_of(event, statements))
+        if at and isinstance(event.value, Band | Integer | TriBool) and event.value.ndim == 2:
+            found[event] = _Watch(at, event.value.shape[-1], turn)
+    return found
 
 
-def _batch(watches: Sequence[Watch], size: int) -> list[Watch]:
-    """As many of the first ones as one drawing has room for."""
-    found: dict[Watch, None] = {}
-    for watch in watches:
-        if watch not in found:
-            size -= watch.size
-            if size < 0:
-                break
-            found[watch] = None
-    return list(found)
-
-
-class _Redraws:
-    """A draw that is made again and again, with values watched."""
-
-    def __init__(
-        self, evaluation: Evaluation, key: PassDraw, given: Invocations, text: str
-    ) -> None:
-        assert given.pixels is not None
-        outputs = evaluation.programs[key[0]][key[1]].interface.outputs
-        self.colors = {name: output_format(variable.type) for name, variable in outputs.items()}
-        self._redraw = evaluation.session.redraw_with_text
-        self._key, self._text = key, text
-        self._at = given.pixels[:, 1], given.pixels[:, 0]
-        self._plain = self._redraw(key, text, self.colors)
-
-    def values(self, watches: Sequence[Watch]) -> dict[Watch, _Values | None]:
-        """What the driver has at each; None where writing it changes the shader's own outputs.
-        Those are found by halving."""
-        together = self._values_together(watches)
-        if together is not None:
-            return dict(zip(watches, together, strict=True))
-        if len(watches) == 1:
-            return {watches[0]: None}
-        half = len(watches) // 2
-        return self.values(watches[:half]) | self.values(watches[half:])
-
-    def _values_together(self, watches: Sequence[Watch]) -> list[_Values] | None:
-        try:
-            changed, places = instrument(self._text, watches)
-            added = dict.fromkeys((name for one in places for name, _ in one.components), "rgba32f")
-            images = self._redraw(self._key, changed, {**self.colors, **added})
-        except (ShaderlabError, KeyError, AssertionError):  # or the text can't be changed
-            return None
-        if any(differ(images[name], self._plain[name]) for name in self.colors):
-            return None
-        found = []
-        for one in places:
-            pixels = [(images[name][self._at], k) for name, k in one.components]
-            values = np.stack([image[:, k] for image, k in pixels], axis=-1)
-            image, k = pixels[0]
-            found.append((values, (image[:, 3].astype(np.int64) >> k & 1).astype(np.bool_)))
-        return found
-
-
-_MOST_PARTS = 16  # of a struct or a matrix
-_XYZW = {letter: i for letters in ("xyzw", "rgba", "stpq") for i, letter in enumerate(letters)}
-_At = tuple[tuple[WatchPoint, str], ...]
-
-
-@dataclass(frozen=True, eq=False)
-class WatchedValue:
-    """A vector of what was stored, and what to ask a driver for it.
-
-    Attributes:
-        event: what was stored.
-        name: the event's name, and the way to this part of it.
-        value: a band, an `Integer` or a `TriBool`, (count or 1, components).
-        watch: what to write, but for the turn.
-    """
-
-    event: Stored
-    name: str
-    value: Any
-    watch: Watch
-
-    @property
-    def is_loop(self) -> bool:
-        """Whether it is what a loop goes on by."""
-        return self.watch.at[0][0].name == "loop" and self.event.is_flow
-
-    def allows(self, values: Array) -> Flags:
-        """Which of some float32 values (count, components) it may be, by invocation."""
-        value = self.value
-        if isinstance(value, Band):
-            inside: Any = value.contains(values)
-        elif isinstance(value, Integer):
-            low, high = (bound.astype(np.float32) for bound in (value.lo, value.hi))
-            give = 2.0**-23 * np.maximum(np.abs(low), np.abs(high))  # they are drawn as floats
-            give = np.where(give < 2.0, 0.0, give)
-            inside = ((values >= low - give) & (values <= high + give)) | value.anything
-        else:
-            inside = np.where(values != 0.0, ~value.all_false, ~value.all_true)
-        found: Flags = np.all(inside, axis=-1)
-        return found
-
-
-class Watches:
-    """The points of a text at which what a program stores can be watched. The text may be another
-    than the program's, with the same lines."""
-
-    def __init__(self, text: str, program: Program) -> None:
-        self._program = program
-        self._points: dict[str, list[WatchPoint]] = defaultdict(list)
-        for point in find_watch_points(text):
-            self._points[point.kind].append(point)
-        self._branches = dict(_branches(program, self._points["condition"]))
-        self._found: dict[object, _At] = {}
-
-    def of(self, event: Stored) -> list[WatchedValue]:
-        """An event's vectors; none where the text has no place for it."""
-        slot = self.slot(event)
-        if slot not in self._found:
-            self._found[slot] = tuple(self._at(event))
-        at = self._found[slot]
-        if not at:
-            return []
-        parts = list(_parts(event.value, event.type))
-        if len(parts) > _MOST_PARTS:
-            return []
-        return [
-            WatchedValue(
-                event,
-                event.name + way,
-                value,
-                Watch(
-                    tuple((point, place + way) for point, place in at),
-                    value.shape[-1],
-                    0,
-                    _scalar(value),
-                ),
-            )
-            for way, value in parts
-        ]
-
-    def slot(self, event: Stored) -> object:
-        """What all events have in common that a driver passes the same points for."""
-        if event.at.op == Op.FunctionCall:
-            return event.at.operands[0], event.name
-        return (event.at if event.is_flow else event.line), event.name
-
-    def _at(self, event: Stored) -> Iterator[tuple[WatchPoint, str]]:
-        """The points of an event's slot, and what stands for the value there."""
-        name = event.name
-        if event.is_flow and event.at.op != Op.FunctionCall:
-            point = self._branches.get(event.at)
-            if point is not None:
-                yield point, VALUE
-        elif event.at.op == Op.ReturnValue:
-            for point in self._points["return"]:
-                if point.name == name and point.first <= event.line <= point.last:
-                    yield point, VALUE
-        elif event.at.op == Op.FunctionCall:
-            function, _, parameter = name[:-1].partition("(")
-            found = [p for p in self._points["entry"] if p.name == function]
-            if len(found) > 1:  # overloads
-                called = self._program.functions[event.at.operands[0]]
-                names = [self._program.name(id_) for id_ in called.parameters]
-                found = [p for p in found if _declares(p.place, names)]
-            if len(found) == 1:
-                yield found[0], parameter
-        else:
-            root = name.partition(".")[0].partition("[")[0]
-            for point in self._points["store"]:
-                if point.name == root and point.first <= event.line <= point.last:
-                    if "?" not in name and _covers(point.place, name):
-                        yield point, name
-                    elif "?" in name and not {"(", "+", "-"} & set(point.place):
-                        yield point, point.place
-
-
-def _declares(parameters: str, names: Sequence[str]) -> bool:
-    """Whether a list of parameters, as it is written, is of these names."""
-    declared = [one.partition("[")[0].split() for one in parameters.strip("()").split(",")]
-    return [words[-1] for words in declared if words] == list(names)
+def _find_statements_of(
+    event: Stored, statements: Sequence[Statement]
+) -> Iterator[tuple[Statement, str]]:
+    """The statements that an event may be of, and what stands for the value there."""
+    name = event.name
+    kind = "return" if event.at.op == Op.ReturnValue else "store"
+    root = name if kind == "return" else name.partition(".")[0].partition("[")[0]
+    for one in statements:
+        if (one.kind, one.name) != (kind, root) or not one.first <= event.line <= one.last:
+            continue
+        if kind == "return":
+            yield one, _VALUE
+        elif "?" not in name and _covers(one.place, name):
+            yield one, name
+        elif "?" in name and not {"(", "+", "-"} & set(one.place):
+            yield one, one.place
 
 
 def _covers(place: str, name: str) -> bool:
@@ -319,51 +164,131 @@ def _covers(place: str, name: str) -> bool:
     return "[" in place and place.partition("[")[0] == name.partition("[")[0]
 
 
-def _parts(value: Any, type_: Type, way: str = "") -> Iterator[tuple[str, Any]]:
-    """The vectors and scalars of a value, each with the way to it."""
-    if type_.kind in ("vector", "float", "int", "bool"):
-        if isinstance(value, Band | Integer | TriBool) and value.ndim == 2:
-            yield way, value
-    elif type_.kind in ("matrix", "array", "struct"):
-        count = len(type_.members) if type_.kind == "struct" else type_.count
-        for i in range(min(count, _MOST_PARTS + 1)):
-            yield from _parts(component(value, i), type_.part(i), way + type_.step(i))
+class _Redraws:
+    """A draw that is made again and again, with values watched."""
+
+    def __init__(
+        self, evaluation: Evaluation, key: PassDraw, pixel: tuple[int, int], text: str
+    ) -> None:
+        outputs = evaluation.programs[key[0]][key[1]].interface.outputs
+        self.colors = {name: output_format(variable.type) for name, variable in outputs.items()}
+        self._redraw = evaluation.session.redraw_with_text
+        self._key, self._pixel, self._text = key, pixel, text
+        self._plain = self._redraw(key, text, self.colors)
+
+    def values(self, watches: Sequence[_Watch]) -> dict[_Watch, Array]:
+        """What the driver has at each, where that can be written without changing the shader's
+        own outputs: compilers rearrange what they need not store. Those are found by halving."""
+        together = self._values_together(watches)
+        if together is not None or len(watches) == 1:
+            return together or {}
+        half = len(watches) // 2
+        return self.values(watches[:half]) | self.values(watches[half:])
+
+    def _values_together(self, watches: Sequence[_Watch]) -> dict[_Watch, Array] | None:
+        try:
+            changed, places = _instrument(self._text, watches)
+            added = dict.fromkeys((name for one in places for name, _ in one), "rgba32f")
+            images = self._redraw(self._key, changed, {**self.colors, **added})
+        except (ShaderlabError, KeyError, AssertionError):  # or the text can't be changed
+            return None
+        if any(differ(images[name], self._plain[name]) for name in self.colors):
+            return None
+        found = {}
+        x, y = self._pixel
+        for watch, cells in zip(watches, places, strict=True):
+            name, k = cells[0]
+            if int(images[name][y, x, 3]) >> k & 1:  # the driver passed there
+                found[watch] = np.array([images[name][y, x, k] for name, k in cells])
+        return found
 
 
-def _scalar(value: Any) -> Any:
-    if isinstance(value, Integer):
-        return "uint" if value.unsigned else "int"
-    return "bool"
+def find_statements(text: str) -> list[Statement]:
+    """The statements of a text that store or return a value, in its order."""
+    file = Syntax(text)
+    found = []
+    for name, functions in file.functions.items():
+        for function in functions:
+            returned = file.of(field(function, "type"))
+            nodes = walk(field(function, "body"))
+            inside = [one for node in nodes for one in _statements_at(file, node, name, returned)]
+            found += sorted(inside, key=lambda one: one.end)
+    return found
 
 
-def _branches(
-    program: Program, conditions: Sequence[WatchPoint]
-) -> Iterator[tuple[Instruction, WatchPoint]]:
-    """The condition in a text that each branch goes by, of lines where that is plain: as many
-    branches as conditions."""
-    lines: Mapping[WatchPoint, list[Instruction]] = {point: [] for point in conditions}
-    for function in program.functions.values():
-        for block in function.blocks.values():
-            for before, at in zip([None, *block], block, strict=False):
-                decides = at.op in (Op.BranchConditional, Op.Switch) and not _is_logic(
-                    function.blocks, before
-                )
-                if decides or at.op == Op.Select:
-                    for point in conditions:
-                        if point.first <= at.line <= point.last:
-                            lines[point].append(at)
-    for point, found in lines.items():
-        rivals = [p for p, others in lines.items() if set(others) & set(found)]
-        if found and len(found) == len(rivals):
-            at = found[rivals.index(point)]
-            if at.op != Op.Select:
-                yield at, point
+def _statements_at(file: Syntax, node: Node, function: str, returned: str) -> Iterator[Statement]:
+    parent = node.parent
+    if parent is None or (parent.type == "for_statement" and node != field(parent, "body")):
+        return
+    lines = (node.start_point[0] + 1, node.end_point[0] + 1)
+    place = (node.start_byte, node.end_byte)
+    braced = parent.type in ("compound_statement", "case_statement")
+    if node.type == "return_statement" and node.named_children:
+        end = node.named_children[0].end_byte
+        yield Statement("return", *lines, f"{function}()", "", *place, end, returned, braced)
+    elif node.type == "declaration":
+        for declared in node.children_by_field_name("declarator"):
+            if declared.type == "init_declarator":
+                name = file.of(name_of(declared))
+                yield Statement("store", *lines, name, name, *place, braced=braced)
+    elif node.type == "expression_statement" and node.named_children:
+        changed = node.named_children[0]
+        if changed.type in ("assignment_expression", "update_expression"):
+            side = "left" if changed.type == "assignment_expression" else "argument"
+            left = file.of(field(changed, side))
+            root = re.match(r"\w+", left)
+            if root is not None:
+                yield Statement("store", *lines, root.group(), left, *place, braced=braced)
 
 
-def _is_logic(blocks: Mapping[int, list[Instruction]], merge: Instruction | None) -> bool:
-    """Whether what branches is `&&` or `||`: where both sides meet, a value is chosen."""
-    return (
-        merge is not None
-        and merge.op == Op.SelectionMerge
-        and blocks[merge.operands[0]][0].op == Op.Phi
-    )
+_Cells = tuple[tuple[str, int], ...]
+"""For each component of a value, the output that it is written to, and the component of that."""
+
+
+def _instrument(text: str, watched: Sequence[_Watch]) -> tuple[str, list[_Cells]]:
+    """The text with values watched, and where each of them is written.
+
+    The outputs are `vec4`s. The last component of each counts which of the first three were
+    written: the sum of 1 for the first, 2 for the second and 4 for the third.
+    """
+    free = ((f"{_SEEN}{n // _VALUES}", n % _VALUES) for n in itertools.count())
+    found = [tuple(itertools.islice(free, watch.size)) for watch in watched]
+    notes: dict[Statement, str] = {}
+    for number, (watch, cells) in enumerate(zip(watched, found, strict=True)):
+        for statement, place in watch.at:
+            note = _write_note(number, watch, cells, place)
+            notes[statement] = notes.get(statement, "") + note
+    outputs = list(dict.fromkeys(name for cells in found for name, _ in cells))
+    body = field(Syntax(text).functions["main"][0], "body").start_byte + 1
+    edits = [(body, body, "".join(f" {name} = vec4(0.0);" for name in outputs))]
+    for one, note in notes.items():
+        if one.kind == "return":
+            edits.append((one.start, one.start + len("return"), f"{{ {one.type} {_VALUE} = ("))
+            edits.append((one.value, one.end, f");{note} return {_VALUE}; }}"))
+        elif one.braced:
+            edits.append((one.end, one.end, note))
+        else:
+            edits += [(one.start, one.start, "{ "), (one.end, one.end, f"{note} }}")]
+    made = _apply_edits(text, edits)
+    top = end_of_directives(made)
+    declared = "".join(f"out highp vec4 {name};\n" for name in outputs)
+    declared += "".join(f"int {_TURN}{number} = 0;\n" for number in range(len(watched)))
+    return made[:top] + declared + made[top:], found
+
+
+def _write_note(number: int, watch: _Watch, cells: _Cells, place: str) -> str:
+    """A statement that writes a value."""
+    parts = []
+    for i, (name, k) in enumerate(cells):
+        part = place if watch.size == 1 else f"{place}[{i}]"
+        parts.append(f"{name}.{'xyz'[k]} = float({part}); {name}.w += {1 << k}.0;")
+    return f" if ({_TURN}{number}++ == {watch.turn}) {{ {' '.join(parts)} }}"
+
+
+def _apply_edits(text: str, edits: Sequence[tuple[int, int, str]]) -> str:
+    """Replace the bytes from one place to another; what is inserted at one place stays in order."""
+    data, parts, at = text.encode(), [], 0
+    for start, end, new in sorted(edits, key=lambda edit: edit[:2]):
+        parts += [data[at:start], new.encode()]
+        at = end
+    return b"".join([*parts, data[at:]]).decode()

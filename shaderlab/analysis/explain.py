@@ -40,16 +40,15 @@ _Key = tuple[int, tuple[int, ...], str, int]
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What the invocations of a draw stored in one arithmetic, with the arguments and conditions in
-    between, in the order of execution; what they wrote; and which took both sides of a branch."""
+    """What the invocations of a draw stored in one arithmetic, in the order of execution; what they
+    wrote; and which took both sides of a branch."""
 
     stored: list[Stored]
     outputs: Mapping[str, Any]
     undecided: Any
 
     def at(self, row: int) -> dict[_Key, Stored]:
-        """What one of them stored, passed and went by, by line, calls, name, and how often it was
-        there before."""
+        """What one of them stored, by line, calls, name, and how often it was there before."""
         found: dict[_Key, Stored] = {}
         for event in self.stored:
             if event.mask[row]:
@@ -93,19 +92,18 @@ def explain(
     """
     given = sample_fragments(evaluation, key, among=np.array([pixel]))
     assert given.pixels is not None
-    here = np.flatnonzero((given.pixels == pixel).all(axis=-1))
-    if not here.size:
+    rows = np.flatnonzero((given.pixels == pixel).all(axis=-1))
+    if not rows.size:
         raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at pixel {pixel}")
     bands = trace_invocations(given, Bands())
-    row = int(here[0])
-    driver: dict[Stored, Array] = {}
+    row = int(rows[0])
+    driver: Mapping[Stored, Array] = {}
     refused = ""
     if not if_outside or _is_outside(evaluation, key, given, bands, row):
+        here = [event for event in bands.stored if event.mask[row]]
+        undecided = bool(bands.undecided[row])
         try:
-            for found in driver_values(evaluation, key, given, bands.stored, bands.undecided):
-                event = found.watched.event
-                if found.watched.name == event.name and found.reached[row]:
-                    driver[event] = found.values[row]
+            driver = driver_values(evaluation, key, pixel, here, undecided=undecided)
         except ShaderlabError as error:
             refused = str(error).splitlines()[0]
     return Explanation(pixel=pixel, steps=steps_at(given, bands, driver, row), refused=refused)
@@ -126,7 +124,7 @@ def steps_at(
     given: Invocations, bands: Trace, driver: Mapping[Stored, Array], row: int
 ) -> tuple[Step, ...]:
     """What one invocation stores, step by step, with the driver's values where they are known. An
-    integer, an argument or a condition has a step where the driver has another one."""
+    integer has a step where the driver has another one."""
     single, exact = (
         trace_invocations(given, arithmetic).at(row) for arithmetic in (FLOAT32, FLOAT64)
     )
@@ -138,7 +136,7 @@ def steps_at(
         if known:
             value = driver[event].astype(np.float64)
         step = _step(given, event, value, known, _bounds(exact[key].value, row)[0], row)
-        if (is_vector(event.value) and not event.is_flow) or (known and not step.inside):
+        if is_vector(event.value) or (known and not step.inside):
             steps.append(step)
     return tuple(steps)
 
@@ -295,9 +293,7 @@ def _add_verdict(
 ) -> Explanation:
     file = display_path(step.file, step.line)
     value = format_value(step.value)
-    if step.name == "condition":
-        value, expected = ("true", "false") if step.value[0] else ("false", "true")
-    elif not expected:
+    if not expected:
         pairs = zip(step.low, step.high, strict=True)
         expected = ", ".join(f"{low:.9g} … {high:.9g}" for low, high in pairs)
     return replace(

@@ -30,7 +30,6 @@ from .values import (
     fetch,
     format_place,
     known_index,
-    part_type,
     replace_part,
     undefined,
 )
@@ -84,15 +83,13 @@ def _store(run: Run, at: Instruction, state: PathState) -> None:
     state.memory[pointer.variable] = stored
     name = run.program.name(pointer.variable) if run.trace is not None else ""
     if name:
-        part = part_type(type_, pointer.path)
-        run.trace_stored(at, format_place(name, type_, pointer.path), part, value, state)
+        run.trace_stored(at, format_place(name, type_, pointer.path), value, state)
 
 
 def _call(run: Run, at: Instruction, state: PathState) -> Any:
     function = run.program.functions[at.operands[0]]
     for parameter, argument in zip(function.parameters, at.operands[1:], strict=True):
         run.results[parameter] = run.value(argument)
-    run.trace_arguments(at, function, state)
     run.calls.append(at.line)
     end = run.call(function, state)
     run.calls.pop()
@@ -159,7 +156,6 @@ Leaving = list[tuple[int | None, PathState]]
 def _conditional(run: Run, function: Function, at: Instruction, state: PathState) -> Leaving:
     condition, then, otherwise = at.operands[:3]
     truth = as_tri_bool(run.value(condition))
-    run.trace_branch(at, truth, state)
     if truth.all_true.size == 1 and run.count:  # all go the same way, as loops mostly do
         for target, is_sure in ((then, truth.all_true), (otherwise, truth.all_false)):
             if is_sure.item():
@@ -178,7 +174,6 @@ def _conditional(run: Run, function: Function, at: Instruction, state: PathState
 
 def _switch(run: Run, function: Function, at: Instruction, state: PathState) -> Leaving:
     selector, default = run.value(at.operands[0]), at.operands[1]
-    run.trace_branch(at, selector, state)
     bits = np.dtype(np.uint32 if selector.unsigned else np.int32)
     going: dict[int, Any] = {}
     elsewhere = state.mask
@@ -217,7 +212,7 @@ def _return_value(run: Run, function: Function, at: Instruction, state: PathStat
     value = run.value(at.operands[0])
     if run.trace is not None:
         name = run.program.name(function.id).partition("(")[0]
-        run.trace_stored(at, f"{name}()", run.program.types[function.result], value, state)
+        run.trace_stored(at, f"{name}()", value, state)
     state.memory[function.id] = value
     return [(None, state)]
 

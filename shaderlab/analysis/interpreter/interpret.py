@@ -200,8 +200,7 @@ def interpret(
             default gl_FragCoord.
         max_loop_iterations: of a loop, each time that it is entered.
         max_blocks: how many blocks may be run in all.
-        trace: is called with each value that a variable or a part of one is given, each argument of
-            a function, and each condition of a branch.
+        trace: is called with each value that a variable or a part of one is given.
         watch: is called after each instruction, and may change its result.
         unwritten: whether outputs hold an undefined value where an invocation writes none.
 

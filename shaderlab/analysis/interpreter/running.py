@@ -16,7 +16,7 @@ from shaderlab.model.frame import Array
 
 from .arithmetic import Arithmetic
 from .flow import HANDLERS, Leaving, Steps, steps_of, take_phis
-from .program import Function, Instruction, Kind, Program, Type
+from .program import Function, Instruction, Program
 from .values import (
     Flags,
     Missing,
@@ -28,26 +28,20 @@ from .values import (
     broadcast,
     component,
     compose,
-    fetch,
     join,
     null,
-    part_type,
     select,
     undefined,
 )
 
-_FLOW = (Op.FunctionCall, Op.BranchConditional, Op.Switch)
-
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """A value that one path through a program stores, or that its flow depends on.
+    """A value that one path through a program stores.
 
     Attributes:
-        at: the instruction. Of an argument that is the call, of a condition the branch.
-        name: the variable, or the part of it, as GLSL writes it; "f()" is the result of f, "f(x)"
-            what f is passed as x, "condition" what a branch goes by, "selector" a switch.
-        type: the value's type.
+        at: the instruction.
+        name: the variable, or the part of it, as GLSL writes it; "f()" is the result of f.
         value: floats of the arithmetic, an `Integer`, a `TriBool`, or a tuple of such, with one row
             or as many as there are invocations.
         mask: the invocations that were here; the value means nothing to others.
@@ -57,7 +51,6 @@ class Stored:
 
     at: Instruction
     name: str
-    type: Type
     value: Any
     mask: Flags
     calls: tuple[int, ...]
@@ -67,11 +60,6 @@ class Stored:
     def line(self) -> int:
         """The line of the program's text, counted from 1; see `Program.place`."""
         return self.at.line
-
-    @property
-    def is_flow(self) -> bool:
-        """Whether it is an argument or a condition."""
-        return self.at.op in _FLOW
 
 
 Trace = Callable[[Stored], object]
@@ -307,41 +295,12 @@ class Run:
             self.units.clear()
         self.units[id(value)] = value, unit
 
-    def trace_stored(
-        self, at: Instruction, name: str, type_: Type, value: Value, state: PathState
-    ) -> None:
+    def trace_stored(self, at: Instruction, name: str, value: Value, state: PathState) -> None:
         """Trace a value that was stored; "param" is what glslang calls an argument."""
         if self.trace is not None and name not in ("", "param"):
-            self.trace(self._event(at, name, type_, value, state))
+            calls, reads = tuple(self.calls), tuple(self._reads)
+            self.trace(Stored(at, name, value, state.mask, calls, reads))
             self._reads.clear()
-
-    def trace_branch(self, at: Instruction, value: Value, state: PathState) -> None:
-        """Trace what a branch is taken by."""
-        if self.trace is not None:
-            kind: Kind = "bool" if isinstance(value, TriBool) else "int"
-            name = "condition" if kind == "bool" else "selector"
-            self.trace(self._event(at, name, Type(kind), value, state))
-
-    def trace_arguments(self, at: Instruction, function: Function, state: PathState) -> None:
-        """Trace what a function is passed; for an `out` parameter that is nothing."""
-        if self.trace is None:
-            return
-        called = self.program.name(function.id).partition("(")[0]
-        for id_, of in function.parameters.items():
-            value: Any = self.results[id_]
-            type_ = self.program.types[of]
-            if isinstance(value, Pointer):
-                type_ = part_type(self.program.variables[value.variable][0], value.path)
-                value = fetch(state.memory.get(value.variable), value.path, state.mask)
-            if type_.kind != "image" and not isinstance(value, Missing | None):
-                name = f"{called}({self.program.name(id_)})"
-                self.trace(self._event(at, name, type_, value, state))
-
-    def _event(
-        self, at: Instruction, name: str, type_: Type, value: Value, state: PathState
-    ) -> Stored:
-        calls, reads = tuple(self.calls), tuple(self._reads)
-        return Stored(at, name, type_, value, state.mask, calls, reads)
 
     def note_read(self, value: Value) -> None:
         """Note for the trace what the next value may be computed of."""

@@ -278,13 +278,6 @@ def format_place(name: str, type_: Type, path: Sequence[int | Integer]) -> str:
     return name
 
 
-def part_type(type_: Type, path: Sequence[int | Integer]) -> Type:
-    """The type of the part at the end of a path."""
-    for index in path:
-        type_ = type_.part(0 if isinstance(index, Integer) else index)
-    return type_
-
-
 def known_index(index: Any) -> int | Integer:
     """An index as one number where all invocations have the same."""
     first = int(index.lo.flat[0])
