@@ -298,45 +298,31 @@ class InputSearch:
                 each[name] = np.where(rng.random(values.shape) < 0.3, fresh, values)
         return InputBatch(each, parents.bindings, count)
 
-    def _between(self, starts: InputBatch, ends: InputBatch, t: Array) -> InputBatch:
-        """Invocations on straight ways from some to others, at a share of each, (count,)."""
-        each = dict(starts.each)
-        for name in self._continuous:
-            a, b = (batch.each[name].astype(np.float64) for batch in (starts, ends))
-            each[name] = self._domains[name].clip(a + t[:, None] * (b - a))
-        return InputBatch(each, starts.bindings, starts.count)
-
     def _find_crossing(
         self, place: Place, below: InputBatch, above: InputBatch
     ) -> Counterexample | None:
-        """Follow a margin that has both signs to where it passes through 0."""
-        rows = np.zeros(_STEPS + 1, np.int64)
-        low, high = 0.0, 1.0
-        found = None
+        """Follow a margin on the straight way from a negative to a positive one, to where it passes
+        through 0; None where a condition excludes what lies between."""
+        t = np.linspace(0.0, 1.0, _STEPS + 1)[:, None]
         for _ in range(_GENERATIONS):
-            t = np.linspace(low, high, _STEPS + 1)
-            batch = self._between(below.part(rows), above.part(rows), t)
+            each = {n: np.repeat(values, len(t), axis=0) for n, values in below.each.items()}
+            for name in self._continuous:
+                a, b = (end.each[name].astype(np.float64) for end in (below, above))
+                each[name] = self._domains[name].clip(a + t * (b - a))
+            batch = InputBatch(each, below.bindings, len(t))
             self.tried += batch.count
             one = watch_batch(self._program, batch).get(place)
-            if one is None:
-                return found
-            origins = find_origins(batch, self._inputs, self._domains)
-            if one.bad.any():
-                row = int(one.bad.argmax())
-                return Counterexample(place, one, batch, row, int(origins[row]))
-            if not np.isfinite(one.margin).all():  # a condition excludes what lies between
+            if one is None or not (one.bad.any() or np.isfinite(one.margin).all()):
                 return None
-            sign = np.sign(one.margin)
-            changes = np.flatnonzero(sign[:-1] * sign[1:] < 0.0)
-            if not changes.size:
-                return found
-            k = int(changes[0])
-            around = np.abs(one.margin[k : k + 2])
-            if around.max() <= _TINY * self._usual[place]:
-                row = k + int(around.argmin())
-                found = Counterexample(place, one, batch, row, int(origins[row]), crossing=True)
-            low, high = t[k], t[k + 1]
-        return found
+            row = int(np.abs(one.margin).argmin())
+            origin = int(find_origins(batch, self._inputs, self._domains)[row])
+            found = Counterexample(place, one, batch, row, origin, crossing=not one.bad.any())
+            changes = np.flatnonzero(one.margin[:-1] * one.margin[1:] < 0.0)
+            if one.bad.any() or not changes.size:
+                break
+            below, above = (batch.part(np.array([k])) for k in (changes[0], changes[0] + 1))
+        near = abs(found.watched.margin[found.row])
+        return found if near <= _TINY * self._usual[place] else None
 
 
 def _median(margin: Array) -> float:

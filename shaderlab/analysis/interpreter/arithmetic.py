@@ -88,12 +88,14 @@ class Numbers:
             if type(found) is np.ndarray and found.dtype.type is self.dtype:
                 return found
             return np.asarray(found).astype(self.dtype, copy=False)
-        wide = (v.astype(np.float64) if isinstance(v, np.ndarray) else v for v in values)
-        return self.rounded(getattr(glslmath, function)(*wide))
+        return self._convert(getattr(glslmath, function)(*values))
 
     def rounded(self, value: Any) -> Any:
+        return self._convert(value)
+
+    def _convert(self, value: Any) -> Any:
         if isinstance(value, tuple):
-            return tuple(self.rounded(part) for part in value)
+            return tuple(self._convert(part) for part in value)
         if isinstance(value, Integer):
             # What is undefined has bounds; a device has one number.
             return Integer(value.lo, unsigned=value.unsigned)
@@ -117,12 +119,8 @@ def _length(v: Floats) -> Floats:
     return np.sqrt(_dot(v, v))
 
 
-def _clamp(x: Floats, low: Floats, high: Floats) -> Floats:
-    return np.minimum(np.maximum(x, low), high)
-
-
 def _smoothstep(edge0: Floats, edge1: Floats, x: Floats) -> Floats:
-    t = _clamp((x - edge0) / (edge1 - edge0), x.dtype.type(0), x.dtype.type(1))
+    t = np.clip((x - edge0) / (edge1 - edge0), x.dtype.type(0), x.dtype.type(1))
     return t * t * (3 - 2 * t)
 
 
@@ -162,56 +160,27 @@ _FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "divide": np.divide,
     "negate": np.negative,
     "remainder": np.fmod,
-    "abs": np.abs,
-    "sign": np.sign,
-    "floor": np.floor,
-    "ceil": np.ceil,
-    "trunc": np.trunc,
-    "round": np.rint,
-    "roundEven": np.rint,
-    "fract": lambda x: x - np.floor(x),
-    "mod": lambda x, y: x - y * np.floor(x / y),
     "min": np.minimum,
     "max": np.maximum,
-    "clamp": _clamp,
+    "fract": lambda x: x - np.floor(x),
+    "mod": lambda x, y: x - y * np.floor(x / y),
     "mix": lambda x, y, a: x * (1 - a) + y * a,
-    "step": lambda edge, x: np.where(x < edge, 0, 1),
     "smoothstep": _smoothstep,
     "fma": lambda a, b, c: a * b + c,
-    "radians": lambda x: x * x.dtype.type(np.pi / 180),
-    "degrees": lambda x: x * x.dtype.type(180 / np.pi),
-    "sin": np.sin,
-    "cos": np.cos,
-    "tan": np.tan,
-    "asin": np.arcsin,
-    "acos": np.arccos,
-    "atan": lambda y, x=None: np.arctan(y) if x is None else np.arctan2(y, x),
-    "sinh": np.sinh,
-    "cosh": np.cosh,
-    "tanh": np.tanh,
-    "asinh": np.arcsinh,
-    "acosh": np.arccosh,
-    "atanh": np.arctanh,
     "pow": _pow,
-    "exp": np.exp,
-    "log": np.log,
-    "exp2": np.exp2,
-    "log2": np.log2,
-    "sqrt": np.sqrt,
     "inversesqrt": lambda x: 1 / np.sqrt(x),
     "dot": _dot,
     "length": _length,
     "distance": lambda a, b: _length(a - b),
     "normalize": lambda v: v / _length(v),
     "cross": _cross,
-    "faceforward": lambda n, i, reference: np.where(_dot(reference, i) < 0, n, -n),
     "reflect": lambda i, n: i - 2 * _dot(n, i) * n,
     "refract": _refract,
     "mul": _mul,
     "matmul": _matmul,
-    "transpose": lambda m: np.swapaxes(m, -1, -2),
-    "outerProduct": lambda column, row: column[..., :, None] * row[..., None, :],
 }
+"""The instructions that `shaderlab.glslmath` lacks, and functions of several operations, each of
+which rounds; other functions are those of `glslmath`, in float64, rounded once."""
 
 
 # A float32 that needs more digits was computed by the compiler: another one may round otherwise.
