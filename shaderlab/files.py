@@ -7,7 +7,7 @@ import functools
 import os
 import stat
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import islice
 from pathlib import Path
@@ -132,11 +132,7 @@ def write_bytes(path: str | Path, data: bytes) -> None:
         draft.write_bytes(data)
 
 
-Contents = bytes | Callable[[BinaryIO], object]
-"""What is to be in a file: its bytes, or what writes them to it, perhaps a second time."""
-
-
-def write_named(path: str | Path, data: Contents, *, append: bool = False) -> None:
+def write_named(path: str | Path, data: bytes, *, append: bool = False) -> None:
     """Write a file that a person named, whole or not at all where it is a regular file.
 
     Links stay: the file that they lead to is written. A pipe, a terminal or another device is
@@ -146,32 +142,34 @@ def write_named(path: str | Path, data: Contents, *, append: bool = False) -> No
 
     Args:
         path: of the file.
-        data: what is to be in it. A function is given the open file; where the first attempt fails
-            since the file can't be replaced, it is called again.
+        data: what is to be in it.
         append: after what is in it already.
 
     Raises:
-        OSError: it can't be written, or is a block device.
+        OSError: it can't be written.
     """
     target, descriptor = _follow_links(Path(path))
     if descriptor is not None:
-        _write_to(os.dup(descriptor), data)
+        with os.fdopen(os.dup(descriptor), "wb") as file:
+            file.write(data)
+        return
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if append or (target.exists() and not target.is_file()):
+        with target.open("ab" if append else "wb") as file:
+            file.write(data)
         return
     try:
-        there = os.stat(target)
-    except FileNotFoundError:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with replace_file(target) as draft, draft.open("wb") as file:
-            _write_contents(file, data)
-        return
-    if stat.S_ISBLK(there.st_mode):
-        raise OSError(errno.EINVAL, "this is a disk, not a file")
-    if not stat.S_ISREG(there.st_mode):
-        _write_to(os.open(target, os.O_WRONLY | os.O_NOCTTY), data)
-    elif append:
-        _write_to(os.open(target, os.O_WRONLY | os.O_APPEND), data)
-    else:
-        _write_over(target, there, data)
+        with replace_file(target) as draft:
+            draft.write_bytes(data)
+            if target.exists():
+                there = target.stat()
+                with suppress(OSError):  # root's file would lock out the one whose file it was
+                    os.chown(draft, there.st_uid, there.st_gid)
+                draft.chmod(stat.S_IMODE(there.st_mode))
+    except OSError as error:
+        if error.errno not in _HELD:
+            raise
+        target.write_bytes(data)
 
 
 def _follow_links(path: Path) -> tuple[Path, int | None]:
@@ -185,38 +183,9 @@ def _follow_links(path: Path) -> tuple[Path, int | None]:
         if path.name.isdecimal() and os.path.realpath(path.parent) == own:
             return path, int(path.name)
         if not path.is_symlink():
-            break
+            return path, None
         path = path.parent / os.readlink(path)
-    return path, None
-
-
-def _write_over(target: Path, there: os.stat_result, data: Contents) -> None:
-    """Replace a regular file, or else overwrite it."""
-    try:
-        with replace_file(target) as draft:
-            with draft.open("wb") as new:
-                _write_contents(new, data)
-            with suppress(OSError):  # root's file would lock out the one whose file it was
-                os.chown(draft, there.st_uid, there.st_gid)
-            os.chmod(draft, stat.S_IMODE(there.st_mode))
-    except OSError as error:
-        if error.errno not in _HELD:
-            raise
-        with os.fdopen(os.open(target, os.O_WRONLY), "wb") as file:
-            _write_contents(file, data)
-            file.truncate()
-
-
-def _write_to(descriptor: int, data: Contents) -> None:
-    with os.fdopen(descriptor, "wb") as file:
-        _write_contents(file, data)
-
-
-def _write_contents(file: BinaryIO, data: Contents) -> None:
-    if isinstance(data, bytes):
-        file.write(data)
-    else:
-        data(file)
+    raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
 
 
 def write_text(path: str | Path, text: str | Iterable[str]) -> None:
