@@ -12,7 +12,7 @@ import pytest
 
 from shaderlab.cli import COMMANDS
 
-DEVICE = {"moderngl", "glcontext", "OpenGL", "vulkan", "cffi", "playwright"}
+DEVICE = {"glcontext", "OpenGL", "vulkan", "cffi", "playwright"}
 HEAVY = {
     "colour",
     "OpenImageIO",
