@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
@@ -25,27 +25,20 @@ from shaderlab.model.records import (
     Disagreement,
     ErratumNote,
     Outcome,
+    PassRecord,
     Plot,
     Record,
     Row,
     Run,
     Status,
 )
-from shaderlab.report.charts import Chart, WorstPanel, draw_curve, draw_plot, lay_out_worst
-from shaderlab.report.grouping import (
-    PASSABLE,
-    CaseGroup,
-    Totals,
-    count_totals,
-    group_cases,
-)
+from shaderlab.report.charts import Chart, draw_curve, draw_plot
+from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, count_totals, group_cases
 from shaderlab.report.pictures import SMALL, Picture, Pictures
 from shaderlab.report.sources import (
-    Assembly,
     Compiled,
     Listing,
     anchor_of,
-    list_assemblies,
     list_programs,
     list_sources,
     render_formula,
@@ -56,8 +49,6 @@ from shaderlab.report.text import Anchors, format_conditions
 # The folder of the cases' own pages.
 CASES = "cases"
 _LONGEST_NAME = 120
-# A case shows so many figures in one table; if there are more, each variant shows its own.
-_FIGURES_TOGETHER = 200
 # What a script draws of a check's numbers where there is no file.
 _FROM_NUMBERS = ("measured", "reference", "distance")
 _KINDS = {"glsl": "shader", "python": "formula"}
@@ -156,101 +147,157 @@ class Figure:
 
 
 @dataclass(frozen=True)
-class Check:
-    """An outcome; `places` are its sources as (what it is, file:line, anchor or None), `numbers`
-    the file of the values behind its pictures."""
-
-    outcome: Outcome
-    anchor: str
-    pictures: tuple[Figure, ...]
-    worst: WorstPanel | None
-    places: tuple[tuple[str, str, str | None], ...]
-    numbers: Path | None = None
-
-
-@dataclass(frozen=True)
-class Step:
-    """One pass; `draws` are (files, how many draws use them), `reads` say "pass.output", `fed`
-    whether one of those is of the pass just before."""
-
-    name: str
-    size: tuple[int, int] | None
-    draws: tuple[tuple[tuple[str, ...], int], ...]
-    reads: tuple[str, ...]
-    pictures: tuple[Figure, ...]
-    fed: bool = False
-
-
-@dataclass(frozen=True)
-class DriverDifference:
-    """An output on which two drivers differ, and a picture of where, if there is one."""
-
-    found: Disagreement
-    picture: Picture | None
-
-
-@dataclass(frozen=True)
 class VariantView:
-    """A record; its figures are shown here only where the case's own table is too long."""
+    """A record, and its outcomes with their anchors."""
 
     record: Record
     anchor: str
-    checks: tuple[Check, ...]
-    own_figures: bool
+    checks: tuple[tuple[Outcome, str], ...]
+
+    @property
+    def failed(self) -> list[tuple[Outcome, str]]:
+        return [check for check in self.checks if check[0].status != "pass"]
+
+
+Drawn = TypeVar("Drawn", Curve, Plot)
 
 
 @dataclass(frozen=True)
 class CaseView:
-    """A case with all its variants.
+    """A case with all its variants; `page` is its own page in the run's folder.
 
-    `page` is its own page in the run's folder, `source` the number in the anchor of its first
-    source text. `curves` and `points` are what its charts and plots show.
+    What takes time to make is a property, which is asked for by the page that shows it.
     """
 
     group: CaseGroup
     anchor: str
     page: str
-    source: int
-    status: Status
-    thumbnail: Picture | None
-    pictures: tuple[Figure, ...]
-    curves: tuple[tuple[str, Curve], ...]
-    points: tuple[tuple[str, Plot], ...]
-    figures: tuple[tuple[str, Row], ...]
-    errata: tuple[ErratumNote, ...]
-    compiled: tuple[Compiled, ...]
+    store: Pictures
     glsl: tuple[Listing, ...]
     python: tuple[Listing, ...]
-    assemblies: tuple[Assembly, ...]
     variants: tuple[VariantView, ...]
-    passes: tuple[Step, ...] = ()
-    mutants: Mutants | None = None
-    coverage: CodeCoverage | None = None
-    differences: tuple[DriverDifference, ...] = ()
+    mutants: Mutants | None
+    coverage: CodeCoverage | None
+    differences: tuple[Disagreement, ...]
 
-    # What takes time to make is made for the page that shows it.
-    @cached_property
+    @property
+    def status(self) -> Status:
+        return self.group.status
+
+    @property
+    def several(self) -> bool:
+        return len(self.variants) > 1
+
+    @property
     def lesson(self) -> Markup:
         return render_lesson(self.group.first.lesson)
 
-    @cached_property
+    @property
     def formula(self) -> Markup:
         return render_formula(self.group.first.formula)
 
     @property
     def charts(self) -> list[tuple[str, Chart]]:
         """Its plots and curves, each with the names of its variants, "" if all share it."""
-        plots = [(names, draw_plot(plot)) for names, plot in self.points]
-        return plots + [(names, draw_curve(curve)) for names, curve in self.curves]
+        plots = self._with_variants(lambda record: record.plots)
+        curves = self._with_variants(lambda record: record.curves)
+        return [
+            *((names, draw_plot(plot)) for names, plot in plots),
+            *((names, draw_curve(curve)) for names, curve in curves),
+        ]
 
     @property
-    def several(self) -> bool:
-        return len(self.variants) > 1
+    def errata(self) -> list[ErratumNote]:
+        return list(dict.fromkeys(note for r in self.group.records for note in r.errata))
+
+    @property
+    def compiled(self) -> tuple[Compiled, ...]:
+        return list_programs(self.group)
+
+    @property
+    def figures(self) -> list[tuple[str, Row]]:
+        """The rows of all outcomes, with the variant that each is of, "" where all have it."""
+        return [
+            (record.variant if self.several and outcome.rows_per_variant else "", row)
+            for record in self.group.records
+            for outcome in record.expectations
+            for row in _label_rows(outcome)
+        ]
+
+    @property
+    def passes(self) -> list[tuple[PassRecord, list[tuple[tuple[str, ...], int]]]]:
+        """The passes of the first variant that has any (they differ in values, not in their chain),
+        each with the files of its draws and how many draws use them."""
+        record = next((r for r in self.group.records if r.passes), self.group.first)
+        return [(step, list(Counter(step.draws).items())) for step in record.passes]
+
+    @property
+    def thumbnail(self) -> Picture | None:
+        """A small picture of the variant that gives the case its status, or of any that has one."""
+        status = self.status
+        records = sorted(self.group.records, key=lambda record: record.status != status)
+        images = [record.images for record in records]
+        images += [outcome.images for record in records for outcome in record.expectations]
+        for names in images:
+            file = names.get("picture") or names.get("measured") or next(iter(names.values()), "")
+            if file and not (small := self.store.find(file, SMALL)).missing:
+                return small
+        return None
+
+    @property
+    def pictures(self) -> list[Figure]:
+        """The pictures of all variants; side by side each is shown small."""
+        side = SMALL if len(self.variants) > 2 else 0
+        return [
+            self._figure(record, name, self.store.find(file, side))
+            for record in self.group.records
+            for name, file in record.images.items()
+        ]
+
+    def _figure(self, record: Record, name: str, picture: Picture) -> Figure:
+        names = [record.variant] if self.several else []
+        alt = f"{', '.join([record.title, *names])}: {name}"
+        names += [] if name == "picture" else [name]
+        return Figure(": ".join(names), alt, record.captions.get(name, ""), picture)
+
+    def check_pictures(self, record: Record, outcome: Outcome) -> list[Figure]:
+        """A check's pictures, and those that a script draws."""
+        drawn = _FROM_NUMBERS if self.find_numbers(outcome) else ()
+        return [
+            Figure(
+                name=name,
+                alt=f"{name}: {outcome.name} of {record.title}, {record.variant}",
+                caption=outcome.captions.get(name, ""),
+                picture=self.store.find(outcome.images[name]) if name in outcome.images else None,
+            )
+            for name in dict.fromkeys((*outcome.images, *drawn))
+        ]
+
+    def find_numbers(self, outcome: Outcome) -> Path | None:
+        """The file of the values behind a check's pictures."""
+        return self.store.find_numbers(outcome.values) if outcome.images else None
+
+    def places(self, outcome: Outcome) -> list[tuple[str, str, str | None]]:
+        """A check's sources as (what it is, file:line, link or None)."""
+        return [
+            (_KINDS[s.language], f"{s.file}:{s.line}", self.link_to(s.file, s.line))
+            for s in outcome.sources
+        ]
 
     def link_to(self, file: str, line: int | None) -> str | None:
         """A link to a source line, if one of the listings shows it."""
         anchor = None if line is None else anchor_of((*self.glsl, *self.python), file, line)
         return anchor and f"#{anchor}"
+
+    def _with_variants(
+        self, drawings_of: Callable[[Record], Iterable[Drawn]]
+    ) -> Iterator[tuple[str, Drawn]]:
+        users: dict[Drawn, dict[str, None]] = {}
+        for record in self.group.records:
+            for drawing in drawings_of(record):
+                users.setdefault(drawing, {})[record.variant] = None
+        for drawing, names in users.items():
+            yield "" if len(names) == len(self.variants) else ", ".join(names), drawing
 
 
 @dataclass(frozen=True)
@@ -269,7 +316,7 @@ class Page:
     totals: Totals
     chapters: tuple[ChapterView, ...]
     cases: tuple[CaseView, ...]
-    mutants: Mutants | None = None
+    mutants: Mutants | None
 
     @cached_property
     def notes(self) -> list[str]:
@@ -304,75 +351,41 @@ def build_page(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | No
     groups = group_cases(run.records)
     known = mutants or {}
     covered = {found.id: found for found in run.code_coverage}
-    cases = tuple(
-        replace(
-            _case(group, anchors, pictures),
+    # What leaves a band comes first.
+    differences: dict[str, list[Disagreement]] = {}
+    for each in sorted(run.disagreements, key=lambda each: each.verdict != "outside"):
+        if each.verdict != "equal":
+            differences.setdefault(each.id, []).append(each)
+    cases = []
+    for group in groups:
+        anchor = anchors.new("case", group.id)
+        glsl, python = list_sources(group, anchors)
+        case = CaseView(
+            group=group,
+            anchor=anchor,
+            page=f"{CASES}/{_file_name(anchor)}",
+            store=pictures,
+            glsl=glsl,
+            python=python,
+            variants=tuple(_variant(record, anchor, anchors) for record in group.records),
             mutants=known.get(group.id),
             coverage=covered.get(group.id),
-            differences=_driver_differences(run, group.id, pictures),
+            differences=tuple(differences.get(group.id, ())),
         )
-        for group in groups
-    )
+        cases.append(case)
     chapters = []
     for (number, name), members in groupby(cases, lambda case: case.group.chapter):
         anchor = anchors.new(f"chapter-{number}")
         chapters.append(ChapterView(number, name, anchor, tuple(members)))
     noticed = combine_mutants(known[group.id] for group in groups if group.id in known)
-    return Page(run, count_totals(run, groups), tuple(chapters), cases, noticed)
+    return Page(run, count_totals(run, groups), tuple(chapters), tuple(cases), noticed)
 
 
-def _driver_differences(run: Run, case_id: str, pictures: Pictures) -> tuple[DriverDifference, ...]:
-    """The outputs on which drivers differ, what leaves a band first."""
-    own = [d for d in run.disagreements if d.id == case_id and d.verdict != "equal"]
-    return tuple(
-        DriverDifference(found, pictures.find(found.image) if found.image else None)
-        for found in sorted(own, key=lambda found: found.verdict != "outside")
-    )
-
-
-def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures) -> CaseView:
-    anchor = anchors.new("case", group.id)
-    source = anchors.next_short
-    several = len(group.records) > 1
-    glsl, python = list_sources(group, anchors)
-    figures = tuple(
-        (record.variant if several and outcome.rows_per_variant else "", row)
-        for record in group.records
-        for outcome in record.expectations
-        for row in _rows(outcome)
-    )
-    together = len(figures) <= _FIGURES_TOGETHER
-    variants = []
-    for record in group.records:
-        own = anchors.new(anchor, record.variant)
-        checks = tuple(
-            _check(record, outcome, anchors.new(own, outcome.name), (*glsl, *python), pictures)
-            for outcome in record.expectations
-        )
-        variants.append(VariantView(record, own, checks, own_figures=not together))
-    return CaseView(
-        group=group,
-        anchor=anchor,
-        page=f"{CASES}/{_file_name(anchor)}",
-        source=source,
-        status=group.status,
-        thumbnail=_thumbnail(group, pictures),
-        pictures=tuple(
-            _figure(pictures, record, name, file, len(group.records))
-            for record in group.records
-            for name, file in record.images.items()
-        ),
-        curves=tuple(_with_variants(group, lambda record: record.curves)),
-        points=tuple(_with_variants(group, lambda record: record.plots)),
-        figures=figures if together else (),
-        errata=tuple(dict.fromkeys(note for record in group.records for note in record.errata)),
-        compiled=list_programs(group),
-        glsl=glsl,
-        python=python,
-        assemblies=list_assemblies(group, pictures),
-        variants=tuple(variants),
-        passes=tuple(_steps(group, pictures)),
-    )
+def _variant(record: Record, case_anchor: str, anchors: Anchors) -> VariantView:
+    anchor = anchors.new(case_anchor, record.variant)
+    outcomes = record.expectations
+    checks = tuple((outcome, anchors.new(anchor, outcome.name)) for outcome in outcomes)
+    return VariantView(record, anchor, checks)
 
 
 def _file_name(anchor: str) -> str:
@@ -383,102 +396,8 @@ def _file_name(anchor: str) -> str:
     return f"{name}.html"
 
 
-def _rows(outcome: Outcome) -> tuple[Row, ...]:
+def _label_rows(outcome: Outcome) -> tuple[Row, ...]:
     """An outcome's rows, labelled so that they can stand beside those of others."""
     if not outcome.rows_heading:
         return outcome.rows
     return tuple(replace(r, label=f"{outcome.rows_heading}: {r.label}") for r in outcome.rows)
-
-
-Drawn = TypeVar("Drawn", Curve, Plot)
-
-
-def _with_variants(
-    group: CaseGroup, drawings_of: Callable[[Record], Iterable[Drawn]]
-) -> Iterator[tuple[str, Drawn]]:
-    """Each curve or plot with the names of its variants, "" if all of them share it."""
-    users: dict[Drawn, dict[str, None]] = {}
-    for record in group.records:
-        for drawing in drawings_of(record):
-            users.setdefault(drawing, {})[record.variant] = None
-    for drawing, names in users.items():
-        yield "" if len(names) == len(group.records) else ", ".join(names), drawing
-
-
-def _check(
-    record: Record, outcome: Outcome, anchor: str, texts: Sequence[Listing], pictures: Pictures
-) -> Check:
-    numbers = pictures.find_numbers(outcome.values) if outcome.images else None
-    names = dict.fromkeys((*outcome.images, *(_FROM_NUMBERS if numbers else ())))
-    shown = tuple(
-        Figure(
-            name=name,
-            alt=f"{name}: {outcome.name} of {record.title}, {record.variant}",
-            caption=outcome.captions.get(name, ""),
-            picture=pictures.find(outcome.images[name]) if name in outcome.images else None,
-        )
-        for name in names
-    )
-    places = tuple(
-        (
-            _KINDS[source.language],
-            f"{source.file}:{source.line}",
-            anchor_of(texts, source.file, source.line),
-        )
-        for source in outcome.sources
-    )
-    panel = None if outcome.worst is None else lay_out_worst(outcome.worst)
-    return Check(outcome, anchor, shown, panel, places, numbers)
-
-
-def _figure(pictures: Pictures, record: Record, name: str, file: str, many: int) -> Figure:
-    several = many > 1
-    caption = record.captions.get(name, "")
-    title = record.variant if several else ("" if name == "picture" else name)
-    if several and name != "picture":
-        title = f"{record.variant}: {name}"
-    alt = f"{record.title}, {record.variant}: {name}" if several else f"{record.title}: {name}"
-    # Side by side each is shown small.
-    picture = pictures.find(file, SMALL) if many > 2 else pictures.find(file)
-    return Figure(title, alt, caption, picture)
-
-
-def _steps(group: CaseGroup, pictures: Pictures) -> Iterator[Step]:
-    """The passes of the first variant that has any: they differ in values, not in their chain."""
-    record = next((r for r in group.records if r.passes), group.first)
-    before = ""
-    for step in record.passes:
-        shown = tuple(
-            Figure(
-                name=attachment.name,
-                alt=f"{record.title}: {attachment.name} of pass {step.name}",
-                caption=attachment.format,
-                picture=pictures.find(attachment.image, SMALL),
-            )
-            for attachment in step.attachments
-        )
-        fed = any(name.rpartition(".")[0] == before for name in step.reads)
-        draws = tuple(Counter(step.draws).items())
-        yield Step(step.name, step.size, draws, step.reads, shown, fed)
-        before = step.name
-
-
-def _thumbnail(group: CaseGroup, pictures: Pictures) -> Picture | None:
-    """A small picture of the variant that gives the case its status, or of any that has one."""
-    status = group.status  # that of all records
-    records = sorted(group.records, key=lambda record: record.status != status)
-    files = [_main_image(record.images) for record in records]
-    files += [_main_image(outcome.images) for record in records for outcome in record.expectations]
-    for file in files:
-        if file:
-            small = pictures.find(file, SMALL)
-            if not small.missing:
-                return small
-    return None
-
-
-def _main_image(images: Mapping[str, str]) -> str:
-    for name in ("picture", "measured"):
-        if name in images:
-            return images[name]
-    return next(iter(images.values()), "")

@@ -115,13 +115,6 @@ class Pictures:
         pixelated = scale >= 1 and width <= 600
         return Picture(path, *shown, pixelated=pixelated, side=side, folder=self._root)
 
-    def read(self, name: str) -> bytes:
-        """Return the bytes of the file `name`; none if there is no such file."""
-        try:
-            return read_regular(self._inside(name))
-        except (OSError, ValueError):
-            return b""
-
     def find_numbers(self, name: str) -> Path | None:
         """Return the file of values `name`, or None if there is none."""
         try:

@@ -19,8 +19,9 @@ from jinja2 import Environment, FileSystemBytecodeCache, PackageLoader, StrictUn
 
 from shaderlab.model import pictures
 from shaderlab.report import sources, text
+from shaderlab.report.charts import lay_out_worst
 from shaderlab.report.grouping import STATUS_WORDS, STATUSES
-from shaderlab.report.pictures import read_numbers
+from shaderlab.report.pictures import SMALL, read_numbers
 
 FOLDER = "page"
 """The folder of what the pages of a site share: style.css, script.js and search.js."""
@@ -71,6 +72,8 @@ def environment() -> Environment:
             "uncovered": _css(pictures.UNCOVERED),
         },
         script_colours=_script_colours,
+        lay_out_worst=lay_out_worst,
+        small=SMALL,
     )
     # An attribute is one, and an error where there is none: Jinja would look for an item, too.
     made.getattr = getattr  # type: ignore[method-assign, assignment]

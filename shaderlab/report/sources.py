@@ -6,7 +6,6 @@ from __future__ import annotations
 import html
 import inspect
 import re
-import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -24,7 +23,6 @@ from pygments.token import Name, Operator, Punctuation, Whitespace
 
 from shaderlab.model.records import Declared, Diagnostic, Record, SourceText, Verdict
 from shaderlab.report.grouping import CaseGroup
-from shaderlab.report.pictures import Pictures, in_base64
 from shaderlab.report.text import Anchors, clean
 
 PREFIX = "t-"
@@ -270,33 +268,6 @@ def list_programs(group: CaseGroup) -> tuple[Compiled, ...]:
 
 def _unless_all(variants: Sequence[str], group: CaseGroup) -> tuple[str, ...]:
     return () if len(variants) == len(group.records) else tuple(variants)
-
-
-@dataclass(frozen=True)
-class Assembly:
-    """One program's modules: the files it is made of, what was compiled for each target, and the
-    file with the text of all. `packed` is that text, compressed and in base64, "" if the file has
-    gone."""
-
-    files: tuple[str, ...]
-    verdicts: tuple[Verdict, ...]
-    file: str
-    packed: Markup
-
-
-def list_assemblies(group: CaseGroup, pictures: Pictures) -> tuple[Assembly, ...]:
-    """Return each program's modules once for all variants."""
-    by_file: dict[str, Assembly] = {}
-    for record in group.records:
-        for program in record.programs:
-            for file in dict.fromkeys(v.assembly for v in program.verdicts if v.assembly):
-                if file in by_file:
-                    continue
-                data = pictures.read(file)
-                packed = in_base64(zlib.compress(data, 6)) if data else Markup()
-                verdicts = tuple(v for v in program.verdicts if v.assembly == file)
-                by_file[file] = Assembly(program.files, verdicts, file, packed)
-    return tuple(by_file.values())
 
 
 def collect_words(records: Iterable[Record]) -> str:

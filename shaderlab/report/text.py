@@ -148,23 +148,23 @@ def slug(name: str) -> str:
 
 
 class Anchors:
-    """Makes anchors, never one twice; `next_short` is the number of the next short one."""
+    """Makes anchors, never one twice."""
 
     def __init__(self) -> None:
         self._taken: set[str] = set()
-        self.next_short = 1
+        self._numbers: Counter[str] = Counter()
 
     def short(self) -> str:
         """Return a short anchor, for listings that repeat it in each line."""
-        self.next_short += 1
-        return self.new(f"s{self.next_short - 1}")
+        self._numbers["s"] += 1
+        return self.new(f"s{self._numbers['s']}")
 
     def new(self, *parts: str) -> str:
         """Return an anchor that begins with the slugs of `parts`."""
-        wanted = "-".join(slug(part) for part in parts)
-        anchor, number = wanted, 2
+        wanted = anchor = "-".join(slug(part) for part in parts)
         while anchor in self._taken:
-            anchor, number = f"{wanted}-{number}", number + 1
+            self._numbers[wanted] += 1
+            anchor = f"{wanted}-{self._numbers[wanted] + 1}"
         self._taken.add(anchor)
         return anchor
 

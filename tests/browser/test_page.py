@@ -151,8 +151,6 @@ def test_a_cases_page_knows_its_chapter_and_its_neighbours(visit: Visit, lamp: S
     [
         ("blend", "blend"),
         ("case-lamp-bad-fragcolor", "lamp"),
-        ("s1-L3", "lamp"),  # a line of its first source
-        ("s3", "blend"),
     ],
 )
 def test_links_into_the_whole_report_lead_to_the_cases_page(
@@ -199,23 +197,6 @@ def test_a_curves_points_are_read_by_pointer_and_keys(visit: Visit, lamp: Sample
     svg.focus()
     page.keyboard.press("ArrowRight")
     assert said.text_content().startswith("distance 2 outside · measured 0.9")
-
-
-@pytest.mark.parametrize("form", ["single", "site"])
-def test_spirv_is_shown_when_unfolded(visit: Visit, lamp: Sample, form: str) -> None:
-    single = visit(lamp.single)
-    for case in ("lamp", "blend"):
-        page = single if form == "single" else visit(lamp.case(case))
-        article = page.locator("article", has=page.locator(f"#case-{case}"))
-        folded = article.locator("[data-assembly]")
-        assert folded.count() == 1 and folded.locator("pre").count() == 0
-        folded.locator("summary").click()
-        folded.locator("pre", has_text="OpFunction").wait_for()  # it is unpacked after it is there
-        text = folded.locator("pre").text_content()
-        assert text == "; fragment\n%main = OpFunction <img src=x>\n"
-        folded.locator("summary").click()
-        folded.locator("summary").click()
-        assert folded.locator("pre").count() == 1
 
 
 def test_hostile_strings_do_nothing(visit: Visit, hostile_page: Path) -> None:

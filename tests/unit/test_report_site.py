@@ -102,9 +102,6 @@ def test_lines_of_sources_have_anchors_of_their_case(three: Path) -> None:
         for name in ("lamp.html", "blend.html")
     ]
     assert len(lines[0]) == len(lines[1]) == 2 and not lines[0] & lines[1]
-    cards = [attrs for tag, attrs in Page(three / "index.html").tags if tag == "a"]
-    first = [int(str(card["data-source"])) for card in cards if card.get("class") == "card"]
-    assert first == sorted(first) and first[0] == 1
 
 
 def test_words_of_lessons_checks_and_sources_are_found(three: Path) -> None:

@@ -126,39 +126,15 @@ function watchFilter(form) {
   // Browsers keep a box's text over a reload.
   update();
 }
-// A program's SPIR-V lies in the page deflated; it is shown when its fold is opened.
-for (const details of document.querySelectorAll("details[data-assembly]")) {
-  details.addEventListener("toggle", () => showAssembly(details), { once: true });
-}
-
-async function showAssembly(details) {
-  const code = document.createElement("pre");
-  code.className = "code";
-  code.tabIndex = 0;
-  code.setAttribute("role", "group");
-  code.setAttribute("aria-label", details.querySelector("summary").textContent.trim());
-  try {
-    const packed = details.querySelector("template").content.textContent;
-    code.textContent = new TextDecoder().decode(await inflated(packed));
-    details.append(code);
-  } catch (error) {
-    console.warn("no assembly here:", error);
-  }
-}
-
 // Links to anchors open what is folded around their target.
 
-/** The page of the case that has an anchor; null where no card of this page leads there. */
+/** The page of the case that an anchor begins with; null where no card of this page leads there. */
 function pageOf(anchor) {
-  const cards = [...document.querySelectorAll("a.card[data-source]")];
-  const line = /^s(\d+)(-L\d+)?$/.exec(anchor);
-  const nameOf = (card) => card.closest("[data-case]").dataset.case;
-  const found = line
-    // Texts are numbered from the first case to the last.
-    ? cards.filter((card) => Number(card.dataset.source) <= Number(line[1])).at(-1)
-    : cards.filter((card) => anchor === nameOf(card) || anchor.startsWith(`${nameOf(card)}-`))
-      .sort((one, other) => nameOf(one).length - nameOf(other).length).at(-1);
-  return found ? found.getAttribute("href") : null;
+  const cards = [...document.querySelectorAll("a.card")]
+    .map((card) => ({ card, name: card.closest("[data-case]").dataset.case }))
+    .filter(({ name }) => anchor === name || anchor.startsWith(`${name}-`))
+    .sort((one, other) => one.name.length - other.name.length);
+  return cards.at(-1)?.card.getAttribute("href");
 }
 
 function reveal() {
