@@ -196,11 +196,10 @@ def _targets(
     targets: Sequence[str], every: bool, plan: MutationPlan, executor: Executor
 ) -> list[MutationTarget]:
     """The cases that are named, and the files of tests. Raises UsageError, CaseError."""
-    from shaderlab.cli.selecting import exclude_test_files, find_test_files
+    from shaderlab.cli.selecting import split_targets
     from shaderlab.mutation import CaseTarget
 
-    files = find_test_files(targets)
-    rest = exclude_test_files(targets, files)
+    files, rest = split_targets(targets)
     found: list[MutationTarget] = []
     if rest or every or not files:
         cases = _cases(rest, every, plan.variants, executor)

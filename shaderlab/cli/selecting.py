@@ -115,31 +115,25 @@ def find_files(targets: Sequence[str]) -> list[Path]:
     return list(dict.fromkeys(file for target in targets for file, _ in resolve_target(target)))
 
 
-def find_test_files(targets: Sequence[str]) -> list[Path]:
-    """The files among these targets, and in the folders, with tests of GLSL functions; absolute."""
+def split_targets(targets: Sequence[str]) -> tuple[list[Path], list[str]]:
+    """Return the files with tests of GLSL functions that targets stand for, absolute, and the
+    targets that stand for cases."""
     from shaderlab.mutation.function_tests import find_function_tests, is_function_test
 
-    found: list[Path] = []
+    tests: dict[Path, None] = {}
+    cases = []
     for target in targets:
-        path = Path(target)
-        if path.is_dir():
-            found += find_function_tests(path)
-        elif is_function_test(path) and not is_case_file(path):
-            found.append(path)
-    return list(dict.fromkeys(Path(os.path.abspath(path)) for path in found))
-
-
-def exclude_test_files(targets: Sequence[str], files: Sequence[Path]) -> list[str]:
-    """The targets that stand for cases: not the files of tests, nor folders with such alone."""
-
-    def has_cases(target: str) -> bool:
         path = Path(os.path.abspath(target))
-        if path in files:
-            return False
-        inside = any(file.is_relative_to(path) for file in files)
-        return not inside or any(True for _ in case_files(path))
-
-    return [target for target in targets if has_cases(target)]
+        if path.is_dir():
+            own = list(find_function_tests(path))
+            has_cases = not own or any(case_files(path))
+        else:
+            own = [path] if is_function_test(path) and not is_case_file(path) else []
+            has_cases = not own
+        tests |= dict.fromkeys(own)
+        if has_cases:
+            cases.append(target)
+    return list(tests), cases
 
 
 def resolve_target(target: str) -> list[tuple[Path, str | None]]:

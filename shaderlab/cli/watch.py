@@ -1,14 +1,17 @@
-"""`shaderlab watch`: judge again what depends on a file that was saved."""
+"""`shaderlab watch`: judge again what depends on a file that was saved.
+
+Files are looked at several times a second, which works on every file system.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import datetime
+import math
 import os
 import sys
 import time
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,6 +26,7 @@ from shaderlab.cli.options import (
     limits_option,
     make_executor,
 )
+from shaderlab.engine.catalogue import files_below
 from shaderlab.engine.settings import FILE, have_settings_changed, load_settings
 from shaderlab.errors import UsageError
 from shaderlab.files import display_path
@@ -30,11 +34,18 @@ from shaderlab.model.options import Limits, RunOptions
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
-    from shaderlab.cli.watching import Changes, Contents, Session
-    from shaderlab.engine.jobs import CaseInfo, Executor, Job
+    from shaderlab.cli.watching import Session
+    from shaderlab.engine.jobs import CaseInfo, Job
 
 
 _SHOWN = 4
+_PAUSE = 0.05
+"""Seconds between two looks. An editor's save is several steps, and a file may be missing in
+between: it is saved when nothing has changed for so long."""
+_REST = 10
+"""A look at a large folder is followed by a pause of so many times its length."""
+_CLOCK_TICK = 0.02
+"""Seconds by which a file's time may lag behind the clock."""
 
 
 @click.command("watch")
@@ -73,30 +84,20 @@ def command(
         pictures=False, include=includes, targets=compile_targets, driver=driver, limits=limits
     )
 
-    def start() -> Executor:
-        return make_executor(driver, limits, workers)
-
     from shaderlab.cli.showing import Show
-    from shaderlab.cli.watching import Changes, Contents, Session, warm_up
+    from shaderlab.cli.watching import Session
 
     wanted = _Wanted(targets or (".",))
     case_files, test_files = wanted.files()
-    show = Show()
     # Python takes its compiled modules for new as long as a file's second and size stay the same.
     os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
-    restart = False
-    with (
-        contextlib.suppress(KeyboardInterrupt),
-        contextlib.ExitStack() as stack,
-    ):
-        changes = stack.enter_context(Changes(wanted.folders()))
-        session = stack.enter_context(
-            contextlib.closing(Session(start, wanted.jobs, options, warm_up))
-        )
-        changes.add({file.parent for file in wanted.settings()}, below=False)
-        _Watch(session, changes, Contents(), wanted, show).run(case_files, test_files)
-        restart = True
-    if restart:  # options, workers and what they keep come of the settings
+    with contextlib.suppress(KeyboardInterrupt):
+        with contextlib.closing(
+            Session(lambda: make_executor(driver, limits, workers), wanted.jobs, options)
+        ) as session:
+            session.follow(case_files, test_files)
+            _Watch(session, wanted, Show()).run({*case_files, *test_files})
+        # Options, workers and what they keep come from the settings.
         os.execv(sys.executable, [sys.executable, "-m", "shaderlab", *sys.argv[1:]])
     return OK
 
@@ -111,30 +112,23 @@ class _Wanted:
 
     def files(self) -> tuple[list[Path], list[Path]]:
         """The case files, and those with tests of functions; absolute. Raises UsageError."""
-        from shaderlab.cli.selecting import exclude_test_files, find_test_files, resolve_target
+        from shaderlab.cli.selecting import resolve_target, split_targets
 
+        self._tests, targets = split_targets(self._targets)
         self._variants = {}
-        self._tests = find_test_files(self._targets)
-        for target in exclude_test_files(self._targets, self._tests):
+        for target in targets:
             for file, variant in resolve_target(target):
                 self._variants.setdefault(Path(os.path.abspath(file)), set()).add(variant)
         return list(self._variants), self._tests
 
-    def folders(self) -> set[Path]:
-        """The folders that the case files are in, and those that were named."""
-        named = {Path(os.path.abspath(t)) for t in self._targets if os.path.isdir(t)}
-        return named | {file.parent for file in (*self._variants, *self._tests)}
+    def files_below(self) -> Iterator[Path]:
+        """All files in the folders that were named, where new cases may appear."""
+        for folder in filter(os.path.isdir, self._targets):
+            with contextlib.suppress(UsageError):  # it has just been removed
+                yield from files_below(Path(os.path.abspath(folder)))
 
-    def settings(self) -> set[Path]:
-        """The files that the settings of this folder and of the case files come from, or would."""
-        roots = (load_settings(folder).root for folder in self._projects())
-        return {(root or Path.cwd()) / FILE for root in roots}
-
-    def have_settings_changed(self) -> bool:
-        """Whether settings are others by now. Raises UsageError where they can't be read."""
-        return any([have_settings_changed(folder) for folder in self._projects()])
-
-    def _projects(self) -> set[Path]:
+    def projects(self) -> set[Path]:
+        """The folders whose settings apply."""
         return {Path(), *(file.parent for file in (*self._variants, *self._tests))}
 
     def jobs(self, facts: Sequence[CaseInfo]) -> list[Job]:
@@ -149,43 +143,75 @@ class _Wanted:
         ]
 
 
-@dataclass(frozen=True)
 class _Watch:
     """The loop: what changed, what that asks for, what came of it."""
 
-    _session: Session
-    _changes: Changes
-    _contents: Contents
-    _wanted: _Wanted
-    _show: Show
+    def __init__(self, session: Session, wanted: _Wanted, show: Show) -> None:
+        self._session = session
+        self._wanted = wanted
+        self._show = show
+        self._stamps: dict[Path, tuple[float, int, int] | None] = {}
 
-    def run(self, case_files: Collection[Path], test_files: Collection[Path]) -> None:
-        """Judge all files, then wait for changes, until the settings are other ones."""
-        self._contents.learn(self._wanted.settings())
-        self._judge(self._session.follow(case_files, test_files), time.perf_counter())
+    def run(self, waiting: Collection[Path]) -> None:
+        """Judge these files, then what changes asks for, until the settings are other ones."""
+        self._learn()
+        began = time.perf_counter()
         while True:
+            self._judge(waiting, began)
             self._show.console.print("watching; press Ctrl-C to end", style="dim")
-            waiting: set[Path] = set()
-            began = 0.0
+            waiting = set()
             while not waiting:
-                found = self._changes.next()
-                began = time.perf_counter()
-                changed = self._find_changed(self._changes.settled(found, self._session.files))
-                if changed & self._wanted.settings() and self._have_settings_changed():
+                changed, began = self._wait()
+                if any(path.name == FILE for path in changed) and self._have_settings_changed():
                     return
                 waiting = self._find_affected(changed)
-            self._judge(waiting, began)
 
-    def _find_changed(self, found: Collection[Path]) -> set[Path]:
-        """Of these files, those with other contents. One that nothing depends on and that is gone
-        again was an editor's own."""
+    def _list_files(self) -> set[Path]:
+        """All files that may matter: those that verdicts depend on with those beside them, those in
+        the folders that were named, and those of the settings."""
         known = self._session.files
-        return self._contents.changed(path for path in found if path in known or path.exists())
+        found = {*known, *self._wanted.files_below()}
+        for folder in {path.parent for path in known}:
+            with contextlib.suppress(OSError), os.scandir(folder) as entries:
+                found |= {Path(entry) for entry in entries if entry.is_file()}
+        roots = {load_settings(folder).root for folder in self._wanted.projects()}
+        return found | {(root or Path.cwd()) / FILE for root in roots}
+
+    def _learn(self, since: float = math.inf) -> None:
+        """Take files that are not known yet as they are now, but for those that were written after
+        `since` (seconds as of `time.time`): who read them may have read something else."""
+        for path in self._list_files():
+            stamp = _stamp(path)
+            if path not in self._stamps and (stamp is None or stamp[0] < since - _CLOCK_TICK):
+                self._stamps[path] = stamp
+
+    def _find_changed(self, files: Iterable[Path]) -> set[Path]:
+        """Of these files, those that were written, made or removed since the last call."""
+        stamps = {path: _stamp(path) for path in files}
+        found = {path for path in stamps if self._stamps.get(path, ()) != stamps[path]}
+        self._stamps.update(stamps)
+        return found
+
+    def _wait(self) -> tuple[set[Path], float]:
+        """Wait for files to be saved; return them, and when that was."""
+        found: set[Path] = set()
+        while not found:
+            looked = time.perf_counter()
+            found = self._find_changed(self._list_files())
+            if not found:
+                time.sleep(max(_PAUSE, _REST * (time.perf_counter() - looked)))
+        while True:
+            began = time.perf_counter()
+            time.sleep(_PAUSE)
+            more = self._find_changed(self._list_files())
+            if not more:
+                return found, began
+            found |= more
 
     def _have_settings_changed(self) -> bool:
         """Whether the settings are others; ones that can't be read are none."""
         try:
-            changed = self._wanted.have_settings_changed()
+            changed = any([have_settings_changed(folder) for folder in self._wanted.projects()])
         except UsageError as error:
             click.echo(f"shaderlab: {error}", err=True)
             return False
@@ -195,8 +221,6 @@ class _Watch:
 
     def _find_affected(self, changed: Collection[Path]) -> set[Path]:
         """The case files to judge after these files changed."""
-        if not changed:
-            return set()
         new: set[Path] = set()
         if any(path.suffix == ".py" for path in changed):
             with contextlib.suppress(UsageError):  # there is no case at the moment
@@ -212,11 +236,22 @@ class _Watch:
 
     def _judge(self, case_files: Collection[Path], began: float) -> None:
         records, since = [], time.time()
-        self._contents.learn(self._session.files)
-        for record in self._session.judge(case_files, self._changes.pending):
+        known = {path: self._stamps.get(path) for path in self._session.files}
+
+        def interrupted() -> bool:
+            return any(_stamp(path) != stamp for path, stamp in known.items())
+
+        for record in self._session.judge(case_files, interrupted):
             self._show.verdict(record)
             records.append(record)
         self._show.total(records, time.perf_counter() - began)
-        files = self._session.files
-        self._contents.learn(files, since)
-        self._changes.add({path.parent for path in files})
+        self._learn(since)
+
+
+def _stamp(path: Path) -> tuple[float, int, int] | None:
+    """What tells a file that was written from what it was before; None if it is missing."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_mtime, found.st_size, found.st_ino

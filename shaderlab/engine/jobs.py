@@ -267,7 +267,7 @@ class Executor:
     def load(self, files: Sequence[Path]) -> list[CaseInfo]:
         """What is in each case file; one that is wrong costs nothing but itself."""
         results = self.perform(map(LoadCase, files))
-        found = {result.number: _case_info(files[result.number], result) for result in results}
+        found = {result.number: make_case_info(files[result.number], result) for result in results}
         return [info for _, info in sorted(found.items())]
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
@@ -417,7 +417,7 @@ def format_error(result: ItemResult) -> str:
     return "\n".join([str(result.value), *getattr(result.value, "__notes__", ())])
 
 
-def _case_info(file: Path, result: ItemResult) -> CaseInfo:
+def make_case_info(file: Path, result: ItemResult) -> CaseInfo:
     if result.status == "done":
         found: CaseInfo = result.value
         return found

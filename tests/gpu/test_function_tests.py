@@ -182,12 +182,9 @@ def test_the_command_tells_which_tests_notice(folder: Path) -> None:
 
 def test_files_of_tests_are_told_from_cases(folder: Path) -> None:
     (folder / "test_other.py").write_text("def test_nothing(): pass\n")
-    found = [path.name for path in selecting.find_test_files(["."])]
-    assert found == ["test_light.py"]
-    assert selecting.exclude_test_files([".", "spotlight"], selecting.find_test_files(["."])) == [
-        "spotlight"
-    ]
+    tests, cases = selecting.split_targets([".", "spotlight"])
+    assert [path.name for path in tests] == ["test_light.py"] and cases == ["spotlight"]
     (folder / "lamp.py").write_text("from shaderlab import Case\ncase = Case(title='', passes=())")
-    assert selecting.exclude_test_files(["."], selecting.find_test_files(["."])) == ["."]
+    assert selecting.split_targets(["."])[1] == ["."]
     result = CliRunner().invoke(cli, ["mutate", "test_light.py", "--api", "-j", "0"])
     assert result.exit_code == 2 and "--api is about cases" in result.output

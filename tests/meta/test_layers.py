@@ -42,7 +42,6 @@ OWNERS: dict[str, set[str]] = {
     "rich": {"cli"},
     "hypothesis": {"functions", "mutation"},
     "pytest": {"mutation", "pytest_plugin"},
-    "watchfiles": {"cli"},
 }
 
 # What only comes with an extra, by the name of that extra.
@@ -52,7 +51,6 @@ OPTIONAL = {
     "trimesh": "models",
     "pytest": "pytest",
     "hypothesis": "pytest",
-    "watchfiles": "watch",
     "vulkan": "vulkan",
     "playwright": "webgl",
 }
