@@ -29,13 +29,18 @@ import numpy as np
 from benchmarks.adversary_device import Device
 from benchmarks.erring_arithmetic import Erring, outside
 from shaderlab.analysis.interpreter import FLOAT32, FLOAT64, Bands, Interpreted, interpret
-from shaderlab.analysis.invocations import Invocations, sample_fragments, sample_vertices
+from shaderlab.analysis.invocations import (
+    Invocations,
+    program_of,
+    sample_fragments,
+    stage_of,
+)
 from shaderlab.analysis.self_check import shows_what_is_written
 from shaderlab.bands import Band, Integer, Rules
 from shaderlab.engine.catalogue import load_cases, shipped_cases
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.formula import Formula
-from shaderlab.engine.expectations.needs import subject_of
+from shaderlab.engine.expectations.needs import CapturedVertices, subject_of
 from shaderlab.engine.judging.bands import store_band
 from shaderlab.engine.judging.references import evaluate, match_parameters
 from shaderlab.engine.run import SceneRunner
@@ -103,6 +108,24 @@ def surveys(given: argparse.Namespace) -> Iterator[Survey]:
                         yield from of_scene(evaluation, seen, given)
                 except ShaderlabError as error:
                     print(f"{case.id} {scene.variant}: not drawn: {error.message}", file=sys.stderr)
+
+
+def sample_vertices(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> Invocations:
+    """The vertices of a draw without a geometry stage, the first `most` of them.
+
+    Raises:
+        ShaderError, NotInterpretedError: the vertex stage can't be interpreted.
+        DriverError, CaseError: its inputs can't be captured.
+    """
+    source = stage_of(evaluation, key, "vertex")
+    captured = evaluation.answer(CapturedVertices(key))
+    return Invocations(
+        program=program_of(source),
+        each={name: values[:most] for name, values in captured.inputs.items()},
+        bindings=evaluation.drawn.bindings[key],
+        measured={name: values[:most] for name, values in captured.outputs.items()},
+        formats=dict.fromkeys(captured.outputs, "rgba32f"),
+    )
 
 
 def of_scene(
@@ -223,9 +246,9 @@ def widths(
     number = np.cumsum(subject.covered.ravel()).reshape(subject.covered.shape) - 1
     rows = number[given.pixels[:, 1], given.pixels[:, 0]]
     part = subject.inputs.part(rows)
-    asked = match_parameters(formula.reference, subject.inputs)
+    parameters = match_parameters(formula.reference, subject.inputs)
     started = time.process_time()
-    by_hand = evaluate(formula.reference, part, rules=rules, decimal=False, asked=asked)
+    by_hand = evaluate(formula.reference, part, rules=rules, decimal=False, parameters=parameters)
     seconds = time.process_time() - started
     by_hand = Band.exact(0.0, rules).lift(by_hand)
     components = min(subject.measured.shape[-1], band.shape[-1])

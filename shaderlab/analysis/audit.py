@@ -416,8 +416,6 @@ def _hazards(
     words = one.check.words(*example.operands)
     if example.crossing:
         words = f"{words}, nearly: the divisor passes through 0 here"
-    if one.check.possible:
-        words += f"; {one.check.possible}"
     if example.origin != RANDOM:
         words += "; only if two inputs are equal" if example.origin == EQUAL else _ONLY_AT_0
     file, line = program.place(one.at.line)
@@ -428,7 +426,7 @@ def _hazards(
             line=line,
             kind=place.kind,
             message=words if words.startswith(place.kind) else f"{place.kind}: {words}",
-            evident=example.origin == RANDOM and not one.check.possible,
+            evident=example.origin == RANDOM,
             inputs=example.batch.example(example.row, inputs),
             outputs=values,
             calls=tuple(program.place(call)[1] for call in place.calls),

@@ -226,16 +226,8 @@ def _as_invocations(program: Program, given: InputBatch) -> Invocations:
 
 def _widest(given: Invocations) -> int:
     """The invocation whose outputs' bands are widest in ULP, of those that are bounded."""
-    result = interpret(
-        given.program,
-        given.each,
-        given.bindings,
-        Bands(),
-        count=given.count,
-        max_blocks=_MOST_BLOCKS,
-    )
     widths = np.zeros(given.count)
-    for band in result.outputs.values():
+    for band in trace_invocations(given, Bands()).outputs.values():
         if is_vector(band):
             with np.errstate(all="ignore"):
                 unit = ulp(np.maximum(np.abs(band.lo), np.abs(band.hi)))

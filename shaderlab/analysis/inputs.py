@@ -496,8 +496,6 @@ def vary_inputs(batch: InputBatch, domains: Mapping[str, InputDomain], seed: int
         if name in each:
             each[name] = _vary(each[name], domain, group, rng)
     keep_in_order(each, domains)
-    if "gl_FragCoord" in each:
-        each["gl_FragCoord"] = _move_pixels(each["gl_FragCoord"], rng)
     textures = {name: _shuffle(texels, rng) for name, texels in batch.bindings.textures.items()}
     return InputBatch(each, replace(batch.bindings, textures=textures), batch.count)
 
@@ -511,23 +509,17 @@ def _groups(batch: InputBatch) -> Array:
     return found
 
 
-def _move_pixels(places: Array, rng: np.random.Generator) -> Array:
-    """The pixels elsewhere: at the lower left corner, or near it; quads stay whole."""
-    found = places.copy()
-    for axis in (0, 1):
-        start = 2.0 * np.floor(found[:, axis].min() / 2.0)
-        found[:, axis] += rng.choice([0.0, 2.0 * rng.integers(1, 32)]) - start
-    return found
-
-
 def _vary(values: Array, domain: InputDomain, group: Array, rng: np.random.Generator) -> Array:
     """Values of the same role, changed alike in each group."""
     count, shape = int(group.max(initial=0)) + 1, values.shape[1:]
     if len(values) == 1:
         values = np.repeat(values, len(group), axis=0)
     x = values.astype(np.float64)
-    if domain.kind in ("rotation", "affine", "projection") and len(shape) == 2:
-        return _turn(x, domain, group, count, rng)
+    if domain.kind == "projection":
+        return np.asarray(x * np.exp(rng.uniform(-0.3, 0.3, (count, *shape)))[group], np.float32)
+    if domain.kind in ("rotation", "affine"):
+        by = _matrices(f"mat{shape[-1]}", domain, count, rng)
+        return np.asarray(x @ by[group], np.float32)
     if domain.kind == "unit":
         x = x + rng.normal(scale=0.4, size=(count, *shape))[group]
         return np.asarray(x / np.linalg.norm(x, axis=-1, keepdims=True), np.float32)
@@ -539,25 +531,6 @@ def _vary(values: Array, domain: InputDomain, group: Array, rng: np.random.Gener
     if domain.source != "learned":  # what was learned does not hold: signs are free
         x = np.where((rng.random((count, *shape)) < 0.3)[group], -x, x)
     return np.asarray(np.clip(x, domain.low, domain.high), np.float32)
-
-
-def _turn(
-    x: Array, domain: InputDomain, group: Array, count: int, rng: np.random.Generator
-) -> Array:
-    size = x.shape[-1]
-    if domain.kind == "projection":
-        return np.asarray(
-            x * np.exp(rng.uniform(-0.3, 0.3, (count, size, size)))[group], np.float32
-        )
-    turn = min(size, 3)
-    q, r = np.linalg.qr(np.eye(turn) + 0.3 * rng.normal(size=(count, turn, turn)))
-    by = np.broadcast_to(np.eye(size), (count, size, size)).copy()
-    by[:, :turn, :turn] = q * np.sign(np.einsum("nii->ni", r))[:, None, :]
-    if domain.kind == "affine":
-        by[:, :turn, :turn] *= np.exp(rng.uniform(-0.3, 0.3, (count, 1, turn)))
-    if domain.kind == "affine" and size == 4:
-        by[:, :3, 3] = rng.uniform(-0.3, 0.3, (count, 3))
-    return np.asarray(x @ by[group], np.float32)
 
 
 def _shuffle(texels: Texels, rng: np.random.Generator) -> Texels:

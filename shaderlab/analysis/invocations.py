@@ -1,7 +1,7 @@
 """What draws give their shaders: a stage's program, and what its invocations got.
 
-`sample_fragments` and `sample_vertices` take one draw of a scene; `case_stages` and
-`changed_stages` go through all draws of a case.
+`sample_fragments` takes one draw of a scene; `case_stages` and `changed_stages` go through all
+draws of a case.
 """
 
 from __future__ import annotations
@@ -127,24 +127,6 @@ def _in_quads(captured: Fragments, among: Array) -> Array:
     y, x = np.nonzero(captured.covered)
     cells = (y >> 1) * side + (x >> 1)
     return np.flatnonzero(np.isin(cells, quads[:, 1] * side + quads[:, 0]))
-
-
-def sample_vertices(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> Invocations:
-    """The vertices of a draw without a geometry stage, the first `most` of them.
-
-    Raises:
-        ShaderError, NotInterpretedError: the vertex stage can't be interpreted.
-        DriverError, CaseError: its inputs can't be captured.
-    """
-    source = stage_of(evaluation, key, "vertex")
-    captured = evaluation.answer(CapturedVertices(key))
-    return Invocations(
-        program=program_of(source),
-        each={name: values[:most] for name, values in captured.inputs.items()},
-        bindings=evaluation.drawn.bindings[key],
-        measured={name: values[:most] for name, values in captured.outputs.items()},
-        formats=dict.fromkeys(captured.outputs, "rgba32f"),
-    )
 
 
 def _at(places: Array, values: Array) -> Array:

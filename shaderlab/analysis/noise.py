@@ -70,12 +70,7 @@ class PerturbedFloat(Numbers):
     def _perturb_rounded(self, value: Any, salt: str) -> Any:
         if not self.copies or type(value) is not np.ndarray:
             return value
-        if len(value) == 1:
-            return self._perturb(value, _needs_rounding(value), _OPERATION, salt)
-        found, noisy = value.copy(), value[self.count :]
-        factors = _factors(noisy.shape, _OPERATION, _place(salt, value.item(0)))
-        np.multiply(noisy, factors, out=found[self.count :], where=_needs_rounding(noisy))
-        return found
+        return self._perturb(value, _needs_rounding(value), _OPERATION, salt)
 
     def _perturb(self, value: Array, rounded: Array, size: float, salt: str) -> Array:
         """The value with an error in each block but the first where it was rounded, from -1 to -.5

@@ -125,23 +125,6 @@ void main()
         assert (hazard.kind, hazard.evident) == ("division by 0", is_evident)
 
 
-@pytest.mark.parametrize(
-    ("expression", "kind"),
-    [
-        ("sin(9.0 * x)", "sin beyond ±π"),
-        ("float((n + 1) * 1000000000)", "integer overflow"),
-    ],
-)
-def test_what_devices_mostly_do_is_possible_alone(expression: str, kind: str) -> None:
-    (hazard,) = audit(expression).hazards
-    assert (hazard.kind, hazard.evident) == (kind, False)
-
-
-def test_unsigned_integers_wrap_on_purpose() -> None:
-    assert not audit("float(uint(n) * 747796405u >> 24u)").hazards
-    assert not audit("sin(3.0 * x)").hazards
-
-
 def test_ranges_decide() -> None:
     assert not audit("sqrt(v.x)").clean
     assert audit("sqrt(v.x)", (("v", "0..3"),)).clean

@@ -454,10 +454,10 @@ def test_what_is_unknown_is_named_with_its_line() -> None:
     void main() {
         color = vec4(interpolateAtCentroid(a));
     }"""
-    message = r"not interpreted: interpolateAtCentroid at line 4$"
+    message = r"not interpreted: GLSL's InterpolateAtCentroid at line 4$"
     with pytest.raises(NotInterpretedError, match=message):
         interpret(program(text, version="450 core"), INPUTS)
-    with pytest.raises(NotInterpretedError, match="not interpreted: a double at line 2"):
+    with pytest.raises(NotInterpretedError, match="not interpreted: SPIR-V's FConvert at line 2"):
         interpret(program(
             "in vec4 a; out vec4 color; void main() { color = vec4(double(a.x)); }",
             version="450 core",

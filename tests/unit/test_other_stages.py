@@ -129,7 +129,7 @@ def test_stages_are_compared(stage: str, text: str, piece: str, other: str, same
 def test_what_is_not_interpreted_is_named() -> None:
     with pytest.raises(NotInterpretedError, match="sums, which a workgroup shares"):
         audit_program(program(SHARING, "compute"))
-    with pytest.raises(NotInterpretedError, match="barrier at line 6"):
+    with pytest.raises(NotInterpretedError, match="SPIR-V's ControlBarrier at line 6"):
         audit_program(program(BUFFER.replace("    float", "    barrier(); float"), "compute"))
     image = "layout (local_size_x = 1) in;\nlayout (rgba8) uniform image2D i;\n"
     image += "void main() { imageStore(i, ivec2(0), vec4(1.0)); }"

@@ -136,19 +136,6 @@ HANDLERS: Mapping[int, Handler] = {
     **EXTENDED,
 }
 
-NAMES: Mapping[int, str] = {
-    Op.ControlBarrier: "barrier",
-    Op.ImageTexelPointer: "an atomic operation on an image",
-    Op.CopyMemory: "CopyMemory",
-    Op.FConvert: "a double",
-    Op.ImageRead: "imageLoad",
-    Op.ImageWrite: "imageStore",
-    **dict.fromkeys(range(Op.AtomicLoad, Op.AtomicXor + 1), "an atomic operation"),
-    Op.EmitStreamVertex: "EmitStreamVertex",
-    Op.EndStreamPrimitive: "EndStreamPrimitive",
-}
-"""What GLSL calls those that have no handler."""
-
 Leaving = list[tuple[int | None, PathState]]
 """States, each with the label of the block that it goes to; None for one that returns."""
 
@@ -293,5 +280,5 @@ def steps_of(block: list[Instruction]) -> Steps:
 
 
 def _unknown(run: Run, at: Instruction, state: PathState) -> Value:
-    name = NAMES.get(at.op, f"SPIR-V's opcode {at.op}")
-    raise run.program.not_interpreted(name, at.line)
+    name = Op(at.op).name if at.op in set(Op) else f"opcode {at.op}"
+    raise run.program.not_interpreted(f"SPIR-V's {name}", at.line)

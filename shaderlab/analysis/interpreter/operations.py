@@ -346,11 +346,6 @@ _PACKING: Mapping[int, str] = {
     G.UnpackUnorm2x16: "unpackUnorm2x16", G.UnpackHalf2x16: "unpackHalf2x16",
     G.UnpackSnorm4x8: "unpackSnorm4x8", G.UnpackUnorm4x8: "unpackUnorm4x8",
 }  # fmt: skip
-_UNKNOWN: Mapping[int, str] = {
-    G.Modf: "modf", G.Frexp: "frexp", G.PackDouble2x32: "packDouble2x32",
-    G.UnpackDouble2x32: "unpackDouble2x32", G.InterpolateAtCentroid: "interpolateAtCentroid",
-    G.InterpolateAtSample: "interpolateAtSample", G.InterpolateAtOffset: "interpolateAtOffset",
-}  # fmt: skip
 
 
 def _extended(run: Run, at: Instruction, state: PathState) -> Any:
@@ -366,9 +361,8 @@ def _extended(run: Run, at: Instruction, state: PathState) -> Any:
         result: Integer = run.arithmetic.call(function, *values)
         to = run.program.types[at.type].base
         return settle(run, result.convert(not to.signed), state)
-    raise run.program.not_interpreted(
-        _UNKNOWN.get(number, f"GLSL.std.450's instruction {number}"), at.line
-    )
+    name = G(number).name if number in set(G) else f"instruction {number}"
+    raise run.program.not_interpreted(f"GLSL's {name}", at.line)
 
 
 def _settle_parts(run: Run, value: Any, state: PathState) -> Any:
