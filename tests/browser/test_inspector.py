@@ -112,6 +112,26 @@ def test_arrow_keys_move_the_pixel(fresh: Any) -> None:
     assert "the worst" in fresh.locator(f"{CHECK} [data-part=spoken]").text_content()
 
 
+def test_a_tap_on_a_phone_pins_the_pixel(visit: Callable[..., Any], lamp: Sample) -> None:
+    phone = visit(
+        lamp.case("lamp"),
+        CHECK,
+        viewport={"width": 390, "height": 844},
+        has_touch=True,
+        is_mobile=True,
+    )
+    phone.locator(f"{CHECK} [data-do=all]").tap()
+    canvas(phone).scroll_into_view_if_needed()
+    box = canvas(phone).bounding_box()
+    assert box["width"] > 300
+    x, y = 7, 5
+    phone.touchscreen.tap(
+        box["x"] + (x + 0.5) / WIDTH * box["width"],
+        box["y"] + (HEIGHT - y - 0.5) / HEIGHT * box["height"],
+    )
+    assert where(phone).startswith(f"Pixel ({x}, {y})")
+
+
 def test_zoom_keeps_texels_crisp_in_all_pictures(fresh: Any, lamp: Sample) -> None:
     fresh.locator(f"{CHECK} [data-do=worst]").click()
     assert fresh.locator(f"{CHECK} [data-part=zoom]").text_content() != "1×"

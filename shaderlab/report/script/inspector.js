@@ -1,27 +1,20 @@
-// Mouse, pen and fingers on a picture: read, pin, zoom, pan.
+// Mouse, pen and finger on a picture: read, pin, zoom, pan.
 
 /** A press that moves further than this pans; one that does not pins the pixel. */
 const STILL = 4;
 
 function watchPointer(inspector, canvas) {
   const { view } = inspector;
-  const fingers = new Map();
   let start = null;
   let panned = false;
   canvas.addEventListener("pointerdown", (event) => {
     if (event.button) return;
-    fingers.set(event.pointerId, event);
     start = { x: event.clientX, y: event.clientY, centre: view.centre };
-    // A pinch ends without pinning anything.
-    panned = fingers.size > 1;
+    panned = false;
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (fingers.size === 2 && fingers.has(event.pointerId)) {
-      pinch(event);
-      return;
-    }
     if (!start || view.zoom === 1) {
-      if (!panned) inspector.hover(...view.under(event, canvas));
+      inspector.hover(...view.under(event, canvas));
       return;
     }
     const [dx, dy] = [event.clientX - start.x, event.clientY - start.y];
@@ -32,45 +25,12 @@ function watchPointer(inspector, canvas) {
     view.moveTo([start.centre[0] - dx * scale, start.centre[1] + dy * scale]);
     inspector.redraw();
   });
-
-  /** Two fingers: what lies between them stays there, and grows as they part. */
-  function pinch(event) {
-    const apart = () => {
-      const [a, b] = [...fingers.values()];
-      return [Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY),
-        { clientX: (a.clientX + b.clientX) / 2, clientY: (a.clientY + b.clientY) / 2 }];
-    };
-    const [before, middle] = apart();
-    const held = view.under(middle, canvas);
-    fingers.set(event.pointerId, event);
-    const [now, moved] = apart();
-    view.zoomBy(now / Math.max(before, 1), held);
-    const under = view.under(moved, canvas);
-    view.moveTo(view.centre.map((c, n) => c + held[n] - under[n]));
-    inspector.redraw();
-  }
-
   canvas.addEventListener("pointerup", (event) => {
     if (start && !panned) inspector.pin(...view.under(event, canvas));
-    lift(event);
+    start = null;
   });
-  canvas.addEventListener("pointercancel", lift);
-  function lift(event) {
-    fingers.delete(event.pointerId);
-    const [left] = fingers.values();
-    start = left ? { x: left.clientX, y: left.clientY, centre: view.centre } : null;
-    if (!left) panned = false;
-  }
-  // The page scrolls with one finger, and neither scrolls nor zooms with two.
-  for (const name of ["touchstart", "touchmove"]) {
-    canvas.addEventListener(name, (event) => {
-      if (event.touches.length > 1) event.preventDefault();
-    }, { passive: false });
-  }
-  canvas.addEventListener("pointerleave", (event) => {
-    fingers.delete(event.pointerId);
-    if (!start || !panned) inspector.hover(null);
-  });
+  canvas.addEventListener("pointercancel", () => { start = null; });
+  canvas.addEventListener("pointerleave", () => { if (!start) inspector.hover(null); });
   canvas.addEventListener("dblclick", (event) => {
     inspector.zoom(event.shiftKey ? 0.5 : 2, view.under(event, canvas));
   });
@@ -81,6 +41,7 @@ function watchPointer(inspector, canvas) {
     inspector.zoom(2 ** (-event.deltaY / 120), view.under(event, canvas));
   }, { passive: false });
 }
+
 // The pixel inspector: a check's three pictures as canvases that share a window and a cursor.
 class Inspector {
   constructor(group, values) {
@@ -148,51 +109,24 @@ class Inspector {
     }
     this.panel.querySelector('[data-do="worst"]').hidden = !this.worst;
     this.part("partial").hidden = this.values.whole;
-    this.tabs();
     this.channels();
-  }
-
-  /** Where there is no room for three pictures, which one is shown. */
-  tabs() {
-    const show = (what) => {
-      this.group.dataset.shown = what;
-      for (const { canvas } of this.pictures) {
-        const figure = canvas.closest("figure");
-        figure.classList.toggle("is-shown", figure.dataset.picture === what);
-      }
-    };
-    this.part("tabs").append(...this.buttons(this.pictures.map(({ what }) => what), (n) => {
-      show(this.pictures[n].what);
-      this.redraw();
-    }));
-    show(this.pictures[0].what);
-  }
-
-  /** Buttons of which one is pressed, the first to begin with. */
-  buttons(names, press) {
-    const made = names.map((name, n) => {
-      const button = document.createElement("button");
-      button.type = "button";
-      button.textContent = name;
-      button.setAttribute("aria-pressed", String(n === 0));
-      button.addEventListener("click", () => {
-        for (const other of made) other.setAttribute("aria-pressed", String(other === button));
-        press(n);
-      });
-      return button;
-    });
-    return made;
   }
 
   channels() {
     const box = this.part("channels");
     box.hidden = this.values.components === 1;
-    if (box.hidden) return;
-    const names = ["all", ..."rgba".slice(0, this.values.components)];
-    box.append(...this.buttons(names, (n) => {
-      this.look.channel = n - 1;
-      this.repaint();
-    }));
+    ["all", ..."rgba".slice(0, this.values.components)].forEach((name, n) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = name;
+      button.setAttribute("aria-pressed", String(n === 0));
+      button.addEventListener("click", () => {
+        for (const other of box.children) other.setAttribute("aria-pressed", other === button);
+        this.look.channel = n - 1;
+        this.repaint();
+      });
+      box.append(button);
+    });
   }
 
   key(event) {
@@ -260,19 +194,17 @@ class Inspector {
       picture.image = new OffscreenCanvas(image.width, image.height);
       picture.image.getContext("2d").putImageData(image, 0, 0);
     }
-    this.bad = outsidePixels(this.values, this.look.channel);
     drawHistogram(this.part("histogram"), this.values, this.look.channel);
     this.redraw();
   }
 
   redraw() {
     const [x, y] = this.hovered ?? this.pinned;
-    for (const { what, canvas, image } of this.pictures) {
+    for (const { canvas, image } of this.pictures) {
       const ratio = devicePixelRatio || 1;
       canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
       canvas.height = Math.max(1, Math.round(canvas.width * this.view.height / this.view.width));
       const context = this.view.draw(canvas, image, this.values);
-      if (what === "distance") checkOutside(context, this.view, this.bad);
       if (this.worst) ring(context, this.view, this.worst, ratio);
       cross(context, this.view, [x, y], ratio);
       canvas.classList.toggle("is-near", this.view.zoom > 1);

@@ -137,7 +137,7 @@ function pageOf(anchor) {
   return cards.at(-1)?.card.getAttribute("href");
 }
 
-function reveal() {
+async function reveal() {
   // Anchors of this page are plain letters, digits and hyphens.
   const name = location.hash.slice(1);
   // A case's id alone will do, in a link from elsewhere.
@@ -157,27 +157,9 @@ function reveal() {
   }
   if (goal.matches(".check")) {
     goal.querySelector("details").open = true;
-    inspectWorst(goal);
+    await inspectWorst(goal);
   }
-  arriveAt(goal);
-}
-
-/** Scrolls to an element, again while what comes before it gets its size, unless someone else
-    scrolls. */
-function arriveAt(goal) {
-  const theirs = new AbortController();
-  for (const name of ["wheel", "touchstart", "keydown", "pointerdown"]) {
-    addEventListener(name, () => theirs.abort(), { once: true, signal: theirs.signal });
-  }
-  let frames = 30;
-  const again = () => {
-    if (theirs.signal.aborted) return;
-    goal.scrollIntoView({ behavior: "instant" });
-    frames -= 1;
-    if (frames) requestAnimationFrame(again);
-    else theirs.abort();
-  };
-  again();
+  goal.scrollIntoView({ behavior: "instant" });
 }
 addEventListener("hashchange", reveal);
 if (location.hash) reveal();

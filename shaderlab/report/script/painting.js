@@ -17,74 +17,56 @@ function rangeOf(values, channel) {
 }
 
 /**
- * Draws "measured", "reference" or "distance" into an image of one pixel a value.
+ * Draws "measured", "reference" or "distance" into an image of 2 × 2 pixels a value.
  * look: {channel (−1 for all), gain}.
  */
 function paint(values, what, look) {
   const { columns, rows, components } = values;
-  const image = new ImageData(columns, rows);
-  const size = rows * columns;
+  const image = new ImageData(2 * columns, 2 * rows);
   const single = components === 1 ? 0 : look.channel;
   const range = single >= 0 ? rangeOf(values, single) : null;
-  for (let row = 0; row < rows; row += 1) {
-    for (let column = 0; column < columns; column += 1) {
-      const i = row * columns + column;
-      // Images have their top row first.
-      const at = ((rows - 1 - row) * columns + column) * 4;
-      image.data.set(colourAt(values, what, i, size, single, range, look.gain), at);
-      image.data[at + 3] = 255;
+  for (let i = 0; i < rows * columns; i += 1) {
+    const [x, y] = [i % columns, rows - 1 - Math.floor(i / columns)];  // the top row comes first
+    const [even, odd] = colourAt(values, what, i, single, range, look.gain);
+    for (const [dx, dy] of [[0, 0], [1, 0], [0, 1], [1, 1]]) {
+      const colour = dx === dy ? even : odd;
+      image.data.set([...colour, 255], ((2 * y + dy) * 2 * columns + 2 * x + dx) * 4);
     }
   }
   return image;
 }
 
-function colourAt(values, what, i, size, single, range, gain) {
-  if (!(values.flags[i] & 1)) return colours.uncovered;
-  if (what === "distance") return distanceColour(values, i, size, single);
-  const array = values[what];
+/** Two colours, of which a check is made: other than one another where a value is outside. */
+function colourAt(values, what, i, single, range, gain) {
+  const both = (colour) => [colour, colour];
+  if (!(values.flags[i] & 1)) return both(colours.uncovered);
+  const size = values.rows * values.columns;
+  if (what === "distance") {
+    const place = furthestOf(values, i, single);
+    if (!Number.isFinite(place)) return colours.outside;
+    const end = place < 0 ? colours.low : colours.high;
+    return both(colours.middle.map((m, c) => Math.round(m + (end[c] - m) * Math.abs(place))));
+  }
+  const channels = single >= 0 ? [single] : [0, 1, 2].slice(0, values.components);
+  const numbers = channels.map((c) => values[what][c * size + i]);
+  if (!numbers.every(Number.isFinite)) return both(colours.broken);
   if (single >= 0) {
-    const value = array[single * size + i];
-    if (!Number.isFinite(value)) return colours.broken;
-    const span = range[1] - range[0] || 1;
-    const t = Math.max(0, Math.min(1, (value * gain - range[0]) / span));
-    return ramp[Math.round(t * (ramp.length - 1))];
+    const t = (numbers[0] * gain - range[0]) / (range[1] - range[0] || 1);
+    return both(ramp[Math.round(Math.max(0, Math.min(1, t)) * (ramp.length - 1))]);
   }
   const scale = values.unit ? gain : gain * 255;
-  const rgb = [0, 0, 0];
-  for (let c = 0; c < Math.min(3, values.components); c += 1) {
-    const value = array[c * size + i];
-    if (!Number.isFinite(value)) return colours.broken;
-    rgb[c] = Math.round(value * scale);
-  }
-  return rgb;
+  return both([0, 1, 2].map((c) => Math.round((numbers[c] ?? 0) * scale)));
 }
 
-function distanceColour(values, i, size, single) {
+/** The place in its band of the component that is furthest from the middle. */
+function furthestOf(values, i, single) {
   let furthest = 0;
   for (let c = 0; c < values.components; c += 1) {
     if (single >= 0 && c !== single) continue;
-    const place = placeOf(values, c * size + i);
+    const place = placeOf(values, c * values.rows * values.columns + i);
     if (Math.abs(place) > Math.abs(furthest)) furthest = place;
   }
-  if (!Number.isFinite(furthest)) return colours.outside[0];
-  const end = furthest < 0 ? colours.low : colours.high;
-  return colours.middle.map((m, c) => Math.round(m + (end[c] - m) * Math.abs(furthest)));
-}
-
-/** Where the values outside are, as [x, y] in the picture. */
-function outsidePixels(values, single) {
-  const size = values.rows * values.columns;
-  const found = [];
-  for (let i = 0; i < size; i += 1) {
-    for (let c = 0; c < values.components; c += 1) {
-      if ((single < 0 || c === single) && values.flags[c * size + i] & 2) {
-        const x = values.origin[0] + (i % values.columns);
-        found.push([x, values.origin[1] + Math.floor(i / values.columns)]);
-        break;
-      }
-    }
-  }
-  return found;
+  return furthest;
 }
 // One window onto a picture that several canvases share: zoom, pan, and pixels on the screen.
 class View {
@@ -191,16 +173,6 @@ function ring(context, view, [x, y], ratio) {
   }
 }
 
-/** The second colour of the check over values outside, where their squares are large enough. */
-function checkOutside(context, view, pixels) {
-  if (context.canvas.width / view.span[0] < 3) return;
-  context.fillStyle = `rgb(${colours.outside[1].join(" ")})`;
-  for (const [x, y] of pixels) {
-    const [left, top, side] = view.square(x, y, context.canvas);
-    context.fillRect(left, top, side / 2, side / 2);
-    context.fillRect(left + side / 2, top + side / 2, side / 2, side / 2);
-  }
-}
 // How many judged values lie where in their bands, as bars; what is outside stands apart.
 const BINS = 20;
 
