@@ -255,18 +255,14 @@ def judge_unseen_call(
     `gl_calls` for, and all pass.
     """
     if _actions(mutant) == _actions(original):
-        return MutantResult(
-            status="equivalent", by="all that is drawn or written finds the same state"
-        )
+        return MutantResult("equivalent", "all that is drawn or written finds the same state")
     for expectation in scene.expect:
         if isinstance(expectation, GlCalls) and (
             _count_calls(expectation, mutant) != _count_calls(expectation, original)
         ):
             by = f"in the calls of {scene.variant}: {expectation.function}"
-            return MutantResult(status="survived", by=by)
-    return MutantResult(
-        status="no difference", by="the same pixels, and no gl_calls is about these calls"
-    )
+            return MutantResult("survived", by)
+    return MutantResult("no difference", "the same pixels, and no gl_calls is about these calls")
 
 
 def _actions(trace: Sequence[TracedCall]) -> list[tuple[str, str, str]]:

@@ -223,7 +223,7 @@ def _mutant_result(item: ItemResult) -> MutantResult | None:
     if item.status == "error" or item.step == _OPENING:
         return None
     how = "timeout" if item.status == "timeout" else f"crash ({item.message})"
-    return MutantResult(status="killed", by=how)
+    return MutantResult("killed", how)
 
 
 def _describe_failure(item: ItemResult) -> str:

@@ -25,10 +25,11 @@ from shaderlab.compiler.sources import Source
 from shaderlab.engine.catalogue import files_below, is_project_file
 from shaderlab.errors import CaseError, ShaderError, ShaderlabError, require_extra
 from shaderlab.files import display_path
+from shaderlab.functions.checks import split_result
 from shaderlab.functions.evaluation import use_worker
-from shaderlab.functions.library import Function, Library, Loads, record_loads
+from shaderlab.functions.library import Function, Library, Loads, record_loads, record_of_test
 from shaderlab.functions.properties import Domain, bools, floats, hints_of, ints
-from shaderlab.functions.signatures import Signature, Type
+from shaderlab.functions.signatures import Type
 from shaderlab.model.frame import Array
 from shaderlab.mutation.campaign import OPENING_SECONDS, MutationPlan
 from shaderlab.mutation.mutants import Mutant, MutantResult
@@ -102,6 +103,8 @@ class RunTestFile:
         with require_extra("pytest", "running tests of functions"):
             import pytest
 
+            from shaderlab.pytest_plugin import Recorder
+
         linecache.checkcache()
         importlib.invalidate_caches()
         with ExitStack() as stack:
@@ -110,7 +113,8 @@ class RunTestFile:
             loads = stack.enter_context(record_loads(self.texts))
             session = _Session(worker, self.file, self.only)
             stack.enter_context(redirect_stdout(io.StringIO()))
-            pytest.main(self._arguments(), plugins=session.plugins())
+            recorder = Recorder(lambda _, record: session.records.append(record), every=True)
+            pytest.main(self._arguments(), plugins=[session, recorder])
         return TestFileResult(tuple(session.records), loads, session.refused)
 
     def _arguments(self) -> list[str]:
@@ -134,11 +138,6 @@ class _Session:
         self.records: list[Record] = []
         self.refused = False
 
-    def plugins(self) -> list[object]:
-        from shaderlab.pytest_plugin import Recorder
-
-        return [self, Recorder(lambda _, record: self.records.append(record), every=True)]
-
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         """Keep Python's tests: variants of cases have records of their own."""
         items[:] = [
@@ -153,13 +152,9 @@ class _Session:
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         if report.failed:
-            from shaderlab.functions.library import record_of_test
-
-            self.records.append(
-                record_of_test(
-                    str(self._file), "collection", 1, status="error", message=report.longreprtext
-                )
-            )
+            message, file = report.longreprtext, str(self._file)
+            record = record_of_test(file, "collection", 1, status="error", message=message)
+            self.records.append(record)
 
     def pytest_exception_interact(self, call: pytest.CallInfo[Any]) -> None:
         if call.excinfo is not None and isinstance(call.excinfo.value, ShaderError):
@@ -252,18 +247,14 @@ class JudgeFunctionMutant:
         texts = {mutant.source.text: mutant.text}
         result = RunTestFile(self.file, texts, mutant.tests, alike=True).perform(worker)
         if result.refused:
-            return MutantResult(
-                status="invalid", by=f"{display_path(mutant.file)} does not compile"
-            )
+            return MutantResult("invalid", f"{display_path(mutant.file)} does not compile")
         noticed = {record.variant: has_failed(record) for record in result.records}
         names = [name for name, fails in noticed.items() if fails]
         if names:
-            return MutantResult(status="killed", by=", ".join(names), noticed=noticed)
+            return MutantResult("killed", ", ".join(names), noticed=noticed)
         worker.restart_limit()
         found = compare_texts(worker, mutant.source, mutant.text, mutant.used)
-        if found.differs is False:
-            return MutantResult(status="no difference", by=found.note, noticed=noticed)
-        return MutantResult(status="survived", by=found.note, noticed=noticed)
+        return replace(found, noticed=noticed)
 
 
 def _callers(source: Source, result: TestFileResult) -> frozenset[str]:
@@ -278,16 +269,11 @@ def _callers(source: Source, result: TestFileResult) -> frozenset[str]:
     )
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """Whether two texts of a file differ, None where that is undetermined, and why."""
-
-    differs: bool | None
-    note: str
-
-
-def compare_texts(worker: Worker, source: Source, text: str, names: Collection[str]) -> Comparison:
-    """Compare these functions of a source and of another text for it, bit by bit.
+def compare_texts(
+    worker: Worker, source: Source, text: str, names: Collection[str]
+) -> MutantResult:
+    """Compare these functions of a source and of another text for it, bit by bit: "survived" unless
+    they give the same at all arguments that are tried.
 
     A function that reads other samplers than a `sampler2D` can't be called at random arguments.
     """
@@ -297,80 +283,61 @@ def compare_texts(worker: Worker, source: Source, text: str, names: Collection[s
         before, after = (Library(one, "", {}) for one in (source, other))
         for name in sorted(names):
             for signature in before[name].signatures:
-                if not all(map(_is_sampled, _inputs(signature).values())):
+                inputs = {i.name: i.type for i in (*signature.given, *signature.globals)}
+                leaves = [leaf for kind in inputs.values() for _, leaf in kind.leaves("")]
+                if not all(leaf.kind or leaf.name == "sampler2D" for leaf in leaves):
                     untested.append(name)
                     continue
                 types = ", ".join(str(p.type) for p in signature.parameters)
                 pair = before[name][types], after[name][types]
-                for arguments in _arguments(signature, source.text + text):
+                for arguments in _arguments(inputs, source.text + text):
                     count += _SAMPLES
                     if not _same(*pair, arguments):
-                        return Comparison(True, f"{name} gives other values elsewhere")
+                        return MutantResult("survived", f"{name} gives other values elsewhere")
     if untested:
-        return Comparison(
-            None, f"{', '.join(dict.fromkeys(untested))} is not called at other values"
-        )
-    return Comparison(False, f"in {count} inputs of {', '.join(sorted(names))}")
+        shown = ", ".join(dict.fromkeys(untested))
+        return MutantResult("survived", f"{shown} is not called at other values")
+    return MutantResult("no difference", f"in {count} inputs of {', '.join(sorted(names))}")
 
 
-def _inputs(signature: Signature) -> dict[str, Type]:
-    return {one.name: one.type for one in (*signature.given, *signature.globals)}
-
-
-def _is_sampled(kind: Type) -> bool:
-    if kind.members:
-        return all(_is_sampled(its) for _, its in kind.members)
-    return bool(kind.kind) or kind.name == "sampler2D"
-
-
-def _arguments(signature: Signature, text: str) -> Iterator[dict[str, Any]]:
+def _arguments(inputs: Mapping[str, Type], text: str) -> Iterator[dict[str, Any]]:
     rng, hints = np.random.default_rng(0), hints_of(text)
+
+    def sample(kind: Type, bound: float, batch: tuple[int, ...]) -> Any:
+        """Random values of a type, for each element of a batch; an image for a sampler."""
+        if kind.dims and not kind.kind:
+            return [sample(kind.element, bound, batch) for _ in range(kind.dims[0])]
+        if kind.members:
+            return {name: sample(its, bound, batch) for name, its in kind.members}
+        if kind.opaque:
+            return rng.random((4, 4, 4), np.float32)
+        domain: Domain = ints(0 if kind.kind == "uint" else -int(bound), int(bound))
+        if kind.kind in ("bool", "float"):
+            domain = bools() if kind.kind == "bool" else floats(-bound, bound)
+        found = domain.sample(rng, (*(batch or (8,)), *kind.shape), hints)
+        return found if batch else found[-1]
+
     # What is in a struct with samplers has one value for a call.
     for bound in _RANGES:
         yield {
-            name: _sample(kind, bound, () if kind.opaque else (_SAMPLES,), rng, hints)
-            for name, kind in _inputs(signature).items()
+            name: sample(kind, bound, () if kind.opaque else (_SAMPLES,))
+            for name, kind in inputs.items()
         }
 
 
-def _sample(
-    kind: Type, bound: float, batch: tuple[int, ...], rng: np.random.Generator, hints: Array
-) -> Any:
-    """Random values of a type, for each element of a batch; an image for a sampler."""
-    if kind.dims and not kind.kind:
-        return [_sample(kind.element, bound, batch, rng, hints) for _ in range(kind.dims[0])]
-    if kind.members:
-        return {name: _sample(its, bound, batch, rng, hints) for name, its in kind.members}
-    if kind.opaque:
-        return rng.random((4, 4, 4), np.float32)
-    found = _domain(kind, bound).sample(rng, (*(batch or (8,)), *kind.shape), hints)
-    return found if batch else found[-1]
-
-
-def _domain(kind: Type, bound: float) -> Domain:
-    if kind.kind == "bool":
-        return bools()
-    if kind.kind == "float":
-        return floats(-bound, bound)
-    return ints(0 if kind.kind == "uint" else -int(bound), int(bound))
-
-
 def _same(before: Function, after: Function, arguments: dict[str, Array]) -> bool:
+    (signature,) = before.signatures
     try:
-        pair = [_parts(function(**arguments)) for function in (before, after)]
+        pair = [
+            [part.values for part in split_result(signature.outputs, function(**arguments))]
+            for function in (before, after)
+        ]
     except ShaderlabError:
         return False  # only one of them gives a value at all
     return all(
         np.array_equal(np.ma.getmaskarray(a), np.ma.getmaskarray(b))
-        and np.array_equal(np.ma.filled(a, 0), np.ma.filled(b, 0), equal_nan=a.dtype.kind == "f")
+        and np.array_equal(
+            np.ma.filled(a, 0), np.ma.filled(b, 0), equal_nan=np.asarray(a).dtype.kind == "f"
+        )
         for a, b in zip(*pair, strict=True)
     )
-
-
-def _parts(result: Any) -> list[Array]:
-    """The arrays of a result: one, or each that is written; of structs, those of its members."""
-    if isinstance(result, dict):
-        return [part for value in result.values() for part in _parts(value)]
-    if isinstance(result, list | tuple):
-        return [part for value in result for part in _parts(value)]
-    return [result if isinstance(result, np.ma.MaskedArray) else np.asarray(result)]

@@ -5,11 +5,9 @@ from __future__ import annotations
 import functools
 import shutil
 import subprocess
-import tempfile
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 
 from shaderlab.compiler.compile import compile_program, raise_version
 from shaderlab.compiler.glslang import SPIRV_TOOLS_WHEEL, find
@@ -21,18 +19,17 @@ from shaderlab.engine.expectations.gl_call import CallTrace
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.engine.judging.bands import BandCache
 from shaderlab.engine.run import SceneRunner
-from shaderlab.errors import CaseError, ShaderError
+from shaderlab.errors import CaseError, ShaderError, UnsupportedError
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.frame import TracedCall, differ
 from shaderlab.model.scene import Draw, Pixel
 from shaderlab.mutation.call_mutants import judge_unseen_call
 from shaderlab.mutation.mutants import (
+    Effect,
     Mutant,
     MutantResult,
-    PartError,
     Trial,
     part_of,
-    running_unmutated,
     select_scenes,
     with_readers,
 )
@@ -43,6 +40,10 @@ Pair = tuple[Evaluation, Evaluation]
 Judged = Mapping[Named, "frozenset[Pixel] | None"]
 """What expectations read of each output: some pixels, or all of it (None)."""
 _OPTIMISE = ("--strip-debug", "-O", "--compact-ids")
+
+
+class PartError(CaseError):
+    """A part of a case that mutants are judged by does not run unmutated."""
 
 
 class Judge:
@@ -60,7 +61,6 @@ class Judge:
         self._originals = {s.variant: self._evaluate_original(s) for s in self._scenes}
         self._wider = WiderInputs(lab, self._originals)
         self._call_traces: dict[str, Sequence[TracedCall]] = {}
-        self._sound: set[tuple[str, tuple[str, ...], tuple[int, ...]]] = set()
 
     def judge(self, mutant: Mutant) -> MutantResult:
         """Return what came of one mutant.
@@ -72,28 +72,32 @@ class Judge:
         try:
             trials = self.trials(mutant)
             with self._bands.in_use():
-                if trials and trials[0].effect.edit is not None:
-                    return self._judge_call(trials[0])
                 return self._judge_trials(trials)
         except PartError:
             raise
         except ShaderError as error:
-            return MutantResult(status="invalid", by=error.message)
+            return MutantResult("invalid", error.message)
         except Exception as error:
             for trial in trials:
                 self._require_sound(trial)
             # Running the case would end in an error, which does not pass.
-            return MutantResult(status="killed", by=f"{type(error).__name__}: {error}")
+            return MutantResult("killed", f"{type(error).__name__}: {error}")
 
     def trials(self, mutant: Mutant) -> list[Trial]:
         """Return the scenes that a mutant changes, and the expectations that may fail there."""
         trials = []
         for scene in self._scenes:
             effect = mutant.effect(scene)
-            if effect is not None:
-                touched = with_readers(scene, effect.passes)
-                expect = self._concerned(scene, touched, effect.vertex_passes)
-                trials.append(Trial(scene, effect, touched, expect))
+            if effect is None:
+                continue
+            touched = with_readers(scene, effect.passes)
+            programs = self._originals[scene.variant].programs
+            expect = []
+            for index, expectation in enumerate(scene.expect):
+                vertices = expectation.judges_vertices(scene, programs)
+                if expectation.passes(scene) & (effect.vertex_passes if vertices else touched):
+                    expect.append(index)
+            trials.append(Trial(scene, effect, touched, expect))
         return trials
 
     @contextmanager
@@ -114,14 +118,6 @@ class Judge:
         with run as mutant:
             yield mutant, original
 
-    def _judge_call(self, trial: Trial) -> MutantResult:
-        with self.evaluation(trial, everything=True) as (mutant, original):
-            result = self._find_killer(mutant, original) or self._find_change(mutant, original)
-            if result is not None:
-                return result
-            trace = mutant.answer(CallTrace())
-        return judge_unseen_call(trial.scene, trace, self._trace_calls(trial.scene))
-
     def _trace_calls(self, scene: Scene) -> Sequence[TracedCall]:
         if scene.variant not in self._call_traces:
             programs = self._originals[scene.variant].programs
@@ -134,39 +130,32 @@ class Judge:
         changes, be it on other inputs."""
         change: MutantResult | None = None
         for trial in trials:
-            if not trial.expect:
+            edits_call = trial.effect.edit is not None
+            if not trial.expect and not edits_call:
                 continue
-            with self.evaluation(trial) as (mutant, original):
+            trace: Sequence[TracedCall] = ()
+            with self.evaluation(trial, everything=edits_call) as (mutant, original):
                 killed = self._find_killer(mutant, original)
                 if killed is not None:
                     return killed
                 seen = self._find_change(mutant, original)
+                if edits_call and seen is None:
+                    trace = mutant.answer(CallTrace())
+            if edits_call:
+                return seen or judge_unseen_call(trial.scene, trace, self._trace_calls(trial.scene))
             if change is None or (seen is not None and change.unread):
                 change = seen
         if change is None and trials:
             if self._is_same_program(trials[0]):
-                return MutantResult(
-                    status="equivalent", by="its optimised SPIR-V is the original's"
-                )
+                return MutantResult("equivalent", "its optimised SPIR-V is the original's")
             with self.evaluation(trials[0], everything=True) as (mutant, original):
                 change = self._find_change(mutant, original)
         if change is not None:
             return change
         output, tried = self._wider.find_difference(trials, self._prepare)
         if output is None:
-            return MutantResult(status="no difference", by=f"no difference found in {tried} inputs")
+            return MutantResult("no difference", f"no difference found in {tried} inputs")
         return _survived("only on other inputs", output, unread=output not in self._judged)
-
-    def _concerned(self, scene: Scene, touched: set[str], vertex: Collection[str]) -> list[int]:
-        """The expectations that may fail when the `touched` passes draw something else; those of
-        vertex outputs only where the change is in one of the passes `vertex`."""
-        programs = self._originals[scene.variant].programs
-        return [
-            index
-            for index, expectation in enumerate(scene.expect)
-            if expectation.passes(scene)
-            & set(vertex if expectation.judges_vertices(scene, programs) else touched)
-        ]
 
     def _find_killer(self, mutant: Evaluation, original: Evaluation) -> MutantResult | None:
         """Killed by another GL error, or by the first expectation that fails."""
@@ -174,11 +163,10 @@ class Judge:
         drawn = {p.name for p in part.passes}
         errors = {k: v for k, v in original.drawn.gl_errors.items() if k[0] in drawn}
         if mutant.drawn.gl_errors != errors:
-            return MutantResult(status="killed", by=f"{part.variant} · another GL error")
+            return MutantResult("killed", f"{part.variant} · another GL error")
         for expectation in part.expect:
             if mutant.judge(expectation).outcome.status != "pass":
-                by = f"{part.variant} · {expectation.name}"
-                return MutantResult(status="killed", by=by)
+                return MutantResult("killed", f"{part.variant} · {expectation.name}")
         return None
 
     def _find_change(self, mutant: Evaluation, original: Evaluation) -> MutantResult | None:
@@ -204,17 +192,24 @@ class Judge:
         return is_same_program(programs[name][index].sources, original[name][index].sources)
 
     def _require_sound(self, trial: Trial) -> None:
-        """Run the parts of the scene that a trial may need as they are, once each."""
+        """Run the parts of the scene that a trial may need as they are. Raises PartError."""
+        unmutated = replace(trial, effect=Effect(trial.scene, trial.effect.passes))
         for everything in (False, True):
-            part = trial.unmutated.part(everything)
-            key = (part.variant, tuple(p.name for p in part.passes), tuple(trial.expect))
-            if key in self._sound:
-                continue
-            run = self.evaluation(trial.unmutated, everything=everything)
-            with running_unmutated(part), run as (evaluation, _):
-                for expectation in part.expect:
-                    evaluation.judge(expectation)
-            self._sound.add(key)
+            part = unmutated.part(everything)
+            try:
+                with self.evaluation(unmutated, everything=everything) as (evaluation, _):
+                    for expectation in part.expect:
+                        evaluation.judge(expectation)
+            except UnsupportedError:
+                raise
+            except Exception as error:
+                raise PartError(
+                    f"{part.case.id}[{part.variant}]: the passes "
+                    f"{', '.join(p.name for p in part.passes)} do not run by themselves "
+                    f"({type(error).__name__}: {error}), so their mutants can't be judged",
+                    file=part.case.file or None,
+                    remedy="this is a fault of shaderlab, not of the case: please report it",
+                ) from error
 
     def _evaluate_original(self, scene: Scene) -> Evaluation:
         programs = self._lab.prepare_for_opengl(scene)
@@ -257,7 +252,7 @@ class Judge:
 
 def _survived(where: str, output: Named, *, unread: bool) -> MutantResult:
     note = f"{where}: {'.'.join(output)}" + (", which no expectation reads" if unread else "")
-    return MutantResult(status="survived", by=note, unread=unread)
+    return MutantResult("survived", note, unread)
 
 
 def _is_read(output: Named, mutant: Evaluation, original: Evaluation, judged: Judged) -> bool:
@@ -317,14 +312,14 @@ def _optimise(module: bytes) -> bytes:
     command = find_optimiser()
     if command is None:
         return b""
-    with tempfile.TemporaryDirectory() as folder:
-        before, after = Path(folder, "before.spv"), Path(folder, "after.spv")
-        before.write_bytes(module)
-        run = subprocess.run(
-            [command, *_OPTIMISE, str(before), "-o", str(after)],
-            capture_output=True, timeout=20.0, check=False,
-        )  # fmt: skip
-        return after.read_bytes() if run.returncode == 0 else b""
+    run = subprocess.run(
+        [command, *_OPTIMISE, "-", "-o", "-"],
+        input=module,
+        capture_output=True,
+        timeout=20.0,
+        check=False,
+    )
+    return run.stdout if run.returncode == 0 else b""
 
 
 @functools.cache

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from shaderlab.errors import CaseError, UnsupportedError
 from shaderlab.files import display_path
 from shaderlab.model.calls import CallEdit
 from shaderlab.model.case import Case, Scene
@@ -122,36 +120,11 @@ class Trial:
         names |= self.touched if everything else set()
         return part_of(self.effect.scene, with_inputs(self.scene, names), self.expect)
 
-    @property
-    def unmutated(self) -> Trial:
-        return replace(self, effect=Effect(self.scene, self.effect.passes))
-
-
-class PartError(CaseError):
-    """A part of a case that mutants are judged by does not run unmutated."""
-
-
-@contextmanager
-def running_unmutated(part: Scene) -> Iterator[None]:
-    """Raise what goes wrong in the block as a PartError: no mutant is to blame for it."""
-    try:
-        yield
-    except UnsupportedError:
-        raise
-    except Exception as error:
-        raise PartError(
-            f"{part.case.id}[{part.variant}]: the passes "
-            f"{', '.join(p.name for p in part.passes)} do not run by themselves "
-            f"({type(error).__name__}: {error}), so their mutants can't be judged",
-            file=part.case.file or None,
-            remedy="this is a fault of shaderlab, not of the case: please report it",
-        ) from error
-
 
 Status = Literal["killed", "survived", "equivalent", "no difference", "invalid"]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class MutantResult:
     """What came of one mutant.
 

@@ -8,6 +8,7 @@ and each constant of the shader.
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
@@ -23,7 +24,7 @@ from shaderlab.drivers.programs.textures import format_of, shape_of
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.base import Named
 from shaderlab.engine.run import SceneRunner
-from shaderlab.errors import ShaderlabError, UnsupportedError
+from shaderlab.errors import UnsupportedError
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, PassDraw, Texels, differ
 from shaderlab.model.scene import UNIT_SQUARE, Ramp, Target, UniformBuffer
@@ -37,7 +38,7 @@ from shaderlab.model.textures import (
     TextureArray,
     TextureSource,
 )
-from shaderlab.mutation.mutants import Trial, part_of, running_unmutated, with_inputs
+from shaderlab.mutation.mutants import Trial, part_of, with_inputs
 
 _ROUNDS = 6
 _MOST_KEPT = 48  # rounds, each with the pictures of a scene
@@ -76,29 +77,6 @@ class InputRound:
         return replace(scene, passes=passes, expect=()), prepared
 
 
-def _make_round(
-    original: Evaluation, names: Collection[str], program: tuple[str, ...], number: int
-) -> InputRound:
-    """Make round `number` of other inputs of some passes; the first keeps uniforms and ramps.
-
-    They follow from the unmutated scene, so that every mutant of `program` gets the same ones.
-    """
-    maker = _InputMaker(original, number)
-    draws = {
-        (p.name, index): draw
-        for p in original.scene.passes
-        if p.name in names
-        for index, draw in enumerate(original.programs[p.name])
-    }
-    changes = {key: maker.replace_fields(key, draw) for key, draw in draws.items()}
-    targets = maker.targets()
-    probed = next((key for key, draw in draws.items() if draw.draw.shaders == program), None)
-    if probed is not None and draws[probed].draw.compute:
-        probed = None  # its invocations belong together
-    stages = maker.stages(draws[probed]) if probed else ({}, {})
-    return InputRound(changes, targets, probed, *stages)
-
-
 _Known = tuple[InputRound, set[str], _Values]
 """Other inputs, the passes that are drawn with them, and what the case's own shaders make of it."""
 
@@ -108,7 +86,7 @@ class WiderInputs:
 
     def __init__(self, lab: SceneRunner, originals: Mapping[str, Evaluation]) -> None:
         self._lab, self._originals = lab, originals
-        self._rounds: dict[tuple[str, frozenset[str], tuple[str, ...], int], _Known | None] = {}
+        self._round = functools.lru_cache(maxsize=_MOST_KEPT)(self._make_round)
 
     def find_difference(
         self, trials: list[Trial], prepare: Callable[[Trial, Scene], Programs]
@@ -120,47 +98,58 @@ class WiderInputs:
         tried = 0
         for number in range(_ROUNDS if trials else 0):
             trial = trials[number % len(trials)]
-            known = self._round(trial, number)
+            effect, variant = trial.effect, trial.scene.variant
+            known = self._round(variant, effect.passes, effect.program, number)
             if known is None:
                 continue
             inputs, names, expected = known
-            part = part_of(trial.effect.scene, names)
+            part = part_of(effect.scene, names)
             scene, programs = inputs.apply(part, prepare(trial, part))
-            run = self._lab.evaluation(scene, programs, like=self._originals[scene.variant])
+            run = self._lab.evaluation(scene, programs, like=self._originals[variant])
             with run as mutant:  # what goes wrong is the mutant's: the part ran unmutated
-                got = _outputs(mutant, inputs, trial.effect.passes)
+                got = _outputs(mutant, inputs, effect.passes)
             for (output, kind), values in expected.items():
                 if (output, kind) not in got or differ(values, got[output, kind]):
                     return output, tried
-            tried += _count(expected)
+            # Pixels, and runs of a stage.
+            counts = {(name, kind): v[..., 0].size for ((name, _), kind), v in expected.items()}
+            tried += sum(counts.values())
         return None, tried
 
-    def _round(self, trial: Trial, number: int) -> _Known | None:
-        """Other inputs for what a mutant changes; None where it can't be drawn with them."""
-        key = (trial.scene.variant, trial.effect.passes, trial.effect.program, number)
-        if key not in self._rounds:
-            if len(self._rounds) >= _MOST_KEPT:
-                del self._rounds[next(iter(self._rounds))]
-            self._rounds[key] = self._new_round(*key)
-        return self._rounds[key]
-
-    def _new_round(
+    def _make_round(
         self, variant: str, passes: frozenset[str], program: tuple[str, ...], number: int
     ) -> _Known | None:
+        """Make round `number` of other inputs for what a mutant changes; the first keeps uniforms
+        and ramps. None where it can't be drawn with them.
+
+        They follow from the unmutated scene, so that every mutant of `program` gets the same ones.
+        """
         original = self._originals[variant]
         needed = with_inputs(original.scene, passes)
-        inputs = _make_round(original, needed, program, number)
+        maker = _InputMaker(original, number)
+        draws = {
+            (p.name, index): draw
+            for p in original.scene.passes
+            if p.name in needed
+            for index, draw in enumerate(original.programs[p.name])
+        }
+        changes = {key: maker.replace_fields(key, draw) for key, draw in draws.items()}
+        targets = maker.targets()
+        probed = next((key for key, draw in draws.items() if draw.draw.shaders == program), None)
+        if probed is not None and draws[probed].draw.compute:
+            probed = None  # its invocations belong together
+        stages = maker.stages(draws[probed]) if probed else ({}, {})
+        inputs = InputRound(changes, targets, probed, *stages)
         part = part_of(original.scene, needed)
         scene, programs = inputs.apply(part, {n: original.programs[n] for n in needed})
         names = with_inputs(scene, passes)
         programs = {name: programs[name] for name in names}
-        with running_unmutated(part):
-            try:
-                run = self._lab.evaluation(part_of(scene, names), programs, like=original)
-                with run as unmutated:
-                    return inputs, names, _outputs(unmutated, inputs, passes)
-            except ShaderlabError:
-                return None
+        try:
+            run = self._lab.evaluation(part_of(scene, names), programs, like=original)
+            with run as unmutated:
+                return inputs, names, _outputs(unmutated, inputs, passes)
+        except Exception:  # whatever goes wrong without the mutant says nothing of it
+            return None
 
 
 def _outputs(evaluation: Evaluation, inputs: InputRound, passes: Collection[str]) -> _Values:
@@ -181,12 +170,6 @@ def _outputs(evaluation: Evaluation, inputs: InputRound, passes: Collection[str]
             made = session.probe(key, "vertex", [bindings], inputs.vertices)[0].outputs
             found |= {((key[0], name), "vertex"): values for name, values in made.items()}
     return found
-
-
-def _count(values: _Values) -> int:
-    """How many inputs gave these values: pixels, and runs of a stage."""
-    runs = {(name, kind): v[..., 0].size for ((name, _), kind), v in values.items()}
-    return sum(runs.values())
 
 
 def _stored(values: Array, format: str) -> Array:
@@ -219,13 +202,11 @@ class _InputMaker:
             if any(d.state.in_pixels for d in p.draws) and p.target.size:
                 width, height = p.target.size[0] + width // 8, p.target.size[1] + height // 8
             clear = tuple(self._random.uniform(0.0, 1.0, 4).tolist())
-            if any(i.values.dtype.kind in "iu" for i in self._images(p.name)):
+            images = self._original.drawn.images.items()
+            if any(o == p.name and i.values.dtype.kind in "iu" for (o, _), i in images):
                 clear = p.target.clear
             made[p.name] = made.get(p.onto) or replace(p.target, size=(width, height), clear=clear)
         return made
-
-    def _images(self, name: str) -> list[Any]:
-        return [i for (owner, _), i in self._original.drawn.images.items() if owner == name]
 
     def replace_fields(self, key: PassDraw, prepared: PreparedDraw) -> Mapping[str, Any]:
         draw, bindings = prepared.draw, self._original.drawn.bindings[key]
@@ -304,9 +285,9 @@ class _InputMaker:
         return self._spread(size, "float")
 
     def _image(self, held: Texels) -> Array:
-        layers = held.values if held.values.ndim == 4 else held.values[None]
-        made = np.stack([self._texels(layer.shape, held.format) for layer in layers])
-        return made if held.values.ndim == 4 else made[0]
+        if held.values.ndim != 4:
+            return self._texels(held.values.shape, held.format)
+        return np.stack([self._texels(layer.shape, held.format) for layer in held.values])
 
     def _buffer(self, buffer: UniformBuffer) -> UniformBuffer:
         return UniformBuffer(values={n: self._number(v, "") for n, v in buffer.values.items()})

@@ -26,8 +26,8 @@ from shaderlab.mutation import (
     ShaderMutant,
     make_mutants,
 )
-from shaderlab.mutation.judging import Judge
-from shaderlab.mutation.mutants import Effect, PartError
+from shaderlab.mutation.judging import Judge, PartError
+from shaderlab.mutation.mutants import Effect
 from shaderlab.mutation.state_mutants import mutate_state
 
 SHADER = """\
