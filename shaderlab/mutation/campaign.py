@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import contextlib
 import random
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, cast
 
 from shaderlab.engine.jobs import Executor, Request, format_error
 from shaderlab.errors import ShaderlabError
@@ -57,30 +58,25 @@ class MutationPlan:
         return [mutants[i] for i in sorted(numbers)]
 
 
-class MutationTarget(Protocol):
-    """What mistakes are made in, and what judges them: a case, say."""
-
-    @property
-    def file(self) -> Path:
-        """Its file; a worker keeps to the requests of one."""
-
-    @property
-    def id(self) -> str:
-        """What results call it."""
-
-    def make(self) -> Request:
-        """Return the request for its mutants."""
-
-    def judge(self, mutant: Mutant) -> Request:
-        """Return the request for a mutant's `MutantResult`."""
-
-
 @dataclass(frozen=True)
-class CaseTarget:
+class MutationTarget(ABC):
+    """What mistakes are made in, and what judges them: a case, or a file of tests. A worker keeps
+    to the requests of one file; results have its `id`."""
+
     file: Path
     id: str
     plan: MutationPlan
 
+    @abstractmethod
+    def make(self) -> Request:
+        """Return the request for its mutants."""
+
+    @abstractmethod
+    def judge(self, mutant: Any) -> Request:
+        """Return the request for a mutant's `MutantResult`."""
+
+
+class CaseTarget(MutationTarget):
     def make(self) -> MakeMutants:
         return MakeMutants(self.file, self.plan)
 
@@ -100,8 +96,8 @@ class MakeMutants:
         case, plan = worker.case(str(self.file)), self.plan
         if not plan.api:
             return make_mutants(case, plan)
-        lab = worker.lab(RunOptions())
-        return plan.sample(mutate_calls(lab, case, plan.seed, plan.variants))
+        calls = mutate_calls(worker.lab(RunOptions()), case, plan.seed, plan.variants)
+        return plan.sample(calls)
 
 
 @dataclass(frozen=True)
@@ -218,8 +214,7 @@ class MutationRun:
 def _mutant_result(item: ItemResult) -> MutantResult | None:
     """What came of a mutant: one that hangs or crashes is killed. None if the case is at fault."""
     if item.status == "done":
-        result: MutantResult = item.value
-        return result
+        return cast(MutantResult, item.value)
     if item.status == "error" or item.step == _OPENING:
         return None
     how = "timeout" if item.status == "timeout" else f"crash ({item.message})"
@@ -229,6 +224,5 @@ def _mutant_result(item: ItemResult) -> MutantResult | None:
 def _describe_failure(item: ItemResult) -> str:
     if item.status != "error":
         return f"the case itself does not run to its end: {item.message}"
-    if isinstance(item.value, ShaderlabError):
-        return format_error(item)
-    return f"unforeseen {type(item.value).__name__}: {format_error(item)}"
+    unforeseen = not isinstance(item.value, ShaderlabError)
+    return f"unforeseen {type(item.value).__name__}: " * unforeseen + format_error(item)

@@ -8,7 +8,8 @@ everywhere. A mistake there changes no pixel, so that no expectation could notic
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -57,6 +58,7 @@ _OPERANDS = {
     "/": ("factor", "divisor"),
 }
 _COMPOUND = {"+=": "term", "-=": "term", "*=": "factor", "/=": "divisor"}
+_IF = "if_statement"
 # A main that is called by another one, and a last word before the fragment is gone.
 _REPLACED = {
     ("identifier", "main"): "shaderlab_body",
@@ -113,18 +115,19 @@ def wrap_points(text: str) -> tuple[str, list[Point]]:
         if (node.type, file.of(node)) in _REPLACED:
             return _REPLACED[node.type, file.of(node)]
         call = _watched_call(node, file)
-        head = f"{_name(kind)}({number(kind, node)}, " if kind and not _is_plain(node) else ""
+        is_watched = bool(kind) and not _is_plain(node)
+        head = f"shaderlab_{kind}({number(kind, node)}, " if is_watched else ""
         own = number(call, node) if call else None
-        below = _kinds_below(node, file)
+        below = {child.start_byte: kind for child, kind in _watched_children(node, file)}
         parts, at = [], node.start_byte
         for child in node.children:
             parts.append(file.bytes[at : child.start_byte].decode())
             if own is not None and child.type == "argument_list":
                 parts.append(f"({own}, " + render(child)[1:])
             elif own is not None and child == node.child_by_field_name("function"):
-                parts.append(_name(call))
+                parts.append(f"shaderlab_{call}")
             else:
-                parts.append(render(child, below(child)))
+                parts.append(render(child, below.get(child.start_byte, "") * child.is_named))
             at = child.end_byte
         parts.append(file.bytes[at : node.end_byte].decode())
         return head + "".join(parts) + (")" if head else "")
@@ -132,22 +135,14 @@ def wrap_points(text: str) -> tuple[str, list[Point]]:
     return render(file.root), points
 
 
-def _name(kind: str) -> str:
-    return f"shaderlab_{kind}"
-
-
-def _kinds_below(node: Node, file: Syntax) -> Callable[[Node], str]:
-    """What the children of a node are watched as; "" for most."""
-    found = {child.start_byte: kind for child, kind in _watched_children(node, file)}
-    return lambda child: found.get(child.start_byte, "") if child.is_named else ""
-
-
 def _watched_children(node: Node, file: Syntax) -> Iterator[tuple[Node, str]]:
     if node.type == "binary_expression":
         word = file.of(operator_of(node))
         left, right = field_of(node, "left"), field_of(node, "right")
         kinds = _OPERANDS.get(word, ("", ""))
-        if not _continues(left, kinds[0], file):  # of a + b + c, a and b are watched, not their sum
+        inner = file.of(operator_of(left)) if left.type == "binary_expression" else ""
+        # Of a + b + c, a and b are watched, not their sum.
+        if not inner or _OPERANDS.get(inner, ("", ""))[0] != kinds[0]:
             yield left, kinds[0]
         yield right, kinds[1]
     elif node.type == "assignment_expression":
@@ -156,19 +151,8 @@ def _watched_children(node: Node, file: Syntax) -> Iterator[tuple[Node, str]]:
             yield field_of(node, "right"), kind
     elif node.type == "conditional_expression":
         yield field_of(node, "condition"), "condition"
-    elif node.type == "parenthesized_expression" and _is_if(node.parent):
+    elif node.type == "parenthesized_expression" and node.parent and node.parent.type == _IF:
         yield next(child for child in node.children if child.is_named), "condition"
-
-
-def _continues(left: Node, kind: str, file: Syntax) -> bool:
-    """Whether a left operand is a sum or product that the same kind of operator goes on with."""
-    if left.type != "binary_expression":
-        return False
-    return _OPERANDS.get(file.of(operator_of(left)), ("", ""))[0] == kind
-
-
-def _is_if(node: Node | None) -> bool:
-    return node is not None and node.type == "if_statement"
 
 
 def _watched_call(node: Node, file: Syntax) -> str:
@@ -194,13 +178,10 @@ def _is_left_alone(node: Node, file: Syntax, functions: set[str]) -> bool:
     """Whether nothing in a node is watched: constants and what is never called."""
     if node.type == "function_definition":
         return file.of(name_of(node)) not in functions
-    if node.type == "declaration":
-        # Outside of functions, an initialiser has to be a constant expression.
-        outside = node.parent is None or node.parent.type == "translation_unit"
-        return outside or any(
-            child.type == "type_qualifier" and file.of(child) == "const" for child in node.children
-        )
-    return False
+    # Outside of functions, an initialiser has to be a constant expression.
+    outside = node.parent is None or node.parent.type == "translation_unit"
+    words = [file.of(child) for child in node.children if child.type == "type_qualifier"]
+    return node.type == "declaration" and (outside or "const" in words)
 
 
 def instrument(text: str, stage: str, first: int, words: int) -> str:
@@ -239,18 +220,21 @@ def _declarations(first: int, words: int, early: bool) -> Iterator[str]:
     yield f"    shaderlab_own[bit / {WORD}] |= uint(now) << (bit % {WORD});"
     yield "}"
     yield from _wrapper("bool", "condition", ["bool v"], ["v", "!v"], "v")
+    kinds = [*_MATRICES]
     for scalar, vector in _VECTORS.items():
         for size in (1, 2, 3, 4):
             kind = scalar if size == 1 else f"{vector}{size}"
-            yield from _operands(kind)
+            kinds.append(kind)
             yield from _min_max_clamp(kind, kind, size)
             if size > 1:
                 yield from _min_max_clamp(kind, scalar, size)
             if scalar == "float":
                 longer = f"abs(dot(v, v) - 1.0) > {_UNIT}"
                 yield from _wrapper(kind, "normalize", [f"{kind} v"], [longer], "normalize(v)")
-    for kind in _MATRICES:
-        yield from _operands(kind)
+    for kind in kinds:
+        for name in ("term", "factor", "divisor"):
+            items = [f"v != {kind}(0)", f"v != {kind}(1)"]
+            yield from _wrapper(kind, name, [f"{kind} v"], items, "v")
 
 
 def _wrapper(
@@ -263,12 +247,6 @@ def _wrapper(
     yield "}"
 
 
-def _operands(kind: str) -> Iterator[str]:
-    other = [f"v != {kind}(0)", f"v != {kind}(1)"]
-    for name in ("term", "factor", "divisor"):
-        yield from _wrapper(kind, name, [f"{kind} v"], other, "v")
-
-
 def _min_max_clamp(kind: str, other: str, size: int) -> Iterator[str]:
     """max, min and clamp of `kind` against bounds of type `other`."""
 
@@ -279,8 +257,7 @@ def _min_max_clamp(kind: str, other: str, size: int) -> Iterator[str]:
     yield from _wrapper(kind, "max", two, [less("b", "a"), less("a", "b")], "max(a, b)")
     yield from _wrapper(kind, "min", two, [less("a", "b"), less("b", "a")], "min(a, b)")
     below, above = less("x", "low"), less("high", "x")
-    inside = f"!({below}) && !({above})"
-    items = [below, inside, above]
+    items = [below, f"!({below}) && !({above})", above]
     yield from _wrapper(kind, "clamp", three, items, "clamp(x, low, high)")
 
 
@@ -293,12 +270,12 @@ def measure_coverage(lab: SceneRunner, scenes: Iterable[Scene]) -> CodeCoverage:
         UnsupportedError: the driver has no storage buffers, or refuses a watched program.
         ShaderError, CaseError: a scene can't be drawn.
     """
-    seen: dict[tuple[Place, str], bool] = {}
+    seen: Counter[tuple[Place, str]] = Counter()
     case_id = ""
     for scene in scenes:
         case_id = scene.case.id
         for item, now in _see_items(lab, scene):
-            seen[item] = seen.get(item, False) or now
+            seen[item] += now
     gaps = [
         CoverageGap(file=display_path(file), line=line, text=text, what=what)
         for (file, line, _, _, text), what in sorted(s for s, now in seen.items() if not now)

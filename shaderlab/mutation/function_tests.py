@@ -31,7 +31,7 @@ from shaderlab.functions.library import Function, Library, Loads, record_loads, 
 from shaderlab.functions.properties import Domain, bools, floats, hints_of, ints
 from shaderlab.functions.signatures import Type
 from shaderlab.model.frame import Array
-from shaderlab.mutation.campaign import OPENING_SECONDS, MutationPlan
+from shaderlab.mutation.campaign import OPENING_SECONDS, MutationPlan, MutationTarget
 from shaderlab.mutation.mutants import Mutant, MutantResult
 from shaderlab.mutation.shader_mutants import ShaderMutant, mutate_stage
 from shaderlab.report.text import has_failed
@@ -185,21 +185,13 @@ class FunctionMutant(ShaderMutant):
     tests: frozenset[str]
 
 
-@dataclass(frozen=True)
-class TestFileTarget:
-    """A file of tests as a target of mutation; see `campaign.MutationTarget`."""
-
+class TestFileTarget(MutationTarget):
     __test__ = False  # pytest takes it for no test
-
-    file: Path
-    id: str
-    plan: MutationPlan
 
     def make(self) -> MakeFunctionMutants:
         return MakeFunctionMutants(self.file, self.plan)
 
-    def judge(self, mutant: Mutant) -> JudgeFunctionMutant:
-        assert isinstance(mutant, FunctionMutant)
+    def judge(self, mutant: FunctionMutant) -> JudgeFunctionMutant:
         return JudgeFunctionMutant(self.file, mutant)
 
 
