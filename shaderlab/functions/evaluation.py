@@ -10,7 +10,7 @@ import os
 import re
 import threading
 from collections import namedtuple
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ from shaderlab.drivers import Evaluation
 from shaderlab.engine.jobs import Executor, InProcessExecutor, ProcessExecutor
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CallError, ShaderError
-from shaderlab.functions.call import Argument, Call, Textures, build_result, collect_opaque
+from shaderlab.functions.call import Call, Textures, build_result, collect_opaque
 from shaderlab.functions.signatures import PREFIX, Input, Signature, Type, declare, rename
 from shaderlab.model.frame import Array
 from shaderlab.model.options import CALL_LIMITS, RunOptions
@@ -191,10 +191,9 @@ class Preprocess:
 @dataclass(frozen=True)
 class Evaluate:
     """Asks for an evaluation's results, (words, height, width), of inputs (words, height, width).
-    The `versions` of GLSL are tried in turn; one later than the driver's becomes that."""
+    A version of GLSL that is later than the driver's becomes that."""
 
     evaluation: Evaluation
-    versions: tuple[int, ...]
     inputs: Array
     words: int
     note: str
@@ -205,22 +204,16 @@ class Evaluate:
         lab = worker.lab(RunOptions(driver=self.driver))
         results = np.zeros((self.words, *self.inputs.shape[1:]), np.uint32)
         newest = int(lab.backend.info["glsl"].replace(".", "")[:3])
-        refused: ShaderError | None = None
-        for version in self.versions:
-            passes = tuple(
-                (as_version(s, min(version, newest)), n) for s, n in self.evaluation.passes
-            )
-            evaluation = replace(self.evaluation, passes=passes)
-            try:
-                lab.backend.evaluate(evaluation, self.inputs, results)
-            except ShaderError as error:
-                refused = refused or error
-            else:
-                return results
-        assert refused is not None
-        for source, _ in self.evaluation.passes:  # glslang's words are the better ones
-            cached_compiler()((source,), ("glsl",)).require()
-        raise refused
+        passes = tuple(
+            (as_version(s, min(s.version[0], newest)), n) for s, n in self.evaluation.passes
+        )
+        try:
+            lab.backend.evaluate(replace(self.evaluation, passes=passes), self.inputs, results)
+        except ShaderError:
+            for source, _ in passes:  # glslang's words are the better ones
+                cached_compiler()((source,), ("glsl",)).require()
+            raise
+        return results
 
 
 def as_version(source: Source, version: int) -> Source:
@@ -233,45 +226,17 @@ class Caller:
     """A worker that stays warm. One call at a time."""
 
     def __init__(self, executor: Executor, driver: str | None = None) -> None:
-        self._driver = driver
+        self.driver = driver
+        self.close = executor.close
         self._executor = executor
         self._lock = threading.Lock()
 
-    def preprocess(self, source: Source) -> str:
-        """A source's text after the preprocessor. Raises ShaderError, CallError."""
-        text: str = self._perform(Preprocess(source), f"preprocessing {source.path}")
-        return text
-
-    def evaluate(
-        self,
-        evaluation: Evaluation,
-        versions: tuple[int, ...],
-        arguments: Sequence[Argument],
-        batch: tuple[int, ...],
-        words: int,
-        what: str,
-    ) -> Array:
-        """Return the results for arguments that are broadcast to `batch`: (words, count) of uint32.
-        `versions` are those of GLSL to try, `what` names the evaluation in messages.
+    def perform(self, request: Any, what: str) -> Any:
+        """Return what a request gives; `what` names it in messages.
 
         Raises:
-            ShaderError, CaseError, CallError: as `shaderlab.drivers.Backend.evaluate`; it hangs,
-                or takes its process down.
+            ShaderError, CaseError, CallError: as the request; it hangs, or takes its process down.
         """
-        width, height = evaluation.size
-        layers = sum(argument.type.words for argument in arguments)
-        inputs, at = np.zeros((layers, height, width), np.uint32), 0
-        for argument in arguments:
-            argument.fill(inputs[at:], batch)
-            at += argument.type.words
-        request = Evaluate(evaluation, versions, inputs, words, what, self._driver)
-        results: Array = self._perform(request, what)
-        return results.reshape(words, -1)[:, : math.prod(batch)]
-
-    def close(self) -> None:
-        self._executor.close()
-
-    def _perform(self, request: Any, what: str) -> Any:
         with self._lock:
             (result,) = self._executor.perform([request])
         if result.status == "done":
@@ -318,18 +283,23 @@ def _process_caller() -> Caller:
 
 _MAX_SIDE = 16384
 _WIDTH = 4096
-_WORDS = 1 << 23
-"""Words of inputs and outputs that are evaluated at a time: more would only take more memory."""
 _NEWEST, _OLDEST = 450, 330
+# Names that became words of the language in between, where they are no qualifiers.
+_TAKEN_LATER = re.compile(
+    r"\b(?:buffer|coherent|patch|precise|readonly|resource|restrict|sample|shared|writeonly)\b"
+    r"(?!\s*\w)"
+)
 
 
 def evaluate(source: Source, folder: str, call: Call) -> Any:
     """The results of a call of one of a file's functions.
 
     Raises:
-        ShaderError, CaseError, CallError: as `Caller.evaluate`.
+        ShaderError, CaseError, CallError: as `Caller.perform` and `shaderlab.drivers.Backend`.
     """
     signature, count = call.signature, math.prod(call.batch)
+    if count > _WIDTH * _MAX_SIDE:
+        raise CallError(f"{signature.name}: {count} elements are too many for one call")
     inputs = (*signature.given, *signature.globals)
     numbers = [i for i in inputs if i.name in call.values]
     kernel = Kernel(
@@ -338,27 +308,18 @@ def evaluate(source: Source, folder: str, call: Call) -> Any:
         tuple(i for i in numbers if not call.values[i.name].varies),
         tuple(i for i in inputs if i.name in call.opaque),
     )
-    varying = [call.values[i.name] for i in kernel.varying]
-    evaluation = _evaluation(source, folder, call, kernel)
-
-    def run(arguments: Sequence[Argument], batch: tuple[int, ...]) -> Array:
-        what = f"{signature.name} of {source.path}"
-        sized = replace(evaluation, size=_grid(batch) or _fold(math.prod(batch)))
-        words = kernel.result_words
-        return get_caller().evaluate(sized, glsl_versions(source), arguments, batch, words, what)
-
-    chunk = max(_WORDS // (kernel.planes + kernel.result_words), 1)
-    if not count:
-        results = np.zeros((kernel.result_words, 0), np.uint32)
-    elif count <= chunk or (signature.per_pixel and _grid(call.batch)):
-        results = run(varying, call.batch)
-    else:
-        parts = []
-        for start in range(0, count, chunk):
-            some = np.arange(start, min(start + chunk, count))
-            taken = [_part(argument, call.batch, some) for argument in varying]
-            parts.append(run(taken, some.shape))
-        results = np.concatenate(parts, axis=1)
+    results = np.zeros((kernel.result_words, 0), np.uint32)
+    if count:
+        width, height = _grid(call.batch)
+        layers, at = np.zeros((kernel.planes, height, width), np.uint32), 0
+        for one in kernel.varying:
+            call.values[one.name].fill(layers[at:], call.batch)
+            at += one.type.words
+        caller, what = get_caller(), f"{signature.name} of {source.path}"
+        evaluation = replace(_evaluation(source, folder, call, kernel), size=(width, height))
+        request = Evaluate(evaluation, layers, kernel.result_words, what, caller.driver)
+        made: Array = caller.perform(request, what)
+        results = made.reshape(kernel.result_words, -1)[:, :count]
     return _results(call, results)
 
 
@@ -387,20 +348,23 @@ def _evaluation(source: Source, folder: str, call: Call, kernel: Kernel) -> Eval
     )
 
 
-def glsl_versions(source: Source) -> tuple[int, ...]:
-    """The versions of GLSL that a file may be compiled as: its own if that is a desktop version,
-    else a late one, or an early one where it has names that later ones took."""
+def has_version(source: Source) -> bool:
+    return any(version_of(strip_comments(text)) for _, text in source.parts)
+
+
+def glsl_version(source: Source, code: str) -> int:
+    """The version of GLSL that code of a file is compiled as: the file's own if that is a desktop
+    version, else a late one, or an early one where it has names that later ones took."""
     number, profile = source.version
-    if profile == "es":
-        return (_NEWEST,)
-    has_own = any(version_of(strip_comments(text)) for _, text in source.parts)
-    return (max(number, _OLDEST),) if has_own else (_NEWEST, _OLDEST)
+    if profile != "es" and has_version(source):
+        return max(number, _OLDEST)
+    return _OLDEST if profile != "es" and _TAKEN_LATER.search(code) else _NEWEST
 
 
 @lru_cache(maxsize=256)
 def build_passes(source: Source, kernel: Kernel) -> tuple[tuple[Source, int], ...]:
     """The kernel's shaders, each with how many words it writes; their lines are the file's."""
-    version = glsl_versions(source)[0]
+    version = glsl_version(source, kernel.signature.code)
     code, here = kernel.signature.code, source.place(kernel.signature.line)
     found = []
     for first in range(0, max(kernel.result_words, 1), MAX_WORDS):
@@ -440,22 +404,10 @@ def _mask(value: Any, kept: Array) -> Any:
     return np.ma.array(array, mask=np.broadcast_to(mask, array.shape))
 
 
-def _grid(batch: tuple[int, ...]) -> tuple[int, int] | None:
-    """The (width, height) of a grid with a pixel for each element, neighbours beside each other;
-    None where it would be too large."""
-    width = batch[-1] if batch else 1
-    height = math.prod(batch[:-1])
-    return (width, height) if 0 < max(width, height) <= _MAX_SIDE else None
-
-
-def _fold(count: int) -> tuple[int, int]:
-    """The (width, height) of a grid with a pixel for each element, neighbours anywhere."""
-    width = min(_WIDTH, count)
+def _grid(batch: tuple[int, ...]) -> tuple[int, int]:
+    """The (width, height) of a grid with a pixel for each element: neighbours beside each other, or
+    anywhere where it would be too large."""
+    count, width = math.prod(batch), batch[-1] if batch else 1
+    if max(width, count // width) > _MAX_SIDE:
+        width = _WIDTH
     return width, -(-count // width)
-
-
-def _part(given: Argument, batch: tuple[int, ...], some: Array) -> Argument:
-    """An argument for some of the elements, by their numbers."""
-    places = np.unravel_index(some, batch)
-    leaves = tuple(np.broadcast_to(leaf, (*batch, leaf.shape[-1]))[places] for leaf in given.leaves)
-    return Argument(given.type, some.shape, leaves)

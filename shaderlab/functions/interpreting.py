@@ -19,7 +19,13 @@ from shaderlab.analysis.interpreter import Program, load
 from shaderlab.analysis.requests import ShaderOfFile
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, suggest
-from shaderlab.functions.evaluation import Preprocess, as_version, glsl_versions, local_name
+from shaderlab.functions.evaluation import (
+    Preprocess,
+    as_version,
+    glsl_version,
+    has_version,
+    local_name,
+)
 from shaderlab.functions.library import with_version
 from shaderlab.functions.signatures import (
     PREFIX,
@@ -34,23 +40,19 @@ if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
 
 
-@dataclass(frozen=True)
-class EntryPoint:
-    """A function with a `main` that calls it once; a source for each version of GLSL to try."""
-
-    signature: Signature
-    sources: tuple[Source, ...]
+EntryPoint = tuple[Signature, Source]
+"""A function, and its file with a `main` that calls it once."""
 
 
-def find_entry_points(
-    source: Source, preprocessed: str, versions: Sequence[int]
-) -> list[EntryPoint]:
+def find_entry_points(written: Source, worker: Worker) -> list[EntryPoint]:
     """The functions that a file defines itself, not in what it includes, in order.
 
     Raises:
-        ShaderError: its brackets do not match.
+        ShaderError: its brackets do not match, or it has no function.
     """
-    known = read_declarations(preprocessed)
+    worker.note("preprocessing")
+    source = with_version(written)
+    known = read_declarations(Preprocess(source).perform(worker))
     taken = {name for one in known.all for name in one.declares}
     own_file = source.parts[0][0] if source.parts else source.path
     places = [(*source.place(n + 1), 1) for n in range(source.text.count("\n") + 1)]
@@ -63,10 +65,12 @@ def find_entry_points(
         lines = LineMap.of(places + [(*place, 1)] * added.count("\n"))
         text = f"{source.text}\n{added}"
         made = replace(source, stage="fragment", text=text, lines=lines, stripped=None)
-        # A file with a version keeps it.
-        several = [as_version(made, n) for n in versions] if len(versions) > 1 else [made]
-        found.append(EntryPoint(signature, tuple(several)))
-    return sorted(found, key=lambda one: one.signature.line)
+        if not has_version(written):
+            made = as_version(made, glsl_version(written, made.code))
+        found.append((signature, made))
+    if not found:
+        raise ShaderError("there is no function in it, and no main", file=own_file)
+    return sorted(found, key=lambda one: one[0].line)
 
 
 def _main_lines(signature: Signature, taken: Collection[str]) -> Iterator[str]:
@@ -146,20 +150,20 @@ class AuditFunctions:
 
     def perform(self, worker: Worker) -> list[Audit]:
         found, refused = [], []
-        functions = _functions(worker, self.shader)
+        functions = find_entry_points(self.shader.source("fragment"), worker)
         _check_ranges(self.plan.ranges, functions)
-        for function in functions:
-            worker.note(f"interpreting {function.signature.name}")
+        for signature, source in functions:
+            name = signature.name
+            worker.note(f"interpreting {name}")
             try:
-                program = _program(function)
+                program = load(source)
                 audit = audit_program(program, _plan_of(self.plan, program))
             except UsageError:
                 raise
             except ShaderlabError as error:
-                why = f"{self.shader.file.path}: {function.signature.name}: {error}"
+                why = f"{self.shader.file.path}: {name}: {error}"
                 refused.append(Audit(file=self.shader.file.path, hazards=(), tried=0, refused=why))
                 continue
-            name = function.signature.name
             inputs = {f"{name}: {word}": role for word, role in audit.inputs.items()}
             spreads = tuple(replace(s, output=f"{name}: {s.output}") for s in audit.spreads)
             found.append(replace(audit, inputs=inputs, spreads=spreads))
@@ -175,21 +179,22 @@ class CompareFunctions:
     plan: ComparisonPlan
 
     def perform(self, worker: Worker) -> list[Answer]:
-        old, new = (_functions(worker, shader) for shader in (self.old, self.new))
+        files = self.old, self.new
+        old, new = (find_entry_points(shader.source("fragment"), worker) for shader in files)
         _check_ranges(self.plan.ranges, [*old, *new])
-        others = {str(one.signature): one for one in new}
+        others = {str(signature): source for signature, source in new}
         outputs: list[OutputAnswer] = []
         inputs: dict[str, str] = {}
         notes: list[str] = []
-        for one in old:
-            other = others.pop(str(one.signature), None)
+        for signature, source in old:
+            other = others.pop(str(signature), None)
             if other is None:
-                outputs.append(OutputAnswer(name=str(one.signature), why="missing"))
+                outputs.append(OutputAnswer(name=str(signature), why="missing"))
                 continue
-            worker.note(f"interpreting {one.signature.name}")
-            name = one.signature.name
+            name = signature.name
+            worker.note(f"interpreting {name}")
             try:
-                pair = _program(one), _program(other)
+                pair = load(source), load(other)
                 answer = compare_programs(*pair, _plan_of(self.plan, *pair))
             except UsageError:
                 raise
@@ -204,41 +209,16 @@ class CompareFunctions:
             notes += [f"{name}: {note}" for note in answer.notes]
             inputs |= {f"{name}: {word}": role for word, role in answer.inputs.items()}
         notes += [f"only {self.new.file.path} has {signature}" for signature in others]
-        files = {"old": self.old.file.path, "new": self.new.file.path}
-        return [Answer(**files, outputs=tuple(outputs), notes=tuple(notes), inputs=inputs)]
-
-
-def _functions(worker: Worker, shader: ShaderOfFile) -> list[EntryPoint]:
-    worker.note("preprocessing")
-    written = shader.source("fragment")
-    source = with_version(written)
-    found = find_entry_points(source, Preprocess(source).perform(worker), glsl_versions(written))
-    if not found:
-        raise ShaderError("there is no function in it, and no main", file=shader.file.path)
-    return found
-
-
-def _program(function: EntryPoint) -> Program:
-    """The function's shader, of the first version of GLSL that takes it.
-
-    Raises:
-        ShaderError: none takes it; the first error.
-    """
-    errors = []
-    for source in function.sources:
-        try:
-            return load(source)
-        except ShaderError as error:
-            errors.append(error)
-    raise errors[0]
+        names = {"old": self.old.file.path, "new": self.new.file.path}
+        return [Answer(**names, outputs=tuple(outputs), notes=tuple(notes), inputs=inputs)]
 
 
 def _check_ranges(ranges: Mapping[str, str], functions: Sequence[EntryPoint]) -> None:
     """Raise UsageError where a range is of an input that no function has."""
     known: set[str] = set()
-    for function in functions if ranges else ():
+    for _, source in functions if ranges else ():
         with contextlib.suppress(ShaderlabError):
-            known |= inputs_of(_program(function)).keys()
+            known |= inputs_of(load(source)).keys()
     for name in unknown_names(list(ranges), known):
         raise UsageError(f"no function takes {name!r}", remedy=suggest(name, known))
 

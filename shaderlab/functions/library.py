@@ -23,7 +23,7 @@ from shaderlab.files import display_path
 from shaderlab.functions import checks
 from shaderlab.functions.call import Call, bind_arguments, replace_arguments
 from shaderlab.functions.checks import CallLaw
-from shaderlab.functions.evaluation import evaluate, get_caller
+from shaderlab.functions.evaluation import Preprocess, evaluate, get_caller
 from shaderlab.functions.signatures import Signature, find_signatures, read_declarations
 from shaderlab.model.records import Outcome, ProgramRecord, Record, SourceText, Status
 
@@ -350,7 +350,7 @@ class Library:
 
     @cached_property
     def _functions(self) -> dict[str, list[Signature]]:
-        text = get_caller().preprocess(self._read)
+        text = get_caller().perform(Preprocess(self._read), f"preprocessing {self._read.path}")
         try:
             return find_signatures(read_declarations(text))
         except ShaderError as error:
