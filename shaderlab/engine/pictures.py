@@ -124,12 +124,12 @@ class PictureWriter:
 
         Args:
             label: distinguishes this comparison from others of the scene.
-            arrays: as in `Judgement.pictures`; nothing is written if there are none.
+            arrays: as in `Judgement.pictures`.
             worst: the pixel to keep where only a part of the numbers is kept.
             passed: writes the measured values' picture alone: the page draws the others, which
                 look the same and pale, from the numbers.
         """
-        if self._folder is None or not arrays:
+        if self._folder is None:
             return PictureFiles()
         names = ("measured",) if passed else ("measured", "reference")
         shown = {what: np.asarray(arrays[what]) for what in names}

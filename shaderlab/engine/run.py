@@ -227,13 +227,14 @@ class SceneRunner:
         try:
             judgement = evaluation.judge(expectation)
             outcome = judgement.outcome
-            with phase("picture"), record.notice_if_unwritable():
-                files = pictures.write_comparison(
-                    f"{index}-{expectation.name}",
-                    judgement.pictures,
-                    outcome.worst.pixel if outcome.worst else None,
-                    passed=outcome.status == "pass",
-                )
+            if judgement.pictures is not None and self.options.picture_folder is not None:
+                with phase("picture"), record.notice_if_unwritable():
+                    files = pictures.write_comparison(
+                        f"{index}-{expectation.name}",
+                        judgement.pictures(),
+                        outcome.worst.pixel if outcome.worst else None,
+                        passed=outcome.status == "pass",
+                    )
         except ShaderlabError as error:  # in a picture: of values that nothing else looked at
             judgement = _failed_judgement(expectation, error)
             outcome = judgement.outcome

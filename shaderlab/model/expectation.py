@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -40,20 +40,18 @@ class Read:
 class Judgement:
     """One expectation judged.
 
-    `pictures` has "measured" and "reference" (height, width, components) and "distance"
-    (height, width: the distance in half band widths, NaN where nothing was judged), or is empty
-    where the judged values are not a picture. The numbers behind them are there too: "exact" (the
-    reference, unrounded), "low", "high" and "outside" in the shape of "measured", "covered"
-    (height, width), and "unit", the size of one code of a fixed-point format or 0. "measured" and
-    "covered" are arrays; the others become arrays, or parts of them (`[ys, xs]`), when they are
-    used.
+    `pictures` makes arrays: "measured" and "reference" (height, width, components) and "distance"
+    (height, width: the distance in half band widths, NaN where nothing was judged). The numbers
+    behind them are there too: "exact" (the reference, unrounded), "low", "high" and "outside" in
+    the shape of "measured", "covered" (height, width), and "unit", the size of one code of a
+    fixed-point format or 0. None where the judged values are not a picture.
 
     `output` is the output that a shader assigns, by its draw and its own name; the report shows
     the line where it does.
     """
 
     outcome: Outcome
-    pictures: Mapping[str, Any] = field(default_factory=dict)
+    pictures: Callable[[], Mapping[str, Any]] | None = None
     curve: Curve | None = None
     plot: Plot | None = None
     output: tuple[PassDraw, str] | None = None

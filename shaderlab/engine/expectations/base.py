@@ -15,7 +15,7 @@ from shaderlab.drivers.programs.prepare import Preparer, describe_draw
 from shaderlab.errors import CaseError, suggest
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Programs, Read, TypedNeed
-from shaderlab.model.frame import Bindings, PassDraw
+from shaderlab.model.frame import Answer, Bindings, PassDraw
 from shaderlab.model.records import Verdict
 from shaderlab.model.scene import Pass, Pixel
 
@@ -56,15 +56,16 @@ class Context:
 
 
 @dataclass(frozen=True)
-class SessionQuery(TypedNeed[Any]):
+class SessionQuery(TypedNeed[Answer]):
     """What the session answers to a question: one of `shaderlab.drivers.QUERIES`,
     and its arguments."""
 
     question: str
     about: tuple[Hashable, ...]
 
-    def answer(self, context: Context) -> Any:
-        return context.session.query(self.question, *self.about)
+    def answer(self, context: Context) -> Answer:
+        found: Answer = context.session.query(self.question, *self.about)
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)

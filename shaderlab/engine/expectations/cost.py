@@ -76,8 +76,10 @@ class Cost(Expectation):
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         for row in self.series.values():
             for names in row.values():
-                for name in names:
-                    yield SessionQuery("time", (scene.find_pass(name).name, self.repeats))
+                yield from (self._timing(scene.find_pass(name).name) for name in names)
+
+    def _timing(self, pass_name: str) -> SessionQuery[Timing]:
+        return SessionQuery("time", (pass_name, self.repeats))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         rows = []
@@ -85,10 +87,7 @@ class Cost(Expectation):
         for number in sorted({n for row in self.series.values() for n in row}):
             for label, row in self.series.items():
                 if number in row:
-                    taken = [
-                        frame.answer(SessionQuery("time", (name, self.repeats)))
-                        for name in row[number]
-                    ]
+                    taken = [frame.answer(self._timing(name)) for name in row[number]]
                     best[label, number] = sum(min(t.seconds) for t in taken)
                     rows.append(self._row(label, number, taken))
         wrong = [row.label for row in rows if not row.ok]

@@ -6,7 +6,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Any, ClassVar
+from typing import ClassVar, Generic
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from shaderlab.errors import CaseError, suggest
 from shaderlab.model.calls import COUNTERS, GL_ERRORS, error_name
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs, Read
-from shaderlab.model.frame import AttributeReading, BlockReading, Frame, PassDraw
+from shaderlab.model.frame import Answer, AttributeReading, BlockReading, Frame, PassDraw
 from shaderlab.model.records import Row
 from shaderlab.model.state import check_choice
 
@@ -23,13 +23,13 @@ from .needs import CapturedFragments
 
 
 @dataclass(frozen=True, kw_only=True)
-class DriverAnswer(DrawExpectation):
+class DriverAnswer(DrawExpectation, Generic[Answer]):
     """An expectation of what the session answers to one query about a draw."""
 
     query_name: ClassVar[str]
     query_arguments: ClassVar[tuple[str, ...]] = ()
 
-    def query(self, scene: Scene) -> SessionQuery:
+    def query(self, scene: Scene) -> SessionQuery[Answer]:
         """The query: its name, the draw, and further arguments, which are fields."""
         arguments: list[Hashable] = [getattr(self, name) for name in self.query_arguments]
         return SessionQuery(self.query_name, (self.key(scene), *arguments))
@@ -42,12 +42,12 @@ class DriverAnswer(DrawExpectation):
         return self.judge_rows(rows, message, judged=len(rows))
 
     @abstractmethod
-    def compare(self, answer: Any) -> tuple[list[Row], str]:
+    def compare(self, answer: Answer) -> tuple[list[Row], str]:
         """Compare the answer with what is expected; return a table, and what is wrong or ""."""
 
 
 @dataclass(frozen=True)
-class AttributeLayout(DriverAnswer):
+class AttributeLayout(DriverAnswer[Mapping[str, AttributeReading]]):
     """OpenGL reads each attribute at (offset, stride) or (offset, stride, divisor), in bytes.
 
     OpenGL is asked for GL_VERTEX_ATTRIB_ARRAY_POINTER, _STRIDE and _DIVISOR; a matrix is read where
@@ -93,7 +93,7 @@ class AttributeLayout(DriverAnswer):
 
 
 @dataclass(frozen=True)
-class BlockLayout(DriverAnswer):
+class BlockLayout(DriverAnswer[Mapping[str, BlockReading]]):
     """The members of a uniform block lie at these offsets, and it takes `size` bytes.
 
     Members are named as in `UniformBuffer`. Both the lab's layout and the driver's are judged;
@@ -147,7 +147,7 @@ class BlockLayout(DriverAnswer):
 
 
 @dataclass(frozen=True)
-class Query(DriverAnswer):
+class Query(DriverAnswer[int]):
     """A draw makes the driver count exactly this much, or at least or at most so much.
 
     The pass is drawn once more with a query around the draw, earlier draws having filled the
@@ -196,7 +196,7 @@ class Query(DriverAnswer):
 
 
 @dataclass(frozen=True)
-class GlError(DriverAnswer):
+class GlError(DriverAnswer[Sequence[int]]):
     """The draw raises this error ("invalid_operation", …); any other error fails the case."""
 
     kind = "GL error"
@@ -223,7 +223,7 @@ class GlError(DriverAnswer):
 
 
 @dataclass(frozen=True, kw_only=True)
-class InactiveUniforms(DriverAnswer):
+class InactiveUniforms(DriverAnswer[Mapping[str, int]]):
     """Of all uniforms that a draw's program declares, exactly these have location −1."""
 
     kind = "inactive uniforms"

@@ -79,8 +79,11 @@ class Exact(OutputExpectation):
         )
         if not outside and not self.pictured:
             return Judgement(outcome=outcome)
-        distance = np.where(same, 0.0, np.inf)
-        pictures = {"measured": values, "reference": wanted, "distance": distance}
+
+        def pictures() -> dict[str, Array]:
+            distance = np.where(same, 0.0, np.inf)
+            return {"measured": values, "reference": wanted, "distance": distance}
+
         return Judgement(outcome=outcome, pictures=pictures)
 
     def expected(self, values: Array, scene: Scene, frame: Frame) -> Array:

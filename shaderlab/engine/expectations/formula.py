@@ -3,6 +3,7 @@ vertex, or along one input."""
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
@@ -27,8 +28,6 @@ from shaderlab.model.records import Curve, Outcome, Row
 from shaderlab.model.scene import UniformValue
 
 Reference = Callable[..., Any]
-Part = tuple[slice, slice]
-WHOLE: Part = (slice(None), slice(None))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,73 +123,37 @@ class Formula(ReferenceExpectation):
         if status == "pass" and not all(row.ok for row in rows):
             status, message = "fail", "an independent implementation is outside the band"
         covered, image = subject.covered, subject.image
-        pictures: Mapping[str, Any] = {}
+        pictures = None
         if image is not None and covered is not None:
-            pictures = _pictures(image, covered, banded)
+            pictures = functools.partial(_pictures, image, covered, banded)
         return self.judgement(
             scene, banded, (status, message), rows, covered=covered, pictures=pictures
         )
 
 
 def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
-    def laid_out(values: Array, nothing: float) -> Array | PixelMap:
-        if len(values) == covered.size:
-            return values.reshape(*covered.shape, -1)
-        return PixelMap(covered, values.__getitem__, nothing)
-
-    def reference(rows: Array | slice) -> Array:
-        exact = banded.reference[rows]
-        kind = image.values.dtype
-        return np.nan_to_num(np.rint(exact)).astype(kind) if kind.kind in "iu" else exact
-
-    return {
-        "measured": np.asarray(laid_out(banded.measured, 0)),
-        "reference": PixelMap(covered, reference, 0),
-        "distance": PixelMap(covered, lambda rows: banded.signed_distances()[rows], np.nan),
-        "covered": covered,
-        "exact": PixelMap(covered, banded.reference.__getitem__, np.nan),
-        "low": laid_out(banded.low, np.nan),
-        "high": laid_out(banded.high, np.nan),
-        "outside": laid_out(~banded.inside, False),
-        "unit": np.asarray(banded.unit or 0.0),
-    }
-
-
-@dataclass(frozen=True)
-class PixelMap:
-    """Values of covered pixels, as far as they are needed: `pixel_map[ys, xs]`, or all of them as
-    an array (height, width, …).
-
-    Attributes:
-        covered: booleans, (height, width).
-        values: gives those of some of the covered pixels, by their numbers along rows, ascending;
-            `slice(None)` are all.
-        nothing: what stands at the others.
-    """
-
-    covered: Array
-    values: Callable[[Array | slice], Array]
-    nothing: float
-
-    def __getitem__(self, part: Part) -> Array:
-        where = self.covered[part]
-        found = self.values(slice(None) if part == WHOLE else self._numbers(part))
-        shape = (*where.shape, *found.shape[1:])
-        if len(found) == where.size:  # as most draws have it: nothing need be copied
-            return found.reshape(shape)
-        full = np.full(shape, self.nothing, found.dtype)
-        full[where] = found
+    def lay_out(values: Array, nothing: float) -> Array:
+        shape = (*covered.shape, *values.shape[1:])
+        if len(values) == covered.size:  # as most draws have it: nothing need be copied
+            return values.reshape(shape)
+        full = np.full(shape, nothing, values.dtype)
+        full[covered] = values
         return full
 
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
-        return self[WHOLE] if dtype is None else self[WHOLE].astype(dtype)
-
-    def _numbers(self, part: Part) -> Array:
-        rows, columns = part
-        before = np.count_nonzero(self.covered[: rows.start])
-        here = self.covered[rows]
-        counted = before + np.cumsum(here).reshape(here.shape)
-        return counted[:, columns][here[:, columns]] - 1
+    reference = banded.reference
+    if image.values.dtype.kind in "iu":
+        reference = np.nan_to_num(np.rint(reference)).astype(image.values.dtype)
+    return {
+        "measured": lay_out(banded.measured, 0),
+        "reference": lay_out(reference, 0),
+        "distance": lay_out(banded.signed_distances(), np.nan),
+        "covered": covered,
+        "exact": lay_out(banded.reference, np.nan),
+        "low": lay_out(banded.low, np.nan),
+        "high": lay_out(banded.high, np.nan),
+        "outside": lay_out(~banded.inside, False),
+        "unit": np.asarray(banded.unit or 0.0),
+    }
 
 
 @dataclass(frozen=True)

@@ -63,8 +63,9 @@ class BoundedValues:
     def widths_at(self, row: int, component: int) -> float:
         """One value's distance in half widths, as `Band.widths` has it."""
         at = row, slice(component, component + 1)
-        low, high = (bound[at].astype(np.float64) for bound in (self.low, self.high))
-        return float(widths(low, high, self.inside[at], self.measured[at], self.unit or 0.0)[0])
+        return float(
+            self._widths(self.low[at], self.high[at], self.measured[at], self.inside[at])[0]
+        )
 
     def signed_distances(self) -> Floats:
         """Of each row's components the largest distance, as (count,): negative below the middle,
@@ -82,52 +83,40 @@ class BoundedValues:
         return signed
 
     def blocks(self) -> Iterator[tuple[int, Distances]]:
-        """The first row and the distances of each block: at most 1 inside, at least 1 outside.
-        The next block may overwrite the array."""
+        """The first row and the distances of each block: at most 1 inside, at least 1 outside."""
         alike = self.measured.dtype == self.low.dtype == self.high.dtype == np.float32
-        count, components = self.measured.shape
-        scratch = np.empty((3, min(BLOCK, count) if alike else 0, components), np.float32)
-        for start in range(0, count, BLOCK):
+        for start in range(0, len(self.measured), BLOCK):
             rows = slice(start, start + BLOCK)
             block = self.low[rows], self.high[rows], self.measured[rows], self.inside[rows]
-            distance: Distances | None = _narrow(*block[:3], scratch) if alike else None
+            distance: Distances | None = _narrow(*block[:3]) if alike else None
             if distance is None:
                 distance = self._widths(*block)
             elif not block[3].all():
                 beyond = ~block[3]
                 distance = distance.astype(np.float64)
                 distance[beyond] = self._widths(*(array[beyond] for array in block))
-            yield start, distance
+            # NaN is inside only where it is legal.
+            yield start, np.where(block[3], np.minimum(distance, 1.0), np.maximum(distance, 1.0))
 
     def _widths(
         self, low: Array, high: Array, value: Array, inside: npt.NDArray[np.bool_]
     ) -> Floats:
-        # NaN is inside only where it is legal.
         bounds = low.astype(np.float64), high.astype(np.float64)
-        distance = widths(*bounds, inside, value, self.unit or 0.0)
-        return np.where(inside, np.minimum(distance, 1.0), np.maximum(distance, 1.0))
+        return widths(*bounds, inside, value, self.unit or 0.0)
 
 
 @np.errstate(all="ignore")
-def _narrow(low: Array, high: Array, value: Array, scratch: Array) -> Distances | None:
+def _narrow(low: Array, high: Array, value: Array) -> Distances | None:
     """Distances of float32 values inside float32 bounds, to a few units of the last place of 1;
     None where a band is wider than float32 can hold."""
-    distance: Distances
-    whole, distance, below = scratch[:, : len(value)]
-    np.subtract(high, low, out=whole)
+    whole = high - low
     if not whole.max() < np.inf:  # NaN too
         return None
     # How far from either bound: exact where bounds are close to each other, and the same in size
     # for a value and a band mirrored at zero.
-    np.subtract(value, low, out=distance)
-    np.subtract(high, value, out=below)
-    distance -= below
-    np.abs(distance, out=distance)
-    distance /= whole
+    distance: Distances = np.abs((value - low) - (high - value)) / whole
     # A band without width, or without an end, has no distance inside but 0.
-    np.fmax(distance, 0.0, out=distance)
-    np.minimum(distance, 1.0, out=distance)
-    return distance
+    return np.fmax(distance, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
