@@ -292,7 +292,7 @@ class InputSearch:
             each[name] = domain.clip(np.where(moves, values + step, values))
         keep_in_order(each, self._domains)
         for name, one_input in self._inputs.items():  # integers are sampled anew here and there
-            if one_input.workgroup is None and one_input.whole and name in each:
+            if one_input.whole and name in each:
                 values, domain = each[name], self._domains[name]
                 fresh = rng.integers(int(domain.low), int(domain.high) + 1, values.shape)
                 each[name] = np.where(rng.random(values.shape) < 0.3, fresh, values)

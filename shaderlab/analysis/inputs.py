@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,7 +18,6 @@ from .batches import InputBatch, quads_of
 from .interpreter import Program
 from .interpreter.interpret import interface_name
 from .interpreter.program import INPUTS
-from .interpreter.values import NUMBERS, number_invocations
 
 _RANGE = re.compile(r"//.*?\brange:\s*(\S+)\s*\.\.\s*(\S+)")
 _UNIT = re.compile(r"//.*?\brange:\s*unit\b")
@@ -35,13 +33,11 @@ class Input:
         name: as the interpreter takes it: "lights[0].color".
         type: GLSL's name of it: "vec3", "sampler2D".
         uniform: whether all invocations of a draw have the same.
-        workgroup: of what numbers a compute stage's invocations, the size of their workgroup.
     """
 
     name: str
     type: str
     uniform: bool
-    workgroup: tuple[int, int, int] | None = None
 
     @property
     def whole(self) -> bool:
@@ -63,8 +59,7 @@ def inputs_of(program: Program) -> dict[str, Input]:
                 continue
             type_, uniform = type_name(module, leaf.type), storage != StorageClass.Input
             for each in _elements(unwrap(module, leaf.type)[0], leaf.name):
-                size = program.local_size if each in NUMBERS else None
-                found[each] = Input(each, type_, uniform, size)
+                found[each] = Input(each, type_, uniform)
     return found
 
 
@@ -186,10 +181,7 @@ _ORDERS = (
     ("cutoff", "outercutoff"), ("far", "near"), ("max", "min"), ("high", "low"), ("end", "start"),
     ("edge1", "edge0"), ("most", "least"),
 )  # fmt: skip
-WORKGROUPS = 4
-"""Workgroups of a compute stage in each direction."""
 _BUILT_IN = {
-    "gl_NumWorkGroups": (WORKGROUPS, WORKGROUPS),
     "gl_FrontFacing": (0.0, 1.0), "gl_PointCoord": (0.0, 1.0), "gl_PrimitiveID": (0.0, 64.0),
     "gl_InstanceID": (0.0, 8.0), "gl_InstanceIndex": (0.0, 8.0), "gl_SampleID": (0.0, 3.0),
 }  # fmt: skip
@@ -243,10 +235,6 @@ def _assume_domain(one: Input) -> InputDomain:
     words = words_of(one.name)
     if "sampler" in one.type:
         return InputDomain("texture")
-    if one.workgroup is not None:
-        local = max(one.workgroup) if one.type == "uvec3" else math.prod(one.workgroup)
-        groups = 1 if "Local" in one.name else WORKGROUPS
-        return InputDomain("number", 0.0, groups * (1 if "Group" in one.name else local) - 1.0)
     if one.name in _BUILT_IN:
         return InputDomain("number", *_BUILT_IN[one.name])
     if "mat" in one.type:
@@ -332,12 +320,9 @@ def sample_inputs(
     rng = np.random.default_rng([19, seed])
     each: dict[str, Array] = {}
     textures: dict[str, Texels] = {}
-    size = None
     for name, one in inputs.items():
         domain = domains[name]
-        if one.workgroup:
-            size = one.workgroup
-        elif domain.kind == "texture":
+        if domain.kind == "texture":
             textures[name] = _texture(one, rng)
         elif name in ("gl_VertexID", "gl_VertexIndex"):
             each[name] = np.arange(count, dtype=np.int64)[:, None]
@@ -347,9 +332,6 @@ def sample_inputs(
             each[name] = _matrices(one.type, domain, count, rng)
         else:
             each[name] = _numbers(one.type, domain, count, rng)
-    if size is not None:
-        groups = rng.integers(0, WORKGROUPS, (count, 3))
-        each |= number_invocations(size, groups, rng.integers(0, size, (count, 3)))
     keep_in_order(each, domains)
     if "gl_FragCoord" not in each:
         each["gl_FragCoord"] = _places(count, rng)  # of derivatives' neighbours
@@ -407,6 +389,7 @@ def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Genera
     q = q * np.sign(np.linalg.det(q))[:, None, None] if turn == 3 else q
     if domain.kind == "affine":
         q = q * rng.uniform(0.4, 2.5, (count, 1, turn))
+    if domain.kind == "affine" and size == 4:
         found[:, :3, 3] = rng.uniform(-4.0, 4.0, (count, 3))
     found[:, :turn, :turn] = q
     return found.astype(np.float32)

@@ -262,6 +262,7 @@ def test_captured_inputs_are_varied_and_stay_what_they_are() -> None:
             uniforms={
                 "model": move,
                 "turn": turn,
+                "stretch": turn * np.float32(2.0),
                 "far": np.float32([1.0]),
                 "near": np.float32([0.9]),
                 "count": np.int32([3]),
@@ -272,6 +273,7 @@ def test_captured_inputs_are_varied_and_stay_what_they_are() -> None:
     roles = learn_domains([given])
     assert {name: role.kind for name, role in roles.items()} == {
         "normal": "unit", "uv": "number", "model": "affine", "turn": "rotation",
+        "stretch": "affine",
         "far": "number", "near": "number",
     }  # fmt: skip
     found = vary_inputs(given, roles, 1).each
