@@ -47,12 +47,6 @@ def gl_constant(word: str) -> int:
     return number
 
 
-def make_call(name: str, *given: Any) -> None:
-    """Make a call that `drivers.gl_state` describes."""
-    function = getattr(GL, f"gl{name}")
-    function(*(gl_constant(each) if isinstance(each, str) else each for each in given))
-
-
 def c_strings(texts: Sequence[str]) -> Any:
     """Return texts as C takes an array of them."""
     array = (ctypes.c_char_p * len(texts))(*(text.encode() for text in texts))
