@@ -84,7 +84,10 @@ class VertexArray:
 
 def make_vertex_array(program: Program, mesh: Mesh | None) -> VertexArray:
     """Make a vertex array of `mesh` for `program`, or one of three vertices without attributes.
-    Raises DriverError: a buffer can't be mapped."""
+
+    Raises:
+        DriverError: a buffer can't be mapped.
+    """
     indices = None if mesh is None or mesh.indices is None else DeviceBuffer(mesh.indices)
     glo = int(GL.glGenVertexArrays(1))
     GL.glBindVertexArray(glo)
@@ -170,8 +173,11 @@ def _point_attribute(
 
 
 def write_mapped(target: int, whole: bytes) -> None:
-    """Fill the buffer that is bound to a target. Raises DriverError: it can't be mapped, or its
-    contents are lost."""
+    """Fill the buffer that is bound to a target.
+
+    Raises:
+        DriverError: it can't be mapped, or its contents are lost.
+    """
     address = GL.glMapBufferRange(target, 0, len(whole), GL.GL_MAP_WRITE_BIT)
     if not address:
         raise DriverError(f"the driver does not map a buffer of {len(whole)} bytes")
@@ -196,8 +202,11 @@ class UniformBuffers:
         self, program: Program, draw: PreparedDraw, uniforms: Mapping[str, Array]
     ) -> Iterator[str]:
         """Bind a buffer to each uniform block of a program; yields the blocks without any effect.
-        Raises CaseError: two programs that share a buffer lay it out differently; DriverError: the
-        driver lays a block out differently."""
+
+        Raises:
+            CaseError: two programs that share a buffer lay it out differently.
+            DriverError: the driver lays a block out differently.
+        """
         for point, (name, block) in enumerate(bind.uniform_blocks(draw.interface).items()):
             index = find_block(program, block)
             if index is None:
@@ -220,7 +229,10 @@ class UniformBuffers:
 
 def bind_storage_buffer(program: Program, block: Block, buffer: DeviceBuffer, point: int) -> None:
     """Bind a buffer to a storage block of a program; a module says the block's binding itself.
-    Raises DriverError: the driver lays the block out differently."""
+
+    Raises:
+        DriverError: the driver lays the block out differently.
+    """
     if isinstance(program, SpirvProgram):
         buffer.bind("shader_storage_buffer", block.binding or 0)
         return
@@ -266,8 +278,11 @@ def read_block(program: Program, block: Block) -> BlockReading:
 
 
 def check_layout(program: Program, block: Block) -> None:
-    """Compare the lab's layout of an active block with the driver's. Raises DriverError: they
-    disagree."""
+    """Compare the lab's layout of an active block with the driver's.
+
+    Raises:
+        DriverError: they disagree; names the first member that lies elsewhere.
+    """
     reading, of_uniforms = read_block(program, block), block.kind == "uniform"
     layout = "std140" if of_uniforms else "std430"
     remedy = f"declare the block layout ({layout}), so that its layout is fixed"

@@ -219,9 +219,12 @@ class Linker(ProgramCache[Program]):
     def link(self, stages: Mapping[str, str], *, feedback: Sequence[str] = ()) -> Program:
         """Link a program of these stages (text by "vertex", "tess_control", …, or "compute").
 
-        `feedback` are the vertex outputs to be captured by transform feedback. Raises ShaderError:
-        the driver refuses the program; UnsupportedError: it can't become SPIR-V, or what is to be
-        captured can't."""
+        `feedback` are the vertex outputs to be captured by transform feedback.
+
+        Raises:
+            ShaderError: the driver refuses the program.
+            UnsupportedError: it can't become SPIR-V, or what is to be captured can't.
+        """
 
         def link() -> Program:
             with phase("link"):
@@ -280,8 +283,11 @@ def _make_program(program: int, stages: Mapping[str, str] | Mapping[str, bytes])
 
 
 def modules_of(stages: Sequence[Source]) -> tuple[Mapping[str, bytes], Interface]:
-    """Compile a program to modules for OpenGL by stage; returns its interface, too. Raises
-    UnsupportedError: it can't become SPIR-V."""
+    """Compile a program to modules for OpenGL by stage; returns its interface, too.
+
+    Raises:
+        UnsupportedError: it can't become SPIR-V; it may still be plain GLSL.
+    """
     compiled = cached_compiler()(stages, ("glsl", "opengl"))
     try:
         compiled.require()

@@ -140,8 +140,11 @@ class RenderTarget(Attachments):
         return self._target.samples
 
     def texture(self, name: str, *, sampled: bool = False) -> DeviceTexture:
-        """A colour attachment, or "depth", as a texture; `sampled`: that of all samples. Raises
-        UnsupportedError: it is kept in a way that no sampler can read."""
+        """A colour attachment, or "depth", as a texture; `sampled`: that of all samples.
+
+        Raises:
+            UnsupportedError: it is kept in a way that no sampler can read.
+        """
         if name in self.colors:
             if sampled:
                 return self._sampled[list(self.colors).index(name)]
@@ -269,7 +272,10 @@ def read_samples(
     device: Device, texture: DeviceTexture, size: tuple[int, int], samples: int
 ) -> Array:
     """Read all samples of a float or normalised texture, as float32 (samples, height, width, 4).
-    Raises UnsupportedError: the driver can't fetch single samples."""
+
+    Raises:
+        UnsupportedError: the driver can't fetch single samples.
+    """
     try:
         program = link_texts({"vertex": COVERING, "fragment": _FETCH})
     except ShaderError as error:
@@ -311,8 +317,11 @@ class Attached:
 
 
 def attach_depth(framebuffer: int, target: Target, size: tuple[int, int]) -> Attached:
-    """Give a framebuffer the depth of a target, and stencil if the format has it. Raises
-    UnsupportedError: the driver can't draw with such a format."""
+    """Give a framebuffer the depth of a target, and stencil if the format has it.
+
+    Raises:
+        UnsupportedError: the driver can't draw with such a format.
+    """
     word, samples = target.depth, target.samples
     assert word is not None
     made_as = depth_storage(word)
@@ -347,8 +356,11 @@ def attach_depth(framebuffer: int, target: Target, size: tuple[int, int]) -> Att
 
 
 def read_depth(framebuffer: int, target: Target, name: str, size: tuple[int, int]) -> Image:
-    """ "depth" as float32 in 0…1, or "stencil" as bytes: (height, width, 1). Raises
-    UnsupportedError: the target has several samples a pixel."""
+    """ "depth" as float32 in 0…1, or "stencil" as bytes: (height, width, 1).
+
+    Raises:
+        UnsupportedError: the target has several samples a pixel.
+    """
     if target.samples:
         raise multisampled_error(name)
     assert target.depth is not None
