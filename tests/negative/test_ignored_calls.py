@@ -34,7 +34,7 @@ def always_copied(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(
         buffers,
         "_fill_buffer",
-        lambda parts, mesh: filled(parts, replace(mesh, upload="data")),
+        lambda d, parts, mesh: filled(d, parts, replace(mesh, upload="data")),
     )
 
 
@@ -48,7 +48,9 @@ def always_anew(patch: pytest.MonkeyPatch) -> None:
     """Each draw has its mesh uploaded again."""
 
     def made(self: Any, program: Any, mesh: Any) -> Any:
-        self._arrays[len(self._arrays), 0] = found = buffers.make_vertex_array(program, mesh)
+        self._arrays[len(self._arrays), 0] = found = buffers.make_vertex_array(
+            self.device, program, mesh
+        )
         return found
 
     patch.setattr(drawing.Drawing, "_vertex_array", made)
@@ -77,10 +79,7 @@ def depth_in_textures(patch: pytest.MonkeyPatch) -> None:
 
 def nothing_without_a_location(patch: pytest.MonkeyPatch) -> None:
     """A uniform without a location is not set."""
-    set_uniform = linking._set_uniform
-    patch.setattr(
-        linking, "_set_uniform", lambda at, *rest: None if at < 0 else set_uniform(at, *rest)
-    )
+    patch.setattr(linking, "_set_nowhere", lambda program, array: None)
 
 
 def as_many_buffers_as_frames(patch: pytest.MonkeyPatch) -> None:

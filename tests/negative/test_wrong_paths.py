@@ -161,8 +161,8 @@ def uniform(change: Callable[[str, Any], Any]) -> Plant:
     def plant(patch: pytest.MonkeyPatch) -> None:
         before = drawing.set_uniforms
 
-        def changed(program: Any, values: Mapping[str, Any], *declared: Any) -> list[str]:
-            return before(program, {name: change(name, v) for name, v in values.items()}, *declared)
+        def changed(program: Any, values: Mapping[str, Any]) -> list[str]:
+            return before(program, {name: change(name, v) for name, v in values.items()})
 
         patch.setattr(drawing, "set_uniforms", changed)
 
@@ -175,8 +175,8 @@ def text(pattern: str, new: str) -> Plant:
     def plant(patch: pytest.MonkeyPatch) -> None:
         before = linking.link_modules
 
-        def changed(texts: Mapping[str, str], feedback: Any) -> Any:
-            return before({s: re.sub(pattern, new, t) for s, t in texts.items()}, feedback)
+        def changed(device: Any, texts: Mapping[str, str], feedback: Any) -> Any:
+            return before(device, {s: re.sub(pattern, new, t) for s, t in texts.items()}, feedback)
 
         patch.setattr(linking, "link_modules", changed)
 
@@ -211,11 +211,11 @@ def method(owner: Any, name: str, make: Callable[[Any], Any]) -> Plant:
 
 
 def _swapped(before: Any) -> Any:
-    def changed(self: Any, locations: Mapping[str, int]) -> None:
-        found = dict(locations)
+    def changed(program: Any, names: Any) -> dict[str, int]:
+        found = before(program, names)
         if {"color", "marks"} <= found.keys():
             found["color"], found["marks"] = found["marks"], found["color"]
-        before(self, found)
+        return dict(found)
 
     return changed
 
@@ -270,7 +270,7 @@ FAULTS: Mapping[str, tuple[Plant, str, bool]] = {
     "no perspective": (
         text(r"(in|out) vec2 uv", r"noperspective \1 vec2 uv"), "sheet.marks", False),
     "the outputs exchanged": (
-        method(target.RenderTarget, "bind", _swapped), "sheet.marks", True),
+        method(drawing, "output_locations", _swapped), "sheet.marks", True),
     "cleared to another colour": (
         call("glClearBufferfv", lambda what, n, at: (what, n, at + np.float32(0.25) * (at != 0))),
         "sheet.color", False),

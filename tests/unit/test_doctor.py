@@ -58,13 +58,13 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     real = importlib.metadata.version
 
     def version(name: str) -> str:
-        if name == "PyOpenGL":
+        if name == "moderngl":
             raise importlib.metadata.PackageNotFoundError(name)
         return "0.1" if name == "rich" else real(name)
 
     monkeypatch.setattr(importlib.metadata, "version", version)
     found = {finding.name: finding for finding in examine()}
-    assert not found["PyOpenGL"].ok and "pip install 'PyOpenGL" in found["PyOpenGL"].remedy
+    assert not found["moderngl"].ok and "pip install 'moderngl" in found["moderngl"].remedy
     assert not found["rich"].ok and found["rich"].found.startswith("0.1 (wanted: >=")
     assert doctor()[0] == 1
 

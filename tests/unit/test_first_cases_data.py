@@ -68,7 +68,7 @@ def test_importing_all_cases_touches_no_device() -> None:
     program = (
         "import sys; from pathlib import Path; from shaderlab.engine.catalogue import load_cases;"
         f"load_cases([Path(p) for p in {[str(f) for f in FILES]!r}]);"
-        "print(sorted({'glcontext', 'OpenGL', 'colour', 'OpenImageIO'} & set(sys.modules)))"
+        "print(sorted({'moderngl', 'OpenGL', 'colour', 'OpenImageIO'} & set(sys.modules)))"
     )
     done = subprocess.run(
         [sys.executable, "-c", program],

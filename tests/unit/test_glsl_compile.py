@@ -432,6 +432,6 @@ def test_importing_loads_no_library() -> None:
         "import sys, shaderlab.compiler.compile, pathlib\n"
         "maps = pathlib.Path('/proc/self/maps').read_text()\n"
         "assert 'glslang' not in maps and 'SPIRV' not in maps\n"
-        "assert 'glcontext' not in sys.modules\n"
+        "assert 'moderngl' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)

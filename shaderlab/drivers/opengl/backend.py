@@ -28,10 +28,10 @@ from ..programs.prepare import Programs
 from ..programs.stages import PREFIX
 from ..programs.storage import capture_invocations
 from . import calls, drawing, linking, tracing
-from .buffers import DeviceBuffer, read_block, read_layout
+from .buffers import read_block, read_layout
 from .device import GL, Device, gl_constant
 from .drawing import Drawing, drain_errors, evaluate, submit
-from .linking import Linker
+from .linking import Linker, uniform_location
 
 # Source: OpenGL 4.6 core profile specification, tables 4.1 and 4.2; ARB_pipeline_statistics_query.
 _SPELT = {"geometry_primitives_emitted": "geometry_shader_primitives_emitted"}
@@ -46,7 +46,7 @@ def count_events(drawing: Drawing, key: PassDraw, counter: str) -> int:
         UnsupportedError: the driver does not count this.
     """
     device = drawing.device
-    if counter not in _ALWAYS and _STATISTICS not in device.extensions:
+    if counter not in _ALWAYS and _STATISTICS not in device.context.extensions:
         raise UnsupportedError(f"counting {counter}: the driver has no {_STATISTICS}")
     made, what = np.atleast_1d(GL.glGenQueries(1)), gl_constant(_SPELT.get(counter, counter))
     try:
@@ -87,7 +87,7 @@ def find_locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
     draw = drawing.programs[key[0]][key[1]]
     program = drawing.linker.link(draw.texts)
     return {
-        name: program.location(name)
+        name: uniform_location(program, name)
         for name in draw.interface.uniforms
         if not name.startswith(PREFIX)
     }
@@ -159,16 +159,16 @@ class OpenGLBackend(DeviceBackend):
     @contextmanager
     def storage(self, count: int) -> Iterator[Callable[[], Array]]:
         for name in ("GL_ARB_shader_storage_buffer_object", "GL_ARB_shader_image_load_store"):
-            if name not in self.device.extensions:
+            if name not in self.device.context.extensions:
                 raise UnsupportedError(f"storage buffers: this driver lacks {name}")
-        buffer = DeviceBuffer(np.zeros(count, np.uint32))
+        buffer = self.device.context.buffer(np.zeros(count, np.uint32))
 
         def read() -> Array:
             GL.glMemoryBarrier(GL.GL_BUFFER_UPDATE_BARRIER_BIT)
             return np.frombuffer(buffer.read(), np.uint32)
 
         try:
-            buffer.bind("shader_storage_buffer", 0)
+            buffer.bind_to_storage_buffer(0)
             yield read
         finally:
             buffer.release()
@@ -178,4 +178,6 @@ class OpenGLBackend(DeviceBackend):
             evaluate(self.device, self._linker, evaluation, inputs, outputs)
 
     def close(self) -> None:
+        # What outlives the context would be deleted by its number, in the context of another lab.
+        self.device.context.gc_mode = None
         self.device.context.release()

@@ -7,6 +7,7 @@ import ctypes
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,35 +19,25 @@ from shaderlab.model.scene import UniformBuffer
 
 from ..programs import bind
 from ..programs.prepare import PreparedDraw
-from .device import GL, c_strings, gl_constant
-from .linking import Attribute, Program, SpirvProgram, read_resource
+from .device import GL, Device, gl_constant
+from .linking import has_names, read_resource
 
-_KINDS = {"f": GL.GL_FLOAT, "i": GL.GL_INT, "u": GL.GL_UNSIGNED_INT}
-_INDICES = {1: GL.GL_UNSIGNED_BYTE, 2: GL.GL_UNSIGNED_SHORT, 4: GL.GL_UNSIGNED_INT}  # by bytes
+_KINDS = {"f": 0x1406, "i": 0x1404, "u": 0x1405}
+_INDICES = {1: 0x1401, 2: 0x1403, 4: 0x1405}  # GL_UNSIGNED_BYTE, _SHORT and _INT, by bytes
 
 
 class DeviceBuffer:
-    """A buffer, empty until it is filled; it stays until it is released."""
+    """A buffer that is made without any contents; moderngl's always reserves some. It is deleted
+    when nothing refers to it any more, as moderngl's objects are."""
 
-    def __init__(self, data: bytes | bytearray | Array | None = None) -> None:
+    def __init__(self, device: Device) -> None:
         self.glo = int(GL.glGenBuffers(1))
-        self.size = 0
-        if data is not None:
-            self.size = data.nbytes if isinstance(data, np.ndarray) else len(data)
-            GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self.glo)
-            content = data if isinstance(data, np.ndarray) else bytes(data)
-            GL.glBufferData(GL.GL_ARRAY_BUFFER, self.size, content, GL.GL_STATIC_DRAW)
+        self._device = device
 
-    def bind(self, target: str, point: int) -> None:
-        """Bind all of it to a numbered place of "uniform_buffer" and its like."""
-        GL.glBindBufferRange(gl_constant(target), point, self.glo, 0, self.size)
-
-    def read(self) -> bytes:
-        """Read its contents."""
-        data = np.zeros(self.size, np.uint8)
-        GL.glBindBuffer(GL.GL_ARRAY_BUFFER, self.glo)
-        GL.glGetBufferSubData(GL.GL_ARRAY_BUFFER, 0, self.size, data)
-        return data.tobytes()
+    def __del__(self) -> None:
+        context = self._device.context
+        if context.gc_mode == "context_gc":  # see Device.make_current
+            context.objects.append(self)
 
     def release(self) -> None:
         """Delete it."""
@@ -56,67 +47,58 @@ class DeviceBuffer:
 @dataclass(frozen=True)
 class VertexArray:
     """A vertex array with the buffers that it reads, for one program; `count` is how many vertices
-    a draw takes, `index_type` OpenGL's number for the type of indices, 0 for none."""
+    a draw takes."""
 
-    glo: int
-    program: Program
+    made: Any
+    program: Any
     count: int
     buffers: tuple[DeviceBuffer, ...] = ()
-    index_type: int = 0
-    indices: DeviceBuffer | None = None
+    indices: Any = None
 
     def render(self, mode: int, *, instances: int = 1) -> None:
         """Issue the draw call."""
         GL.glUseProgram(self.program.glo)
-        GL.glBindVertexArray(self.glo)
+        GL.glBindVertexArray(self.made.glo)
         if self.indices is None:
             GL.glDrawArraysInstanced(mode, 0, self.count, instances)
         else:
-            start = ctypes.c_void_p(0)
-            GL.glDrawElementsInstanced(mode, self.count, self.index_type, start, instances)
-
-    def release(self) -> None:
-        """Delete it and its buffers."""
-        GL.glDeleteVertexArrays(1, np.array([self.glo], np.uint32))
-        for buffer in (*self.buffers, *([] if self.indices is None else [self.indices])):
-            buffer.release()
+            kind = _INDICES[self.indices.size // self.count]
+            GL.glDrawElementsInstanced(mode, self.count, kind, ctypes.c_void_p(0), instances)
 
 
-def make_vertex_array(program: Program, mesh: Mesh | None) -> VertexArray:
+def make_vertex_array(device: Device, program: Any, mesh: Mesh | None) -> VertexArray:
     """Make a vertex array of `mesh` for `program`, or one of three vertices without attributes.
 
     Raises:
         DriverError: a buffer can't be mapped.
     """
-    indices = None if mesh is None or mesh.indices is None else DeviceBuffer(mesh.indices)
-    glo = int(GL.glGenVertexArrays(1))
-    GL.glBindVertexArray(glo)
+    context = device.context
+    # moderngl makes and deletes it; a program of modules is none of moderngl's.
+    owner = program if has_names(program) else device.any_program
     if mesh is None:
-        return VertexArray(glo, program, 3)
-    if indices is not None:
-        GL.glBindBuffer(GL.GL_ELEMENT_ARRAY_BUFFER, indices.glo)
-    buffers = tuple(_fill_buffer(parts, mesh) for parts in mesh.parts())
+        return VertexArray(context.vertex_array(owner, []), program, 3)
+    indices = None if mesh.indices is None else context.buffer(mesh.indices)
+    size = 4 if mesh.indices is None else mesh.indices.itemsize
+    made = context.vertex_array(owner, [], index_buffer=indices, index_element_size=size)
+    buffers = tuple(_fill_buffer(device, parts, mesh) for parts in mesh.parts())
     for name, place in mesh.placements().items():
-        attribute = program.attribute(name)
-        if attribute is not None:  # else it is declared, but the driver found that it has no effect
-            buffer = buffers[place.buffer].glo
-            _point_attribute(glo, buffer, attribute, mesh.inputs[name], place)
-    if mesh.indices is None:
-        return VertexArray(glo, program, mesh.vertices, buffers)
-    kind = _INDICES[mesh.indices.itemsize]
-    return VertexArray(glo, program, len(mesh.indices), buffers, kind, indices)
+        member = program.get(name, None)
+        if member is not None:  # else it is declared, but the driver found that it has no effect
+            _point_attribute(made.glo, buffers[place.buffer].glo, member, mesh.inputs[name], place)
+    count = mesh.vertices if mesh.indices is None else len(mesh.indices)
+    return VertexArray(made, program, count, buffers, indices)
 
 
-def read_layout(program: Program, vao: VertexArray, mesh: Mesh) -> dict[str, AttributeReading]:
+def read_layout(program: Any, vao: VertexArray, mesh: Mesh) -> dict[str, AttributeReading]:
     """Read where OpenGL itself finds each attribute; those without effect are left out."""
     names = [buffer.glo for buffer in vao.buffers]
     found = {}
-    GL.glBindVertexArray(vao.glo)
+    GL.glBindVertexArray(vao.made.glo)
     for name in mesh.inputs:
-        attribute = program.attribute(name)
-        if attribute is None:
+        member = program.get(name, None)
+        if member is None:
             continue
-        at = attribute.location
+        at = member.location
         pointer = ctypes.c_void_p()
         GL.glGetVertexAttribPointerv(at, GL.GL_VERTEX_ATTRIB_ARRAY_POINTER, ctypes.byref(pointer))
         stride, divisor, buffer = (
@@ -134,9 +116,9 @@ def read_layout(program: Program, vao: VertexArray, mesh: Mesh) -> dict[str, Att
     return found
 
 
-def _fill_buffer(parts: list[tuple[int, bytes]], mesh: Mesh) -> DeviceBuffer:
+def _fill_buffer(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> DeviceBuffer:
     whole = b"".join(piece for _, piece in parts)
-    buffer = DeviceBuffer()
+    buffer = DeviceBuffer(device)
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffer.glo)
     given = whole if mesh.upload == "data" and whole else None
     GL.glBufferData(GL.GL_ARRAY_BUFFER, max(len(whole), 1), given, gl_constant(mesh.usage))
@@ -149,20 +131,18 @@ def _fill_buffer(parts: list[tuple[int, bytes]], mesh: Mesh) -> DeviceBuffer:
     return buffer
 
 
-def _point_attribute(
-    vao: int, buffer: int, attribute: Attribute, array: Array, place: Placement
-) -> None:
+def _point_attribute(vao: int, buffer: int, member: Any, array: Array, place: Placement) -> None:
     """Tell OpenGL how one attribute is read; a matrix takes a location for each column."""
     columns = array.shape[2] if array.ndim == 3 else 1
     components = array.shape[1]
     GL.glBindVertexArray(vao)
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffer)
     for column in range(columns):
-        at = attribute.location + column
+        at = member.location + column
         pointer = ctypes.c_void_p(place.offset + column * components * array.itemsize)
         GL.glEnableVertexAttribArray(at)
-        if attribute.type[0] in "iu":
-            kind = _KINDS["u" if attribute.type[0] == "u" else array.dtype.kind]
+        if member.shape in ("i", "I"):
+            kind = _KINDS["u" if member.shape == "I" else array.dtype.kind]
             GL.glVertexAttribIPointer(at, components, kind, place.stride, pointer)
         else:
             kind = _KINDS[array.dtype.kind]
@@ -190,16 +170,18 @@ class UniformBuffers:
     """Makes each buffer when it is first bound.
 
     Args:
+        device: where to make them.
         stack: releases them in the end.
     """
 
-    def __init__(self, stack: ExitStack) -> None:
+    def __init__(self, device: Device, stack: ExitStack) -> None:
+        self._device = device
         self._stack = stack
         self._shared = bind.SharedLayouts()
-        self._made: dict[tuple[int, bytes], DeviceBuffer] = {}
+        self._made: dict[tuple[int, bytes], Any] = {}
 
     def bind(
-        self, program: Program, draw: PreparedDraw, uniforms: Mapping[str, Array]
+        self, program: Any, draw: PreparedDraw, uniforms: Mapping[str, Array]
     ) -> Iterator[str]:
         """Bind a buffer to each uniform block of a program; yields the blocks without any effect.
 
@@ -215,38 +197,39 @@ class UniformBuffers:
             check_layout(program, block)
             GL.glUniformBlockBinding(program.glo, index, point)
             buffer = self._buffer(draw.draw.blocks[name], block, bind.pack_block(block, uniforms))
-            buffer.bind("uniform_buffer", point)
+            buffer.bind_to_uniform_block(point)
 
-    def _buffer(self, source: UniformBuffer, block: Block, data: bytes) -> DeviceBuffer:
+    def _buffer(self, source: UniformBuffer, block: Block, data: bytes) -> Any:
         """Return the one buffer of a UniformBuffer; a probe with other values gets another."""
         self._shared.check(source, block)
         key = (id(source), data)
         if key not in self._made:
-            self._made[key] = DeviceBuffer(data)
+            self._made[key] = self._device.context.buffer(data)
             self._stack.callback(self._made[key].release)
         return self._made[key]
 
 
-def bind_storage_buffer(program: Program, block: Block, buffer: DeviceBuffer, point: int) -> None:
+def bind_storage_buffer(program: Any, block: Block, buffer: Any, point: int) -> None:
     """Bind a buffer to a storage block of a program; a module says the block's binding itself.
 
     Raises:
         DriverError: the driver lays the block out differently.
     """
-    if isinstance(program, SpirvProgram):
-        buffer.bind("shader_storage_buffer", block.binding or 0)
+    if not has_names(program):
+        buffer.bind_to_storage_buffer(block.binding or 0)
         return
     index = find_block(program, block)
     if index is not None:
         check_layout(program, block)
         GL.glShaderStorageBlockBinding(program.glo, index, point)
-        buffer.bind("shader_storage_buffer", point)
+        buffer.bind_to_storage_buffer(point)
 
 
-def find_block(program: Program, block: Block) -> int | None:
+def find_block(program: Any, block: Block) -> int | None:
     """Find the index of a uniform or storage block in a program; None where it has no effect."""
-    if isinstance(program, SpirvProgram):
-        return program.block(block.name) if block.kind == "uniform" else 0
+    if not has_names(program):
+        of_module: int | None = program.block(block.name) if block.kind == "uniform" else 0
+        return of_module
     if block.kind == "uniform":
         index = int(GL.glGetUniformBlockIndex(program.glo, block.name.encode()))
     else:
@@ -254,12 +237,11 @@ def find_block(program: Program, block: Block) -> int | None:
     return None if index == GL.GL_INVALID_INDEX else index
 
 
-def read_block(program: Program, block: Block) -> BlockReading:
+def read_block(program: Any, block: Block) -> BlockReading:
     """Read where the driver has a block's members, beside where the lab has them; a module itself
     says where they lie."""
     placed = {name: member.offset for name, member in block.members.items()}
     index, size, offsets = find_block(program, block), 0, dict[str, int]()
-    of_modules = isinstance(program, SpirvProgram)
     if index is not None:
         if block.kind == "uniform":
             got = np.zeros(1, np.int32)
@@ -267,9 +249,9 @@ def read_block(program: Program, block: Block) -> BlockReading:
             size, find_offset = int(got[0]), _find_uniform_offset
         else:
             what = (GL.GL_SHADER_STORAGE_BLOCK, index, GL.GL_BUFFER_DATA_SIZE)
-            size = block.size if of_modules else read_resource(program.glo, *what)
+            size = read_resource(program.glo, *what) if has_names(program) else block.size
             find_offset = _find_storage_offset
-        if of_modules:
+        if not has_names(program):
             offsets = dict(placed)
         else:
             found = {n: find_offset(program, bind.member_name(block, n)) for n in placed}
@@ -277,7 +259,7 @@ def read_block(program: Program, block: Block) -> BlockReading:
     return BlockReading(offsets=offsets, size=size, placed=placed, placed_size=block.size)
 
 
-def check_layout(program: Program, block: Block) -> None:
+def check_layout(program: Any, block: Block) -> None:
     """Compare the lab's layout of an active block with the driver's.
 
     Raises:
@@ -304,9 +286,11 @@ def check_layout(program: Program, block: Block) -> None:
         )
 
 
-def _find_uniform_offset(program: Program, name: str) -> int | None:
+def _find_uniform_offset(program: Any, name: str) -> int | None:
+    names = (ctypes.c_char_p * 1)(name.encode())
+    pointer = ctypes.cast(names, ctypes.POINTER(ctypes.POINTER(ctypes.c_char)))
     index = (ctypes.c_uint * 1)(GL.GL_INVALID_INDEX)
-    GL.glGetUniformIndices(program.glo, 1, c_strings([name]), index)
+    GL.glGetUniformIndices(program.glo, 1, pointer, index)
     if index[0] == GL.GL_INVALID_INDEX:
         return None
     offset = np.zeros(1, np.int32)
@@ -314,12 +298,12 @@ def _find_uniform_offset(program: Program, name: str) -> int | None:
     return int(offset[0])
 
 
-def _find_storage_offset(program: Program, name: str) -> int | None:
+def _find_storage_offset(program: Any, name: str) -> int | None:
     index = _find_resource(program, GL.GL_BUFFER_VARIABLE, name)
     if index == GL.GL_INVALID_INDEX:
         return None
     return read_resource(program.glo, GL.GL_BUFFER_VARIABLE, index, GL.GL_OFFSET)
 
 
-def _find_resource(program: Program, interface: int, name: str) -> int:
+def _find_resource(program: Any, interface: int, name: str) -> int:
     return int(GL.glGetProgramResourceIndex(program.glo, interface, name.encode()))

@@ -11,19 +11,28 @@ import ctypes
 import importlib
 import os
 import pkgutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from functools import cache
 from typing import Any, TypeGuard
 
 import numpy as np
 
-from shaderlab.errors import CaseError, ShaderError, UnsupportedError, suggest
+from shaderlab.errors import CaseError, DriverError, ShaderError, UnsupportedError, suggest
 from shaderlab.model.calls import Call, Location, Object, Program
 from shaderlab.model.frame import Reply
 
-from .device import GL, Device, GLError, NullFunctionError, fresh_context
+from . import environment
+from .device import (
+    GL,
+    LIBRARIES,
+    REQUIRED_VERSION,
+    Device,
+    GLError,
+    NullFunctionError,
+    gl_constant,
+)
 from .drawing import drain_errors
-from .linking import link_texts
 
 
 def prototype(name: str) -> Any:
@@ -51,7 +60,7 @@ def prototypes() -> Mapping[str, Any]:
 def constants() -> Mapping[str, int]:
     """The number of each constant by its name."""
     known = vars(GL).items()
-    return {n: v for n, v in known if n.startswith("GL_") and isinstance(v, int)}
+    return {n: int(v) for n, v in known if n.startswith("GL_") and isinstance(v, int)}
 
 
 def constant(words: str) -> int:
@@ -67,7 +76,7 @@ def constant(words: str) -> int:
     for word in (w.strip() for w in words.split("|")):
         if word not in constants():
             raise CaseError(f"OpenGL has no constant {word!r}", remedy=suggest(word, constants()))
-        number = number | constants()[word] if number else constants()[word]
+        number |= constants()[word]
     return number
 
 
@@ -79,6 +88,25 @@ def name_of(number: int, like: str) -> str:
         return len(os.path.commonprefix([name, like])), -len(name)  # noqa: RUF071 - these are words
 
     return max(found, key=alike, default="")
+
+
+@contextmanager
+def fresh_context(device: Device) -> Iterator[Any]:
+    """Open a separate context (glcontext's), current for a while, which takes with it what was made
+    in it. The device's is untouched, and current again afterwards."""
+    import glcontext
+
+    names = {"glversion": REQUIRED_VERSION, "mode": "standalone", **LIBRARIES}
+    try:
+        with environment(device.driver):
+            fresh = glcontext.get_backend_by_name("egl")(**names)
+    except Exception as error:  # glcontext raises plain Exception for whatever EGL says
+        raise DriverError(f"no further OpenGL context on EGL ({error})") from error
+    try:
+        yield fresh
+    finally:
+        fresh.release()
+        device.make_current()
 
 
 Texts = Callable[[Program], Mapping[str, str]]
@@ -191,10 +219,20 @@ class _Maker:
 
     def _program(self, wanted: Program) -> int:
         if wanted not in self._programs:
-            try:
-                self._programs[wanted] = link_texts(self._texts(wanted)).glo
-            except ShaderError as error:
-                raise ShaderError(f"{wanted}: {error.message}") from error
+            program = GL.glCreateProgram()
+            self._programs[wanted] = program
+            for stage, text in self._texts(wanted).items():
+                shader = GL.glCreateShader(gl_constant(f"{stage}_shader"))
+                GL.glShaderSource(shader, text)
+                with suppress(GLError):
+                    GL.glCompileShader(shader)
+                GL.glAttachShader(program, shader)
+                GL.glDeleteShader(shader)
+            with suppress(GLError):  # the status says it
+                GL.glLinkProgram(program)
+            if not GL.glGetProgramiv(program, GL.GL_LINK_STATUS):
+                log = GL.glGetProgramInfoLog(program)
+                raise ShaderError(f"the driver refuses the {wanted}: {log!r}")
         return self._programs[wanted]
 
 

@@ -6,15 +6,14 @@ driver take it from here. `GL_1_0` and its like have the C functions, which move
 
 from __future__ import annotations
 
-import ctypes
 import functools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import glcontext
+import moderngl
 
 from shaderlab.errors import DriverError, UnsupportedError
 
@@ -37,20 +36,12 @@ ERROR_CHECKER = _errors._error_checker
 
 @functools.cache
 def gl_constant(word: str) -> int:
-    """Find a constant by its name as `shaderlab.model` has it: in lower case, bare. It is a number
-    of PyOpenGL's, which knows its name.
+    """Find the number of a constant by its name as `shaderlab.model` has it: in lower case, bare.
 
     >>> hex(gl_constant("one_minus_src_alpha"))
     '0x303'
     """
-    number: int = getattr(GL, f"GL_{word.upper()}")
-    return number
-
-
-def c_strings(texts: Sequence[str]) -> Any:
-    """Return texts as C takes an array of them."""
-    array = (ctypes.c_char_p * len(texts))(*(text.encode() for text in texts))
-    return ctypes.cast(array, ctypes.POINTER(ctypes.POINTER(ctypes.c_char)))
+    return int(getattr(GL, f"GL_{word.upper()}"))
 
 
 INSTALL = (
@@ -59,15 +50,18 @@ INSTALL = (
 )
 REQUIRED_VERSION = 330
 _TAKES_SPIRV = "GL_ARB_gl_spirv"
+_NOTHING = "#version 330 core\nvoid main() { gl_Position = vec4(0.0); }\n"
+
+
 # As glcontext takes them. It would look for both in each context, which starts a program.
-_LIBRARIES = {"libgl": "libGL.so.1", "libegl": "libEGL.so.1"}
+LIBRARIES = {"libgl": "libGL.so.1", "libegl": "libEGL.so.1"}
 
 
 class Device:
     """An open context. Several may be open in one process, and used in turn.
 
     Args:
-        context: glcontext's.
+        context: a `moderngl.Context`.
         info: what the driver says of itself.
         driver: a name of `shaderlab.drivers.DRIVERS`.
         recorder: writes the context's calls down; None for a context that is the driver's own.
@@ -90,26 +84,20 @@ class Device:
         self.takes_spirv = driver.endswith(SPIRV)
 
     @cached_property
+    def any_program(self) -> Any:
+        """A program without any inputs, for what moderngl makes only for one of its programs."""
+        return self.context.program(vertex_shader=_NOTHING)
+
+    @property
     def version(self) -> int:
         """OpenGL version as an integer: 450 for 4.5."""
-        major, minor = map(int, self.info["version"].split()[0].split(".")[:2])
-        return major * 100 + minor * 10
-
-    @cached_property
-    def extensions(self) -> frozenset[str]:
-        """The names of the extensions that it has."""
-        count = int(GL.glGetIntegerv(GL.GL_NUM_EXTENSIONS))
-        return frozenset(GL.glGetStringi(GL.GL_EXTENSIONS, n).decode() for n in range(count))
+        return int(self.context.version_code)
 
     @property
     def glsl(self) -> int:
         """The newest GLSL it takes, as `#version` has it: 330 for "3.30"."""
         found = re.match(r"(\d+)\.(\d\d)", self.info["glsl"])
         return int(found[1]) * 100 + int(found[2]) if found else REQUIRED_VERSION
-
-    def limit(self, word: str) -> int:
-        """Return one of the driver's limits, such as "max_texture_size"."""
-        return int(GL.glGetIntegerv(gl_constant(word)))
 
     def at(self, pass_name: str, draw: int | None = None) -> None:
         """Note the pass and the draw that calls are made for from now on."""
@@ -122,8 +110,17 @@ class Device:
             self.recorder.place = None
 
     def make_current(self) -> None:
-        """Make the context the one that calls go to."""
+        """Make the context the one that calls go to, and give back what Python has dropped.
+
+        Objects are deleted by their numbers, which mean something else in another context: what
+        is dropped waits until its own one is current.
+        """
         self.context.__enter__()
+        waiting = self.context.objects
+        while waiting:
+            dropped = waiting.popleft()
+            if hasattr(dropped, "release"):  # else it was released before Python dropped it
+                dropped.release()
 
     @contextmanager
     def in_use(self) -> Iterator[None]:
@@ -151,28 +148,6 @@ class Device:
 _IN_USE: list[Device] = []  # the innermost last
 
 
-def _open_context(driver: str) -> Any:
-    """Open a context of glcontext's, current from now on. Raises DriverError."""
-    options = {"glversion": REQUIRED_VERSION, "mode": "standalone", **_LIBRARIES}
-    try:
-        with environment(driver):
-            return glcontext.get_backend_by_name("egl")(**options)
-    except Exception as error:  # glcontext raises plain Exception for whatever EGL says
-        raise DriverError(f"no OpenGL 3.3 context on EGL ({error})", remedy=INSTALL) from error
-
-
-@contextmanager
-def fresh_context(device: Device) -> Iterator[Any]:
-    """Open a separate context, current for a while, which takes with it what was made in it. The
-    device's is untouched, and current again afterwards."""
-    fresh = _open_context(device.driver)
-    try:
-        yield fresh
-    finally:
-        fresh.release()
-        device.make_current()
-
-
 def open_device(driver: str) -> Device:
     """Open an OpenGL core context on EGL.
 
@@ -184,27 +159,29 @@ def open_device(driver: str) -> Device:
         DriverError: there is no EGL, no driver, or none that offers OpenGL 3.3, or SPIR-V where
             the driver's name says so.
     """
-    device = Device(_open_context(driver), {}, driver)
-
-    def read(name: int) -> str:
-        return str(GL.glGetString(name).decode(errors="replace"))
-
-    renderer = read(GL.GL_RENDERER)
-    if device.takes_spirv and _TAKES_SPIRV not in device.extensions:
-        device.context.release()
+    # Any: mistyped in moderngl's stubs.
+    options: Any = {"standalone": True, "backend": "egl", **LIBRARIES}
+    try:
+        with environment(driver):
+            context = moderngl.create_context(require=REQUIRED_VERSION, **options)
+    except Exception as error:  # moderngl raises plain Exception for whatever EGL says
+        raise DriverError(f"no OpenGL 3.3 context on EGL ({error})", remedy=INSTALL) from error
+    context.gc_mode = "context_gc"  # see Device.make_current
+    if driver.endswith(SPIRV) and _TAKES_SPIRV not in context.extensions:
         raise DriverError(
-            f"driver {driver}: {renderer} takes no SPIR-V ({_TAKES_SPIRV})",
+            f"driver {driver}: {context.info['GL_RENDERER']} takes no SPIR-V ({_TAKES_SPIRV})",
             remedy="Mesa's llvmpipe does, in version 21 or newer: --driver llvmpipe-spirv",
         )
-    device.info = {
-        "renderer": renderer + (", SPIR-V" if device.takes_spirv else ""),
-        "vendor": read(GL.GL_VENDOR),
-        "version": read(GL.GL_VERSION),
-        "glsl": read(GL.GL_SHADING_LANGUAGE_VERSION),
-        "max_texture_size": str(device.limit("max_texture_size")),
-        "max_samples": str(device.limit("max_samples")),
+    known = context.info
+    info = {
+        "renderer": str(known["GL_RENDERER"]) + (", SPIR-V" if driver.endswith(SPIRV) else ""),
+        "vendor": str(known["GL_VENDOR"]),
+        "version": str(known["GL_VERSION"]),
+        "glsl": GL.glGetString(GL.GL_SHADING_LANGUAGE_VERSION).decode(errors="replace"),
+        "max_texture_size": str(known["GL_MAX_TEXTURE_SIZE"]),
+        "max_samples": str(known["GL_MAX_SAMPLES"]),
     }
-    return device
+    return Device(context, info, driver)
 
 
 _READS_NUMBER = re.compile(r"\bgl_PrimitiveID\b")

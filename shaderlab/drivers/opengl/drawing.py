@@ -6,14 +6,15 @@ from collections.abc import Container, Mapping, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import moderngl
 import numpy as np
 
 from shaderlab.compiler.diagnostics import parse_driver_log
 from shaderlab.compiler.reflection import Variable
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
-from shaderlab.model.calls import error_name
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Bindings, Image, PassDraw
 from shaderlab.model.mesh import Mesh
@@ -25,26 +26,13 @@ from ..passes import PassSession
 from ..programs import bind, stages, storage
 from ..programs.prepare import PreparedDraw, Programs, describe_draw
 from ..programs.stages import VaryingPart
-from ..programs.textures import Contents, components_of, numpy_type
+from ..programs.textures import components_of, numpy_type
 from ..resources import COVERING
-from .buffers import (
-    DeviceBuffer,
-    UniformBuffers,
-    VertexArray,
-    bind_storage_buffer,
-    make_vertex_array,
-)
+from .buffers import UniformBuffers, VertexArray, bind_storage_buffer, make_vertex_array
 from .device import GL, Device, gl_constant, require_inputs
-from .linking import Linker, Program, set_uniforms
+from .linking import Linker, output_locations, set_uniforms
 from .target import RenderTarget, apply_state
-from .textures import (
-    BoundTextures,
-    DeviceTexture,
-    bind_images,
-    read_images,
-    read_level,
-    upload,
-)
+from .textures import BoundTextures, bind_images, read_images
 
 
 class Drawing(PassSession[RenderTarget, Linker]):
@@ -58,8 +46,8 @@ class Drawing(PassSession[RenderTarget, Linker]):
     ) -> None:
         super().__init__(linker, scene, programs, size, stack)
         self._textures = BoundTextures(self.folder, self.images, self.targets, self.device, stack)
-        self._blocks = UniformBuffers(stack)
-        self._arrays: dict[tuple[int, int], tuple[Program, Mesh | None, VertexArray]] = {}
+        self._blocks = UniformBuffers(self.device, stack)
+        self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
 
     def draw(self, only: Container[str] | None = None) -> Drawn:
         recorder = self.device.recorder
@@ -76,7 +64,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
         self.device.reading()
 
     def finish(self) -> None:
-        GL.glFinish()
+        self.device.context.finish()
 
     def compute(self, key: PassDraw, draw: PreparedDraw) -> None:
         storage.require_supported(draw.draw, draw.interface)
@@ -95,7 +83,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
 
     def use(
         self,
-        program: Program,
+        program: Any,
         draw: PreparedDraw,
         bindings: Bindings,
         *,
@@ -103,18 +91,18 @@ class Drawing(PassSession[RenderTarget, Linker]):
     ) -> None:
         """Set the program's uniforms and bind its textures; `only_active`: uniforms that it does
         not know are left out."""
-        declared = draw.interface.uniforms
-        set_uniforms(program, draw.ramps, declared)
+        set_uniforms(program, draw.ramps)
         members = bind.block_members(draw.interface)
         plain = {
             name: value
             for name, value in bindings.uniforms.items()
-            if name not in members and not (only_active and program.uniform(name) is None)
+            if name not in members and not (only_active and program.get(name, None) is None)
         }
-        self._inactive.update(set_uniforms(program, plain, declared))
+        self._inactive.update(set_uniforms(program, plain))
         self._inactive.update(self._blocks.bind(program, draw, bindings.uniforms))
         for unit, (name, source) in enumerate(draw.draw.textures.items()):
-            if not self._textures.bind(program, unit, declared[name], source):
+            variable = draw.interface.uniforms[name]
+            if not self._textures.bind(program, unit, variable, source):
                 self._inactive.add(name)
 
     def issue(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
@@ -132,18 +120,18 @@ class Drawing(PassSession[RenderTarget, Linker]):
 
     def set_up(
         self, draw: PreparedDraw, bindings: Bindings, target: RenderTarget
-    ) -> tuple[Program, VertexArray]:
+    ) -> tuple[Any, VertexArray]:
         """Bind and set everything for a draw, which `submit` then issues: its program and vertex
         array. Raises what `render` does."""
         require_inputs(self.device, draw)
         program = self._link(draw)
         self.use(program, draw, bindings, only_active=draw.rewritten is not None)
         vao = self._vertex_array(program, draw.draw.mesh)
-        target.bind({name: program.output(name) for name in target.colors})
+        target.bind(output_locations(program, target.colors))
         apply_state(draw.draw.state, target.size, self.device.version)
         return program, vao
 
-    def _link(self, draw: PreparedDraw) -> Program:
+    def _link(self, draw: PreparedDraw) -> Any:
         require_glsl(self.device, draw)
         try:
             return self.linker.link(draw.texts)
@@ -152,11 +140,10 @@ class Drawing(PassSession[RenderTarget, Linker]):
                 error.message, file=draw.authored[-1].path, remedy=error.remedy
             ) from error
 
-    def _vertex_array(self, program: Program, mesh: Mesh | None) -> VertexArray:
+    def _vertex_array(self, program: Any, mesh: Mesh | None) -> VertexArray:
         key = (id(program), id(mesh))
         if key not in self._arrays:
-            made = make_vertex_array(program, mesh)
-            self.stack.callback(made.release)
+            made = make_vertex_array(self.device, program, mesh)
             # Program and mesh are kept with it, so that nothing else gets their identity.
             self._arrays[key] = (program, mesh, made)
         return self._arrays[key][2]
@@ -172,7 +159,7 @@ def require_glsl(device: Device, draw: PreparedDraw) -> None:
             )
 
 
-def submit(vao: VertexArray, program: Program, draw: PreparedDraw) -> None:
+def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
     """Issue the draw call itself."""
     description = draw.draw
     if description.state.point_size is None:
@@ -205,7 +192,7 @@ def has_compute(device: Device) -> bool:
 
 
 def dispatch(
-    device: Device, program: Program, draw: PreparedDraw, bindings: Bindings
+    device: Device, program: Any, draw: PreparedDraw, bindings: Bindings
 ) -> Mapping[str, Image]:
     """Run a program that is linked and whose uniforms and textures are set.
 
@@ -223,12 +210,12 @@ def dispatch(
         DriverError: the driver lays a block out differently.
     """
     known, values = storage.find_slots(draw.interface), bindings.buffers
-    buffers: list[tuple[DeviceBuffer, bytearray, Mapping[str, storage.Slot]]] = []
+    buffers: list[tuple[Any, bytearray, Mapping[str, storage.Slot]]] = []
     with ExitStack() as stack:
         for point, (name, block) in enumerate(storage.storage_blocks(draw.interface).items()):
             members = {slot.name: slot for slot in known.values() if slot.block == name}
             data = storage.pack_storage(block, members, values)
-            buffer = DeviceBuffer(data)
+            buffer = device.context.buffer(data)
             stack.callback(buffer.release)
             buffers.append((buffer, data, members))
             bind_storage_buffer(program, block, buffer, point)
@@ -237,7 +224,7 @@ def dispatch(
         GL.glDispatchCompute(*draw.draw.groups)
         GL.glMemoryBarrier(GL.GL_BUFFER_UPDATE_BARRIER_BIT | GL.GL_TEXTURE_UPDATE_BARRIER_BIT)
         # Drivers compute when they are made to: a program that hangs, hangs here.
-        GL.glFinish()
+        device.context.finish()
         device.reading()
         changed = read_images(textures, bindings.images)
         left = {n: i for n, i in changed.items() if not draw.interface.uniforms[n].readonly}
@@ -255,34 +242,36 @@ def evaluate(
     device: Device, linker: Linker, evaluation: Evaluation, inputs: Array, outputs: Array
 ) -> None:
     """As `Backend.evaluate`."""
-    size = evaluation.size
+    context, size = device.context, evaluation.size
+    context.enable_only(moderngl.NOTHING)
+    # The framebuffer that is bound may be a scene's, which is gone by now.
+    context.detect_framebuffer(0).use()
     with ExitStack() as stack:
-        texture = None
         if len(inputs):
-            texture = upload(device, "2DArray", "r32ui", Contents(list(inputs[..., None])))
+            texture = context.texture_array((*size, len(inputs)), 1, inputs, dtype="u4")
             stack.callback(texture.release)
+            texture.use(0)
         first = 0
         for source, words in evaluation.passes:
             program = _link_function(linker, source)
-            colors = {str(number): "r32ui" for number in range(words)}
-            target = RenderTarget(device, Target(), colors, size)
-            stack.callback(target.release)
-            target.clear()
-            target.bind({name: int(name) for name in colors})
-            _set_inputs(device, program, evaluation, texture, stack)
-            vao = make_vertex_array(program, None)
-            vao.render(GL.GL_TRIANGLES)
-            vao.release()
-            for number in range(words):
-                made = target.textures[str(number)]
-                outputs[first + number] = read_level(made, "r32ui", 0, (*size, 1))[..., 0]
+            made = [context.texture(size, 1, dtype="u4") for _ in range(words)]
+            target = context.framebuffer(made)
+            for each in (target, *made):
+                stack.callback(each.release)
+            _set_inputs(device, program, evaluation, stack)
+            target.use()
+            for n in range(words):
+                GL.glClearBufferuiv(GL.GL_COLOR, n, np.zeros(4, np.uint32))
+            context.vertex_array(program, []).render(vertices=3)
+            for n in range(words):
+                target.read_into(outputs[first + n], None, 1, attachment=n, dtype="u4")
             first += words
-    errors = drain_errors()
-    if errors:
-        raise DriverError(f"the driver raised {error_name(errors[0])} while it called a function")
+    error = context.error
+    if error != "GL_NO_ERROR":
+        raise DriverError(f"the driver raised {error} while it called a function")
 
 
-def _link_function(linker: Linker, source: Source) -> Program:
+def _link_function(linker: Linker, source: Source) -> Any:
     try:
         return linker.link({"vertex": COVERING, "fragment": source.text})
     except ShaderError as error:
@@ -294,30 +283,18 @@ def _link_function(linker: Linker, source: Source) -> Program:
         raise ShaderError(first.message, file=first.file, line=first.line) from error
 
 
-def _set_inputs(
-    device: Device,
-    program: Program,
-    evaluation: Evaluation,
-    inputs: DeviceTexture | None,
-    stack: ExitStack,
-) -> None:
-    values = dict(evaluation.uniforms)
-    if len(evaluation.shared):
-        values["shaderlab_shared"] = evaluation.shared
-    set_uniforms(program, values, {})
+def _set_inputs(device: Device, program: Any, evaluation: Evaluation, stack: ExitStack) -> None:
+    if "shaderlab_input" in program:
+        program["shaderlab_input"].value = 0
+    if len(evaluation.shared) and "shaderlab_shared" in program:
+        shared = program["shaderlab_shared"]
+        shared.write(evaluation.shared[: shared.array_length].tobytes())
+    set_uniforms(program, evaluation.uniforms)
     textures = BoundTextures(Path(evaluation.folder), {}, {}, device, stack)
     for unit, (name, (kind, source)) in enumerate(evaluation.textures.items(), start=1):
         variable = Variable(name=name, type=kind)
         textures.texels("the function", variable, source)  # raises where they don't fit
         textures.bind(program, unit, variable, source)
-    location = program.location("shaderlab_input")
-    if inputs is not None and location >= 0:
-        GL.glUseProgram(program.glo)
-        GL.glBindTexture(inputs.target, inputs.glo)
-        for what in (GL.GL_TEXTURE_MIN_FILTER, GL.GL_TEXTURE_MAG_FILTER):
-            GL.glTexParameteri(inputs.target, what, GL.GL_NEAREST)
-        GL.glBindSampler(0, 0)
-        GL.glUniform1i(location, 0)
 
 
 # What every OpenGL 3.3 driver can write of one vertex in one draw.
@@ -403,7 +380,7 @@ def _group_parts(parts: Sequence[VaryingPart]) -> list[list[VaryingPart]]:
 
 
 def _draw_into_buffer(
-    drawing: Drawing, draw: PreparedDraw, program: Program, mode: int, bindings: Bindings,
+    drawing: Drawing, draw: PreparedDraw, program: Any, mode: int, bindings: Bindings,
     room: int, stride: int,
 ) -> tuple[int, bytes]:  # fmt: skip
     """Draw into a buffer with room for so many vertices of `stride` bytes: how many there would
@@ -416,12 +393,12 @@ def _draw_into_buffer(
     device = drawing.device
     # Transform feedback without a complete framebuffer returns zeros without an error.
     target = RenderTarget(device, Target(), {"unused": "r8"}, (1, 1))
-    buffer = DeviceBuffer(bytes(max(room * stride, 4)))
+    buffer = device.context.buffer(reserve=max(room * stride, 4))
     queries = np.atleast_1d(GL.glGenQueries(2))
     try:
         target.clear()
         drawing.use(program, draw, bindings)
-        vao = make_vertex_array(program, draw.draw.mesh)
+        vao = make_vertex_array(device, program, draw.draw.mesh)
         GL.glUseProgram(program.glo)
         GL.glBindBufferBase(GL.GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffer.glo)
         GL.glEnable(GL.GL_RASTERIZER_DISCARD)
@@ -436,8 +413,7 @@ def _draw_into_buffer(
             int(GL.glGetQueryObjectuiv(query, GL.GL_QUERY_RESULT)) for query in queries
         )
         drain_errors()
-        vao.release()
-        data = buffer.read()[: room * stride]
+        data = buffer.read(room * stride) if room else b""
     finally:
         GL.glDisable(GL.GL_RASTERIZER_DISCARD)
         GL.glBindBufferBase(GL.GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
+import moderngl
 import numpy as np
 
 from shaderlab.compiler.compile_cache import cached_compiler
@@ -23,7 +25,7 @@ from shaderlab.model.records import Diagnostic, Verdict
 
 from ..programs.textures import components_of
 from ..resources import ProgramCache
-from .device import GL, Device, GLError, c_strings, gl_constant, gl_spirv
+from .device import GL, Device, GLError, gl_constant, gl_spirv
 
 _STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment", "compute")
 # The OpenGL version that has each stage.
@@ -40,143 +42,70 @@ _EMITTED = {
 }
 
 
-def _list_types() -> Iterator[tuple[int, str]]:
-    """Yield OpenGL's number of each GLSL type, and the type."""
-    for word in ("float", "int", "unsigned_int", "bool", "double"):
-        letter = word[0].replace("f", "")
-        yield gl_constant(word), {"unsigned_int": "uint"}.get(word, word)
-        yield from ((gl_constant(f"{word}_vec{n}"), f"{letter}vec{n}") for n in (2, 3, 4))
-    for word, letter in (("FLOAT", ""), ("DOUBLE", "d")):
-        for size in ("2", "3", "4", "2x3", "2x4", "3x2", "3x4", "4x2", "4x3"):
-            yield int(getattr(GL, f"GL_{word}_MAT{size}")), f"{letter}mat{size}"
+class Linker(ProgramCache[Any]):
+    """Linked programs by their stages' text; a driver that `takes_spirv` gets the modules of it."""
+
+    device: Device
+
+    def drop(self, program: Any) -> None:
+        """Leave it to moderngl, which releases it when nothing refers to it any more."""
+
+    def link(self, stages: Mapping[str, str], *, feedback: Sequence[str] = ()) -> Any:
+        """Link a `moderngl.Program` of these stages (text by "vertex", "tess_control", …), a
+        `moderngl.ComputeShader` of "compute", or a `SpirvProgram`, which can do what the lab needs
+        of them.
+
+        `feedback` are the vertex outputs to be captured by transform feedback.
+
+        Raises:
+            ShaderError: the driver refuses the program.
+        """
+
+        def link() -> Any:
+            try:
+                with phase("link"):
+                    return self._link(stages, feedback)
+            except moderngl.Error as error:
+                message = f"the driver refuses the program: {str(error).strip()}"
+                raise ShaderError(message) from error
+
+        return self.get((tuple(sorted(stages.items())), tuple(feedback)), link)
+
+    def _link(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
+        if self.device.takes_spirv:
+            return link_modules(self.device, stages, feedback)
+        if "compute" in stages:
+            return self.device.context.compute_shader(stages["compute"])
+        return self.device.context.program(
+            vertex_shader=stages["vertex"],
+            fragment_shader=stages.get("fragment"),
+            tess_control_shader=stages.get("tess_control"),
+            tess_evaluation_shader=stages.get("tess_evaluation"),
+            geometry_shader=stages.get("geometry"),
+            varyings=tuple(feedback),
+        )
 
 
-_TYPES = dict(_list_types())
+def has_names(program: Any) -> bool:
+    """Whether the driver knows a program's variables by their names: not those of a module."""
+    return isinstance(program, moderngl.Program | moderngl.ComputeShader)
 
 
-@dataclass(frozen=True)
-class Attribute:
-    """Where a vertex stage reads an attribute, and its GLSL type."""
-
-    location: int
-    type: str
-
-
-class Program:
-    """A linked program.
-
-    Attributes:
-        glo: OpenGL's name.
-        geometry_output: what its geometry stage emits, None without one.
-    """
-
-    def __init__(self, glo: int, geometry_output: int | None) -> None:
-        self.glo = glo
-        self.geometry_output = geometry_output
-
-    def release(self) -> None:
-        """Delete it."""
-        GL.glDeleteProgram(self.glo)
-
-    @cached_property
-    def _uniforms(self) -> Mapping[str, tuple[int, str]]:
-        """Each active uniform's location and type; a sampler is an int."""
-        found = {}
-        for index in range(int(GL.glGetProgramiv(self.glo, GL.GL_ACTIVE_UNIFORMS))):
-            name, _, kind = GL.glGetActiveUniform(self.glo, index)
-            location = int(GL.glGetUniformLocation(self.glo, name))
-            if location >= 0:  # else it is a member of a block
-                spelt = name.decode().removesuffix("[0]")
-                found[spelt] = (location, _TYPES.get(int(kind), "int"))
-        return found
-
-    def uniform(self, name: str) -> tuple[int, str] | None:
-        """Find an active uniform's location and GLSL type."""
-        return self._uniforms.get(name)
-
-    def location(self, name: str) -> int:
-        """Find an active uniform's location, −1 for none."""
-        return (self.uniform(name) or (-1, ""))[0]
-
-    @cached_property
-    def _attributes(self) -> Mapping[str, Attribute]:
-        found = {}
-        for index in range(int(GL.glGetProgramiv(self.glo, GL.GL_ACTIVE_ATTRIBUTES))):
-            name, _, kind = GL.glGetActiveAttrib(self.glo, index)
-            location = int(GL.glGetAttribLocation(self.glo, name))
-            found[name.decode()] = Attribute(location, _TYPES[int(kind)])
-        return found
-
-    def attribute(self, name: str) -> Attribute | None:
-        """Find an active attribute."""
-        return self._attributes.get(name)
-
-    def output(self, name: str) -> int:
-        """Find a fragment output's location, −1 for none."""
-        return int(GL.glGetFragDataLocation(self.glo, name.encode()))
+def uniform_location(program: Any, name: str) -> int:
+    """Find where a linked program has a uniform; −1 for none."""
+    if not has_names(program):
+        return int(program.location(name))
+    return int(GL.glGetUniformLocation(program.glo, name.encode()))
 
 
-class SpirvProgram(Program):
-    """A program of modules, whose variables the driver does not know by their names."""
-
-    def __init__(self, glo: int, geometry_output: int | None, interface: Interface) -> None:
-        super().__init__(glo, geometry_output)
-        self._interface = interface
-
-    def uniform(self, name: str) -> tuple[int, str] | None:
-        uniform = self._interface.uniforms.get(name)
-        if uniform is None or uniform.location not in self._active["uniform"]:
-            return None
-        return uniform.location or 0, uniform.type
-
-    def attribute(self, name: str) -> Attribute | None:
-        attribute = self._interface.attributes.get(name)
-        if attribute is None or attribute.location not in self._active["program_input"]:
-            return None
-        return Attribute(attribute.location or 0, attribute.type)
-
-    def output(self, name: str) -> int:
-        output = self._interface.outputs.get(name)
-        return -1 if output is None else output.location or 0
-
-    def block(self, name: str) -> int | None:
-        """Find an active uniform block's index. Its binding is this program's own: another of the
-        same vertex stage may number its blocks otherwise."""
-        block = self._interface.blocks.get(name)
-        return None if block is None else self._blocks.get(block.binding or 0)
-
-    @cached_property
-    def _blocks(self) -> Mapping[int, int]:
-        """The index of each uniform block by the binding that its module gives it, which is read
-        before the lab gives them others."""
-        indices: dict[int, int] = {}
-        binding = np.zeros(1, np.int32)
-        for index in range(int(GL.glGetProgramiv(self.glo, GL.GL_ACTIVE_UNIFORM_BLOCKS))):
-            GL.glGetActiveUniformBlockiv(self.glo, index, GL.GL_UNIFORM_BLOCK_BINDING, binding)
-            indices[int(binding[0])] = index
-        return indices
-
-    @cached_property
-    def _active(self) -> Mapping[str, frozenset[int]]:
-        return {kind: frozenset(self._locations(kind)) for kind in ("uniform", "program_input")}
-
-    def _locations(self, kind: str) -> Iterator[int]:
-        interface, count = gl_constant(kind), np.zeros(1, np.int32)
-        GL.glGetProgramInterfaceiv(self.glo, interface, GL.GL_ACTIVE_RESOURCES, count)
-        for index in range(int(count[0])):
-            yield read_resource(self.glo, interface, index, GL.GL_LOCATION)
+def output_locations(program: Any, names: Iterable[str]) -> dict[str, int]:
+    """Find where the linked program writes each of its fragment outputs; −1 for one it has not."""
+    if not has_names(program):
+        return {name: program.output(name) for name in names}
+    return {name: int(GL.glGetFragDataLocation(program.glo, name.encode())) for name in names}
 
 
-def read_resource(program: int, interface: int, index: int, what: int) -> int:
-    """Read one number that a program says of one of its resources."""
-    wanted, got = (ctypes.c_uint * 1)(what), (ctypes.c_int * 1)()
-    GL.glGetProgramResourceiv(program, interface, index, 1, wanted, 1, None, got)
-    return int(got[0])
-
-
-def set_uniforms(
-    program: Program, values: Mapping[str, Array], declared: Mapping[str, Variable]
-) -> list[str]:
+def set_uniforms(program: Any, values: Mapping[str, Array]) -> list[str]:
     """Upload uniforms; matrices are transposed into GLSL's columns-first order.
 
     Returns the names that the driver does not know: declared, but with no effect on any output.
@@ -184,102 +113,35 @@ def set_uniforms(
     uniforms to be set; leave them out.
     """
     inactive = []
-    if values:
-        GL.glUseProgram(program.glo)
     for name, array in values.items():
-        found = program.uniform(name)
-        if found is None:
+        member = program.get(name, None)
+        if member is None:
             inactive.append(name)
-            if name not in declared:
-                continue
-            found = (-1, declared[name].type)
-        _set_uniform(*found, array)
+            _set_nowhere(program, array)
+            continue
+        matrix = member.dimension in (4, 6, 8, 9, 12, 16) and array.ndim >= 2
+        data = np.ascontiguousarray(np.swapaxes(array, -1, -2) if matrix else array)
+        count = getattr(member, "array_length", 1)
+        member.write(data.reshape(-1)[: count * member.dimension].tobytes())
     return inactive
 
 
-def _set_uniform(location: int, kind: str, array: Array) -> None:
-    letter = {"u": "ui", "i": "i", "b": "i", "d": "d"}.get(kind[0], "f")
-    matrix = "mat" in kind
-    data = np.ascontiguousarray(np.swapaxes(array, -1, -2) if matrix else array, _NUMPY[letter])
-    components = components_of(kind)
-    count = data.size // components
-    if matrix:
-        call = getattr(GL, f"glUniformMatrix{kind.partition('mat')[2]}{letter}v")
-        call(location, count, False, data.reshape(-1))
-    else:
-        call = getattr(GL, f"glUniform{components}{letter}v")
-        call(location, count, data.reshape(-1))
+def _set_nowhere(program: Any, array: Array) -> None:
+    """Set a uniform that has no location, by the function for its type."""
+    GL.glUseProgram(program.glo)
+    kind = {"f": "f", "u": "ui"}.get(array.dtype.kind, "i")
+    array = np.ascontiguousarray(array, _NUMPY[kind])
+    if array.ndim >= 2 and kind == "f":
+        rows, columns = array.shape[-2:]
+        if 2 <= rows <= 4 and 2 <= columns <= 4:
+            size = str(rows) if rows == columns else f"{columns}x{rows}"
+            getattr(GL, f"glUniformMatrix{size}fv")(-1, 1, False, np.swapaxes(array, -1, -2).copy())
+            return
+    components = array.shape[-1] if array.ndim and array.shape[-1] <= 4 else 1
+    getattr(GL, f"glUniform{components}{kind}v")(-1, array.size // components, array)
 
 
-class Linker(ProgramCache[Program]):
-    """Linked programs by their stages' text; a driver that `takes_spirv` gets the modules of it."""
-
-    device: Device
-
-    def link(self, stages: Mapping[str, str], *, feedback: Sequence[str] = ()) -> Program:
-        """Link a program of these stages (text by "vertex", "tess_control", …, or "compute").
-
-        `feedback` are the vertex outputs to be captured by transform feedback.
-
-        Raises:
-            ShaderError: the driver refuses the program.
-            UnsupportedError: it can't become SPIR-V, or what is to be captured can't.
-        """
-
-        def link() -> Program:
-            with phase("link"):
-                own = link_modules if self.device.takes_spirv else link_texts
-                return own(stages, feedback)
-
-        return self.get((tuple(sorted(stages.items())), tuple(feedback)), link)
-
-
-def link_texts(texts: Mapping[str, str], feedback: Sequence[str] = ()) -> Program:
-    """Link a program of these stages' texts. Arguments and errors as of `Linker.link`."""
-    glo = GL.glCreateProgram()
-    if feedback:
-        names = c_strings(feedback)
-        GL.glTransformFeedbackVaryings(glo, len(feedback), names, GL.GL_INTERLEAVED_ATTRIBS)
-    _make_program(glo, texts)
-    emitted = None
-    if "geometry" in texts:
-        emitted = int(GL.glGetProgramiv(glo, GL.GL_GEOMETRY_OUTPUT_TYPE))
-        emitted = {GL.GL_LINE_STRIP: GL.GL_LINES, GL.GL_TRIANGLE_STRIP: GL.GL_TRIANGLES}.get(
-            emitted, emitted
-        )
-    return Program(glo, emitted)
-
-
-def link_modules(texts: Mapping[str, str], feedback: Sequence[str] = ()) -> Program:
-    """Link a program of these stages' modules. Arguments and errors as of `Linker.link`."""
-    shaders = Shaders([])
-    stages = [shaders.from_text(texts[s], s, f"<{s}>") for s in _STAGES if texts.get(s)]
-    modules, interface = modules_of(stages)
-    if feedback:
-        last = [stage for stage in modules if stage != "fragment"][-1]
-        sizes = {name: _count_components(interface, name) for name in feedback}
-        modules = {**modules, last: add_feedback(modules[last], sizes)}
-    glo = GL.glCreateProgram()
-    _make_program(glo, modules)
-    emitted = None
-    if "geometry" in modules:
-        modes = parse(modules["geometry"]).modes
-        emitted = next(gl_constant(word) for mode, word in _EMITTED.items() if mode in modes)
-    return SpirvProgram(glo, emitted, interface)
-
-
-def _make_program(program: int, stages: Mapping[str, str] | Mapping[str, bytes]) -> None:
-    """Compile a program's stages, and link it; it is deleted where the driver refuses it."""
-    results = [compile_shader(program, stage, content) for stage, content in stages.items()]
-    if all(taken for taken, _ in results):
-        results = [link_program(program)]
-    refusals = [log for taken, log in results if not taken]
-    if refusals:
-        GL.glDeleteProgram(program)
-        while GL.glGetError():
-            pass
-        reason = refusals[0].strip() or "it does not say why"
-        raise ShaderError(f"the driver refuses the program:\n{reason}")
+# Programs made of shader objects: of modules, and for verdicts.
 
 
 def modules_of(stages: Sequence[Source]) -> tuple[Mapping[str, bytes], Interface]:
@@ -298,7 +160,7 @@ def modules_of(stages: Sequence[Source]) -> tuple[Mapping[str, bytes], Interface
     return compiled.spirv["opengl"], compiled.interface
 
 
-def compile_shader(program: int, stage: str, content: str | bytes) -> tuple[bool, str]:
+def _compile_shader(program: int, stage: str, content: str | bytes) -> tuple[bool, str]:
     """Compile a stage from its text or its module, and attach it to a program, with which it is
     deleted. Returns whether the driver takes it, and what it says."""
     shader = GL.glCreateShader(gl_constant(f"{stage}_shader"))
@@ -318,7 +180,7 @@ def compile_shader(program: int, stage: str, content: str | bytes) -> tuple[bool
     return taken, log
 
 
-def link_program(program: int) -> tuple[bool, str]:
+def _link_program(program: int) -> tuple[bool, str]:
     """Link a program; returns whether the driver takes it, and what it says."""
     with suppress(GLError):
         GL.glLinkProgram(program)
@@ -358,17 +220,49 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
     try:
         for source in sources:
             content = modules.get(source.stage, source.text)
-            taken, log = compile_shader(program, source.stage, content)
+            taken, log = _compile_shader(program, source.stage, content)
             diagnostics += parse_driver_log(log, source, ok=taken)
             ok = ok and taken
         if ok and any(source.stage in _BEGIN for source in sources):
-            ok, log = link_program(program)
+            ok, log = _link_program(program)
             diagnostics += parse_driver_log(log, sources[-1], ok=ok)
     finally:
         GL.glDeleteProgram(program)
         while GL.glGetError():
             pass
     return Verdict(target=DRIVER, ok=ok, diagnostics=tuple(dict.fromkeys(diagnostics)))
+
+
+def link_modules(device: Device, texts: Mapping[str, str], feedback: Sequence[str]) -> SpirvProgram:
+    """Link a program of these stages' modules; `feedback` as of `Linker.link`.
+
+    Raises:
+        ShaderError: the driver refuses it.
+        UnsupportedError: it can't become SPIR-V, or what is to be captured can't.
+    """
+    shaders = Shaders([])
+    stages = [shaders.from_text(texts[s], s, f"<{s}>") for s in _STAGES if texts.get(s)]
+    modules, interface = modules_of(stages)
+    if feedback:
+        last = [stage for stage in modules if stage != "fragment"][-1]
+        sizes = {name: _count_components(interface, name) for name in feedback}
+        modules = {**modules, last: add_feedback(modules[last], sizes)}
+    program = GL.glCreateProgram()
+    results = [_compile_shader(program, stage, module) for stage, module in modules.items()]
+    if all(taken for taken, _ in results):
+        results = [_link_program(program)]
+    refusals = [log for taken, log in results if not taken]
+    if refusals:
+        GL.glDeleteProgram(program)
+        while GL.glGetError():
+            pass
+        reason = refusals[0].strip() or "it does not say why"
+        raise ShaderError(f"the driver refuses the program's SPIR-V: {reason}")
+    emitted = None
+    if "geometry" in modules:
+        modes = parse(modules["geometry"]).modes
+        emitted = next(gl_constant(word) for mode, word in _EMITTED.items() if mode in modes)
+    return SpirvProgram(device, program, interface, emitted)
 
 
 def _count_components(interface: Interface, name: str) -> int:
@@ -379,3 +273,127 @@ def _count_components(interface: Interface, name: str) -> int:
         return variable.components * (variable.array or 1)
     whole = interface.vertex_outputs[re.sub(r"\[\d+\]$", "", name)]
     return components_of(whole.type) if whole.type[:3] != "mat" else whole.components
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """Where a vertex stage reads an attribute, and its `shape`: "f", "i" or "I"."""
+
+    location: int
+    shape: str
+
+
+@dataclass(frozen=True)
+class Uniform:
+    """A uniform of a program; `dimension` is how many numbers one element has, as in moderngl."""
+
+    program: int
+    variable: Variable
+
+    @property
+    def dimension(self) -> int:
+        return self.variable.components or 1
+
+    @property
+    def array_length(self) -> int:
+        return self.variable.array or 1
+
+    def write(self, data: bytes) -> None:
+        """Upload elements, columns first, by the calls that a program from text gets."""
+        kind, location = self.variable.type, self.variable.location or 0
+        letter = {"u": "ui", "i": "i", "b": "i", "d": "d"}.get(kind[0], "f")
+        values = np.frombuffer(data, _NUMPY[letter])
+        count = values.size // self.dimension
+        GL.glUseProgram(self.program)
+        if "mat" in kind:
+            call = getattr(GL, f"glUniformMatrix{kind.partition('mat')[2]}{letter}v")
+            call(location, count, False, values)
+        else:
+            call = getattr(GL, f"glUniform{self.dimension}{letter}v")
+            call(location, count, values)
+
+
+class SpirvProgram:
+    """A linked program, with what the lab uses of a `moderngl.Program`; it is deleted with the
+    last reference to it.
+
+    Attributes:
+        glo: OpenGL's name.
+        geometry_output: what its geometry stage emits, None without one.
+    """
+
+    def __init__(
+        self, device: Device, glo: int, interface: Interface, geometry_output: int | None
+    ) -> None:
+        self._context = device.context
+        self.glo = glo
+        self.geometry_output = geometry_output
+        self._interface = interface
+
+    def __del__(self) -> None:
+        if self._context.gc_mode == "context_gc":  # see Device.make_current
+            self._context.objects.append(self)
+
+    def release(self) -> None:
+        """Delete it."""
+        GL.glDeleteProgram(self.glo)
+
+    def __contains__(self, name: str) -> bool:
+        return self.get(name, None) is not None
+
+    def get(self, name: str, default: Any) -> Uniform | Attribute | Any:
+        """Return an active uniform or attribute."""
+        attribute = self._interface.attributes.get(name)
+        if attribute is not None and attribute.location in self._active["program_input"]:
+            shape = {"i": "i", "u": "I"}.get(attribute.type[0], "f")
+            return Attribute(attribute.location or 0, shape)
+        uniform = self._interface.uniforms.get(name)
+        if uniform is not None and uniform.location in self._active["uniform"]:
+            return Uniform(self.glo, uniform)
+        return default
+
+    def location(self, name: str) -> int:
+        """Find an active uniform's location, −1 for none."""
+        uniform = self._interface.uniforms.get(name)
+        if uniform is None or uniform.location not in self._active["uniform"]:
+            return -1
+        return uniform.location or 0
+
+    def output(self, name: str) -> int:
+        """Find a fragment output's location, −1 for none."""
+        output = self._interface.outputs.get(name)
+        return -1 if output is None else output.location or 0
+
+    def block(self, name: str) -> int | None:
+        """Find an active uniform block's index. Its binding is this program's own: another of the
+        same vertex stage may number its blocks otherwise."""
+        block = self._interface.blocks.get(name)
+        return None if block is None else self._blocks.get(block.binding or 0)
+
+    @cached_property
+    def _blocks(self) -> Mapping[int, int]:
+        """The index of each uniform block by the binding that its module gives it, which is read
+        before the lab gives them others."""
+        indices: dict[int, int] = {}
+        binding = np.zeros(1, np.int32)
+        for index in range(int(GL.glGetProgramiv(self.glo, GL.GL_ACTIVE_UNIFORM_BLOCKS))):
+            GL.glGetActiveUniformBlockiv(self.glo, index, GL.GL_UNIFORM_BLOCK_BINDING, binding)
+            indices[int(binding[0])] = index
+        return indices
+
+    @cached_property
+    def _active(self) -> Mapping[str, frozenset[int]]:
+        return {kind: frozenset(self._locations(kind)) for kind in ("uniform", "program_input")}
+
+    def _locations(self, kind: str) -> Iterator[int]:
+        interface, count = gl_constant(kind), np.zeros(1, np.int32)
+        GL.glGetProgramInterfaceiv(self.glo, interface, GL.GL_ACTIVE_RESOURCES, count)
+        for index in range(int(count[0])):
+            yield read_resource(self.glo, interface, index, GL.GL_LOCATION)
+
+
+def read_resource(program: int, interface: int, index: int, what: int) -> int:
+    """Read one number that a program says of one of its resources."""
+    wanted, got = (ctypes.c_uint * 1)(what), (ctypes.c_int * 1)()
+    GL.glGetProgramResourceiv(program, interface, index, 1, wanted, 1, None, got)
+    return int(got[0])

@@ -4,27 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
+import moderngl
 import numpy as np
 
-from shaderlab.errors import ShaderError, UnsupportedError
+from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.scene import Target
 from shaderlab.model.state import Blend, Depth, State, Stencil
 
 from ..programs.textures import COLOR, DEPTH
 from ..resources import COVERING, UNREADABLE, Attachments, multisampled_error
-from .buffers import make_vertex_array
 from .device import GL, GL_1_0, Device, gl_constant
-from .linking import link_texts
-from .textures import (
-    DeviceTexture,
-    address,
-    depth_storage,
-    read_level,
-    tightly_packed,
-    transfer,
-)
+from .textures import DeviceTexture, address, depth_storage, tightly_packed
 
 _NO_DEPTH, _NO_STENCIL, _NO_BLEND = Depth(), Stencil(), Blend()
 
@@ -101,35 +94,31 @@ class RenderTarget(Attachments):
     def __init__(
         self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
     ) -> None:
-        limit = int(device.info["max_texture_size"])
+        limit = device.context.info["GL_MAX_TEXTURE_SIZE"]
         if max(size) > limit:
             raise UnsupportedError(
                 f"a target of {size[0]} × {size[1]}: this driver ends at {limit}"
             )
-        most = int(device.info["max_samples"])
-        if target.samples > most:
-            raise UnsupportedError(f"{target.samples} samples: this driver offers {most}")
+        if target.samples > device.context.max_samples:
+            raise UnsupportedError(
+                f"{target.samples} samples: this driver offers {device.context.max_samples}"
+            )
         super().__init__(target, colors, size)
         self._device = device
         self.textures = {name: self._texture(word) for name, word in colors.items()}
         self._sampled = [
             self._texture(w, target.samples) for w in colors.values() if target.samples
         ]
-        # A framebuffer needs something to draw into, if only to be refused the depth.
-        self._unused = [] if colors else [self._texture("r8")]
-        self._framebuffers: list[int] = []
-        self._resolved = self._framebuffer([*self.textures.values(), *self._unused])
-        self._drawn = self._resolved
-        if target.samples:
-            self._drawn = self._framebuffer(self._sampled or self._unused)
+        self._resolved = self._framebuffer(list(self.textures.values()))
+        self._drawn = self._framebuffer(self._sampled) if target.samples else self._resolved
         self._depth: Attached | None = None
         if target.depth is not None:
             self._depth = attach_depth(self._drawn, target, size)
 
     def release(self) -> None:
-        made = np.array(self._framebuffers, np.uint32)
-        GL.glDeleteFramebuffers(len(made), made)
-        for texture in (*self.textures.values(), *self._sampled, *self._unused):
+        for framebuffer in {self._drawn, self._resolved}:
+            framebuffer.release()
+        for texture in (*self.textures.values(), *self._sampled):
             texture.release()
         if self._depth is not None:
             self._depth.release()
@@ -147,8 +136,9 @@ class RenderTarget(Attachments):
         """
         if name in self.colors:
             if sampled:
-                return self._sampled[list(self.colors).index(name)]
-            return self.textures[name]
+                index = list(self.colors).index(name)
+                return DeviceTexture(self._sampled[index].glo, "2DMS")
+            return DeviceTexture(self.textures[name].glo, "2D")
         if name == "depth" and self._depth is not None and self._depth.texture is not None:
             return self._depth.texture
         remedy = UNREADABLE if self.samples else NO_TEXTURE
@@ -170,14 +160,14 @@ class RenderTarget(Attachments):
         # Bound again after the clear, or softpipe (Mesa 22.3.6) counts gl_FragCoord.y of a program
         # that drew before from the height that it drew into then.
         GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, 0)
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._drawn)
+        self._drawn.use()
 
     def bind(self, locations: Mapping[str, int]) -> None:
         """Draw into this target from now on, with a program that writes its outputs at these
         locations; outputs without an attachment here go nowhere."""
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._drawn)
+        self._drawn.use()
         attachments = {
-            locations[name]: gl_constant(f"color_attachment{index}")
+            locations[name]: GL.GL_COLOR_ATTACHMENT0 + index
             for index, name in enumerate(self.colors)
             if locations.get(name, -1) >= 0
         }
@@ -186,20 +176,20 @@ class RenderTarget(Attachments):
         GL.glDrawBuffers(count, np.array(buffers, np.uint32))
 
     def resolve(self) -> None:
-        if self._drawn == self._resolved:
+        if self._drawn is self._resolved:
             return
         width, height = self.size
         GL.glDisable(GL.GL_SCISSOR_TEST)
         for index in range(len(self.colors)):
-            GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._drawn)
-            GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._resolved)
-            GL.glReadBuffer(gl_constant(f"color_attachment{index}"))
-            GL.glDrawBuffer(gl_constant(f"color_attachment{index}"))
+            GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._drawn.glo)
+            GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._resolved.glo)
+            GL.glReadBuffer(GL.GL_COLOR_ATTACHMENT0 + index)
+            GL.glDrawBuffer(GL.GL_COLOR_ATTACHMENT0 + index)
             box = (0, 0, width, height)
             GL.glBlitFramebuffer(*box, *box, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
 
     def sample_positions(self) -> Array:
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._drawn)
+        self._drawn.use()
         found = np.empty((int(GL.glGetIntegerv(GL.GL_SAMPLES)), 2), np.float32)
         for index, position in enumerate(found):
             GL.glGetMultisamplefv(GL.GL_SAMPLE_POSITION, index, position)
@@ -210,7 +200,10 @@ class RenderTarget(Attachments):
             assert self._target.depth is not None
             return read_depth(self._drawn, self._target, name, self.size)
         word = self.colors[name]
-        return Image(read_level(self.textures[name], word, 0, (*self.size, 1)), word)
+        kind = COLOR[word]
+        values = np.empty((self.size[1], self.size[0], kind.components), kind.numpy)
+        self.textures[name].read_into(values, alignment=1)
+        return Image(values, word)
 
     def read_samples(self, name: str) -> Array:
         """Read all samples of a colour attachment: (samples, height, width, components)."""
@@ -220,34 +213,27 @@ class RenderTarget(Attachments):
         )
         return found[..., : kind.components]
 
-    def _texture(self, word: str, samples: int = 0) -> DeviceTexture:
-        made, form = DeviceTexture.new("2DMS" if samples else "2D"), transfer(word)
-        if samples:
-            GL.glTexImage2DMultisample(made.target, samples, form.internal, *self.size, True)
-        else:
-            GL_1_0.glTexImage2D(
-                made.target, 0, form.internal, *self.size, 0, form.components, form.type, None
-            )
-            # Later passes read its edge beyond it.
-            for what, how in (
-                ("min_filter", "nearest"), ("mag_filter", "nearest"), ("wrap_s", "clamp_to_edge"),
-                ("wrap_t", "clamp_to_edge"),
-            ):  # fmt: skip
-                GL.glTexParameteri(made.target, gl_constant(f"texture_{what}"), gl_constant(how))
-        GL.glBindTexture(made.target, 0)
-        return made
+    def _texture(self, word: str, samples: int = 0) -> Any:
+        # moderngl's word for the type of a component; sRGB is another format of the same.
+        dtype = np.dtype(COLOR[word].numpy).str[1:].replace("u1", "f1")
+        internal = {"internal_format": gl_constant(word)} if word == "srgb8_alpha8" else {}
+        texture = self._device.context.texture(
+            self.size, COLOR[word].components, dtype=dtype, samples=samples, **internal
+        )
+        if not samples:
+            texture.filter = (self._device.context.NEAREST,) * 2
+            texture.repeat_x = texture.repeat_y = False  # later passes read its edge beyond it
+        return texture
 
-    def _framebuffer(self, textures: list[DeviceTexture]) -> int:
-        made = int(GL.glGenFramebuffers(1))
-        self._framebuffers.append(made)
-        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, made)
-        for index, texture in enumerate(textures):
-            point = gl_constant(f"color_attachment{index}")
-            GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, point, texture.target, texture.glo, 0)
-        status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
-        if status != GL.GL_FRAMEBUFFER_COMPLETE:
-            raise self._explain_incomplete(f"it is incomplete (status 0x{status:04X})")
-        return made
+    def _framebuffer(self, textures: list[Any]) -> Any:
+        if not textures:
+            # moderngl makes none without a colour; nothing is drawn into this one.
+            least = self._device.context.renderbuffer(self.size, components=1)
+            return self._device.context.framebuffer(least)
+        try:
+            return self._device.context.framebuffer(textures)
+        except moderngl.Error as error:
+            raise self._explain_incomplete(str(error)) from error
 
     def _explain_incomplete(self, said: str) -> Exception:
         """Explain why the framebuffer is not complete: memory, most of the time."""
@@ -276,29 +262,33 @@ def read_samples(
     Raises:
         UnsupportedError: the driver can't fetch single samples.
     """
+    context = device.context
     try:
-        program = link_texts({"vertex": COVERING, "fragment": _FETCH})
-    except ShaderError as error:
-        raise UnsupportedError(f"fetching single samples: {error.message}") from error
-    target = RenderTarget(device, Target(), {"color": "rgba32f"}, size)
-    corners = make_vertex_array(program, None)
-    target.clear()
+        program = context.program(vertex_shader=COVERING, fragment_shader=_FETCH)
+    except moderngl.Error as error:
+        raise UnsupportedError(f"fetching single samples: {str(error).strip()}") from error
+    target = context.texture(size, 4, dtype="f4")
+    framebuffer = context.framebuffer([target])
+    corners = context.vertex_array(program, [])
+    values = np.empty((samples, size[1], size[0], 4), np.float32)
+    framebuffer.use()
+    apply_state(State(), size, device.version)
     GL.glActiveTexture(GL.GL_TEXTURE0)
     GL.glBindTexture(texture.target, texture.glo)
     GL.glUseProgram(program.glo)
-    GL.glUniform1i(program.location("image"), 0)
-    values = np.empty((samples, size[1], size[0], 4), np.float32)
+    GL.glUniform1i(GL.glGetUniformLocation(program.glo, b"image"), 0)
     for number in range(samples):
-        GL.glUniform1i(program.location("number"), number)
-        corners.render(GL.GL_TRIANGLES)
-        values[number] = target.read("color").values
+        GL.glUniform1i(GL.glGetUniformLocation(program.glo, b"number"), number)
+        corners.render(4, vertices=3)
+        target.read_into(values[number], alignment=1)
     GL.glBindTexture(texture.target, 0)
-    for made in (corners, target, program):
+    for made in (corners, framebuffer, target, program):
         made.release()
     return values
 
 
 NO_TEXTURE = 'Target(depth_storage="texture"): no sampler reads a renderbuffer'
+_COMPLETE = 0x8CD5
 
 
 @dataclass(frozen=True)
@@ -316,7 +306,7 @@ class Attached:
             GL.glDeleteRenderbuffers(1, [self.renderbuffer])
 
 
-def attach_depth(framebuffer: int, target: Target, size: tuple[int, int]) -> Attached:
+def attach_depth(framebuffer: Any, target: Target, size: tuple[int, int]) -> Attached:
     """Give a framebuffer the depth of a target, and stencil if the format has it.
 
     Raises:
@@ -327,7 +317,7 @@ def attach_depth(framebuffer: int, target: Target, size: tuple[int, int]) -> Att
     made_as = depth_storage(word)
     stencil = DEPTH[word].stencil
     point = GL.GL_DEPTH_STENCIL_ATTACHMENT if stencil else GL.GL_DEPTH_ATTACHMENT
-    GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, framebuffer)
+    framebuffer.use()
     if samples or target.depth_storage == "renderbuffer":
         buffer = int(GL.glGenRenderbuffers(1))
         GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, buffer)
@@ -349,13 +339,13 @@ def attach_depth(framebuffer: int, target: Target, size: tuple[int, int]) -> Att
         GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, point, texture.target, texture.glo, 0)
         made = Attached(texture)
     status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
-    if status != GL.GL_FRAMEBUFFER_COMPLETE:
+    if status != _COMPLETE:
         made.release()
         raise UnsupportedError(f"a framebuffer with {word} (status 0x{status:04X})")
     return made
 
 
-def read_depth(framebuffer: int, target: Target, name: str, size: tuple[int, int]) -> Image:
+def read_depth(framebuffer: Any, target: Target, name: str, size: tuple[int, int]) -> Image:
     """ "depth" as float32 in 0…1, or "stencil" as bytes: (height, width, 1).
 
     Raises:
@@ -367,7 +357,7 @@ def read_depth(framebuffer: int, target: Target, name: str, size: tuple[int, int
     width, height = size
     of_depth = name == "depth"
     values = np.empty((height, width, 1), np.float32 if of_depth else np.uint8)
-    GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, framebuffer)
+    framebuffer.use()
     place = (GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT)
     if not of_depth:
         place = (GL.GL_STENCIL_INDEX, GL.GL_UNSIGNED_BYTE)

@@ -11,7 +11,7 @@ import ctypes
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -43,7 +43,7 @@ from ..programs.textures import (
 from ..resources import DeviceTexels, SampledTarget, SceneTextures
 from .buffers import write_mapped
 from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, gl_constant
-from .linking import Program
+from .linking import uniform_location
 
 # The binding points, as OpenGL has their names, by what GLSL's samplers end in.
 _TARGETS = {
@@ -53,11 +53,6 @@ _TARGETS = {
     "Cube": "texture_cube_map",
     "2DMS": "texture_2d_multisample",
 }
-_FACES = [
-    gl_constant(f"texture_cube_map_{way}_{axis}")
-    for axis in "xyz"
-    for way in ("positive", "negative")
-]
 # OpenGL's number, the extension that brings it, and the version that has it without.
 _COMPRESSED = {
     "etc2_rgb8": (0x9274, "GL_ARB_ES3_compatibility", 430),
@@ -142,11 +137,11 @@ def upload(
         UnsupportedError: it is too large for the driver.
     """
     height, width = images.layers[0].shape[:2]
-    limit = int(device.info["max_texture_size"])
+    limit = int(device.context.info["GL_MAX_TEXTURE_SIZE"])
     if max(width, height) > limit:
         raise UnsupportedError(f"a texture of {width} × {height}: this driver ends at {limit}")
-    word = {"2DArray": "max_array_texture_layers", "3D": "max_3d_texture_size"}.get(kind)
-    if word and len(images.layers) > (most := device.limit(word)):
+    word = {"2DArray": "GL_MAX_ARRAY_TEXTURE_LAYERS", "3D": "GL_MAX_3D_TEXTURE_SIZE"}.get(kind)
+    if word and len(images.layers) > (most := int(device.context.info[word])):
         layers = len(images.layers)
         raise UnsupportedError(f"a texture of {layers} layers: this driver ends at {most}")
     made = DeviceTexture.new(kind)
@@ -159,8 +154,8 @@ def upload(
                 form.components, form.type, address(stacked),
             )  # fmt: skip
     elif kind == "Cube":
-        for face, image in zip(_FACES, images.layers, strict=True):
-            _set_image(face, 0, format, image)
+        for face, image in enumerate(images.layers):
+            _set_image(GL.GL_TEXTURE_CUBE_MAP_POSITIVE_X + face, 0, format, image)
     else:
         for level, image in enumerate((*images.layers, *images.smaller)):
             _set_image(made.target, level, format, image, mapped=mapped)
@@ -204,7 +199,7 @@ def upload_compressed(device: Device, blocks: Blocks) -> tuple[DeviceTexture, li
         UnsupportedError: the driver lacks the format; names the extension.
     """
     internal, extension, version = _COMPRESSED[blocks.format]
-    if device.version < version and extension not in device.extensions:
+    if device.version < version and extension not in device.context.extensions:
         raise UnsupportedError(f"{blocks.format} textures", remedy=f"this driver lacks {extension}")
     sizes = level_sizes(*blocks.size)[: len(blocks.levels)]
     made = DeviceTexture.new("2D")
@@ -243,7 +238,7 @@ def read_level(
     GL.glBindTexture(texture.target, texture.glo)
     with tightly_packed():
         for number, part in enumerate(values if cube else [values]):
-            target = _FACES[number] if cube else texture.target
+            target = GL.GL_TEXTURE_CUBE_MAP_POSITIVE_X + number if cube else texture.target
             GL_1_0.glGetTexImage(target, level, form.components, form.type, address(part))
     GL.glBindTexture(texture.target, 0)
     return values[0] if texture.kind == "2D" else values
@@ -288,14 +283,12 @@ class BoundTextures(SceneTextures[TextureTarget]):
     _device: Device
     _stack: ExitStack
 
-    def bind(self, program: Program, unit: int, variable: Variable, source: TextureSource) -> bool:
+    def bind(self, program: Any, unit: int, variable: Variable, source: TextureSource) -> bool:
         """Bind a texture to a unit, and the sampler to that; False if the program lacks it."""
-        location = program.location(variable.name)
+        location = uniform_location(program, variable.name)
         if location < 0:
             return False
-        GL.glActiveTexture(
-            gl_constant(f"texture{unit}")
-        )  # one that is made now takes no other's unit
+        GL.glActiveTexture(GL.GL_TEXTURE0 + unit)  # one that is made now takes no other's unit
         texture = self.find(source, self.kind(source, variable)).handle
         GL.glBindTexture(texture.target, texture.glo)
         GL.glBindSampler(unit, self.sampler(source))
@@ -384,7 +377,7 @@ def _new_sampler(sampling: Sampling) -> int:
 
 
 def bind_images(
-    device: Device, program: Program, images: Mapping[str, Texels], stack: ExitStack
+    device: Device, program: Any, images: Mapping[str, Texels], stack: ExitStack
 ) -> dict[str, DeviceTexture]:
     """Make textures of what the images hold, each bound to a separate unit, without those that have
     no effect.
@@ -400,7 +393,7 @@ def bind_images(
     """
     found: dict[str, DeviceTexture] = {}
     for name, image in images.items():
-        location = program.location(name)
+        location = uniform_location(program, name)
         if location < 0:
             continue
         layers = [image.values] if image.kind == "2D" else list(image.values)

@@ -1,13 +1,15 @@
-"""Calls of OpenGL that are written down, and one of them changed.
+"""A context whose calls of OpenGL are written down: moderngl's, and those made through PyOpenGL.
 
-PyOpenGL's functions are replaced while calls are recorded, and put back. What is written down is
-what the driver gets: an edit of one call comes before that.
+moderngl takes each function's address from its context, which hands out one that writes the call
+down and passes it on. PyOpenGL's functions are replaced while calls are recorded, and put back.
+What is written down is what the driver gets: an edit of one call comes before that.
 """
 
 from __future__ import annotations
 
 import ctypes
 import hashlib
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -17,17 +19,19 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import moderngl
 import numpy as np
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.calls import CallEdit, ChangeCall, DropCall, PostponeCall, RepeatCall
 from shaderlab.model.frame import PassDraw, TracedCall
 
-from .calls import constant, prototypes
-from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, fresh_context
+from .calls import constant, constants, fresh_context, prototypes
+from .device import GL, GL_1_0, GL_1_2, GL_1_3, REQUIRED_VERSION, Device
 from .drawing import Drawing
 from .linking import Linker
 
+_NUMBERS: Mapping[str, Any] = {"f": ctypes.c_float, "i": ctypes.c_int, "ui": ctypes.c_uint}
 # Queries and waits, which change nothing that is drawn.
 _SILENT = ("glGet", "glIs", "glCheck", "glFinish", "glFlush", "glReadPixels", "glReadBuffer")
 
@@ -48,9 +52,10 @@ class Recorded:
 
 
 class CallRecorder:
-    """Writes a context's calls down.
+    """Stands for the context of glcontext that moderngl uses.
 
     Args:
+        context: the real one.
         edit: a call that is made otherwise while calls are recorded.
 
     Attributes:
@@ -58,9 +63,10 @@ class CallRecorder:
         place: the pass and the draw that calls are made for; None for the lab's own reading.
     """
 
-    def __init__(self, edit: CallEdit | None = None) -> None:
+    def __init__(self, context: Any, edit: CallEdit | None = None) -> None:
         self.calls: list[Recorded] = []
         self.place: Place | None = ("", None)
+        self._context = context
         self._edit = edit
         self._editor = Editor(edit)
 
@@ -85,12 +91,38 @@ class CallRecorder:
                 setattr(module, name, function)
         self._editor.require_made()
 
+    def load_opengl_function(self, name: str) -> int:
+        """Return the address of a function that records its calls; 0 where the driver has none."""
+        address = int(self._context.load_opengl_function(name) or 0)
+        known = prototypes().get(name)
+        if not address or known is None or _is_silent(name):
+            return address
+        return int(ctypes.cast(_callback(name, address), ctypes.c_void_p).value or 0)
+
+    def __enter__(self) -> Any:
+        return self._context.__enter__()
+
+    def __exit__(self, *error: object) -> Any:
+        return self._context.__exit__(*error)
+
+    def release(self) -> None:
+        """Give the context back."""
+        self._context.release()
+
     def make(self, name: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
         """Make a call, or what the edit makes of it, and record it; returns what it returned."""
 
         def made(*arguments: Any) -> Any:
             returned = function(*arguments)
-            self.calls.append(Recorded(self.place, name, arguments, returned))
+            kept, came = arguments, returned
+            # A caller in C passes a count and an address, one in Python arrays.
+            has_address = len(arguments) == 2 and isinstance(arguments[1], int)
+            if has_address and name.startswith(("glGen", "glDrawBuffers")):
+                numbers = list((ctypes.c_uint * arguments[0]).from_address(arguments[1]))
+                kept, came = (arguments[0], numbers), numbers
+            elif name.startswith("glUniform"):
+                kept = _copy_values(name, arguments)
+            self.calls.append(Recorded(self.place, name, kept, came))
             return returned
 
         if self.place is None:
@@ -112,6 +144,17 @@ _RECORDING: list[CallRecorder] = []
 """The recorders that are recording; the last one gets the calls."""
 
 
+@cache
+def _callback(name: str, address: int) -> Any:
+    """A function that passes calls on to the one at `address`, and has them recorded while a
+    recorder is recording. It stays for good: contexts have its address only, and a driver gives
+    each context the same functions."""
+    known = prototypes()[name]
+    arguments = map(_callback_type, known.argtypes or ())
+    kind = ctypes.CFUNCTYPE(_callback_type(known.restype), *arguments)
+    return kind(_wrap(name, kind(address)))
+
+
 def _wrap(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
     def recorded(*arguments: Any) -> Any:
         if not _RECORDING:
@@ -125,24 +168,61 @@ def _is_silent(name: str) -> bool:
     return name.startswith(_SILENT)
 
 
+def _copy_values(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Replace the address that a glUniform…v function takes by the values there."""
+    found = VECTOR.fullmatch(name)
+    if found is None or not isinstance(arguments[-1], int):
+        return arguments
+    count = count_numbers(name, arguments[1])
+    values = (_NUMBERS[found["kind"]] * count).from_address(arguments[-1])
+    return (*arguments[:-1], np.array(values))
+
+
+def _callback_type(kind: Any) -> Any:
+    """A C type as callbacks take it: pointers of any kind are addresses."""
+    if kind is None:
+        return None
+    simple = isinstance(kind, type) and issubclass(kind, ctypes._SimpleCData)
+    return kind if simple and kind is not ctypes.c_char_p else ctypes.c_void_p
+
+
+# Parameters whose numbers stand for constants, and those that join bits.
+_ENUMS = {
+    "target", "mode", "cap", "func", "usage", "type", "format", "internalformat", "internalFormat",
+    "pname", "attachment", "face", "sfactor", "dfactor", "sfactorRGB", "dfactorRGB", "sfactorAlpha",
+    "dfactorAlpha", "modeRGB", "modeAlpha", "fail", "zfail", "zpass", "sfail", "dpfail", "dppass",
+    "renderbuffertarget", "textarget", "filter", "buffer", "texture", "shaderType", "src",
+    "primitiveMode",
+}  # fmt: skip
+_FLAGS = {"flag", "normalized", "transpose", "red", "green", "blue", "alpha"}
+_MASKS = {"glClear", "glBlitFramebuffer", "glMapBufferRange"}
 # What an object's number is a name of, by the parameter that takes it.
 _OBJECTS = {
     "program": "program", "shader": "shader", "array": "vertex array", "framebuffer": "framebuffer",
     "renderbuffer": "renderbuffer", "sampler": "sampler", "buffer": "buffer", "texture": "texture",
     "id": "query",
 }  # fmt: skip
+_PREFERRED = {
+    "mode": ("GL_POINTS", "GL_LINES"), "func": ("GL_NEVER",), "fail": ("GL_ZERO", "GL_KEEP"),
+    "attachment": ("GL_COLOR_ATTACHMENT0",),
+}  # fmt: skip
+_BITS = ("COLOR", "DEPTH", "STENCIL", "READ", "WRITE", "INVALIDATE", "UNSYNCHRONIZED", "FLUSH")
+_VENDORS = (
+    "_ARB", "_EXT", "_NV", "_AMD", "_ATI", "_SGIS", "_SGIX", "_OES", "_APPLE", "_INTEL", "_IBM",
+    "_HP", "_3DFX", "_MESA", "_KHR", "_SUN", "_OVR", "_PGI", "_QCOM", "_INGR",
+)  # fmt: skip
 _LONGEST = 40
 
 
-def format_argument(name: str, value: Any) -> str:
-    """Format an argument for the parameter `name`."""
+def format_argument(function: str, name: str, value: Any) -> str:
+    """Format the argument of a function for its parameter `name`."""
     constant = getattr(value, "name", None)
     if isinstance(constant, str):  # PyOpenGL's constants know their own names
         return constant
     if isinstance(value, bool | np.bool_):
         return "GL_TRUE" if value else "GL_FALSE"
     if isinstance(value, int | np.integer):
-        return f"{_OBJECTS[name]} {value}" if name in _OBJECTS and value else str(value)
+        return _format_number(function, name, int(value))
     if isinstance(value, ctypes.c_void_p):
         value = value.value
         if value is not None:
@@ -150,10 +230,7 @@ def format_argument(name: str, value: Any) -> str:
     if value is None:
         return "NULL"
     if name == "bufs":
-        places = [
-            f"GL_COLOR_ATTACHMENT{x - GL.GL_COLOR_ATTACHMENT0}" if x else "GL_NONE" for x in value
-        ]
-        return f"[{' '.join(places)}]"
+        return f"[{' '.join(find_constant(function, 'attachment', int(x)) for x in value)}]"
     if isinstance(value, float | np.floating):
         return f"{value:g}"
     if isinstance(value, bytes | bytearray | memoryview):
@@ -163,6 +240,52 @@ def format_argument(name: str, value: Any) -> str:
         return f"[{text}]" if value.size <= 16 else f"{value.size} values"
     text = " ".join(str(value).split())
     return text if len(text) <= _LONGEST else f"{len(text)} characters"
+
+
+def _format_number(function: str, name: str, value: int) -> str:
+    if name in _FLAGS and value in (0, 1):
+        return ("GL_FALSE", "GL_TRUE")[value]
+    if function in _MASKS and name in ("mask", "access"):
+        return _format_bits(function, value)
+    if name in ("mask", "ref") and value > 0xFFFF:
+        return f"0x{value:X}"
+    known = find_constant(function, name, value) if name in _ENUMS else ""
+    if known:
+        return known
+    if name in _OBJECTS:
+        return f"{_OBJECTS[name]} {value}" if value else "0"
+    return str(value) if abs(value) < 1 << 31 else "a pointer"
+
+
+def find_constant(function: str, name: str, value: int) -> str:
+    """Find the constant that a parameter's number stands for; "" for none."""
+    if name in ("buffer", "texture") and function not in ("glClearBufferfv", "glActiveTexture"):
+        return ""  # an object's number
+    known = _constants_by_number().get(value, ())
+    for word in (*_PREFERRED.get(name, ()), "GL_ZERO" if "factor" in name else "GL_NONE"):
+        if word in known:
+            return word
+    plain = [w for w in known if not w.endswith(_VENDORS) and not w.endswith("_BIT")]
+    return min(plain or known, key=len, default="")
+
+
+@cache
+def _constants_by_number() -> Mapping[int, Sequence[str]]:
+    found: dict[int, list[str]] = {}
+    for word, number in constants().items():
+        found.setdefault(number, []).append(word)
+    return found
+
+
+def _format_bits(function: str, value: int) -> str:
+    like = "GL_MAP_" if function.startswith("glMap") else "GL_"
+    found: dict[int, str] = {}
+    for word, number in constants().items():
+        single = number and not number & (number - 1)
+        ours = word.startswith(like) and word.endswith("_BIT") and any(b in word for b in _BITS)
+        if ours and single and value & number:
+            found.setdefault(number, word)
+    return " | ".join(found.values()) or str(value)
 
 
 def makes_objects(function: str) -> bool:
@@ -302,6 +425,12 @@ def _only_sets(function: str) -> bool:
 Make = Callable[..., Any]
 HeldCall = tuple[Make, tuple[Any, ...]]
 
+VECTOR = re.compile(
+    r"glUniform(?P<matrix>Matrix)?(?P<rows>\d)(?:x(?P<columns>\d))?(?P<kind>f|i|ui)v"
+)
+"""Functions that take the address of values, four bytes each."""
+# Of functions that take the address of bytes: the places of the address and of their number.
+_SIZED = {"glBufferData": (2, 1), "glBufferSubData": (3, 2)}
 # What a call is about besides its arguments: how to ask for it, and how to set it.
 _BINDINGS: Sequence[tuple[str, Callable[[int], None]]] = (
     ("GL_VERTEX_ARRAY_BINDING", lambda n: GL.glBindVertexArray(n)),
@@ -371,10 +500,10 @@ class Editor:
                 new = ctypes.c_void_p(new)
             return made(*arguments[:place], new, *arguments[place + 1 :])
         if isinstance(edit, RepeatCall):
-            self._again = (pass_name, (made, arguments), _read_bindings())
+            self._again = (pass_name, (made, _copy_arguments(name, arguments)), _read_bindings())
             return made(*arguments)
         if isinstance(edit, PostponeCall):
-            self._held = (made, arguments)
+            self._held = (made, _copy_arguments(name, arguments))
         else:
             assert isinstance(edit, DropCall)
         return None if prototypes()[name].restype is None else 0
@@ -403,6 +532,41 @@ def _read_bindings() -> list[int]:
     return [int(GL.glGetIntegerv(getattr(GL, name))) for name, _ in _BINDINGS]
 
 
+class _Address(int):
+    """The address of memory that lives as long as this number."""
+
+    memory: Any = None
+
+
+def _copy_arguments(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Copy what addresses among the arguments lead to, so that they stay valid after the call."""
+    place, size = len(arguments) - 1, 0
+    if name in _SIZED:
+        place, from_place = _SIZED[name]
+        size = arguments[from_place]
+    elif VECTOR.fullmatch(name):
+        size = 4 * count_numbers(name, arguments[1])
+    address = arguments[place] if arguments else None
+    if not size or not isinstance(address, int) or not address:
+        return arguments
+    memory = ctypes.create_string_buffer(ctypes.string_at(address, size), size)
+    copied = _Address(ctypes.addressof(memory))
+    copied.memory = memory
+    return (*arguments[:place], copied, *arguments[place + 1 :])
+
+
+def count_numbers(name: str, count: int) -> int:
+    """How many numbers a glUniform…v function takes for so many elements."""
+    found = VECTOR.fullmatch(name)
+    assert found is not None
+    rows = int(found["rows"])
+    return count * rows * int(found["columns"] or (rows if found["matrix"] else 1))
+
+
+# Parameters of textures whose values are constants.
+_WORDED = ("_FILTER", "_MODE", "_FUNC", "WRAP_S", "WRAP_T", "WRAP_R")
+
+
 @contextmanager
 def open_recording_device(device: Device, edit: CallEdit | None = None) -> Iterator[Device]:
     """Open a device in a separate context, whose calls are recorded while a scene is drawn on it.
@@ -412,7 +576,10 @@ def open_recording_device(device: Device, edit: CallEdit | None = None) -> Itera
         edit: a call of the scene's drawing that is made otherwise.
     """
     with fresh_context(device) as raw:
-        made = Device(raw, device.info, device.driver, CallRecorder(edit))
+        recorder = CallRecorder(raw, edit)
+        options: Any = {"standalone": True, "context": recorder}  # mistyped in moderngl's stubs
+        context = moderngl.create_context(require=REQUIRED_VERSION, **options)
+        made = Device(context, device.info, device.driver, recorder)
         with made.in_use():
             yield made
 
@@ -452,9 +619,13 @@ def _program_files(calls: Sequence[Recorded], session: Drawing) -> dict[str, str
 def _describe_call(call: Recorded, files: Mapping[str, str], tracker: StateTracker) -> TracedCall:
     names = prototypes()[call.function].argNames
     arguments = {
-        name: format_argument(name, value)
+        name: format_argument(call.function, name, value)
         for name, value in zip(names, call.arguments, strict=False)
     }
+    if makes_objects(call.function) and len(call.arguments) == 2:
+        del arguments[names[1]]
+    if arguments.get("pname", "").endswith(_WORDED) and arguments.get("param", "").isdigit():
+        arguments["param"] = find_constant(call.function, "param", int(arguments["param"]))
     arguments = {name: files.get(word, word) for name, word in arguments.items()}
     made = makes_objects(call.function)
     pass_name, draw = call.place or ("", None)
