@@ -85,11 +85,8 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
 
     @abstractmethod
     def render(self, draw: PreparedDraw, bindings: Bindings, target: TargetKind) -> None:
-        """Draw into a target with these uniforms and textures, and wait until it is drawn.
-
-        Raises:
-            UnsupportedError: the API, or the device, has no such thing; the message names it.
-        """
+        """Draw into a target with these uniforms and textures, and wait until it is drawn. Raises
+        UnsupportedError: the API, or the device, has no such thing."""
 
     @abstractmethod
     def capture_outputs(
@@ -201,11 +198,8 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
     # Drawing once more.
 
     def fresh_target(self, pass_name: str) -> TargetKind:
-        """Make a further target like that of a pass.
-
-        Raises:
-            UnsupportedError: the pass draws nothing.
-        """
+        """Make a further target like that of a pass. Raises UnsupportedError: the pass draws
+        nothing."""
         description = self.scene.find_pass(pass_name)
         if description.computes:
             raise UnsupportedError(f"drawing pass {pass_name!r} once more: it is a dispatch")

@@ -80,20 +80,14 @@ class Attachments(ABC):
     @abstractmethod
     def sample_positions(self) -> Array:
         """Read where the device takes a pixel's samples: (samples, 2), from its lower left corner.
-
-        Raises:
-            UnsupportedError: it does not say.
-        """
+        Raises UnsupportedError: it does not say."""
 
     @abstractmethod
     def read(self, name: str) -> Image:
         """Read one attachment in its own components and type, row 0 at the bottom.
 
-        "depth" is read as floats, whatever its format, "stencil" as unsigned bytes.
-
-        Raises:
-            UnsupportedError: depth or stencil of a multisampled target.
-        """
+        "depth" is read as floats, whatever its format, "stencil" as unsigned bytes. Raises
+        UnsupportedError: depth or stencil of a multisampled target."""
 
     @abstractmethod
     def release(self) -> None:
@@ -149,13 +143,9 @@ class SceneTextures(ABC, Generic[TargetKind]):
     _samplers: dict[tuple[object, ...], Any] = field(default_factory=dict, init=False)
 
     def texels(self, program: str, variable: Variable, source: TextureSource) -> Texels:
-        """Return what a sampler will read, exactly.
-
-        Raises:
-            CaseError: the texture can't be made, or is none that such a sampler reads.
-            AssetError: an image file can't be read.
-            UnsupportedError: the device has no such texture.
-        """
+        """Return what a sampler will read, exactly. Raises CaseError: the texture can't be made, or
+        is none that such a sampler reads; AssetError: an image file can't be read;
+        UnsupportedError: the device has no such texture."""
         kind = self.kind(source, variable)
         format = "rgba8" if isinstance(source, CompressedTexture) else (  # decoded
             find_image(source, self.images).format if isinstance(source, Output) else source.format

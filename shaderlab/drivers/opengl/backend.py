@@ -40,11 +40,8 @@ _STATISTICS = "GL_ARB_pipeline_statistics_query"
 
 
 def count_events(drawing: Drawing, key: PassDraw, counter: str) -> int:
-    """Count what one draw makes the driver count; its pass is drawn once more.
-
-    Raises:
-        UnsupportedError: the driver does not count this.
-    """
+    """Count what one draw makes the driver count; its pass is drawn once more. Raises
+    UnsupportedError: the driver does not count this."""
     device = drawing.device
     if counter not in _ALWAYS and _STATISTICS not in device.context.extensions:
         raise UnsupportedError(f"counting {counter}: the driver has no {_STATISTICS}")

@@ -153,11 +153,8 @@ def _point_attribute(vao: int, buffer: int, member: Any, array: Array, place: Pl
 
 
 def write_mapped(target: int, whole: bytes) -> None:
-    """Fill the buffer that is bound to a target.
-
-    Raises:
-        DriverError: it can't be mapped, or its contents are lost.
-    """
+    """Fill the buffer that is bound to a target. Raises DriverError: it can't be mapped, or its
+    contents are lost."""
     address = GL.glMapBufferRange(target, 0, len(whole), GL.GL_MAP_WRITE_BIT)
     if not address:
         raise DriverError(f"the driver does not map a buffer of {len(whole)} bytes")
@@ -184,11 +181,8 @@ class UniformBuffers:
         self, program: Any, draw: PreparedDraw, uniforms: Mapping[str, Array]
     ) -> Iterator[str]:
         """Bind a buffer to each uniform block of a program; yields the blocks without any effect.
-
-        Raises:
-            CaseError: two programs that share a buffer lay it out differently.
-            DriverError: the driver lays a block out differently.
-        """
+        Raises CaseError: two programs that share a buffer lay it out differently; DriverError: the
+        driver lays a block out differently."""
         for point, (name, block) in enumerate(bind.uniform_blocks(draw.interface).items()):
             index = find_block(program, block)
             if index is None:

@@ -311,11 +311,8 @@ def capture_outputs(
     bindings: Bindings,
     count: int | None,
 ) -> dict[VaryingPart, Array]:
-    """As `PassSession.capture_outputs`, by transform feedback; without a `count` the
-    vertices are counted first.
-
-    Raises:
-        DriverError: the driver writes down fewer vertices than it says there are.
+    """As `PassSession.capture_outputs`, by transform feedback; without a `count` the vertices are
+    counted first. Raises DriverError: the driver writes down fewer vertices than it says there are.
     """
     found: dict[VaryingPart, Array] = {}
     written = _find_written(drawing, texts, parts)
@@ -341,11 +338,8 @@ def _find_written(
     drawing: Drawing, texts: Mapping[str, str], parts: Sequence[VaryingPart]
 ) -> set[str]:
     """Return the names of those outputs that the program has. A driver may drop one that is
-    declared and never written, and then refuses to capture it.
-
-    Raises:
-        ShaderError: it refuses the program as well if nothing is captured.
-    """
+    declared and never written, and then refuses to capture it. Raises ShaderError: it refuses the
+    program as well if nothing is captured."""
     names = dict.fromkeys(piece.name for piece in parts)
     try:
         for group in _group_parts(parts):
@@ -384,11 +378,8 @@ def _draw_into_buffer(
     room: int, stride: int,
 ) -> tuple[int, bytes]:  # fmt: skip
     """Draw into a buffer with room for so many vertices of `stride` bytes: how many there would
-    have been, and what was written.
-
-    Raises:
-        DriverError: the buffer is large enough, but less was written.
-    """
+    have been, and what was written. Raises DriverError: the buffer is large enough, but less was
+    written."""
     corner_count = {GL.GL_LINES: 2, GL.GL_TRIANGLES: 3}.get(mode, 1)
     device = drawing.device
     # Transform feedback without a complete framebuffer returns zeros without an error.

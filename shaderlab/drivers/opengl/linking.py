@@ -145,11 +145,8 @@ def _set_nowhere(program: Any, array: Array) -> None:
 
 
 def modules_of(stages: Sequence[Source]) -> tuple[Mapping[str, bytes], Interface]:
-    """Compile a program to modules for OpenGL by stage; returns its interface, too.
-
-    Raises:
-        UnsupportedError: it can't become SPIR-V; it may still be plain GLSL.
-    """
+    """Compile a program to modules for OpenGL by stage; returns its interface, too. Raises
+    UnsupportedError: it can't become SPIR-V."""
     compiled = cached_compiler()(stages, ("glsl", "opengl"))
     try:
         compiled.require()

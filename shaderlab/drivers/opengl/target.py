@@ -129,11 +129,8 @@ class RenderTarget(Attachments):
         return self._target.samples
 
     def texture(self, name: str, *, sampled: bool = False) -> DeviceTexture:
-        """A colour attachment, or "depth", as a texture; `sampled`: that of all samples.
-
-        Raises:
-            UnsupportedError: it is kept in a way that no sampler can read.
-        """
+        """A colour attachment, or "depth", as a texture; `sampled`: that of all samples. Raises
+        UnsupportedError: it is kept in a way that no sampler can read."""
         if name in self.colors:
             if sampled:
                 index = list(self.colors).index(name)

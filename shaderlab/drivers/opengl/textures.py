@@ -131,11 +131,8 @@ class DeviceTexture:
 def upload(
     device: Device, kind: str, format: str, images: Contents, *, mapped: bool = False
 ) -> DeviceTexture:
-    """A texture with these images; `mapped` writes those of a plane through a pixel buffer.
-
-    Raises:
-        UnsupportedError: it is too large for the driver.
-    """
+    """A texture with these images; `mapped` writes those of a plane through a pixel buffer. Raises
+    UnsupportedError: it is too large for the driver."""
     height, width = images.layers[0].shape[:2]
     limit = int(device.context.info["GL_MAX_TEXTURE_SIZE"])
     if max(width, height) > limit:
@@ -192,12 +189,8 @@ def _pixel_buffer(texels: Array) -> Iterator[ctypes.c_void_p]:
 
 
 def upload_compressed(device: Device, blocks: Blocks) -> tuple[DeviceTexture, list[Array]]:
-    """A texture of these blocks, and each level as the driver decodes it: codes (height, width,
-    4).
-
-    Raises:
-        UnsupportedError: the driver lacks the format; names the extension.
-    """
+    """A texture of these blocks, and each level as the driver decodes it: codes (height, width, 4).
+    Raises UnsupportedError: the driver lacks the format."""
     internal, extension, version = _COMPRESSED[blocks.format]
     if device.version < version and extension not in device.context.extensions:
         raise UnsupportedError(f"{blocks.format} textures", remedy=f"this driver lacks {extension}")

@@ -72,11 +72,8 @@ class CallRecorder:
 
     @contextmanager
     def recording(self) -> Iterator[None]:
-        """Record what is called meanwhile, in place of what was recorded before.
-
-        Raises:
-            ShaderlabError: the call of the edit was not made.
-        """
+        """Record what is called meanwhile, in place of what was recorded before. Raises
+        ShaderlabError: the call of the edit was not made."""
         self.calls.clear()
         self._editor = Editor(self._edit)
         own = {(module, name): getattr(module, name) for module, name in _list_functions()}

@@ -26,12 +26,8 @@ _VARIABLES = ("VK_DRIVER_FILES", "VK_ICD_FILENAMES")
 
 
 def open_backend(driver: str) -> VulkanBackend:
-    """Open a Vulkan device.
-
-    Raises:
-        DriverError: the package or the driver is not installed, or the device lacks what the lab
-            needs.
-    """
+    """Open a Vulkan device. Raises DriverError: the package or the driver is not installed, or the
+    device lacks what the lab needs."""
     from .device import open_device
     from .session import VulkanBackend
 
@@ -48,11 +44,8 @@ def prepare_process(driver: str) -> None:
 
 
 def environment(driver: str) -> AbstractContextManager[None]:
-    """Set the environment in which the loader finds this driver, for a while.
-
-    Raises:
-        DriverError: the driver is not installed; says how to get it.
-    """
+    """Set the environment in which the loader finds this driver, for a while. Raises DriverError:
+    the driver is not installed."""
     return set_variables(_variables(driver))
 
 
@@ -82,10 +75,7 @@ _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-sta
 
 def manifest_of(driver: str) -> Path | None:
     """Return the manifest of a software driver; None for "vulkan", whose drivers the loader finds.
-
-    Raises:
-        DriverError: the driver is not installed; says how to get it.
-    """
+    Raises DriverError: the driver is not installed."""
     if driver not in _NAMES:
         return None
     for folder in _folders():

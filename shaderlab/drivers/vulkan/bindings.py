@@ -249,11 +249,8 @@ def block_buffers(
     stored: Mapping[str, Buffer] = _NONE,
 ) -> dict[str, Any]:
     """Return a buffer's handle for each block of a program, released with `own`; `values` are
-    uniforms and members by OpenGL's names, `stored` storage buffers by their blocks' names.
-
-    Raises:
-        UnsupportedError: a storage block has no buffer.
-    """
+    uniforms and members by OpenGL's names, `stored` storage buffers by their blocks' names. Raises
+    UnsupportedError: a storage block has no buffer."""
     found = {}
     for name, binding in bindings.items():
         if binding.kind == STORED:

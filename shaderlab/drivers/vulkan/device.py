@@ -38,13 +38,7 @@ def constant(name: str) -> int:
 
 
 def check(result: int, what: str) -> None:
-    """Raise for a result that is an error.
-
-    Raises:
-        DeviceLostError: the device is lost; nothing more can be done with it.
-        MemoryError: memory ran out.
-        DriverError: any other error.
-    """
+    """Raise for a result that is an error. Raises DeviceLostError: the device is lost; MemoryError: memory ran out; DriverError: any other error."""
     if result >= 0:
         return
     if result == constant("ERROR_DEVICE_LOST"):

@@ -72,11 +72,8 @@ def new_image(
     levels: int = 1,
     samples: int = 1,
 ) -> DeviceImage:
-    """Return an image without contents, for uses such as "color_attachment" and "sampled".
-
-    Raises:
-        UnsupportedError: it is too large for the device.
-    """
+    """Return an image without contents, for uses such as "color_attachment" and "sampled". Raises
+    UnsupportedError: it is too large for the device."""
     device = resources.device
     limit = device.limits.maxImageDimension2D
     if max(size) > limit:
@@ -227,11 +224,8 @@ def vulkan_format(word: str) -> int:
 
 def choose_format(device: Device, word: str, *uses: str) -> str:
     """Return the format that a device keeps an image of a format in: the same, or, for 24 bits of
-    depth where it has none, 32. It must serve for `uses`, such as "color_attachment".
-
-    Raises:
-        UnsupportedError: the device has no such image.
-    """
+    depth where it has none, 32. It must serve for `uses`, such as "color_attachment". Raises
+    UnsupportedError: the device has no such image."""
     for candidate in (word, _FINER.get(word, word)):
         if not find_missing_uses(device, candidate, *uses):
             return candidate

@@ -75,12 +75,8 @@ def adapt_fragment(text: str) -> str:
 
 
 def compile_modules(sources: Sequence[Source]) -> Mapping[str, bytes]:
-    """Return a program's modules by stage.
-
-    Raises:
-        ShaderError: it is no GLSL.
-        UnsupportedError: it is GLSL, but none that can be made into modules for Vulkan.
-    """
+    """Return a program's modules by stage. Raises ShaderError: it is no GLSL; UnsupportedError: it
+    is GLSL, but none that can be made into modules for Vulkan."""
     return compile_to_modules(sources, "vulkan", "Vulkan").spirv["vulkan"]
 
 
@@ -120,11 +116,8 @@ class Binding:
 
 
 def find_bindings(modules: Mapping[str, bytes]) -> dict[str, Binding]:
-    """Return all bindings of a program by the names of blocks and of samplers.
-
-    Raises:
-        UnsupportedError: a binding is in another set than the first, or is of another kind.
-    """
+    """Return all bindings of a program by the names of blocks and of samplers. Raises
+    UnsupportedError: a binding is in another set than the first, or is of another kind."""
     blocks = reflect(modules).blocks
     found: dict[str, Binding] = {}
     for data in modules.values():
@@ -327,11 +320,8 @@ class Linker(ProgramCache[Program]):
     device: Device
 
     def link(self, texts: Mapping[str, str], known: Sequence[Source] = ()) -> Program:
-        """Return the program of these texts by stage, some of which may be those of `known`.
-
-        Raises:
-            ShaderError, UnsupportedError: as `compile_modules` and `Program`.
-        """
+        """Return the program of these texts by stage, some of which may be those of `known`. Raises
+        ShaderError, UnsupportedError: as `compile_modules` and `Program`."""
 
         def linked() -> Program:
             with phase("compile"):

@@ -13,12 +13,9 @@ if TYPE_CHECKING:
 
 
 def open_backend(driver: str) -> WebGLBackend:
-    """Start a browser and open a device in it; `driver` has one name.
-
-    Raises:
-        DriverError: there is no browser, no package that drives it or no SPIRV-Cross, or the
-            browser has no WebGL2 that draws to floats.
-    """
+    """Start a browser and open a device in it; `driver` has one name. Raises DriverError: there is
+    no browser, no package that drives it or no SPIRV-Cross, or the browser has no WebGL2 that draws
+    to floats."""
     from .device import open_device
     from .session import WebGLBackend
 

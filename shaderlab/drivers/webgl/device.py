@@ -79,12 +79,8 @@ class Calls:
         return self.ask_all([(name, *given)])[0]
 
     def ask_all(self, questions: Sequence[tuple[Any, ...]]) -> list[Any]:
-        """Return what each of some methods, with its arguments, returns.
-
-        Raises:
-            DeviceLostError: the context is lost.
-            DriverError: one of the calls can't be made.
-        """
+        """Return what each of some methods, with its arguments, returns. Raises DeviceLostError:
+        the context is lost; DriverError: one of the calls can't be made."""
         replies: list[Any] = []
         for name, *given in questions:
             self.ask_later(replies.append, name, *given)
@@ -206,12 +202,8 @@ class Browser:
     _guard: subprocess.Popen[bytes] | None = None
 
     def play(self, text: str) -> str:
-        """Return what the player answers.
-
-        Raises:
-            DeviceLostError: the browser is gone, or gives no answer in time.
-            DriverError: a call can't be made.
-        """
+        """Return what the player answers. Raises DeviceLostError: the browser is gone, or gives no
+        answer in time; DriverError: a call can't be made."""
         return str(self._wait(self._page.evaluate("text => player.play(text)", text)))
 
     def close(self) -> None:
@@ -345,11 +337,8 @@ class Device:
 
 
 def open_device() -> Device:
-    """Start a browser and open a context in it.
-
-    Raises:
-        DriverError: something is not installed, or the browser does not draw to floats.
-    """
+    """Start a browser and open a context in it. Raises DriverError: something is not installed, or
+    the browser does not draw to floats."""
     find_cross_compiler()
     browser = Browser()
     try:

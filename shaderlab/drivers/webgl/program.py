@@ -48,11 +48,7 @@ def translate(
 
     What one stage hands to the other goes by its location, unless a vertex stage's outputs are to
     `keep_names`: SPIRV-Cross names members by a block's instance, which stages name as they like.
-
-    Raises:
-        ShaderError: it is no GLSL.
-        UnsupportedError: ESSL 3.00 can't say it.
-    """
+    Raises ShaderError: it is no GLSL; UnsupportedError: ESSL 3.00 can't say it."""
     for stage in texts:
         if stage not in _STAGES:
             raise UnsupportedError(f"the {stage} stage: WebGL2 has none")
@@ -158,10 +154,7 @@ class Linker(ProgramCache[Program]):
         feedback: Sequence[str] = (),
     ) -> Program:
         """Return the program of these stages, which captures the vertex outputs of `feedback`.
-
-        Raises:
-            ShaderError, UnsupportedError: as `translate` and `Program`.
-        """
+        Raises ShaderError, UnsupportedError: as `translate` and `Program`."""
 
         def linked() -> Program:
             source = translate(texts, known, keep_names=bool(feedback))

@@ -210,11 +210,8 @@ void main() {
 
 def measure_sample_positions(device: Device, samples: int) -> Array:
     """Return the places of a pixel's samples, (samples, 2), from its lower left corner, by a shader
-    that says it of one sample after the other. Source: Khronos, OES_sample_variables.
-
-    Raises:
-        UnsupportedError: the browser does not say.
-    """
+    that says it of one sample after the other. Source: Khronos, OES_sample_variables. Raises
+    UnsupportedError: the browser does not say."""
     device.require(_EXTENSION, "sample positions")
     gl, found = device.gl, []
     with Objects(gl) as own:

@@ -137,10 +137,7 @@ def read_attached(
 
 def read_pixels(device: Device, word: str, size: Size) -> Array:
     """Return the first attachment of the framebuffer that is bound, (height, width, channels).
-
-    Raises:
-        DriverError: it can't be read.
-    """
+    Raises DriverError: it can't be read."""
     gl, found = device.gl, format_of(word)
     read = found.numpy if found.numpy in _READ else np.float32
     format, kind = (getattr(gl, name) for name in _READ[read])
