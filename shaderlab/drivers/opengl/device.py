@@ -44,6 +44,12 @@ def gl_constant(word: str) -> int:
     return int(getattr(GL, f"GL_{word.upper()}"))
 
 
+def make_call(name: str, *given: Any) -> None:
+    """Make a call that `drivers.gl_state` describes."""
+    function = getattr(GL, f"gl{name}")
+    function(*(gl_constant(each) if isinstance(each, str) else each for each in given))
+
+
 INSTALL = (
     "Debian/Ubuntu: apt-get install libegl1 libgl1-mesa-dri · Fedora: dnf install "
     "mesa-libEGL mesa-dri-drivers · Arch: pacman -S mesa · or run `shaderlab doctor`"

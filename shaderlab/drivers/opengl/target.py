@@ -12,14 +12,13 @@ import numpy as np
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.scene import Target
-from shaderlab.model.state import Blend, Depth, State, Stencil
+from shaderlab.model.state import State
 
+from ..gl_state import state_calls
 from ..programs.textures import COLOR, DEPTH
 from ..resources import COVERING, UNREADABLE, Attachments, multisampled_error
-from .device import GL, GL_1_0, Device, gl_constant
+from .device import GL, GL_1_0, Device, gl_constant, make_call
 from .textures import DeviceTexture, address, depth_storage, tightly_packed
-
-_NO_DEPTH, _NO_STENCIL, _NO_BLEND = Depth(), Stencil(), Blend()
 
 
 def apply_state(state: State, size: tuple[int, int], version: int) -> None:
@@ -27,65 +26,20 @@ def apply_state(state: State, size: tuple[int, int], version: int) -> None:
 
     `version` is the context's OpenGL version: 450 for 4.5.
     """
-    whole = (0, 0, *size)
-    cell = None if state.cell is None else state.cell.rectangle(size)
-    scissor = cell or state.scissor
     switches = {
-        GL.GL_SCISSOR_TEST: scissor is not None,
-        GL.GL_DEPTH_TEST: state.depth is not None,
-        GL.GL_POLYGON_OFFSET_FILL: state.polygon_offset is not None,
-        GL.GL_POLYGON_OFFSET_LINE: state.polygon_offset is not None,
-        GL.GL_STENCIL_TEST: state.stencil is not None,
-        GL.GL_BLEND: state.blend is not None,
-        GL.GL_CULL_FACE: state.cull is not None,
-        GL.GL_FRAMEBUFFER_SRGB: state.srgb,
-        GL.GL_PROGRAM_POINT_SIZE: isinstance(state.point_size, str),
-        GL.GL_MULTISAMPLE: state.multisample,
-        GL.GL_SAMPLE_ALPHA_TO_COVERAGE: state.alpha_to_coverage,
+        "polygon_offset_line": state.polygon_offset is not None,
+        "framebuffer_srgb": state.srgb,
+        "program_point_size": isinstance(state.point_size, str),
+        "multisample": state.multisample,
     }
     if version >= 400:
-        switches[GL.GL_SAMPLE_SHADING] = state.sample_shading is not None
+        switches["sample_shading"] = state.sample_shading is not None
         GL.glMinSampleShading(state.sample_shading or 0.0)
     elif state.sample_shading is not None:
         raise UnsupportedError("shading each sample (sample_shading): it takes OpenGL 4.0")
-    for capability, on in switches.items():
-        (GL.glEnable if on else GL.glDisable)(capability)
-    GL.glViewport(*(cell or state.viewport or whole))
-    GL.glScissor(*(scissor or whole))
-    depth = state.depth or _NO_DEPTH
-    GL.glDepthFunc(gl_constant(depth.func))
-    GL.glDepthMask(depth.write)
-    GL.glDepthRange(*state.depth_range)
-    GL.glPolygonOffset(*(state.polygon_offset or (0.0, 0.0)))
-    _apply_stencil(GL.GL_FRONT, state.stencil or _NO_STENCIL)
-    _apply_stencil(GL.GL_BACK, state.stencil_back or state.stencil or _NO_STENCIL)
-    _apply_blend(state.blend or _NO_BLEND)
-    GL.glCullFace(gl_constant(state.cull or "back"))
-    GL.glFrontFace(gl_constant(state.front_face))
-    GL.glColorMask(*state.color_mask)
+    for call in state_calls(state, size, switches):
+        make_call(*call)
     GL.glPointSize(state.point_size if isinstance(state.point_size, int | float) else 1.0)
-
-
-def _apply_stencil(face: int, stencil: Stencil) -> None:
-    GL.glStencilFuncSeparate(face, gl_constant(stencil.func), stencil.reference, stencil.mask)
-    operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
-    GL.glStencilOpSeparate(face, *(gl_constant(word) for word in operations))
-    GL.glStencilMaskSeparate(face, stencil.write_mask)
-
-
-def _apply_blend(blend: Blend) -> None:
-    GL.glBlendFuncSeparate(
-        gl_constant(blend.source),
-        gl_constant(blend.destination),
-        gl_constant(blend.source_alpha or blend.source),
-        gl_constant(blend.destination_alpha or blend.destination),
-    )
-    for_color, for_alpha = (
-        gl_constant(word if word in ("min", "max") else f"func_{word}")
-        for word in (blend.equation, blend.equation_alpha or blend.equation)
-    )
-    GL.glBlendEquationSeparate(for_color, for_alpha)
-    GL.glBlendColor(*blend.constant)
 
 
 class RenderTarget(Attachments):

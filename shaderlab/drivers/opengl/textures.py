@@ -28,6 +28,7 @@ from shaderlab.model.textures import (
     level_sizes,
 )
 
+from ..gl_state import sampler_calls
 from ..programs.storage import image_output
 from ..programs.textures import (
     DEPTH,
@@ -42,7 +43,7 @@ from ..programs.textures import (
 )
 from ..resources import DeviceTexels, SampledTarget, SceneTextures
 from .buffers import write_mapped
-from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, gl_constant
+from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, gl_constant, make_call
 from .linking import uniform_location
 
 # The binding points, as OpenGL has their names, by what GLSL's samplers end in.
@@ -348,22 +349,9 @@ def _read_smaller(texture: DeviceTexture, format: str, values: Array) -> tuple[A
 
 
 def _new_sampler(sampling: Sampling) -> int:
-    """Make a sampler object. Source: OpenGL 4.5 core profile, table 8.15."""
     name = int(GL.glGenSamplers(1))
-    compare = GL.GL_NONE if sampling.compare is None else GL.GL_COMPARE_REF_TO_TEXTURE
-    along_r = [(GL.GL_TEXTURE_WRAP_R, gl_constant(word)) for word in sampling.wrap[2:]]
-    for what, number in (
-        (GL.GL_TEXTURE_MIN_FILTER, gl_constant(sampling.filter[0])),
-        (GL.GL_TEXTURE_MAG_FILTER, gl_constant(sampling.filter[1])),
-        (GL.GL_TEXTURE_WRAP_S, gl_constant(sampling.wrap[0])),
-        (GL.GL_TEXTURE_WRAP_T, gl_constant(sampling.wrap[1])),
-        *along_r,
-        (GL.GL_TEXTURE_COMPARE_MODE, compare),
-        (GL.GL_TEXTURE_COMPARE_FUNC, gl_constant(sampling.compare or "lequal")),
-    ):
-        GL.glSamplerParameteri(name, what, number)
-    GL.glSamplerParameterf(name, GL.GL_TEXTURE_MIN_LOD, sampling.lod[0])
-    GL.glSamplerParameterf(name, GL.GL_TEXTURE_MAX_LOD, sampling.lod[1])
+    for call in sampler_calls(name, sampling):
+        make_call(*call)
     border = np.array(sampling.border, np.float32)
     GL.glSamplerParameterfv(name, GL.GL_TEXTURE_BORDER_COLOR, border)
     return name

@@ -38,7 +38,7 @@ def constant(name: str) -> int:
 
 
 def check(result: int, what: str) -> None:
-    """Raise for a result that is an error. Raises DeviceLostError: the device is lost; MemoryError: memory ran out; DriverError: any other error."""
+    """Raise DeviceLostError, MemoryError, or for any other error of a result DriverError."""
     if result >= 0:
         return
     if result == constant("ERROR_DEVICE_LOST"):

@@ -63,6 +63,11 @@ class Calls:
             return self.about["constants"][name]
         return functools.partial(self._add, name, 0)
 
+    def make(self, name: str, *given: Any) -> None:
+        """Make a call that `drivers.gl_state` describes."""
+        words = (getattr(self, g.upper()) if isinstance(g, str) else g for g in given)
+        self._add(name[0].lower() + name[1:], 0, *words)
+
     def new(self, name: str, *given: Any) -> Object:
         """Return the object that a method returns."""
         made = self.number()

@@ -15,8 +15,9 @@ from shaderlab.compiler.sources import Source
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array
 from shaderlab.model.phases import phase
-from shaderlab.model.state import Blend, Depth, State, Stencil
+from shaderlab.model.state import Blend, State, Stencil
 
+from ..gl_state import state_calls
 from ..programs import stages
 from ..programs.bind import uniform_blocks
 from ..programs.module_texts import (
@@ -199,13 +200,11 @@ def _first_error(said: str | None) -> str:
     return re.sub(r"^ERROR: \d+:\d+: ", "", errors[0]) if errors else "it does not say why"
 
 
-_NO_DEPTH, _NO_STENCIL, _NO_BLEND = Depth(), Stencil(), Blend()
-
-
 def check_state(state: State, *, samples: int, encodes: bool) -> None:
     """Raise UnsupportedError for what WebGL2 has not, though OpenGL has; `samples` are those of the
     draw's target, which `encodes` if it has attachments of sRGB."""
-    front, back = state.stencil or _NO_STENCIL, state.stencil_back or state.stencil or _NO_STENCIL
+    front = state.stencil or Stencil()
+    back = state.stencil_back or front
     for lacks, what in (
         (samples > 1 and not state.multisample,
          "multisample=False: WebGL2 covers the samples of a target always"),
@@ -226,62 +225,11 @@ def check_state(state: State, *, samples: int, encodes: bool) -> None:
 
 def apply_state(gl: Calls, state: State, size: tuple[int, int]) -> None:
     """Make the context's state what `state` says, for a target of `size` pixels."""
-    whole = (0, 0, *size)
-    cell = None if state.cell is None else state.cell.rectangle(size)
-    scissor = cell or state.scissor
-    switches = {
-        "SCISSOR_TEST": scissor is not None,
-        "DEPTH_TEST": state.depth is not None,
-        "POLYGON_OFFSET_FILL": state.polygon_offset is not None,
-        "STENCIL_TEST": state.stencil is not None,
-        "BLEND": state.blend is not None,
-        "CULL_FACE": state.cull is not None,
-        "SAMPLE_ALPHA_TO_COVERAGE": state.alpha_to_coverage,
-        "RASTERIZER_DISCARD": False,
-    }
-    for capability, on in switches.items():
-        (gl.enable if on else gl.disable)(getattr(gl, capability))
-    gl.viewport(*(cell or state.viewport or whole))
-    gl.scissor(*(scissor or whole))
-    depth = state.depth or _NO_DEPTH
-    gl.depthFunc(_constant(gl, depth.func))
-    gl.depthMask(depth.write)
-    gl.depthRange(*state.depth_range)
-    gl.polygonOffset(*(state.polygon_offset or (0.0, 0.0)))
-    _stencil(gl, gl.FRONT, state.stencil or _NO_STENCIL)
-    _stencil(gl, gl.BACK, state.stencil_back or state.stencil or _NO_STENCIL)
-    _blend(gl, state.blend or _NO_BLEND)
-    gl.cullFace(_constant(gl, state.cull or "back"))
-    gl.frontFace(_constant(gl, state.front_face))
-    gl.colorMask(*state.color_mask)
+    for call in state_calls(state, size, {"rasterizer_discard": False}):
+        gl.make(*call)
 
 
 def _mixes_constants(blend: Blend | None) -> bool:
     factors = [] if blend is None else [blend.source, blend.destination]
     constants = {word.removeprefix("one_minus_") for word in factors}
     return constants == {"constant_color", "constant_alpha"}
-
-
-def _stencil(gl: Calls, face: int, stencil: Stencil) -> None:
-    gl.stencilFuncSeparate(face, _constant(gl, stencil.func), stencil.reference, stencil.mask)
-    operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
-    gl.stencilOpSeparate(face, *(_constant(gl, word) for word in operations))
-    gl.stencilMaskSeparate(face, stencil.write_mask)
-
-
-def _blend(gl: Calls, blend: Blend) -> None:
-    gl.blendFuncSeparate(
-        _constant(gl, blend.source),
-        _constant(gl, blend.destination),
-        _constant(gl, blend.source_alpha or blend.source),
-        _constant(gl, blend.destination_alpha or blend.destination),
-    )
-    gl.blendEquationSeparate(*(
-        _constant(gl, word if word in ("min", "max") else f"func_{word}")
-        for word in (blend.equation, blend.equation_alpha or blend.equation)
-    ))  # fmt: skip
-    gl.blendColor(*blend.constant)
-
-
-def _constant(gl: Calls, word: str) -> int:
-    return int(getattr(gl, word.upper()))

@@ -18,6 +18,7 @@ from shaderlab.model.frame import Array
 from shaderlab.model.textures import CompressedTexture, Output, TextureSource, level_sizes
 
 from .. import Size
+from ..gl_state import sampler_calls
 from ..programs.textures import (
     DEPTH,
     find_image,
@@ -402,15 +403,7 @@ class BoundTextures(SceneTextures[Any]):
         return tuple(found)
 
     def new_sampler(self, source: TextureSource) -> Object:
-        gl, made = self._device.gl, self._own.new("Sampler")
-        compare = "NONE" if source.compare is None else "COMPARE_REF_TO_TEXTURE"
-        for what, word in (
-            ("MIN_FILTER", source.filter[0]), ("MAG_FILTER", source.filter[1]),
-            ("WRAP_S", source.wrap[0]), ("WRAP_T", source.wrap[1]),
-            ("WRAP_R", source.wrap[1]), ("COMPARE_MODE", compare),
-            ("COMPARE_FUNC", source.compare or "lequal"),
-        ):  # fmt: skip
-            gl.samplerParameteri(made, getattr(gl, f"TEXTURE_{what}"), getattr(gl, word.upper()))
-        gl.samplerParameterf(made, gl.TEXTURE_MIN_LOD, source.lod[0])
-        gl.samplerParameterf(made, gl.TEXTURE_MAX_LOD, source.lod[1])
+        made = self._own.new("Sampler")
+        for call in sampler_calls(made, source):
+            self._device.gl.make(*call)
         return made
