@@ -140,11 +140,6 @@ class PictureWriter:
         files: dict[str, str] = {}
         captions: dict[str, str] = {}
         for what, values in shown.items():
-            if span is None and covered is None and self._is_picture(values):
-                assert self._picture is not None
-                picture = self._picture[1]
-                files[what], captions[what] = picture.files["picture"], picture.captions["picture"]
-                continue
             display = pictures.to_display(values, value_range=span)
             seen = display.image
             if covered is not None:
@@ -162,12 +157,6 @@ class PictureWriter:
         equal = "covered" not in arrays and not numbers.fine
         _write_numbers(path, numbers, equal)
         return PictureFiles(files, captions, relative)
-
-    def _is_picture(self, values: Array) -> bool:
-        """Whether these colours lie where those of the case's picture do, and are as large."""
-        if self._picture is None or values.dtype.kind != "f" or min(values.shape[:2]) < 256:
-            return False
-        return _memory_of(values) == _memory_of(self._picture[0].values)
 
     def write_assembly(self, spirv: Mapping[str, Mapping[str, bytes]]) -> str:
         """Write a program's modules, by target and stage, as SPIR-V assembly; equal ones share a
@@ -208,11 +197,6 @@ class PictureWriter:
         path = self._folder / relative
         path.parent.mkdir(parents=True, exist_ok=True)
         return relative, path
-
-
-def _memory_of(values: Array) -> tuple[object, ...]:
-    """What memory an array is, and how it is read."""
-    return values.ctypes.data, values.dtype, values.shape, values.strides
 
 
 def _write_numbers(path: Path, numbers: pictures.Values, equal: bool) -> None:
@@ -267,43 +251,22 @@ def _to_file_name(word: str) -> str:
 def enlarge(
     backend: Backend, scene: Scene, programs: Programs, images: Images, side: int
 ) -> Images:
-    """Draw a scene with `side` × `side` pixels where its targets have no size of their own: the
-    passes that depend on the size, and those that they read.
+    """Draw a scene with `side` × `side` pixels where its targets have no size of their own.
 
     Args:
         backend: the device.
         scene: what to draw.
         programs: its compiled draws.
-        images: what was drawn of it in another size, of which the rest is taken.
+        images: what was drawn of it in another size; returned if no target depends on the size.
         side: the size in pixels.
 
     Raises:
         ShaderError, UnsupportedError, CaseError: it can't be drawn.
     """
-    needed = set(resized_passes(scene))
-    if not needed:
+    if all(each.target.size is not None or each.computes for each in scene.passes):
         return images
-    for description in reversed(scene.passes):
-        if description.name in needed:
-            needed |= _passes_read(description)
     with backend.session(scene, programs, (side, side)) as session:
-        return {**images, **session.draw(needed).images}
-
-
-def resized_passes(scene: Scene) -> Sequence[str]:
-    """The passes that depend on the frame's size: by their own targets or by what they read."""
-    found: dict[str, None] = {}
-    for description in scene.passes:
-        own = description.target.size is None and not description.computes
-        if own or not _passes_read(description).isdisjoint(found):
-            found[description.name] = None
-    return list(found)
-
-
-def _passes_read(description: Pass) -> set[str]:
-    """The earlier passes whose outputs a pass reads or draws onto."""
-    read = {output.pass_name for draw in description.draws for output in draw.outputs_read()}
-    return read | ({description.onto} if description.onto else set())
+        return session.draw().images
 
 
 def save_frames(folder: Path, case_id: str, variant: str, images: Images) -> None:
