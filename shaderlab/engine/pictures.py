@@ -30,14 +30,12 @@ Images = Mapping[tuple[str, str], Image]
 
 # Of compared pictures: one pixel a value (2 × 2 where some are outside); the page enlarges them.
 COMPARISON_SIDE = 1
-# An attachment is shown so small that twice as many pixels are too many.
+# An attachment is shown so small that of larger ones some pixels are enough.
 ATTACHMENT_SIDE = 136
 # An exact comparison without a difference keeps at most so many bytes of numbers, or a corner.
 LARGE = 4096
 # The most elements of a buffer that its picture shows.
 WIDEST = 1024
-# The size in which a report's overview shows a picture.
-PREVIEW_SIDE = 320
 
 
 @dataclass(frozen=True)
@@ -69,14 +67,11 @@ class PictureWriter:
         self._picture: tuple[Image, PictureFiles] | None = None
 
     def write_picture(self, image: Image) -> PictureFiles:
-        """Write the case's picture, with a small copy for the overview."""
+        """Write the case's picture."""
         if self._folder is None:
             return PictureFiles()
         display = _display(image)
         file = self._save("picture", display.image, 256)
-        if min(display.image.shape[:2]) >= 256 and max(display.image.shape[:2]) > PREVIEW_SIDE:
-            path = self._folder / file
-            pictures.save_preview(path, display.image, PREVIEW_SIDE)
         files = PictureFiles({"picture": file}, {"picture": display.caption})
         self._picture = image, files
         return files
@@ -108,7 +103,8 @@ class PictureWriter:
         if self._picture is not None and self._picture[0] is image:
             file = self._picture[1].files["picture"]
         else:
-            small = replace(image, values=pictures.coarse(image.values, ATTACHMENT_SIDE))
+            step = max(1, max(image.values.shape[:2]) // ATTACHMENT_SIDE)
+            small = replace(image, values=image.values[::step, ::step])
             file = self._save(f"pass-{label}", _display(small).image, 1)
         return Attachment(name=name, format=image.format, image=file)
 

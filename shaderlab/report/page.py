@@ -34,7 +34,7 @@ from shaderlab.model.records import (
 )
 from shaderlab.report.charts import Chart, draw_curve, draw_plot
 from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, count_totals, group_cases
-from shaderlab.report.pictures import SMALL, Picture, Pictures
+from shaderlab.report.pictures import Picture, Pictures
 from shaderlab.report.sources import (
     Compiled,
     Listing,
@@ -233,23 +233,22 @@ class CaseView:
 
     @property
     def thumbnail(self) -> Picture | None:
-        """A small picture of the variant that gives the case its status, or of any that has one."""
+        """A picture of the variant that gives the case its status, or of any that has one."""
         status = self.status
         records = sorted(self.group.records, key=lambda record: record.status != status)
         images = [record.images for record in records]
         images += [outcome.images for record in records for outcome in record.expectations]
         for names in images:
             file = names.get("picture") or names.get("measured") or next(iter(names.values()), "")
-            if file and not (small := self.store.find(file, SMALL)).missing:
-                return small
+            if file and not (picture := self.store.find(file)).missing:
+                return picture
         return None
 
     @property
     def pictures(self) -> list[Figure]:
-        """The pictures of all variants; side by side each is shown small."""
-        side = SMALL if len(self.variants) > 2 else 0
+        """The pictures of all variants."""
         return [
-            self._figure(record, name, self.store.find(file, side))
+            self._figure(record, name, self.store.find(file))
             for record in self.group.records
             for name, file in record.images.items()
         ]

@@ -21,7 +21,7 @@ from shaderlab.model import pictures
 from shaderlab.report import sources, text
 from shaderlab.report.charts import lay_out_worst
 from shaderlab.report.grouping import STATUS_WORDS, STATUSES
-from shaderlab.report.pictures import SMALL, read_numbers
+from shaderlab.report.pictures import in_base64
 
 FOLDER = "page"
 """The folder of what the pages of a site share: style.css, script.js and search.js."""
@@ -38,7 +38,7 @@ _FILTERS = (
     text.share,
     text.short,
     sources.code_spans,
-    read_numbers,
+    in_base64,
     sources.collect_words,
 )
 
@@ -73,7 +73,6 @@ def environment() -> Environment:
         },
         script_colours=_script_colours,
         lay_out_worst=lay_out_worst,
-        small=SMALL,
     )
     # An attribute is one, and an error where there is none: Jinja would look for an item, too.
     made.getattr = getattr  # type: ignore[method-assign, assignment]

@@ -142,8 +142,8 @@ def test_an_attachment_is_small_and_the_picture_is_no_other_file(tmp_path: Path)
     first, last = writer.write_passes(scene("a", "b"), images)
     assert last.attachments[0].image == picture.files["picture"]
     color, depth = (pictures.load(tmp_path / each.image) for each in first.attachments)
-    assert color.shape == depth.shape == (170, 85, 3)
-    assert (color[:85] == [1, 0, 0]).all() and (color[86:] == 0).all()
+    assert color.shape == depth.shape == (171, 86, 3)
+    assert (color[:86] == [1, 0, 0]).all() and (color[86:] == 0).all()
     assert first.size == (256, 512)
 
 

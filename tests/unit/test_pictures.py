@@ -180,8 +180,8 @@ def test_where_files_may_not_be_large_a_picture_is_named(tmp_path: Path) -> None
     old = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (9000, old[1]))
     try:
-        with pytest.raises(AssetError, match=r"p@256\.png: can't write the picture \(File too"):
-            pictures.save_preview(tmp_path / "p.png", noise, 256)
+        with pytest.raises(AssetError, match=r"p\.png: can't write the picture \(File too"):
+            pictures.save_png(tmp_path / "p.png", noise)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, old)
     assert not list(tmp_path.iterdir())

@@ -1,11 +1,10 @@
-"""Packed numbers come back as they were; previews and comparisons say what is there."""
+"""Packed numbers come back as they were; the palette is the library's."""
 
 from __future__ import annotations
 
 import json
 import zlib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -152,16 +151,3 @@ def test_the_palette_is_the_librarys_and_that_of_the_pictures() -> None:
     light = mapped[0, :, :3]  # linear
     encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
     assert np.abs(shown - encoded * 255).max() < 0.6
-
-
-def test_a_preview_is_small_and_stands_for_its_picture(tmp_path: Path) -> None:
-    pixels = np.random.default_rng(6).integers(0, 255, (300, 400, 3), dtype=np.uint8)
-    path = tmp_path / "p.png"
-    pictures.save_png(path, pixels)
-    assert pictures.preview(path, 100) == path
-    pictures.save_preview(path, pixels, 100)
-    small = pictures.preview(path, 100)
-    assert small.stat().st_size < path.stat().st_size / 10
-    means = pixels.reshape(75, 4, 100, 4, 3).mean(axis=(1, 3))
-    assert np.array_equal(np.rint(pictures.load(small) * 255), np.floor(means + 0.5))
-    assert pictures.preview(path, 0) == pictures.preview(path, 50) == path

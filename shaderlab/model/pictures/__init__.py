@@ -13,15 +13,12 @@ from .display import (
     VIRIDIS as VIRIDIS,
     Display as Display,
     distance_picture as distance_picture,
-    preview as preview,
     to_display as to_display,
 )
 from .files import (
     LARGEST_SIDE as LARGEST_SIDE,
     SIGNATURE as SIGNATURE,
-    coarse as coarse,
     load as load,
     save_png as save_png,
-    save_preview as save_preview,
 )
 from .values import WINDOW as WINDOW, Values as Values, judged_part as judged_part, pack as pack

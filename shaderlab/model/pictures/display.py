@@ -5,7 +5,6 @@ OpenImageIO draws it, and those of places in a band, as red, green and blue from
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -242,17 +241,3 @@ def _magenta(count: int) -> str:
 def enlarge(pixels: NDArray[Any], factor: int) -> NDArray[Any]:
     """Each pixel as a square of `factor` × `factor`."""
     return pixels if factor == 1 else pixels.repeat(factor, axis=1).repeat(factor, axis=0)
-
-
-def preview(path: str | Path, side: int) -> Path:
-    """A PNG file's copy of at most `side` pixels, or the file itself if there is none."""
-    original = Path(path)
-    if not side:
-        return original
-    copy = copy_path(original, side)
-    return copy if copy.is_file() else original
-
-
-def copy_path(path: Path, side: int) -> Path:
-    """Where the copy of at most `side` pixels of a PNG file is."""
-    return path.with_name(f"{path.stem}@{side}.png")

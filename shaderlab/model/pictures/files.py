@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from shaderlab.errors import AssetError, require_extra
 from shaderlab.files import write_bytes
 
-from .display import as_pixels, copy_path, enlarge, to_display
+from .display import as_pixels, enlarge, to_display
 
 try:
     # ISA-L packs them as small as zlib's first level does, in a fourth of its time.
@@ -111,20 +111,6 @@ def write_picture(
         ) from error
 
 
-def save_preview(path: str | Path, pixels: NDArray[np.uint8], side: int) -> None:
-    """Write a copy of at most `side` pixels in each direction beside the PNG file `path`.
-
-    Args:
-        path: the PNG file.
-        pixels: what is in it, uint8 (height, width, 3), row 0 at the bottom.
-        side: how large the copy is at most.
-
-    Raises:
-        AssetError: the copy can't be written.
-    """
-    write_picture(copy_path(Path(path), side), shrink(pixels, side))
-
-
 def load(path: str | Path) -> Floats:
     """An image file as float32 (height, width, 1…4), row 0 the lowest.
 
@@ -169,59 +155,6 @@ def load(path: str | Path) -> Floats:
         raise _damage_error(source, problem)
     shaped = np.asarray(pixels, dtype=np.float32).reshape(spec.height, spec.width, spec.nchannels)
     return np.ascontiguousarray(shaped[::-1])
-
-
-def shrink(pixels: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
-    """uint8 (height, width, channels), at most `side` pixels in each direction.
-
-    Each new pixel is the mean of a square: quick, and no colour rings around an edge.
-    """
-    factor = -(-max(pixels.shape[:2]) // side)
-    if factor < 2:
-        return pixels
-    sums, count = _sums(pixels, factor, np.uint16)
-    sums += count // 2
-    sums //= count
-    return sums.astype(np.uint8)
-
-
-def coarse(values: NDArray[Any], side: int) -> NDArray[Any]:
-    """Values of a picture (height, width, channels) at so many pixels in its longer direction, or
-    up to twice as many.
-
-    Colours are means of squares, without a fourth channel. Numbers that are no colours, which are
-    integers or stand alone, may have no mean: of these each square gives one.
-    """
-    factor = max(values.shape[:2]) // side
-    if factor < 2:
-        return values
-    if values.dtype.kind != "f" or values.shape[2] == 1:
-        down, across = (min(factor, count) for count in values.shape[:2])
-        height, width = values.shape[0] // down * down, values.shape[1] // across * across
-        return values[:height:down, :width:across]
-    wanted = np.promote_types(values.dtype, np.float32)  # processors add no halves
-    with np.errstate(all="ignore"):
-        sums, count = _sums(values, factor, wanted)
-        sums /= count
-    return sums
-
-
-def _sums(values: NDArray[Any], factor: int, kind: DTypeLike) -> tuple[NDArray[Any], int]:
-    """Sums of squares of `factor` × `factor` pixels, without a fourth channel, and of how many
-    pixels: of all up to 4 × 4, else of so many all over the square."""
-    down, across = (min(factor, count) for count in values.shape[:2])
-    height, width = values.shape[0] // down, values.shape[1] // across
-    ys, xs = (range(0, side, -(-side // 4)) for side in (down, across))
-    found = np.zeros((height, width, min(values.shape[2], 3)), kind)
-    # Of one channel after the other: loops over a pixel's own are short, and take twice as long.
-    for channel in range(found.shape[2]):
-        plane = values[: height * down, : width * across, channel]
-        rows = plane[::down].astype(kind)
-        for y in ys[1:]:
-            rows += plane[y::down]
-        for x in xs:
-            found[:, :, channel] += rows[:, x::across]
-    return found, len(ys) * len(xs)
 
 
 def _damage_error(path: Path, problem: str) -> AssetError:
