@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import codecs
-import contextlib
 import errno
 import importlib
 import io
 import os
 import sys
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 import click
 
@@ -141,81 +139,22 @@ def cli(context: click.Context, debug: bool) -> None:
     context.default_map = option_defaults(load_settings(Path()))
 
 
-_PLAIN = {"✓": "+", "✗": "x", "–": "-", "→": "->", "…": "...", "·": "-", "×": "x", "≤": "<="}
-"""What stands for a character in an encoding without it; "?" for all others."""
-
-
-def _replace_characters(error: UnicodeError) -> tuple[str, int]:
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    lacking = error.object[error.start : error.end]
-    return "".join(_PLAIN.get(character, "?") for character in lacking), error.end
-
-
-codecs.register_error("shaderlab.plainly", _replace_characters)
-
-
-class _Lasting(io.FileIO):
-    """Writes to a descriptor; what can't be written is lost, and `problem` says why."""
-
-    problem: OSError | None = None
-
-    def write(self, data: Any) -> int:
-        try:
-            return super().write(data)
-        except OSError as error:
-            self.problem = error
-            return len(data)
-
-
-def open_lasting(stream: TextIO) -> TextIO:
-    """A text stream to the same descriptor to which writing never fails.
-
-    Characters that its encoding lacks are written in plain ones: a terminal without ✓ gets a "+".
-    """
-    raw = _Lasting(stream.fileno(), "wb", closefd=False)
-    return io.TextIOWrapper(
-        io.BufferedWriter(raw),
-        encoding=stream.encoding,
-        errors="shaderlab.plainly",
-        line_buffering=getattr(stream, "line_buffering", False),
-    )
-
-
-def find_lost_output(stream: TextIO) -> str:
-    """Why something written to an `open_lasting` stream was lost; "" if nothing was, or if its
-    reader has gone and so wants no more."""
-    stream.flush()
-    raw = getattr(getattr(stream, "buffer", None), "raw", None)
-    found = raw.problem if isinstance(raw, _Lasting) else None
-    return "" if found is None or found.errno == errno.EPIPE else found.strerror or str(found)
-
-
-def open_streams() -> None:
-    """Make this process's standard streams last, and keep their numbers from being given to
-    files where they are closed."""
-    reserve_standard_descriptors()
-    for name in ("stdout", "stderr"):
-        with contextlib.suppress(AttributeError, OSError):  # none, or none of the system's
-            setattr(sys, name, open_lasting(getattr(sys, name)))
-
-
-def final_status(status: str | int | None) -> str | int | None:
-    """The exit status, which is no success where output was lost; says so on standard error."""
-    lost = find_lost_output(sys.stdout) if sys.stdout is not None else ""
-    if not lost:
-        return status
-    print(f"shaderlab: can't write to standard output: {lost}", file=sys.stderr)
-    return status or FAILED
-
-
 def main() -> None:
     """Run the command line on `sys.argv`; never returns."""
     # Before NumPy is imported: its library would start a thread a core, all of which wait busily,
     # while no command multiplies large matrices.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    open_streams()
+    reserve_standard_descriptors()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal may lack the character ✓
     try:
-        cli(prog_name="shaderlab")
-    except SystemExit as ended:
-        sys.exit(final_status(ended.code))
+        try:
+            cli(prog_name="shaderlab")
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()
+    except OSError as error:
+        print(f"shaderlab: can't write to standard output: {error.strerror}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python tries once more as it ends
+        sys.exit(FAILED)

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -116,7 +114,7 @@ def command(
     )
     with contextlib.ExitStack() as stack:
         results = _compile(programs, options, drivers, limits, workers, stack)
-        tally, problems = _print_results(results, len(programs), json_file, outputs, quiet)
+        tally, problems = _print_results(results, json_file, outputs, quiet)
     for name in drivers:
         if name not in tally.targets:
             click.echo(f"{name} gave no verdict; see `shaderlab doctor`", err=True)
@@ -177,7 +175,6 @@ def _add_verdicts(
 
 def _print_results(
     results: Iterator[FileResult],
-    count: int,
     json_file: str | None,
     outputs: Mapping[str, str],
     quiet: bool,
@@ -189,16 +186,14 @@ def _print_results(
     found: list[Finding] = []
     files = dict(outputs) if json_file is None else {**outputs, "json": json_file}
     to_stderr = uses_stdout(files)
-    with progress_bar(count, quiet=quiet) as advance:
-        for result in results:
-            for line in messages(result):
-                click.echo(line, err=to_stderr)
-            tally.add(result)
-            advance()
-            if json_file is not None:
-                entries += as_data(result)
-            if outputs:
-                found += collect_verdict_findings(result.verdicts, result.path)
+    for result in results:
+        for line in messages(result):
+            click.echo(line, err=to_stderr)
+        tally.add(result)
+        if json_file is not None:
+            entries += as_data(result)
+        if outputs:
+            found += collect_verdict_findings(result.verdicts, result.path)
     if not quiet:
         for line in tally.lines():
             click.echo(line, err=to_stderr)
@@ -210,10 +205,6 @@ def _print_results(
 def _parse_macro(word: str) -> tuple[str, str]:
     name, equals, value = word.partition("=")
     return name, value if equals else "1"
-
-
-_WIDTH = 30
-_FEW = 50
 
 
 class Tally:
@@ -268,27 +259,3 @@ def as_data(result: FileResult) -> Iterator[dict[str, Any]]:
         said = dataclasses.asdict(verdict)
         del said["assembly"]
         yield {"path": result.path, "stage": result.stage, **said}
-
-
-@contextmanager
-def progress_bar(total: int, *, quiet: bool) -> Iterator[Callable[[], None]]:
-    """A progress bar on standard error; the function that it gives moves it on by one file.
-
-    There is none if that is no terminal, or for few files: importing Rich takes as long as
-    compiling fifty.
-    """
-    if quiet or total < _FEW or not sys.stderr.isatty():
-        yield lambda: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress
-
-    with Progress(
-        BarColumn(_WIDTH),
-        MofNCompleteColumn(),
-        console=Console(stderr=True),
-        transient=True,
-        redirect_stdout=sys.stdout.isatty(),  # a pipe must get its messages
-    ) as progress:
-        task = progress.add_task("", total=total)
-        yield lambda: progress.advance(task)

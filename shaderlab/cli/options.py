@@ -13,7 +13,6 @@ import os
 import re
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -133,41 +132,6 @@ def limits_option(help: str, seconds: float = Limits.seconds) -> Callable[[Comma
         help="Limit the memory of each worker; 0 sets no limit.",
     )
     return lambda command: timeout(memory(collect(Limits, "limits")(command)))
-
-
-@dataclass(frozen=True, kw_only=True)
-class RunningOptions:
-    """How `run` and `sweep` run jobs, and where their report goes, as `running_options` adds."""
-
-    includes: tuple[Path, ...]
-    compile_targets: tuple[str, ...]
-    driver: str | None
-    workers: int | None
-    limits: Limits
-    folder: str | None
-
-
-def running_options(what: str) -> Callable[[Command], Command]:
-    """Add the options that `run` and `sweep` share, given as `running`.
-
-    Args:
-        what: the name of one job, for the help.
-    """
-
-    def decorate(command: Command) -> Command:
-        command = collect(RunningOptions, "running")(command)
-        for option in (
-            INCLUDE,
-            TARGET,
-            DRIVER,
-            jobs_option(),
-            limits_option(f"Stop a {what} that takes longer than S seconds."),
-            report_option("Write the report to DIR instead of a new folder in reports/."),
-        ):
-            command = option(command)
-        return command
-
-    return decorate
 
 
 def make_executor(

@@ -5,22 +5,27 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from shaderlab.cli import FAILED, OK
 from shaderlab.cli.options import (
-    RunningOptions,
+    DRIVER,
+    INCLUDE,
+    TARGET,
     collect,
+    jobs_option,
+    limits_option,
     make_executor,
     output_options,
-    running_options,
+    report_option,
     uses_stdout,
 )
 from shaderlab.engine.jobs import check_driver
 from shaderlab.errors import UsageError
-from shaderlab.model.options import RunOptions
+from shaderlab.model.options import Limits, RunOptions
 
 if TYPE_CHECKING:
     from shaderlab.cli.recorded_run import RecordedRun, RunPlan
@@ -40,8 +45,13 @@ class RunArguments:
     shaders: tuple[str, ...]
     renamed: tuple[str, ...]
     outputs: Mapping[str, str]
-    running: RunningOptions
+    includes: tuple[Path, ...]
+    compile_targets: tuple[str, ...]
+    driver: str | None
     drivers: tuple[str, ...]
+    workers: int | None
+    limits: Limits
+    folder: str | None
     resume: str | None
     pictures: bool
     coverage: bool
@@ -52,32 +62,24 @@ class RunArguments:
 
     def check(self) -> None:
         """Raise UsageError where options exclude each other."""
-        running = self.running
-        if self.drivers and (
-            running.driver is not None or self.resume is not None or running.workers == 0
-        ):
-            raise UsageError(
-                "--drivers can't be combined with --driver, --resume or -j 0",
-                remedy="--resume uses the drivers of its run" if self.resume is not None else None,
-            )
-        if self.resume is not None and (
-            self.targets or self.every or self.variants or running.folder
-        ):
+        resumes = self.resume is not None
+        if self.drivers and (self.driver is not None or resumes or self.workers == 0):
+            raise UsageError("--drivers can't be combined with --driver, --resume or -j 0")
+        if resumes and (self.targets or self.every or self.variants or self.folder):
             raise UsageError("--resume takes no cases or options of a new run")
 
     @property
     def run_options(self) -> RunOptions:
         """How scenes are run, before shaders are replaced."""
-        running = self.running
         return RunOptions(
             size=self.size,
             pictures=self.pictures,
-            include=running.includes,
-            targets=running.compile_targets,
+            include=self.includes,
+            targets=self.compile_targets,
             gl_calls=self.gl_calls,
             modules=self.modules,
-            driver=self.drivers[0] if self.drivers else running.driver,
-            limits=running.limits,
+            driver=self.drivers[0] if self.drivers else self.driver,
+            limits=self.limits,
         )
 
 
@@ -114,7 +116,12 @@ class RunArguments:
     help="Rename NAME in the files of --shader to OTHER, the name in the case.",
 )
 @output_options
-@running_options("variant")
+@INCLUDE
+@TARGET
+@DRIVER
+@jobs_option()
+@limits_option("Stop a variant that takes longer than S seconds.")
+@report_option("Write the report to DIR instead of a new folder in reports/.")
 @click.option(
     "--drivers",
     metavar="A,B,…",
@@ -176,16 +183,15 @@ def command(arguments: RunArguments) -> int:
     of another API; the number skipped is reported.
     """
     arguments.check()
-    running, plan, done = arguments.running, None, None
-    options = arguments.run_options
+    options, plan, done = arguments.run_options, None, None
     if arguments.resume is not None:
         from shaderlab.cli.recorded_run import load_plan
 
-        plan, done = load_plan(arguments.resume, running.limits)
+        plan, done = load_plan(arguments.resume, arguments.limits)
         options = plan.options
     # The first worker gets ready while what follows is imported.
     with contextlib.closing(
-        make_executor(options.driver, running.limits, running.workers)
+        make_executor(options.driver, arguments.limits, arguments.workers)
     ) as executor:
         from shaderlab.cli.recorded_run import measure_coverage, run_plan
         from shaderlab.cli.showing import Show
@@ -211,7 +217,7 @@ def _make_plan(arguments: RunArguments, options: RunOptions, executor: Executor)
 
     jobs = select_jobs(arguments.targets, arguments.every, arguments.variants, executor.load)
     options = replace_shaders(options, arguments.shaders, arguments.renamed, jobs)
-    plan = new_plan(jobs, options, arguments.running.folder)
+    plan = new_plan(jobs, options, arguments.folder)
     if not arguments.drivers:
         return plan
     from shaderlab.cli.compare_drivers import plan_for_drivers
@@ -237,7 +243,7 @@ def _finish(arguments: RunArguments, recorded: RecordedRun, show: Show) -> int:
         recorded,
         show,
         verdict=_verdict(run),
-        is_latest=arguments.running.folder is None and arguments.resume is None,
+        is_latest=arguments.folder is None and arguments.resume is None,
         outputs=arguments.outputs,
         open_report=arguments.open_report,
     )

@@ -1,22 +1,16 @@
 """Choosing what is run by what was typed: cases and variants, and with `--shader NAME=FILE` and
 `--rename` the shaders that are replaced.
 
-Case files are found by name and read, never imported here: executors load them. What the shipped
-cases hold is kept from one command to the next, since importing them all takes a second.
+Case files are found by name and read, never imported here: executors load them.
 """
 
 from __future__ import annotations
 
-import difflib
-import hashlib
-import json
 import os
 import posixpath
 import re
-import sys
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,18 +19,14 @@ import click
 
 from shaderlab.engine.catalogue import (
     case_files,
-    data_folder,
     is_case_file,
     shipped_cases,
     sort_key,
 )
 from shaderlab.engine.jobs import CaseInfo, Job, make_jobs
-from shaderlab.errors import CaseError, ShaderError, UsageError, suggest
-from shaderlab.files import cache_root, read_regular, write_bytes
+from shaderlab.errors import CaseError, UsageError, suggest
 
 if TYPE_CHECKING:
-    from shaderlab.compiler.reflection import Interface
-    from shaderlab.compiler.sources import Shaders
     from shaderlab.model.options import RunOptions
     from shaderlab.model.records import Record
 
@@ -65,8 +55,6 @@ def select_jobs(
     wanted = [(file, variant) for target in targets for file, variant in resolve_target(target)]
     shipped = list(shipped_cases()) if every else []
     files = list(dict.fromkeys([*shipped, *(file for file, _ in wanted)]))
-    if every:
-        load = _with_index(load)
     facts = dict(zip(files, make_ids_distinct(load(files)), strict=True))
     in_order = sorted((facts[f] for f in shipped), key=lambda case: sort_key(case.section, case.id))
     chosen = [(case, None) for case in in_order] + [(facts[file], v) for file, v in wanted]
@@ -77,20 +65,6 @@ def select_jobs(
     if errors and len(jobs) == 1:
         raise errors[0]
     return _keep_variants(list(jobs.values()), variants)
-
-
-def _with_index(load: Load) -> Load:
-    """Tells of the shipped cases what is known from an earlier command, and loads the others."""
-
-    def found(files: Sequence[Path]) -> list[CaseInfo]:
-        shipped = list(shipped_cases())
-        kept = load_shipped_cases(data_folder("cases"), lambda: load(shipped))
-        known = {Path(facts.file): facts for facts in kept}
-        others = [file for file in files if file not in known]
-        known |= dict(zip(others, load(others) if others else [], strict=True))
-        return [known[file] for file in files]
-
-    return found
 
 
 def select_one(target: str, load: Load) -> tuple[CaseInfo, str]:
@@ -221,69 +195,6 @@ def _report_skipped(file: Path, reason: str) -> None:
     click.echo(f"shaderlab: not a case: {file}: {reason}", err=True)
 
 
-KEPT = ("id", "section", "title", "variants", "file")
-"""What is kept of each case's facts."""
-
-
-def load_shipped_cases(course: Path, load: Callable[[], list[CaseInfo]]) -> list[CaseInfo]:
-    """The facts of the course's cases, without those on formulas and parameters.
-
-    Args:
-        course: the folder that holds all of its Python files.
-        load: imports the cases; what it gives is kept where all of them could be.
-
-    Returns:
-        the facts, by chapter, section and id.
-    """
-    root = cache_root()
-    if root is None:
-        return _sort_cases(load())
-    name = hashlib.blake2b(os.fsencode(course), digest_size=8).hexdigest()
-    file, key = root / f"cases-{name}.json", _compute_key(course)
-    with suppress(OSError, ValueError, TypeError, KeyError):
-        kept = json.loads(read_regular(file))
-        if kept["key"] == key:
-            return [
-                CaseInfo(**{**each, "variants": tuple(each["variants"])}) for each in kept["cases"]
-            ]
-    found = _sort_cases(load())
-    if any(each.error is not None for each in found):
-        return found
-    cases = [{name: getattr(each, name) for name in KEPT} for each in found]
-    with suppress(OSError):  # a folder that can't be written to
-        root.mkdir(parents=True, exist_ok=True)
-        write_bytes(file, json.dumps({"key": key, "cases": cases}).encode())
-    return found
-
-
-def _sort_cases(found: list[CaseInfo]) -> list[CaseInfo]:
-    return sorted(found, key=lambda case: sort_key(case.section, case.id))
-
-
-def _compute_key(course: Path) -> str:
-    """A digest of all that the facts depend on."""
-    digest = hashlib.blake2b(f"{sys.version} {course}".encode(errors="surrogateescape"))
-    for entry in _iter_sources(str(course)):
-        with open(entry.path, "rb") as file:
-            text = file.read()
-        digest.update(f"{entry.path} {len(text)} ".encode(errors="surrogateescape"))
-        digest.update(text)
-    for entry in _iter_sources(str(Path(__file__).parent.parent)):
-        known = entry.stat()
-        place = f"{entry.path} {known.st_size} {known.st_mtime_ns} "
-        digest.update(place.encode(errors="surrogateescape"))
-    return digest.hexdigest()
-
-
-def _iter_sources(folder: str) -> Iterator[os.DirEntry[str]]:
-    """A folder's files of Python and TOML, those of its folders included, in a fixed order."""
-    for entry in sorted(os.scandir(folder), key=lambda each: each.name):
-        if entry.is_dir(follow_symlinks=False) and entry.name != "__pycache__":
-            yield from _iter_sources(entry.path)
-        elif entry.name.endswith((".py", ".toml")):
-            yield entry
-
-
 Replacements = Mapping[str, Path]
 
 
@@ -299,7 +210,7 @@ def replace_shaders(
         return options
     files = parse_replacements(shaders)
     names = parse_renames(renames, list(files.values()))
-    files = resolve_replacements(files, jobs, options.include, names)
+    files = resolve_replacements(files, jobs, options.include)
     return replace(options, shaders=files, renames=names)
 
 
@@ -321,17 +232,13 @@ def parse_replacements(words: Sequence[str]) -> Replacements:
 
 
 def resolve_replacements(
-    replacements: Replacements,
-    jobs: Iterable[Job],
-    include: Sequence[Path] = (),
-    renamed: Mapping[str, str] | None = None,
+    replacements: Replacements, jobs: Iterable[Job], include: Sequence[Path] = ()
 ) -> Replacements:
     """Each name as the jobs' cases know it: its whole path, or the end of one, if only one ends
     so.
 
     Raises:
-        UsageError: there is no shader of that name, or more than one; or the file declares other
-            names (`renamed` says which are changed).
+        UsageError: there is no shader of that name, or more than one.
     """
     if not replacements:
         return {}
@@ -340,12 +247,10 @@ def resolve_replacements(
     folders = dict.fromkeys(Path(job.file).parent for job in jobs)
     places = [shaders_of(folder, {}, include) for folder in folders]
     known = sorted({name for shaders in places for name in shaders.names()})
-    whole = {
+    return {
         name if any(shaders.has(name) for shaders in places) else _complete_name(name, known): file
         for name, file in replacements.items()
     }
-    check_interfaces(whole, renamed or {}, places)
-    return whole
 
 
 def find_unused(replacements: Replacements, records: Sequence[Record]) -> list[UsageError]:
@@ -385,7 +290,6 @@ def _complete_name(name: str, known: Sequence[str]) -> str:
     )
 
 
-_KINDS = ("attributes", "varyings", "uniforms", "outputs")
 _DECLARED = re.compile(
     r"\b(?:in|out|uniform|varying|attribute)\b[^;{}()]*?(\w+)\s*(?:\[\w*\]\s*)?;"
 )
@@ -419,72 +323,3 @@ def parse_renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]
                 raise UsageError(f"--rename {word}: there is a {new!r} already", file=file)
         found[old] = new
     return found
-
-
-def check_interfaces(
-    replacements: Mapping[str, Path], renamed: Mapping[str, str], places: Sequence[Shaders]
-) -> None:
-    """Raise UsageError, once for all cases, where a shader can't stand in for another one: it reads
-    inputs or uniforms that the other does not, or lacks some of its uniforms.
-
-    Args:
-        replacements: files by the name of the shader that each stands in for.
-        renamed: the names in them that are changed.
-        places: where shaders are found.
-    """
-    from shaderlab.compiler.sources import Shaders
-
-    for name, file in replacements.items():
-        for shaders in places:
-            if not shaders.has(name):
-                continue
-            folders = [file.parent, *shaders.folders]
-            stand_in = Shaders(folders, overrides={name: file}, renames=renamed)
-            before, after = _interface(shaders, name), _interface(stand_in, name)
-            if before is not None and after is not None:
-                _compare(name, file, before, after)
-
-
-def _compare(name: str, file: Path, before: Interface, after: Interface) -> None:
-    differences, pairs, fatal = [], [], False
-    for kind in _KINDS:
-        old, new = getattr(before, kind), getattr(after, kind)
-        extra, missing = [n for n in new if n not in old], [n for n in old if n not in new]
-        fatal = (
-            fatal or (kind != "outputs" and bool(extra)) or (kind == "uniforms" and bool(missing))
-        )
-        if extra or missing:
-            has = f"has {', '.join(extra)}" if extra else ""
-            lacks = f"lacks {', '.join(missing)}" if missing else ""
-            said = " and ".join(filter(None, [has, lacks]))
-            differences.append(f"of {'inputs' if kind in _KINDS[:2] else kind} it {said}")
-        types = {n: old[n].type for n in missing}
-        pairs += list(_pairs({n: new[n].type for n in extra}, types))
-    if fatal:
-        raise UsageError(
-            f"it can't stand in for {name} as it is: {'; '.join(differences)}",
-            file=file,
-            remedy=" ".join(f"--rename {new}={old}" for new, old in pairs)
-            or "declare what the shader declares that it stands in for",
-        )
-
-
-def _pairs(extra: Mapping[str, str], missing: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """New names with the old ones of the same type that are most like them."""
-    left = dict(missing)
-    for new, kind in extra.items():
-        alike = {old.lower(): old for old, other in left.items() if other == kind}
-        close = difflib.get_close_matches(new.lower(), alike, n=1, cutoff=0.0)
-        if close and "." not in new:
-            yield new, alike[close[0]]
-            del left[alike[close[0]]]
-
-
-def _interface(shaders: Shaders, name: str) -> Interface | None:
-    """What a shader alone declares; None where it does not compile alone."""
-    from shaderlab.compiler.compile import compile_program
-
-    try:
-        return compile_program([shaders.load(name)], ("glsl", "opengl")).interface
-    except ShaderError:
-        return None

@@ -48,11 +48,7 @@ if TYPE_CHECKING:
 STYLES = {"pass": "green", "unsupported": "yellow"}
 _HEADINGS = ("", "case", "section", "variants", "checks", "of band", "seconds", "compiled")
 _INFORMATIVE = "informative"
-_NAMES = 1  # the column of names,
-_NAME = 16  # of which this much is always shown,
-_HEADING = 6  # and of a heading this
-# What is left out of a narrow terminal's table, the first of these first.
-_LEAST = (_INFORMATIVE, "compiled", "section", "seconds", "variants", "of band", "checks")
+_NAME = 8  # characters of a name that are always shown
 _RIGHT = frozenset({"variants", "checks", "of band", "seconds", _INFORMATIVE})
 
 
@@ -77,61 +73,29 @@ def plain_table(
     return table
 
 
-def case_table(records: Iterable[Record], width: int) -> Table:
+def case_table(records: Iterable[Record]) -> Table:
     """A row for all variants of a case that passed, and one for each other variant.
 
-    The least share of informative values has a column where it is not 100 % everywhere. Columns are
-    left out where a table of all would be wider than `width`; names are cut last.
+    The least share of informative values has a column where it is not 100 % everywhere. In a
+    narrow terminal names are cut.
     """
     records = list(records)
     tells = any(o.informative not in (None, 1.0) for r in records for o in r.expectations)
     headings = (*_HEADINGS, *([_INFORMATIVE] if tells else []))
-    rows: list[Sequence[Text]] = []
+    table = plain_table(*headings, right=_RIGHT, whole=[h for h in headings if h != "case"])
+    table.columns[1].min_width = _NAME
     cases: dict[tuple[str, str], list[Record]] = {}
     for record in records:
         cases.setdefault((record.id, record.file), []).append(record)
     for group in cases.values():
         passed = [r for r in group if r.status == "pass"]
         if passed:
-            rows.append(_cells(passed[0].id, passed, f"{len(passed)}/{len(group)}", tells))
+            table.add_row(*_cells(passed[0].id, passed, f"{len(passed)}/{len(group)}", tells))
         for record in group:
             if record.status != "pass":
-                rows.append(_cells(format_label(record.id, record.variant), [record], "", tells))
-    return _fit_columns(headings, rows, width)
-
-
-def _fit_columns(headings: Sequence[str], rows: Sequence[Sequence[Text]], width: int) -> Table:
-    """The table without the columns that it has no room for; headings are cut before, and names
-    where the others leave them no room."""
-    cells = [max((row[n].cell_len for row in rows), default=0) for n in range(len(headings))]
-    whole = [max(cell, len(heading)) for cell, heading in zip(cells, headings, strict=True)]
-    least = [max(cell, min(len(h), _HEADING)) for cell, h in zip(cells, headings, strict=True)]
-    least[_NAMES] = min(least[_NAMES], _NAME)
-    shown = list(range(len(headings)))
-
-    def needed(widths: Sequence[int]) -> int:
-        return sum(widths[n] for n in shown) + 2 * len(shown) - 2
-
-    for name in _LEAST:
-        if needed(least) > width:
-            shown = [n for n in shown if headings[n] != name]
-    if needed(whole) > width:
-        spare = width - needed(least)
-        whole = [*least]
-        whole[_NAMES] += max(0, min(spare, cells[_NAMES] - least[_NAMES]))
-    table = plain_table(
-        *(_truncate(headings[n], whole[n]) for n in shown),
-        right={_truncate(headings[n], whole[n]) for n in shown if headings[n] in _RIGHT},
-        whole={_truncate(headings[n], whole[n]) for n in shown},
-    )
-    for row in rows:
-        row[_NAMES].truncate(whole[_NAMES], overflow="ellipsis")
-        table.add_row(*(row[n] for n in shown))
+                name = format_label(record.id, record.variant)
+                table.add_row(*_cells(name, [record], "", tells))
     return table
-
-
-def _truncate(heading: str, width: int) -> str:
-    return heading if len(heading) <= width else heading[: width - 1] + "…"
 
 
 def _cells(name: str, group: Sequence[Record], variants: str, tells: bool) -> Sequence[Text]:
@@ -230,7 +194,7 @@ class Show:
         if len({(record.id, record.file) for record in listed}) > MOST_CASES:
             listed = tuple(record for record in listed if record.status != "pass")
         if listed:
-            self.console.print(case_table(listed, self.console.width))
+            self.console.print(case_table(listed))
         if passed := len(run.records) - len(listed):
             words = f"not listed: {passed:,} that passed; the report has all"
             self.console.print(words, style="dim")

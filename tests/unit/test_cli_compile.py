@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import io
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +10,6 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
-from shaderlab.cli.compile import progress_bar
 
 GOOD = "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"
 BAD = "#version 330 core\nout vec4 c;\nvoid main()\n{\n    c = vec4(nothing);\n}\n"
@@ -146,23 +143,3 @@ def test_a_file_that_takes_too_long_is_counted_apart(tmp_path: Path) -> None:
     assert "a.frag: error: timeout: the compiler took too long" in result.output
     assert result.output.splitlines()[-1].split() == ["vulkan", "0", "0", "1"]
     assert compile_(tmp_path, "--timeout", "0").exit_code == 2
-
-
-@pytest.mark.parametrize(
-    ("terminal", "total", "quiet", "drawn"),
-    [(True, 99, False, True), (True, 9, False, False), (True, 99, True, False),
-     (False, 99, False, False)],
-)  # fmt: skip
-def test_progress_is_drawn_on_a_terminal_only(
-    monkeypatch: pytest.MonkeyPatch, terminal: bool, total: int, quiet: bool, drawn: bool
-) -> None:
-    stderr, stdout = io.StringIO(), io.StringIO()
-    monkeypatch.setattr(stderr, "isatty", lambda: terminal)
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setattr(sys, "stderr", stderr)
-    monkeypatch.setattr(sys, "stdout", stdout)
-    with progress_bar(total, quiet=quiet) as advance:
-        advance()
-        print("a message")
-    assert (f"1/{total}" in stderr.getvalue()) is drawn
-    assert stdout.getvalue() == "a message\n"
