@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import functools
-import posixpath
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from operator import itemgetter
 
 from shaderlab.errors import ShaderError, suggest
 from shaderlab.files import display_path
@@ -22,11 +22,12 @@ from .diagnostics import (
     parse_link_log,
     parse_stage_log,
 )
-from .glslang import ALL_TARGETS, SETTINGS, TARGETS, Linked, check, link, validate
+from .glslang import ALL_TARGETS, SETTINGS, TARGETS, Linked, link, validate
 from .reflection import Interface, find_unwritten_inputs, match_locations, reflect
 from .shader_files import STAGES
 from .sources import Source
-from .spirv import instruction_count
+from .spirv import parse
+from .syntax import Node, Syntax, field as field_of, walk
 
 
 @dataclass(frozen=True)
@@ -37,13 +38,11 @@ class Compiled:
         verdicts: one for each target, in the order they were given.
         spirv: each stage's module, for each SPIR-V target that accepts the program. Locations of
             varyings and uniforms agree between stages.
-        logs: the compiler's own words for each target: each stage's log, then the link's.
         sources: the stages, in pipeline order.
     """
 
     verdicts: tuple[Verdict, ...]
     spirv: Mapping[str, Mapping[str, bytes]]
-    logs: Mapping[str, str] = field(default_factory=dict)
     sources: tuple[Source, ...] = field(default=(), repr=False)
     _reflect: Callable[[], Interface | None] | None = field(default=None, repr=False, compare=False)
 
@@ -64,7 +63,6 @@ class Compiled:
             self,
             verdicts=tuple(verdict for verdict in self.verdicts if verdict.target in targets),
             spirv={target: modules for target, modules in self.spirv.items() if target in targets},
-            logs={target: log for target, log in self.logs.items() if target in targets},
         )
 
     def require(self) -> None:
@@ -76,14 +74,11 @@ class Compiled:
         for verdict in self.verdicts:
             if not verdict.ok:
                 errors = [d for d in verdict.diagnostics if d.severity == "error"]
-                notes = [d for d in verdict.diagnostics if d.severity == "info" and d.token]
-                note = next((d for d in notes if d.token == errors[0].token), None)
                 raise ShaderError(
                     f"{errors[0].message} [{verdict.target}]"
                     + (f" and {len(errors) - 1} more" if len(errors) > 1 else ""),
                     file=errors[0].file,
                     line=errors[0].line,
-                    remedy=f"{note.file}:{note.line}: {note.message}" if note else None,
                 )
 
 
@@ -110,22 +105,11 @@ def compile_program(stages: Sequence[Source], targets: Sequence[str] = TARGETS) 
             target. What is wrong with the text never raises; it is in the verdicts.
     """
     ordered = order_stages(stages, targets)
-    checked = plain = check_stages(ordered)
-    results: dict[str, Result] = {}
-    if checked.ok and "opengl" in targets:
-        results["opengl"] = compile_spirv(ordered, "opengl")
-    if checked.ok and not ("opengl" in results and _links_as_plain(ordered, results["opengl"])):
-        plain = link_stages(checked, ordered)
-    if not plain.ok:
-        results.clear()
-    results["glsl"] = plain
+    plain = compile_plain(ordered)
+    results = {"glsl": plain}
     for target in targets:
-        if target in results:
-            continue
-        if not checked.ok:
-            results[target] = _compile_refused(ordered, target, plain)
-        else:
-            results[target] = compile_spirv(ordered, target) if plain.ok else plain
+        if target not in results:
+            results[target] = plain if plain.final else compile_spirv(ordered, target, plain)
 
     def interface() -> Interface | None:
         modules = results["opengl"].modules if "opengl" in results else None
@@ -137,38 +121,11 @@ def compile_program(stages: Sequence[Source], targets: Sequence[str] = TARGETS) 
         return compile_program(newer, ("glsl", "opengl")).interface
 
     return Compiled(
-        verdicts=tuple(
-            add_include_notes(results[target].verdict(target), ordered) for target in targets
-        ),
+        verdicts=tuple(results[target].verdict(target) for target in targets),
         spirv={t: results[t].modules for t in targets if results[t].modules},
-        logs={target: results[target].log for target in targets},
         sources=tuple(ordered),
         _reflect=functools.cache(interface),
     )
-
-
-def _links_as_plain(stages: Sequence[Source], opengl: Result) -> bool:
-    """Return whether stages that link for OpenGL without a message link as plain GLSL, too: the
-    rules are the same, and parsing them once less saves a fifth of the time to compile them."""
-    return opengl.linked and not any("GL_SPIRV" in stage.code for stage in stages)
-
-
-def _compile_refused(sources: Sequence[Source], target: str, plain: Result) -> Result:
-    """Return what a SPIR-V target says of stages that plain GLSL refuses: it may know more words.
-    Where it refuses the same lines, what `plain` GLSL says is the answer."""
-    if plain.deadly:
-        return plain
-    if target == "vulkan":
-        # Relaxed rules crash on some mistakes that Vulkan's own rules report.
-        own = compile_spirv([apply_own_rules(source) for source in sources], "vulkan-strict")
-        own = compile_spirv(sources, target) if own.ok else own
-    else:
-        own = compile_spirv(sources, target)
-    return plain if _lines(own) == _lines(plain) else own
-
-
-def _lines(result: Result) -> set[tuple[str | None, int | None]]:
-    return {(d.file, d.line) for d in result.diagnostics if d.severity == "error"}
 
 
 def order_stages(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:
@@ -195,56 +152,21 @@ def order_stages(stages: Sequence[Source], targets: Sequence[str]) -> list[Sourc
     return ordered
 
 
-_MISSING = ("undeclared identifier", "no matching overloaded function found")
-_INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*[\"<]([^\">]+)[\">]", re.MULTILINE)
-
-
-def add_include_notes(verdict: Verdict, sources: Sequence[Source]) -> Verdict:
-    """Return the verdict with a note for each name that an included file lacks, at the `#include`
-    that the declaration has to precede."""
-    notes: dict[Diagnostic, None] = {}
-    for diagnostic in verdict.diagnostics:
-        if diagnostic.severity == "error" and diagnostic.message.endswith(_MISSING):
-            for source in sources:
-                notes |= dict.fromkeys(_notes(diagnostic, source))
-    return replace(verdict, diagnostics=(*verdict.diagnostics, *notes)) if notes else verdict
-
-
-def _notes(diagnostic: Diagnostic, source: Source) -> Iterator[Diagnostic]:
-    parts = dict(source.parts)
-    if diagnostic.file == source.path or diagnostic.file not in parts:
-        return
-    name = posixpath.basename(diagnostic.file)
-    for file, text in parts.items():
-        for found in _INCLUDE.finditer(text):
-            if posixpath.basename(found[1]) == name:
-                yield Diagnostic(
-                    file=file,
-                    line=text.count("\n", 0, found.start()) + 1,
-                    severity="info",
-                    message=f"{name}, included here, needs {diagnostic.token!r} declared before it",
-                    token=diagnostic.token,
-                )
-
-
 @dataclass(frozen=True)
 class Result:
     """One target's verdict in the making.
 
     Attributes:
-        log: the compiler's own words.
         modules: each stage's module, if all are valid.
         valid: SPIRV-Tools' verdict, None if the compiler made no modules.
-        linked: whether the compiler linked the stages without a message.
-        deadly: whether the text would crash a compiler, so that no other may get it.
+        final: whether this is the verdict of all targets: of stages that parse and can't be linked,
+            and of a text that would crash a compiler, so that no other may get it.
     """
 
     diagnostics: tuple[Diagnostic, ...]
-    log: str = ""
     modules: Mapping[str, bytes] = field(default_factory=dict)
     valid: bool | None = None
-    linked: bool = False
-    deadly: bool = False
+    final: bool = False
 
     @property
     def ok(self) -> bool:
@@ -257,46 +179,55 @@ class Result:
             ok=self.ok,
             diagnostics=self.diagnostics,
             spirv_bytes=sum(map(len, self.modules.values())),
-            instructions=sum(map(instruction_count, self.modules.values())),
+            instructions=sum(parse(module).instructions for module in self.modules.values()),
             valid=self.valid,
         )
 
 
-def check_stages(sources: Sequence[Source]) -> Result:
-    """Check each stage by itself, as plain GLSL."""
-    deadly = tuple(d for d in (find_crash(source) for source in sources) if d)
+def compile_plain(sources: Sequence[Source]) -> Result:
+    """Parse and link the stages as plain GLSL."""
+    deadly = tuple(d for d in map(find_crash, sources) if d)
     if deadly:
-        return Result(deadly, deadly=True)
-    diagnostics: list[Diagnostic] = []
-    log = ""
-    for source in sources:
-        checked = check(source)
-        log += checked.log
-        found = parse_stage_log(checked.log, source) if checked.log else ()
-        diagnostics += _require_error(found, checked.ok, source)
-    return Result(tuple(diagnostics), log)
-
-
-def link_stages(plain: Result, sources: Sequence[Source]) -> Result:
-    """Link stages that `check_stages` accepted, as plain GLSL."""
+        return Result(deadly, final=True)
     linked = link(sources, "glsl")
-    new = [d for d in _parse_logs(linked, sources) if d not in plain.diagnostics]
-    return Result((*plain.diagnostics, *new), plain.log + linked.log)
+    return Result(_parse_logs(linked, sources), final=linked.parsed and not linked.ok)
 
 
-def compile_spirv(sources: Sequence[Source], target: str) -> Result:
-    """Link the stages, make SPIR-V for a target and validate it."""
+def compile_spirv(sources: Sequence[Source], target: str, plain: Result) -> Result:
+    """Link the stages, make SPIR-V for a target and validate it.
+
+    Stages that `plain` GLSL refuses may be right for a SPIR-V target, which knows more words.
+    Where it refuses the same lines, what plain GLSL says is the answer.
+    """
     old = tuple(d for d in (check_version(source, target) for source in sources) if d)
     if old:
-        return Result(old)
-    notes: tuple[Diagnostic, ...] = ()
+        return plain if _lines(plain) == _lines(Result(old)) else Result(old)
+    if not plain.ok:
+        if target == "vulkan":
+            # Relaxed rules crash on some mistakes that Vulkan's own rules report.
+            strict = [apply_own_rules(source) for source in sources]
+            result = _finish(link(strict, "vulkan-strict"), sources, target)
+        if target != "vulkan" or result.ok:
+            result = _finish(link(sources, target), sources, target)
+        return plain if _lines(result) == _lines(plain) else result
     if target == "vulkan":
-        sources, notes = lift_samplers(sources)
-    linked = link(sources, target)
-    log = "".join(linked.stage_logs.values()) + linked.log
-    diagnostics = (*notes, *_parse_logs(linked, sources)) if log or not linked.ok else notes
+        lifted, notes = lift_samplers(sources)
+        linked = link(lifted, target)
+        if linked.ok and notes:
+            result = _finish(linked, lifted, target)
+            return replace(result, diagnostics=(*notes, *result.diagnostics))
+    return _finish(link(sources, target), sources, target)
+
+
+def _lines(result: Result) -> set[tuple[str | None, int | None]]:
+    return {(d.file, d.line) for d in result.diagnostics if d.severity == "error"}
+
+
+def _finish(linked: Linked, sources: Sequence[Source], target: str) -> Result:
+    """Validate what was linked, and let locations agree between stages."""
+    diagnostics = _parse_logs(linked, sources)
     if has_errors(diagnostics):
-        return Result(diagnostics, log)
+        return Result(diagnostics)
     # Validated before they are read, since glslang can make modules that can't be parsed.
     problems = _validate(linked.modules, sources, target)
     valid, modules = not problems, linked.modules
@@ -307,14 +238,7 @@ def compile_spirv(sources: Sequence[Source], target: str) -> Result:
             *find_unwritten_inputs(sources, modules),
             *_validate(changed, sources, target),
         ]
-    log += "".join(f"{d.message}\n" for d in problems)
-    return Result(
-        (*diagnostics, *problems),
-        log,
-        {} if problems else modules,
-        valid,
-        linked=not (log or problems),
-    )
+    return Result((*diagnostics, *problems), {} if problems else modules, valid)
 
 
 def _validate(
@@ -349,65 +273,91 @@ def _require_error(
     return (*diagnostics, source.diagnostic(message))
 
 
-_STRUCT = re.compile(r"\bstruct\s+(?P<name>\w+)\s*\{(?P<body>[^{}]*)\}")
-_MEMBER = re.compile(r"(?P<all>[^;]*?\b(?P<type>[iu]?(?:sampler|image)\w+)\s+(?P<names>[^;]+);)")
-_OPAQUE = re.compile(r"\b[iu]?(?:sampler|image)")
-_DECLARATOR = re.compile(r"\s*(?P<name>\w+)\s*(?P<array>\[[^\]]*\])?\s*")
+_OPAQUE = re.compile(r"[iu]?(?:sampler|image)")
 
 
 def lift_samplers(
     sources: Sequence[Source],
 ) -> tuple[Sequence[Source], tuple[Diagnostic, ...]]:
-    """Return the stages with samplers lifted out of uniform structs, and a note on each struct.
-
-    If there is nothing to lift, or it can't be done, the stages are unchanged.
-    """
-    found = [_lift(source) for source in sources]
-    lifted = [source for source, _ in found]
-    notes = [note for _, its_notes in found for note in its_notes]
-    if not notes or not all(check(source).ok for source in lifted):
-        return sources, ()
+    """Return the stages with samplers lifted out of uniform structs, and a note on each struct."""
+    lifted, notes = [], []
+    for source in sources:
+        may = "struct" in source.code and _OPAQUE.search(source.code)
+        lifting = Lifting(source) if may else None
+        notes += [] if lifting is None else lifting.notes
+        lifted.append(lifting.result() if lifting is not None and lifting.notes else source)
     return lifted, tuple(notes)
 
 
-def _lift(source: Source) -> tuple[Source, list[Diagnostic]]:
-    code = source.code
-    if "struct" not in code or not _OPAQUE.search(code):
-        return source, []
-    edits: list[tuple[int, int, str]] = []  # start and end in the text, and what comes there
-    notes = []
-    for block in _STRUCT.finditer(code):
-        members = list(_MEMBER.finditer(code, *block.span("body")))
-        uniforms = list(re.finditer(rf"\buniform\s+{block['name']}\s+([^;=]+);", code))
-        if not (members and uniforms):
-            continue
-        opaque = [(m["type"], *own) for m in members for own in _declarators(m["names"])]
-        for member in members:
-            edits.append((*member.span(), re.sub(r"[^\n]", " ", member["all"])))
-        if not _MEMBER.sub("", block["body"]).strip():
-            edits.append((block.end("body"), block.end("body"), "float lifted;"))
+class Lifting:
+    """A stage's text with samplers lifted out of uniform structs: `material.diffuse` becomes
+    `material_diffuse`. No line moves."""
+
+    def __init__(self, source: Source) -> None:
+        self.notes: list[Diagnostic] = []
+        self._source = source
+        self._file = Syntax(source.code)
+        self._edits: list[tuple[int, int, str]] = []  # start and end in bytes, what comes there
+        self._nodes = list(walk(self._file.outline))
+        for node in self._nodes:
+            body = node.child_by_field_name("body")
+            if node.type == "struct_specifier" and body is not None:
+                self._lift(node, body)
+
+    def result(self) -> Source:
+        text = self._file.bytes
+        for start, end, new in sorted(self._edits, key=itemgetter(0), reverse=True):
+            text = text[:start] + new.encode() + text[end:]
+        return replace(self._source, text=text.decode(), stripped=text.decode())
+
+    def _lift(self, struct: Node, body: Node) -> None:
+        of = self._file.of
+        name = of(field_of(struct, "name"))
+        uniforms = [
+            node
+            for node in self._nodes
+            if node.type == "declaration" and of(field_of(node, "type")) == name
+            and any(child.type == "uniform" for child in node.children)
+        ]  # fmt: skip
+        members = [child for child in body.children if child.type == "field_declaration"]
+        opaque = [m for m in members if _OPAQUE.match(of(field_of(m, "type")))]
+        if not (uniforms and opaque):
+            return
+        lifted = []  # the type, name and array of each
+        for member in opaque:
+            kind = of(field_of(member, "type"))
+            lifted += [(kind, *own) for own in self._declarators(member)]
+            blank = re.sub(r"[^\n]", " ", of(member))
+            self._edits.append((member.start_byte, member.end_byte, blank))
+        if len(opaque) == len(members):
+            self._edits.append((body.end_byte - 1, body.end_byte - 1, "float lifted;"))
         for uniform in uniforms:
             texts = ""
-            for variable, array in _declarators(uniform[1]):
-                for kind, member_name, suffix in opaque:
+            for variable, array in self._declarators(uniform):
+                for kind, member_name, suffix in lifted:
                     texts += f"uniform {kind} {variable}_{member_name}{array}{suffix}; "
-                    pattern = rf"\b{variable}\s*(\[[^\[\]]*\])?\s*\.\s*{member_name}\b"
-                    for use in re.finditer(pattern, code):
-                        edits.append((*use.span(), f"{variable}_{member_name}{use[1] or ''}"))
-            edits.append((uniform.start(), uniform.start(), texts))
-        line = code.count("\n", 0, block.start()) + 1
-        name, lifted = block["name"], ", ".join(own[1] for own in opaque)
-        message = f"'{name}' : Vulkan has no samplers in structs; compiled with {lifted} lifted out"
-        notes.append(source.diagnostic(message, line, severity="info", token=name))
-    text = source.text
-    for start, end, new in sorted(edits, key=lambda edit: edit[0], reverse=True):
-        text = text[:start] + new + text[end:]
-    return replace(source, text=text, stripped=None), notes
+                self._rename(variable, {member_name for _, member_name, _ in lifted})
+            self._edits.append((uniform.start_byte, uniform.start_byte, texts))
+        names = ", ".join(member_name for _, member_name, _ in lifted)
+        message = f"'{name}' : Vulkan has no samplers in structs; compiled with {names} lifted out"
+        line = struct.start_point[0] + 1
+        self.notes.append(self._source.diagnostic(message, line, severity="info", token=name))
 
+    def _rename(self, variable: str, members: Collection[str]) -> None:
+        """Rename `variable.member` and `variable[i].member`."""
+        for node in self._nodes:
+            if node.type == "field_expression":
+                member = self._file.of(field_of(node, "field"))
+                owner, bracket, index = self._file.of(field_of(node, "argument")).partition("[")
+                if owner.strip() == variable and member in members:
+                    new = f"{variable}_{member}{bracket}{index}"
+                    self._edits.append((node.start_byte, node.end_byte, new))
 
-def _declarators(names: str) -> list[tuple[str, str]]:
-    """Return the declared names, each with its array suffix or ""."""
-    return [(found["name"], found["array"] or "") for found in _DECLARATOR.finditer(names)]
+    def _declarators(self, node: Node) -> Iterator[tuple[str, str]]:
+        """Yield the declared names, each with its array suffix or ""."""
+        for declarator in node.children_by_field_name("declarator"):
+            name, bracket, length = self._file.of(declarator).partition("[")
+            yield name.strip(), bracket + length
 
 
 _ES = re.compile(r"\s*#\s*version\s+(?:100|3[012]0\s+es)\b")

@@ -214,7 +214,7 @@ class CompileCache:
         found = self._load(key, (source,), ())
         if found is None:
             found = _compile_with_lines(source)
-            self._store.put(key, encode(Entry(found.verdicts, found.spirv, found.logs)))
+            self._store.put(key, encode(Entry(found.verdicts, found.spirv)))
         return found
 
     def _load(
@@ -230,12 +230,12 @@ class CompileCache:
                 return entry.interface
             return self.compile(ordered, ("glsl", "opengl")).interface
 
-        return Compiled(entry.verdicts, entry.spirv, entry.logs, ordered, interface)
+        return Compiled(entry.verdicts, entry.spirv, ordered, interface)
 
     def _compile(self, key: str, ordered: tuple[Source, ...], targets: Sequence[str]) -> Compiled:
         compiled = compile_program(ordered, targets)
         interface = compiled.interface if "opengl" in targets else None
-        entry = Entry(compiled.verdicts, compiled.spirv, compiled.logs, interface)
+        entry = Entry(compiled.verdicts, compiled.spirv, interface)
         self._store.put(key, encode(entry))
         return compiled
 
@@ -294,7 +294,6 @@ class Entry:
 
     verdicts: tuple[Verdict, ...]
     spirv: Mapping[str, Mapping[str, bytes]]
-    logs: Mapping[str, str]
     interface: Interface | None = None
 
 

@@ -11,6 +11,7 @@ from shaderlab.model.records import Diagnostic, Severity, Verdict
 
 from .glslang import SETTINGS, preprocess
 from .sources import Source
+from .syntax import GlslDeclaration
 
 _MESSAGE = re.compile(r"^(?P<severity>(?:INTERNAL )?ERROR|WARNING|NOTE): (?P<rest>.*)$")
 _PLACED = re.compile(
@@ -22,7 +23,6 @@ _COUNT = re.compile(r"^\d+ compilation errors\.  No code generated\.$")
 _TERMINATED = "compilation terminated"
 _SEVERITIES: dict[str, Severity] = {"WARNING": "warning", "NOTE": "info"}
 VERSION = r"^[ \t]*#[ \t]*version\b"
-_LAYOUT = re.compile(r"\blayout\s*\([^)]*\)")
 
 
 def parse_stage_log(log: str, source: Source) -> tuple[Diagnostic, ...]:
@@ -76,22 +76,15 @@ def describe_invalid(message: str, source: Source) -> Diagnostic:
     return source.diagnostic(f"invalid SPIR-V: {text}", at, token=token)
 
 
-def find_declaration(source: Source, name: str, kind: str = "") -> tuple[int, str] | None:
-    """Return a global name's declaration: its line in `source.text`, counted from 1, and its text.
-
-    Args:
-        name: the declared name, without array brackets.
-        kind: a qualifier that must precede it, such as "in" or "uniform"; any by default.
-    """
-    code = re.sub(r"^[ \t]*#.*$", "", source.code, flags=re.MULTILINE)
-    for match in re.finditer(rf"\b{re.escape(name)}\b", code):
-        start = max(code.rfind(mark, 0, match.start()) for mark in ";{}") + 1
-        head = code[start : match.start()]
-        bare = _LAYOUT.sub("", head)
-        words = re.findall(r"\w+", bare)
-        if words and not set("=(.").intersection(bare) and (not kind or kind in words):
-            line = code.count("\n", 0, match.start()) + 1
-            return line, f"{head.strip()} {name}"
+def find_declaration(source: Source, name: str, kind: str = "") -> GlslDeclaration | None:
+    """Return the declaration of a global name or of a block's member, whose qualifiers have the
+    word `kind`; any by default."""
+    for declaration in source.declarations:
+        names = {*declaration.declares}
+        if declaration.kind == "block":
+            names |= {member.name for member in declaration.members}
+        if name in names and (not kind or kind in declaration.qualifiers):
+            return declaration
     return None
 
 
@@ -130,7 +123,7 @@ def _find_declaration(message: str, sources: Sequence[Source]) -> tuple[Source, 
         for source in reversed(sources):
             found = find_declaration(source, name)
             if found:
-                return source, found[0], name
+                return source, found.line, name
     return sources[-1], None, ""
 
 

@@ -1,7 +1,6 @@
 """The compile targets, and the compilers' libraries: glslang and SPIRV-Tools, loaded on first use.
 
-Plain checks go through `ShCompile`, whose logs equal glslangValidator's; what is linked goes
-through glslang's C interface. What is wrong with a text is never an exception.
+What is wrong with a text is never an exception.
 """
 
 from __future__ import annotations
@@ -79,20 +78,14 @@ ALL_TARGETS = tuple(SETTINGS)
 
 
 @dataclass(frozen=True)
-class Checked:
-    """The plain GLSL verdict on one stage, and the log as the command prints it."""
-
-    ok: bool
-    log: str
-
-
-@dataclass(frozen=True)
 class Linked:
     """The result of linking: each stage's parse log, the link's log, and the modules by stage.
 
     `ok` is glslang's own verdict; `modules` is empty if it is false or the target has none.
+    `parsed` is whether each stage is free of errors.
     """
 
+    parsed: bool
     ok: bool
     stage_logs: Mapping[str, str]
     log: str
@@ -170,16 +163,6 @@ _P, _TEXT, _INPUT, _INT = c.c_void_p, c.c_char_p, c.POINTER(Input), c.c_int
 _TEXT_OUT, _DIAGNOSTIC_OUT = (c.POINTER(c.POINTER(t)) for t in (SpirvText, SpirvDiagnostic))
 
 _GLSLANG: _Signatures = {
-    "ShInitialize": (_INT,),
-    "ShConstructCompiler": (_P, _INT, _INT),
-    "ShDestruct": (None, _P),
-    # compiler; strings, their count and lengths; optimisation level (unused); resource limits;
-    # debug options (unused); version if the text has none; forward compatible; messages
-    "ShCompile": (
-        *(_INT, _P, c.POINTER(_TEXT), _INT, c.POINTER(_INT), _INT, _P),
-        *(_INT, _INT, c.c_bool, c.c_uint),
-    ),
-    "ShGetInfoLog": (_TEXT, _P),
     "glslang_initialize_process": (_INT,),
     "glslang_shader_create": (_P, _INPUT),
     "glslang_shader_delete": (None, _P),
@@ -247,7 +230,6 @@ def load_glslang() -> Glslang:
     back = _load(_BACK, _SPIRV, c.RTLD_LOCAL)
     resource = _load(_RESOURCE, _LIMITS, c.RTLD_LOCAL)
     front.glslang_initialize_process()
-    front.ShInitialize()
     limits = int(resource.glslang_default_resource())
     return Glslang(front, back, limits)
 
@@ -354,21 +336,6 @@ _STRING = re.compile(r'"((?:\\.|[^"\\\n])*)"')
 _ESCAPED = str.maketrans({"\\": "\\\\", '"': '\\"'})
 
 
-def check(source: Source) -> Checked:
-    """Check one stage under plain GLSL rules, as `glslangValidator -d` does."""
-    lib = load_glslang()
-    text = source.text.encode()
-    compiler = lib.front.ShConstructCompiler(_STAGE[source.stage], 0)
-    try:
-        texts, lengths = (c.c_char_p * 1)(text), (c.c_int * 1)(len(text))
-        ok = lib.front.ShCompile(
-            compiler, texts, 1, lengths, 0, lib.limits, 0, _DEFAULT_VERSION, False, 0
-        )
-        return Checked(bool(ok), _text(lib.front.ShGetInfoLog(compiler)))
-    finally:
-        lib.front.ShDestruct(compiler)
-
-
 def preprocess(source: Source) -> str | None:
     """Return the text after the preprocessor, line for line, or None if that fails."""
     front = load_glslang().front
@@ -395,7 +362,7 @@ def link(sources: Sequence[Source], target: str, *, lines: bool = False) -> Link
             handles.append(handle)
             parsed = parsed and ok
         if not parsed:
-            return Linked(False, logs, "", {})
+            return Linked(False, False, logs, "", {})
         program = front.glslang_program_create()
         for handle in handles:
             front.glslang_program_add_shader(program, handle)
@@ -472,7 +439,7 @@ def _link(program: int, settings: TargetSettings, logs: Mapping[str, str], lines
         ok = bool(lib.front.glslang_program_map_io(program))
     log = _text(lib.front.glslang_program_get_info_log(program))
     if not (ok and makes_spirv):
-        return Linked(ok, logs, log, {})
+        return Linked(True, ok, logs, log, {})
     options = SpirvOptions(generate_debug_info=lines, disable_optimizer=True)
     modules, before = {}, 0
     for stage in sorted(logs, key=STAGES.index):
@@ -485,7 +452,7 @@ def _link(program: int, settings: TargetSettings, logs: Mapping[str, str], lines
         modules[stage] = data[before:] if data.startswith(_MAGIC, before) else data
         log += _text(lib.back.glslang_program_SPIRV_get_messages(program))
         before = size
-    return Linked(True, logs, log, modules)
+    return Linked(True, True, logs, log, modules)
 
 
 def _text(raw: bytes | None) -> str:

@@ -455,7 +455,7 @@ def find_unwritten_inputs(
                 continue
             declared = find_declaration(source, name.rpartition(".")[2], "in")
             message = f"'{name}' : input of the {reader} stage that the {writer} stage never writes"
-            if declared is not None and "location" in declared[1]:
+            if declared is not None and "location" in declared.qualifiers:
                 other = None if variable.location is None else at.get(variable.location)
                 if other is None or other.type == variable.type:
                     continue
@@ -463,7 +463,7 @@ def find_unwritten_inputs(
                     f"'{name}' : {variable.type} at location {variable.location}, where the "
                     f"{writer} stage writes the {other.type} '{other.name}'"
                 )
-            at_line = declared[0] if declared else None
+            at_line = declared.line if declared else None
             found.append(source.diagnostic(message, at_line, token=name))
     return tuple(found)
 
@@ -577,7 +577,8 @@ def _is_authors(name: str, uses: Sequence[_Use], sources: Sequence[Source]) -> b
     stages, qualifier = {use.stage for use in uses}, uses[0].qualifier
     may = [s for s in sources if s.stage in stages and name and qualifier in s.code]
     return any(
-        found and qualifier in found[1] for found in (find_declaration(s, name) for s in may)
+        found and qualifier in found.qualifiers
+        for found in (find_declaration(s, name) for s in may)
     )
 
 

@@ -13,6 +13,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from shaderlab.errors import ShaderError, suggest
 from shaderlab.model.records import Diagnostic, Severity
@@ -29,6 +30,9 @@ from .shader_files import (
     strip_comments,
     version_of,
 )
+
+if TYPE_CHECKING:
+    from .syntax import GlslDeclaration
 
 MAX_DEPTH = 64
 MAX_INCLUDES = 1000
@@ -253,6 +257,13 @@ class Source:
     def version(self) -> tuple[int, str]:
         """The `#version` as (330, "core"); (110, "") if there is none."""
         return version_of(self.code) or (110, "")
+
+    @functools.cached_property
+    def declarations(self) -> tuple[GlslDeclaration, ...]:
+        """What the text declares outside of functions."""
+        from .syntax import Syntax  # few programs are parsed
+
+        return Syntax(self.code).declarations
 
     def place(self, line: int) -> tuple[str, int]:
         """Return the author's file and line for a line of `text` (both counted from 1)."""

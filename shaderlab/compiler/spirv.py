@@ -9,7 +9,6 @@ from __future__ import annotations
 import functools
 import math
 import struct
-import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -168,6 +167,7 @@ class Module:
         entry: the id of the function that is the stage's `main`.
         decoration_words: (id, decoration) → index of its first literal in the module's words.
         body: the instructions inside functions.
+        instructions: how many there are in all.
     """
 
     words: tuple[int, ...]
@@ -188,6 +188,7 @@ class Module:
     capabilities: set[int] = field(default_factory=set)
     modes: dict[int, tuple[int, ...]] = field(default_factory=dict)
     body: list[Instruction] = field(default_factory=list)
+    instructions: int = 0
 
     def decorated(self, id_: int, decoration: int) -> tuple[int, ...] | None:
         """Return a decoration's literals (empty if it has none), or None if it is absent."""
@@ -228,6 +229,7 @@ def parse(data: bytes) -> Module:
         else:
             _declare(module, instruction)
         at += count
+        module.instructions += 1
     return module
 
 
@@ -393,26 +395,6 @@ def _image(module: Module, id_: int, kind: str) -> str:
         + ("Array" if arrayed else "")
         + ("Shadow" if depth == 1 and kind == "sampler" else "")
     )
-
-
-def instruction_count(module: bytes) -> int:
-    """Return the number of a module's instructions.
-
-    Raises:
-        ShaderError: the bytes are not a SPIR-V module.
-    """
-    if len(module) < 20 or len(module) % 4:
-        raise ShaderError(f"not a SPIR-V module: {len(module)} bytes")
-    # An instruction's first word has its length in the upper half; a list is read fastest.
-    upper = 1 if sys.byteorder == "little" else 0
-    lengths = memoryview(module).cast("H")[upper::2].tolist()
-    at, end = 5, len(lengths)
-    for count in range(end):
-        if at >= end:
-            return count
-        at += lengths[at]
-    # An instruction of length 0: the loop did not advance.
-    raise ShaderError(f"not a SPIR-V module: broken instruction at word {at}")
 
 
 def interface_name(module: Module, id_: int) -> str:

@@ -156,13 +156,17 @@ class Syntax:
         }
 
     @cached_property
-    def declarations(self) -> tuple[GlslDeclaration, ...]:
-        """What the file declares at its top level, in order; all branches of `#if` are read."""
+    def outline(self) -> Node:
+        """The whole file, without what the grammar does not know of declarations."""
         known = self.bytes
         for pattern in _UNKNOWN:
             known = pattern.sub(_blank, known)
-        root = self._parser.parse(known).root_node
-        found = [self._declaration(node) for node in _top_level(root)]
+        return self._parser.parse(known).root_node
+
+    @cached_property
+    def declarations(self) -> tuple[GlslDeclaration, ...]:
+        """What the file declares at its top level, in order; all branches of `#if` are read."""
+        found = [self._declaration(node) for node in _top_level(self.outline)]
         for match in _DEFAULT_LAYOUT.finditer(self.bytes):
             start, end = match.span()
             prefix = self._between(start, end - 1).strip()

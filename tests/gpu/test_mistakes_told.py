@@ -112,14 +112,6 @@ def test_no_target_is_left_of_a_shader_that_all_refuse(lab: SceneRunner, tmp_pat
     assert "vec9" in said and "targets=" not in said
 
 
-def test_what_an_include_lacks_points_to_the_include(lab: SceneRunner, tmp_path: Path) -> None:
-    (tmp_path / "lib.glsl").write_text("\nfloat f() { return strength; }\n")
-    text = PLAIN.replace("in vec2", '#include "lib.glsl"\nin vec2')
-    said = told(lab, tmp_path, text, right)
-    assert "lib.glsl:2: 'strength' : undeclared identifier" in said
-    assert "a.frag:2: lib.glsl, included here, needs 'strength' declared before it" in said
-
-
 def test_integers_are_shown_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SHADERLAB_JOBS", "0")

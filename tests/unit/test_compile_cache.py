@@ -345,7 +345,7 @@ def test_an_entry_that_is_not_a_program_is_a_cache_miss(
 
 
 def entry_of(compiled: Compiled) -> Entry:
-    return Entry(compiled.verdicts, compiled.spirv, compiled.logs, compiled.interface)
+    return Entry(compiled.verdicts, compiled.spirv, compiled.interface)
 
 
 def test_an_entry_that_was_tampered_with_is_an_entry_or_a_value_error(tmp_path: Path) -> None:

@@ -2,16 +2,15 @@
 
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from itertools import product
 from pathlib import Path
 
 import pytest
 
 from shaderlab.compiler import Shaders, Source, compile_program, disassemble, validate
 from shaderlab.compiler.diagnostics import MAX_NESTING, MAX_OPERATORS, find_crash
-from shaderlab.compiler.glslang import check, find, find_versions, link
+from shaderlab.compiler.glslang import find, find_versions, link
 from shaderlab.compiler.spirv import Decoration, Module, interface_name, parse
 from shaderlab.errors import ShaderError
 
@@ -134,43 +133,6 @@ def test_varyings_can_match_by_location_instead_of_name() -> None:
     assert numbers(module, Decoration.Location)["other"] == 5
 
 
-UNIFORMS = (
-    *("float b", "int b", "mediump float b", "float b = 1.0", "float b[2]", "float b[]"),
-    *("sampler2D b", "B { vec4 x; } b", "B { vec4 x; } c", "B { vec4 x; }"),
-)
-VARYINGS = (
-    *("vec3 b", "vec2 b", "vec3 b[2]", "B { vec3 x; } b", "B { vec3 x; } c", "B { vec2 x; }"),
-    *("highp vec3 b", "int b"),
-)
-
-
-@pytest.mark.parametrize(
-    ("layouts", "words", "texts"),
-    [
-        (("", "layout (std140) "), "uniform", UNIFORMS),
-        (("", "flat ", "layout (location = 1) "), "{}", VARYINGS),
-    ],
-)
-def test_what_opengl_links_without_a_message_plain_glsl_links_as_well(
-    layouts: Sequence[str], words: str, texts: Sequence[str]
-) -> None:
-    declared = [
-        f"#version 450 core\n{layout}{words} {text};\n" for layout, text in product(layouts, texts)
-    ]
-    linked = 0
-    stages = {
-        stage: [s for text in declared if check(s := written(stage, text)).ok]
-        for stage in ("vertex", "fragment")
-    }
-    for pair in product(*stages.values()):
-        opengl = link(pair, "opengl")
-        if opengl.ok and not opengl.log:
-            linked += 1
-            plain = link(pair, "glsl")
-            assert plain.ok and not plain.log, [stage.text for stage in pair]
-    assert 50 < linked < len(declared) ** 2 / 2
-
-
 def written(stage: str, text: str) -> Source:
     text = text.replace("{}", "out" if stage == "vertex" else "in", 1)
     return Shaders([]).from_text(f"{text}void main() {{}}\n", stage, f"p.{stage}")
@@ -201,7 +163,6 @@ def test_warnings_are_reported_once_and_are_no_failure() -> None:
         assert [(d.severity, d.line, d.token) for d in verdict.diagnostics] == [
             ("warning", 4, "#extension")
         ]
-    assert "WARNING: 0:4:" in compiled.logs["glsl"]
 
 
 TESSELLATED: Mapping[str, str] = {
