@@ -23,7 +23,8 @@ from .diagnostics import (
     parse_stage_log,
 )
 from .glslang import ALL_TARGETS, SETTINGS, TARGETS, Linked, link, validate
-from .reflection import Interface, find_unwritten_inputs, match_locations, reflect
+from .module_edits import find_unwritten_inputs, match_locations
+from .reflection import Interface, reflect
 from .shader_files import STAGES
 from .sources import Source
 from .spirv import parse

@@ -8,7 +8,7 @@ import pytest
 
 from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.glslang import validate
-from shaderlab.compiler.reflection import add_feedback
+from shaderlab.compiler.module_edits import add_feedback
 from shaderlab.compiler.sources import Shaders
 from shaderlab.drivers.opengl import device
 from shaderlab.drivers.opengl.linking import SpirvProgram

@@ -15,7 +15,8 @@ import numpy as np
 
 from shaderlab.compiler.compile_cache import cached_compiler
 from shaderlab.compiler.diagnostics import DRIVER, parse_driver_log
-from shaderlab.compiler.reflection import Interface, Variable, add_feedback
+from shaderlab.compiler.module_edits import add_feedback
+from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.spirv import parse
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
