@@ -317,9 +317,11 @@ class Lifting:
         uniforms = [
             node
             for node in self._nodes
-            if node.type == "declaration" and of(field_of(node, "type")) == name
+            if node.type == "declaration"
+            and (kind := node.child_by_field_name("type")) is not None
+            and of(kind) == name
             and any(child.type == "uniform" for child in node.children)
-        ]  # fmt: skip
+        ]
         members = [child for child in body.children if child.type == "field_declaration"]
         opaque = [m for m in members if _OPAQUE.match(of(field_of(m, "type")))]
         if not (uniforms and opaque):

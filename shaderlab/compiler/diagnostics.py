@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from shaderlab.model.records import Diagnostic, Severity, Verdict
 
 from .glslang import SETTINGS, preprocess
 from .sources import Source
-from .syntax import GlslDeclaration
+from .syntax import GlslDeclaration, Syntax
 
 _MESSAGE = re.compile(r"^(?P<severity>(?:INTERNAL )?ERROR|WARNING|NOTE): (?P<rest>.*)$")
 _PLACED = re.compile(
@@ -188,14 +188,20 @@ MAX_NESTING = 200
 MAX_OPERATORS = 5000
 
 _OPERATORS = "+-*/%<>=&|^!~,"
-_TOKEN = re.compile(r"\w+|[(){}\[\];?\n]|[-+*/%<>=&|^!~,]")
-_BLOCK = re.compile(r"\b(?:uniform|buffer|in|out)\s+(\w+)\s*\{")
-# After a type or another name; what an expression says of a built-in crashes nothing.
-_BUILT_IN_MEMBER = re.compile(r"(?:[\w\]]\s+|,\s*)(gl_\w+)\s*[;,\[]")
+_BLOCK = re.compile(r"\b(?:uniform|buffer|in|out)\s+\w+\s*\{")
 _DEFINE = re.compile(r"#[ \t]*define\b[ \t]*(.*)")
 # A macro for one number or name, or for nothing, does not nest.
 _HARMLESS = re.compile(r"\w+(?:[ \t]+(?!(?:if|else|for|while|do|switch)\b)[\w.]+)?[ \t]*$")
-_BRANCHES = frozenset(["if", "else", "for", "while", "do", "switch", "?"])
+# Nodes that nest one level deeper in the compiler, and those that are an operator of an expression.
+_NESTING = frozenset([
+    "compound_statement", "parenthesized_expression", "if_statement", "else_clause",
+    "for_statement", "while_statement", "do_statement", "switch_statement",
+    "conditional_expression", "argument_list", "subscript_expression", "initializer_list",
+])  # fmt: skip
+_OPERATING = frozenset([
+    "binary_expression", "unary_expression", "assignment_expression", "update_expression",
+    "comma_expression",
+])  # fmt: skip
 
 
 def find_crash(source: Source) -> Diagnostic | None:
@@ -228,29 +234,47 @@ def check_version(source: Source, target: str) -> Diagnostic | None:
 def _find_crashing_block(code: str) -> tuple[str, str, int] | None:
     """Return a block that crashes glslang 13: its name is reused for an array with an initialiser,
     or a member has a built-in's name. The token, the message and the line."""
-    for block in _BLOCK.finditer(code):
-        name, start = block[1], block.end()
-        again = re.compile(rf"\b{name}\s*(\[[^\]]*\]\s*)+=").search(code, start)
+    if not _BLOCK.search(code):
+        return None
+    for block in Syntax(code).declarations:
+        if block.kind != "block" or "{" in block.body:
+            continue
+        again = re.compile(rf"\b{block.name}\s*(\[[^\]]*\]\s*)+=").search(code, block.end)
         if again:
-            return name, f"'{name}' : redefinition", code.count("\n", 0, again.start()) + 1
-        end = code.find("}", start)
-        member = _BUILT_IN_MEMBER.search(code, start, end if end >= 0 else len(code))
-        if member and not name.startswith("gl_"):
-            word = member.group(1)
+            line = code.count("\n", 0, again.start()) + 1
+            return block.name, f"'{block.name}' : redefinition", line
+        word = next((m.name for m in block.members if m.name.startswith("gl_")), None)
+        if word is not None and not block.name.startswith("gl_"):
             message = f"'{word}' : identifiers starting with \"gl_\" are reserved"
-            return word, message, code.count("\n", 0, member.start(1)) + 1
+            line = code.count("\n", 0, code.index(word, block.start)) + 1
+            return word, message, line
     return None
 
 
 def _find_deep_nesting(code: str) -> tuple[str, str, int] | None:
     overflows = "which overflows the compiler's stack"
-    for line, nesting, operators in _depths(code):
+    cursor = Syntax(code).root.walk()
+    nesting = operators = 0
+    above: list[tuple[int, int]] = []  # of each node that the cursor is in
+    while True:
+        node = cursor.node
+        assert node is not None
+        above.append((nesting, operators))
+        nesting += node.type in _NESTING
+        operators += node.type in _OPERATING
         if nesting > MAX_NESTING:
-            return "", f"nests deeper than {MAX_NESTING} levels, {overflows}", line
+            what = f"nests deeper than {MAX_NESTING} levels"
+            return "", f"{what}, {overflows}", node.start_point[0] + 1
         if operators > MAX_OPERATORS:
             what = f"has a statement of more than {MAX_OPERATORS} operators"
-            return "", f"{what}, {overflows}", line
-    return None
+            return "", f"{what}, {overflows}", node.start_point[0] + 1
+        if cursor.goto_first_child():
+            continue
+        nesting, operators = above.pop()
+        while not cursor.goto_next_sibling():
+            if not cursor.goto_parent():
+                return None
+            nesting, operators = above.pop()
 
 
 def _is_small(code: str) -> bool:
@@ -258,46 +282,3 @@ def _is_small(code: str) -> bool:
     Going through the tokens of every text would take a tenth of the time to compile it."""
     branches = sum(map(code.count, ("{", "(", "[", "?", "if", "else", "for", "while", "do")))
     return branches <= MAX_NESTING and sum(map(code.count, _OPERATORS)) <= MAX_OPERATORS
-
-
-def _depths(code: str) -> Iterator[tuple[int, int, int]]:
-    """For each token: its line, its nesting depth, and the operators so far in its expression."""
-    line, branches, before = 1, 0, ";"
-    inside = [_Bracket(is_list=False)]
-    for match in _TOKEN.finditer(code):
-        token = match.group()
-        if token == "\n":
-            line += 1
-            continue
-        here = inside[-1]
-        if before in ";}":
-            branches = here.operators = 0
-            here.chain = here.chain + 1 if token == "else" else 0
-        if token in "([{":
-            branches = 0 if token == "{" else branches
-            inside.append(_Bracket(is_list=_opens_list(token, before)))
-        elif token in ")]}":
-            del inside[max(len(inside) - 1, 1) :]
-        elif token in _BRANCHES:
-            branches += 1
-        elif token == "," and here.is_list:
-            here.operators = 0
-        elif token in _OPERATORS:
-            here.operators += 1
-        before = token
-        yield line, len(inside) + sum(b.chain for b in inside) + branches, inside[-1].operators
-
-
-@dataclass
-class _Bracket:
-    """An open bracket: whether its commas separate a list, and so far the `else`s in the chain of
-    branches, and the operators in the expression."""
-
-    is_list: bool
-    chain: int = 0
-    operators: int = 0
-
-
-def _opens_list(token: str, before: str) -> bool:
-    """Return whether commas after the bracket separate arguments or elements, not operands."""
-    return before[-1].isalnum() or before in "]_" if token == "(" else before in "=,({"

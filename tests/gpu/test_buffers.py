@@ -254,7 +254,10 @@ def test_a_wrong_offset_is_noticed(folder: Path) -> None:
     ("change", "said"),
     [
         ({"Matrices": UniformBuffer(values={"view": np.eye(4)})}, "projection"),
-        ({"Matrices": UniformBuffer(values={**MATRICES, "model": np.eye(4)})}, "no member 'model'"),
+        (
+            {"Matrices": UniformBuffer(values={**MATRICES, "model": np.eye(4)})},
+            "no Matrices member 'model'",
+        ),
         ({"Matrices": UniformBuffer(values={**MATRICES, "view": np.eye(3)})}, "mat4"),
         ({"Matrix": UniformBuffer(values=MATRICES)}, "no uniform block 'Matrix'"),
         ({"Scene": UniformBuffer(values={**SCENE, "lights[1].gain": (1.0, 2.0, 3.0)})}, "float"),

@@ -1,12 +1,12 @@
 """Fitting a draw's data to its program's interface: what is missing, surplus or the wrong shape.
 
-Nothing here touches the device. Every value comes out twice: as the float32 (or integer) array
-that the shader will get, and as the float64 numbers that the case wrote.
+Every value comes out twice: as the float32 (or integer) array that the shader will get, and as the
+float64 numbers that the case wrote.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from operator import attrgetter
 from typing import Any
 
@@ -26,13 +26,8 @@ Contents = Callable[[str, Variable, TextureSource], Texels]
 
 
 def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
-    """All uniforms, block members and textures of `draw`, checked against what its program
-    declares.
-
-    Args:
-        draw: what the case gives.
-        interface: what the program declares.
-        texels: gives a texture's contents, exactly.
+    """Return all uniforms, block members and textures of a draw, checked against what its program
+    declares; `texels` gives a texture's contents.
 
     Raises:
         CaseError: a uniform, a block's member or a texture is missing, unknown, or of the wrong
@@ -142,7 +137,7 @@ def check_domain(draw: Draw, inputs: Mapping[str, Variable]) -> None:
     Raises:
         CaseError: an input has no ramp, or a ramp has no input.
     """
-    compare("input", draw, _ramps(draw, inputs), inputs)
+    compare("input", draw, _ramps(draw, inputs), inputs, place="domain")
 
 
 def make_ramp_uniforms(draw: Draw, inputs: Mapping[str, Variable]) -> dict[str, Array]:
@@ -221,13 +216,15 @@ def _ramps(draw: Draw, inputs: Mapping[str, Variable]) -> Mapping[str, Ramp]:
 def compare(
     what: str,
     draw: Draw,
-    given: Mapping[str, Any],
-    declared: Mapping[str, Variable],
+    given: Iterable[str],
+    declared: Mapping[str, Variable | Member | Block],
     *,
     other: Mapping[str, Mapping[str, Variable]] | None = None,
     surplus: str | None = None,
+    place: str | None = None,
 ) -> None:
-    """Compare what a draw gives with what its program declares; `what` is what these are called.
+    """Compare what a draw gives, in `place`, with what its program declares; `what` is what these
+    are called.
 
     Raises:
         CaseError: something is missing or surplus.
@@ -244,15 +241,19 @@ def compare(
         )
     missing = [name for name in declared if name not in given]
     if missing:
-        listed = ", ".join(f"{name} ({_format_type(declared[name])})" for name in missing)
+        listed = ", ".join(name + _format_type(declared[name], " ({})") for name in missing)
         raise CaseError(
             f"{program}: nothing is given for {what} {listed}",
-            remedy=f"add it to the draw's {'domain' if what == 'input' else what + 's'}",
+            remedy=f"add it to the draw's {place or what + 's'}",
         )
 
 
-def _format_type(variable: Variable) -> str:
-    return variable.type if variable.array is None else f"{variable.type}[{variable.array}]"
+def _format_type(declared: Variable | Member | Block, form: str = "{}") -> str:
+    """Return a declared type, or "" for a block, which has none."""
+    if isinstance(declared, Block):
+        return ""
+    array = "" if declared.array is None else f"[{declared.array}]"
+    return form.format(f"{declared.type}{array}")
 
 
 _PLACE = attrgetter("offset", "size", "array_stride", "matrix_stride")
@@ -302,37 +303,18 @@ def _block_values(draw: Draw, interface: Interface) -> dict[str, Any]:
         CaseError: a block or a member is missing or unknown.
         UnsupportedError: a block is an array of blocks.
     """
-    program = " + ".join(draw.shaders)
     blocks = uniform_blocks(interface)
-    for name in draw.blocks:
-        if name not in blocks:
-            known = suggest(name, blocks) if blocks else "its shaders declare none"
-            raise CaseError(f"{program}: there is no uniform block {name!r}", remedy=known)
+    compare("uniform block", draw, draw.blocks, blocks, place="blocks")
     values: dict[str, Any] = {}
     for name, block in blocks.items():
         if block.array is not None:
             raise UnsupportedError(
-                f"{program}: {name} is an array of uniform blocks",
+                f"{' + '.join(draw.shaders)}: {name} is an array of uniform blocks",
                 remedy="declare each block separately, or make its members arrays",
             )
-        if name not in draw.blocks:
-            raise CaseError(
-                f"{program}: nothing is given for the uniform block {name}",
-                remedy=f"add blocks={{{name!r}: UniformBuffer(values=…)}} to the draw",
-            )
         own = draw.blocks[name].values
-        for member in own:
-            if member not in block.members:
-                raise CaseError(
-                    f"{program}: the uniform block {name} has no member {member!r}",
-                    remedy=suggest(member, block.members),
-                )
-        missing = [f"{m.name} ({m.type})" for m in block.members.values() if m.name not in own]
-        if missing:
-            raise CaseError(
-                f"{program}: nothing is given for {', '.join(missing)} of the uniform block {name}",
-                remedy="add it to the values of the UniformBuffer",
-            )
+        place = f"blocks[{name!r}].values"
+        compare(f"{name} member", draw, own, block.members, place=place)
         values.update({member_name(block, member): value for member, value in own.items()})
     return values
 

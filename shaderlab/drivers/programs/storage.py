@@ -91,14 +91,7 @@ def find_outputs(interface: Interface) -> dict[str, Variable]:
 def bind_storage(
     draw: Draw, interface: Interface, bindings: Bindings, folder: Path, images: Images
 ) -> Bindings:
-    """A dispatch's bindings with what its storage blocks and its images hold before.
-
-    Args:
-        draw: the dispatch.
-        interface: what its program declares.
-        bindings: its uniforms and textures.
-        folder: where paths of image files begin.
-        images: what earlier passes gave.
+    """Return a dispatch's bindings with what its storage blocks and its images hold before.
 
     Raises:
         CaseError: what is given for a member or an image is missing, unknown, or of the wrong type
@@ -196,13 +189,8 @@ def _values_left(variable: Variable, image: Image, source: Output) -> Array:
 def pack_storage(
     block: Block, members: Mapping[str, Slot], values: Mapping[str, Array]
 ) -> bytearray:
-    """A block's bytes, all gaps zero. An array of run-time length ends where its elements do, so
-    that its `length()` is theirs.
-
-    Args:
-        block: the block.
-        members: its members by name.
-        values: what they hold, as of `bind_storage`.
+    """Return a block's bytes, all gaps zero; `values` are as of `bind_storage`. An array of
+    run-time length ends where its elements do, so that its `length()` is theirs.
     """
     open_ended = [n for n, s in members.items() if s.variable.array == 0]
     size = block.size
@@ -280,11 +268,7 @@ def _image_format(image: Variable) -> str:
 
 
 def _require_images_supported(draw: Draw, interface: Interface) -> None:
-    """Check that the lab can give a compute shader the images that it declares.
-
-    Raises:
-        UnsupportedError: it can't; names what is declared.
-    """
+    """Raise UnsupportedError for an image that the lab can't give to a compute shader."""
     for name, image in image_variables(interface).items():
         if _image_kind(image) not in KINDS:
             known = ", ".join(f"image{kind}" for kind in KINDS)
@@ -306,13 +290,7 @@ def _require_images_supported(draw: Draw, interface: Interface) -> None:
 def _image_contents(
     draw: Draw, interface: Interface, folder: Path, images: Images
 ) -> dict[str, Texels]:
-    """What a dispatch's images hold before it.
-
-    Args:
-        draw: the dispatch.
-        interface: what its program declares.
-        folder: where paths of image files begin.
-        images: what earlier passes gave.
+    """Return what a dispatch's images hold before it.
 
     Raises:
         CaseError: what is given for an image is missing, unknown, or does not fit it.

@@ -217,12 +217,8 @@ class Contents:
 def texture_contents(
     source: Texture | TextureArray | CubeTexture, folder: Path, images: Images
 ) -> Contents:
-    """The values of a texture that are uploaded.
-
-    Args:
-        source: the texture.
-        folder: where paths of image files begin.
-        images: what its layers may be copied from.
+    """Return the values of a texture that are uploaded; `folder` is where paths of image files
+    begin, and its layers may be copied from `images`.
 
     Raises:
         CaseError: an image does not fit the format or the others, or does not exist.
@@ -338,15 +334,9 @@ def _check_levels(first: Array, smaller: Sequence[Array]) -> None:
 
 
 def texture_kind(source: TextureSource, declared: str, samples: int, layers: int = 0) -> str:
-    """The kind that a texture is when it is read by a sampler of the type `declared`.
-
-    Args:
-        source: the texture.
-        declared: the sampler's type: the output of a multisampled target is "2DMS" to a
-            sampler2DMS, and "2D", its samples averaged, to all others.
-        samples: how many samples the target has that `source` is an output of; 0 for one.
-        layers: how many layers the image has that `source` is an output of.
-    """
+    """Return the kind that a texture is to a sampler of the type `declared`: the output of a target
+    of several `samples` is "2DMS" to a sampler2DMS, and "2D", its samples averaged, to all others;
+    that of an image of several `layers` is an array."""
     if isinstance(source, CubeTexture):
         return "Cube"
     if isinstance(source, TextureArray):
@@ -371,10 +361,8 @@ def check_sampler(
     what = type(source).__name__
     described = f"{what}(compare={source.compare!r})" if shadow else what
     remedy = f"declare it {fitting}"
-    if variable.type.endswith("Shadow") and not shadow:
-        remedy = 'give the texture compare="lequal", or declare it ' + fitting
-    elif shadow and variable.type == fitting.removesuffix("Shadow"):
-        remedy = f"declare it {fitting}, or leave compare= out"
+    if variable.type.endswith("Shadow") != shadow:
+        remedy += ", or leave compare= out" if shadow else ', or give the texture compare="lequal"'
     raise CaseError(
         f"{program}: {variable.name!r} is a {variable.type}, but the {described} given for it, "
         f"{format}, is read by a {fitting}",
