@@ -28,7 +28,7 @@ from .reflection import Interface, reflect
 from .shader_files import STAGES
 from .sources import Source
 from .spirv import parse
-from .syntax import Node, Syntax, field as field_of, walk
+from .syntax import Node, Syntax, walk
 
 
 @dataclass(frozen=True)
@@ -312,25 +312,23 @@ class Lifting:
         return replace(self._source, text=text.decode(), stripped=text.decode())
 
     def _lift(self, struct: Node, body: Node) -> None:
-        of = self._file.of
-        name = of(field_of(struct, "name"))
+        name = self._field(struct, "name")
         uniforms = [
             node
             for node in self._nodes
             if node.type == "declaration"
-            and (kind := node.child_by_field_name("type")) is not None
-            and of(kind) == name
+            and self._field(node, "type") == name
             and any(child.type == "uniform" for child in node.children)
         ]
         members = [child for child in body.children if child.type == "field_declaration"]
-        opaque = [m for m in members if _OPAQUE.match(of(field_of(m, "type")))]
-        if not (uniforms and opaque):
+        opaque = [m for m in members if _OPAQUE.match(self._field(m, "type"))]
+        if not (name and uniforms and opaque):
             return
         lifted = []  # the type, name and array of each
         for member in opaque:
-            kind = of(field_of(member, "type"))
+            kind = self._field(member, "type")
             lifted += [(kind, *own) for own in self._declarators(member)]
-            blank = re.sub(r"[^\n]", " ", of(member))
+            blank = re.sub(r"[^\n]", " ", self._file.of(member))
             self._edits.append((member.start_byte, member.end_byte, blank))
         if len(opaque) == len(members):
             self._edits.append((body.end_byte - 1, body.end_byte - 1, "float lifted;"))
@@ -346,12 +344,17 @@ class Lifting:
         line = struct.start_point[0] + 1
         self.notes.append(self._source.diagnostic(message, line, severity="info", token=name))
 
+    def _field(self, node: Node, name: str) -> str:
+        """Return the text of a node's field, "" where it has none."""
+        found = node.child_by_field_name(name)
+        return "" if found is None else self._file.of(found)
+
     def _rename(self, variable: str, members: Collection[str]) -> None:
         """Rename `variable.member` and `variable[i].member`."""
         for node in self._nodes:
             if node.type == "field_expression":
-                member = self._file.of(field_of(node, "field"))
-                owner, bracket, index = self._file.of(field_of(node, "argument")).partition("[")
+                member = self._field(node, "field")
+                owner, bracket, index = self._field(node, "argument").partition("[")
                 if owner.strip() == variable and member in members:
                     new = f"{variable}_{member}{bracket}{index}"
                     self._edits.append((node.start_byte, node.end_byte, new))
