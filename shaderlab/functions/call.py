@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -47,11 +47,6 @@ class Argument:
         """The value as the function gets it: floats are float32's."""
         return _rebuild(iter(self.leaves), self.type)
 
-    def shared_words(self) -> Array:
-        """The words of its only element, uint32."""
-        found = [_as_words(leaf).reshape(-1) for leaf in self.leaves]
-        return np.concatenate(found) if found else np.zeros(0, np.uint32)
-
     def fill(self, layers: Array, batch: tuple[int, ...]) -> None:
         """Write each word's elements, broadcast to `batch`, to the start of a layer (uint32)."""
         at, count = 0, math.prod(batch)
@@ -72,14 +67,6 @@ def _rebuild(leaves: Iterator[Array], kind: Type) -> Any:
     leaf = next(leaves)
     shape = (*leaf.shape[:-1], *kind.shape)
     return (leaf.astype(np.float32) if kind.kind == "float" else leaf).reshape(shape)
-
-
-def _as_words(leaf: Array) -> Array:
-    if leaf.dtype == bool:
-        return leaf.astype(np.uint32)
-    with np.errstate(over="ignore", invalid="ignore"):
-        narrow = leaf.astype(np.float32) if leaf.dtype == np.float64 else leaf
-    return np.ascontiguousarray(narrow).view(np.uint32)
 
 
 def fit_argument(value: Any, kind: Type, label: str) -> Argument:
@@ -326,22 +313,31 @@ Textures = dict[str, tuple[str, Any]]
 
 
 def collect_opaque(
-    name: str, value: Any, kind: Type, label: str
+    call: Call, name_of: Callable[[str], str] = str
 ) -> tuple[dict[str, Array], Textures]:
-    """The uniforms and the textures of a sampler, or of a struct with samplers, by the names that a
-    driver has for them: "material.shininess", "maps[0]". Raises CallError."""
+    """The uniforms and the textures of a call's samplers, and of structs with samplers, by the
+    names that a driver has for them: "material.shininess", "maps[0]". Raises CallError.
+
+    `name_of` gives the name of the variable for that of a parameter or global.
+    """
     uniforms: dict[str, Array] = {}
     textures: Textures = {}
-    for place, its, inner in _walk(value, kind, label):
-        key = name + place.removeprefix(label)
-        if its.opaque:
-            textures[key] = its.name, _texture(inner, its, place)
+    for one in (*call.signature.given, *call.signature.globals):
+        if one.name not in call.opaque:
             continue
-        given = fit_argument(inner, its, place)
-        if given.varies:
-            raise CallError(f"{place} is in a struct with samplers: it has one value for a call")
-        array = given.leaves[0].reshape(its.shape or (1,))
-        uniforms[key] = array.astype(np.float32) if its.kind == "float" else array
+        label = f"{call.signature.name}: {one.name}"
+        for place, kind, value in _walk(call.opaque[one.name], one.type, label):
+            name = name_of(one.name) + place.removeprefix(label)
+            if kind.opaque:
+                textures[name] = kind.name, _texture(value, kind, place)
+                continue
+            given = fit_argument(value, kind, place)
+            if given.varies:
+                raise CallError(
+                    f"{place} is in a struct with samplers: it has one value for a call"
+                )
+            array = given.leaves[0].reshape(kind.shape or (1,))
+            uniforms[name] = array.astype(np.float32) if kind.kind == "float" else array
     return uniforms, textures
 
 

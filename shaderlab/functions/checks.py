@@ -18,7 +18,7 @@ from shaderlab.engine.judging.banded import judge_band
 from shaderlab.engine.judging.laws import Close, Finding, Law
 from shaderlab.engine.judging.references import Inputs, parameter_name
 from shaderlab.errors import CallError, FormulaError
-from shaderlab.functions.call import Call, Textures, collect_opaque, read_texels
+from shaderlab.functions.call import Call, collect_opaque, read_texels
 from shaderlab.functions.signatures import Type
 from shaderlab.glslmath.choice import where
 from shaderlab.glslmath.vector import stack
@@ -345,17 +345,16 @@ def match_inputs(reference: Reference, call: Call, kept: Array, folder: str) -> 
         CallError: the reference's parameters are not the function's, or one is a texture whose
             texels are not known without a driver.
     """
-    uniforms, textures = _opaque_inputs(call)
+    uniforms, textures = collect_opaque(call)
     numbers = _number_inputs(call, kept)
     numbers = replace(numbers, shared={**numbers.shared, **uniforms})
     new = _match_names(reference, call, numbers, textures)
-    folders = Path(folder)
     label = call.signature.name
     return Inputs(
         shared={new[n]: value for n, value in numbers.shared.items() if n in new},
         each={new[n]: value for n, value in numbers.each.items() if n in new},
         textures={
-            new[n]: read_texels(source, f"{label}: {n}", folders)
+            new[n]: read_texels(source, f"{label}: {n}", Path(folder))
             for n, (_, source) in textures.items()
             if n in new
         },
@@ -384,18 +383,6 @@ def _match_names(
         f"{reference.__name__} takes {', '.join(wanted)}; {call.signature.name} gets {shown}",
         remedy="name the reference's parameters so, or take as many in the same order",
     )
-
-
-def _opaque_inputs(call: Call) -> tuple[dict[str, Array], Textures]:
-    uniforms: dict[str, Array] = {}
-    textures: Textures = {}
-    for one in (*call.signature.given, *call.signature.globals):
-        if one.name in call.opaque:
-            label = f"{call.signature.name}: {one.name}"
-            found = collect_opaque(one.name, call.opaque[one.name], one.type, label)
-            uniforms |= found[0]
-            textures |= found[1]
-    return uniforms, textures
 
 
 def leaves(call: Call) -> Iterator[tuple[str, Type, Array]]:

@@ -28,7 +28,7 @@ from shaderlab.drivers import Evaluation
 from shaderlab.engine.jobs import Executor, InProcessExecutor, ProcessExecutor
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CallError, ShaderError
-from shaderlab.functions.call import Call, Textures, build_result, collect_opaque
+from shaderlab.functions.call import Call, build_result, collect_opaque
 from shaderlab.functions.signatures import PREFIX, Input, Signature, Type, declare, rename
 from shaderlab.model.frame import Array
 from shaderlab.model.options import CALL_LIMITS, RunOptions
@@ -325,19 +325,15 @@ def evaluate(source: Source, folder: str, call: Call) -> Any:
 
 def _evaluation(source: Source, folder: str, call: Call, kernel: Kernel) -> Evaluation:
     """The kernel with what is the same for all elements; its size is still open."""
-    shared = np.zeros((-(-kernel.shared_words // 4), 4), np.uint32)
-    words = [call.values[i.name].shared_words() for i in kernel.shared]
-    if words:
-        shared.reshape(-1)[: kernel.shared_words] = np.concatenate(words)
-    uniforms: dict[str, Array] = {}
-    textures: Textures = {}
+    shared, at = np.zeros((-(-kernel.shared_words // 4), 4), np.uint32), 0
+    for one in kernel.shared:
+        argument = call.values[one.name]
+        argument.fill(shared.reshape(-1, 1)[at:], argument.batch)
+        at += one.type.words
     parameters = {p.name for p in kernel.signature.parameters}
-    for one in kernel.opaque:
-        name = local_name(one.name) if one.name in parameters else rename(one.name)
-        label = f"{kernel.signature.name}: {one.name}"
-        found = collect_opaque(name, call.opaque[one.name], one.type, label)
-        uniforms |= found[0]
-        textures |= found[1]
+    uniforms, textures = collect_opaque(
+        call, lambda name: local_name(name) if name in parameters else rename(name)
+    )
     return Evaluation(
         passes=build_passes(source, kernel),
         size=(0, 0),

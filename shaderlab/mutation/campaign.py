@@ -142,14 +142,6 @@ class _TargetRun:
     seconds: float = 0.0
     message: str = ""
 
-    def result(self) -> CaseResult:
-        return CaseResult(
-            id=self.target.id,
-            runs=tuple(MutantRun(self.mutants[i], self.results[i]) for i in sorted(self.results)),
-            seconds=self.seconds,
-            message=self.message,
-        )
-
 
 class MutationRun:
     """Makes the mutants of some cases, or other targets, then judges them.
@@ -205,7 +197,12 @@ class MutationRun:
     def results(self, complete: bool = False) -> list[CaseResult]:
         """Return a result for each case, or for those that are `complete`."""
         return [
-            run.result()
+            CaseResult(
+                id=run.target.id,
+                runs=tuple(MutantRun(run.mutants[i], run.results[i]) for i in sorted(run.results)),
+                seconds=run.seconds,
+                message=run.message,
+            )
             for run in self._runs
             if not complete or run.message or len(run.results) == len(run.mutants)
         ]

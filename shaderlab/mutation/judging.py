@@ -29,7 +29,6 @@ from shaderlab.mutation.mutants import (
     Mutant,
     MutantResult,
     Trial,
-    part_of,
     select_scenes,
     with_readers,
 )
@@ -146,9 +145,9 @@ class Judge:
             if change is None or (seen is not None and change.unread):
                 change = seen
         if change is None and trials:
-            if self._is_same_program(trials[0]):
-                return MutantResult("equivalent", "its optimised SPIR-V is the original's")
             with self.evaluation(trials[0], everything=True) as (mutant, original):
+                if _has_same_program(mutant, original, trials[0].effect.program):
+                    return MutantResult("equivalent", "its optimised SPIR-V is the original's")
                 change = self._find_change(mutant, original)
         if change is not None:
             return change
@@ -176,20 +175,6 @@ class Judge:
         read = [each for each in changed if _is_read(each, mutant, original, self._judged)]
         where = f"seen in {mutant.scene.variant}"
         return _survived(where, (read or changed)[0], unread=not read) if changed else None
-
-    def _is_same_program(self, trial: Trial) -> bool:
-        effect = trial.effect
-        if not effect.program:
-            return False
-        part = part_of(effect.scene, effect.passes)
-        programs, original = self._prepare(trial, part), self._originals[part.variant].programs
-        name, index = next(
-            (name, index)
-            for name, draws in programs.items()
-            for index, draw in enumerate(draws)
-            if draw.draw.shaders == effect.program
-        )
-        return is_same_program(programs[name][index].sources, original[name][index].sources)
 
     def _require_sound(self, trial: Trial) -> None:
         """Run the parts of the scene that a trial may need as they are. Raises PartError."""
@@ -288,6 +273,15 @@ def find_changed_outputs(mutant: Evaluation, original: Evaluation) -> set[Named]
         elif isinstance(need, CapturedFragments) and differ(answer.covered, other.covered):
             found.add((need.key[0], "coverage"))
     return found
+
+
+def _has_same_program(mutant: Evaluation, original: Evaluation, program: tuple[str, ...]) -> bool:
+    """Whether the program that a mutant changes is the same to the optimiser."""
+    for name, draws in mutant.programs.items():
+        for draw, before in zip(draws, original.programs[name], strict=True):
+            if program and draw.draw.shaders == program:
+                return is_same_program(draw.sources, before.sources)
+    return False
 
 
 def is_same_program(mutant: Sequence[Source], original: Sequence[Source]) -> bool:

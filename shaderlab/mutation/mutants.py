@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -178,10 +179,9 @@ class CaseResult:
     @property
     def noticed(self) -> dict[str, int]:
         """For a file of tests, how many mutants each test notices."""
-        found: dict[str, int] = {}
+        found: Counter[str] = Counter()
         for run in self.runs:
-            for name, failed in run.result.noticed.items():
-                found[name] = found.get(name, 0) + failed
+            found.update(run.result.noticed)
         return found
 
     @property
