@@ -18,7 +18,7 @@ from shaderlab.engine.judging.banded import judge_band
 from shaderlab.engine.judging.laws import Close, Finding, Law
 from shaderlab.engine.judging.references import Inputs, parameter_name
 from shaderlab.errors import CallError, FormulaError
-from shaderlab.functions.call import Call, collect_opaque, read_texels
+from shaderlab.functions.call import Call, collect_opaque, read_texels, replace_arguments
 from shaderlab.functions.signatures import Type
 from shaderlab.glslmath.choice import where
 from shaderlab.glslmath.vector import stack
@@ -63,7 +63,7 @@ class Idempotent(Close, CallLaw):
 
     def judge_call(self, function: Function, call: Call, got: Any) -> Finding:
         name = self.argument or call.signature.given[0].name
-        again = np.asarray(function.call_again(call, {name: got}))
+        again = np.asarray(function.evaluate(replace_arguments(call, {name: got})))
         x = _argument(function, call, name)
         trivial = "it returns its argument" if np.array_equal(np.asarray(got), x) else ""
         return self.compare(again, got, trivial)
@@ -118,7 +118,7 @@ def judge_law(law: Law | CallLaw, function: Function, call: Call, got: Any) -> F
         return law.judge_call(function, call, got)
     inputs = {name: _argument(function, call, name) for name in law.inputs}
     changes = law.second_inputs(inputs)
-    second = np.asarray(function.call_again(call, changes)) if changes else None
+    second = function.evaluate(replace_arguments(call, changes)) if changes else None
     return law.judge(inputs, np.asarray(got), second, call.batch)
 
 
@@ -326,15 +326,9 @@ def _take(value: Any, members: Sequence[str], index: int) -> Any:
     remedy = f"return {{{pairs}}}, or a tuple in that order"
     if is_array:
         remedy = f"return a list of {len(members)}"
-    raise FormulaError(f"gives {_describe(value)}, not {shown}", remedy=remedy)
-
-
-def _describe(value: Any) -> str:
-    if isinstance(value, Mapping):
-        return f"a dict of {', '.join(map(str, value))}"
-    if isinstance(value, list | tuple):
-        return f"a {type(value).__name__} of {len(value)}"
-    return "one value"
+    parts = value if isinstance(value, Mapping | list | tuple) else ()
+    given = f"{type(value).__name__} of {len(parts)}" if parts else "one value"
+    raise FormulaError(f"gives {given}, not {shown}", remedy=remedy)
 
 
 def match_inputs(reference: Reference, call: Call, kept: Array, folder: str) -> Inputs:

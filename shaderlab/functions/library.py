@@ -21,7 +21,7 @@ from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CallError, ShaderError, ShaderlabError, suggest
 from shaderlab.files import display_path
 from shaderlab.functions import checks
-from shaderlab.functions.call import Call, bind_arguments, replace_arguments
+from shaderlab.functions.call import Call, bind_arguments
 from shaderlab.functions.checks import CallLaw
 from shaderlab.functions.evaluation import Preprocess, evaluate, get_caller
 from shaderlab.functions.signatures import Signature, find_signatures, read_declarations
@@ -256,10 +256,6 @@ class Function:
         elif (known := _LOADS.get()) is not None:
             known.called_outside.add(self._source.path)
         return found
-
-    def call_again(self, call: Call, values: Mapping[str, Any]) -> Any:
-        """The results of a call with other values of some arguments, by name."""
-        return self.evaluate(replace_arguments(call, values))
 
     def place_of(self, signature: Signature) -> tuple[str, int]:
         return self._source.place(signature.line)

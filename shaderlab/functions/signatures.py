@@ -202,11 +202,6 @@ _OTHER_STAGES = frozenset({
     "EmitVertex", "EndPrimitive", "EmitStreamVertex", "barrier", "subpassLoad",
     "gl_in", "gl_out", "gl_InvocationID", "gl_TessCoord",
 })  # fmt: skip
-FRAGMENT_ONLY = re.compile(
-    r"\b(discard|[dD]Fd[xy]\w*|fwidth\w*|texture(?:Proj|Offset|ProjOffset|QueryLod)?|texture2D\w*"
-    r"|interpolateAt\w+|gl_(?:FragCoord|FrontFacing|PointCoord|FragDepth))\b"
-)
-"""What depends on the pixel that a function runs for, or on its neighbours."""
 _GL = re.compile(rf"\bgl_({'|'.join(n[3:] for n in (*_STAGE_INPUTS, *_STAGE_OUTPUTS))})\b")
 # The samplers that the lab has textures for.
 _TEXTURED = re.compile(r"[iu]?sampler(?:2D|2DArray|Cube)|sampler(?:2D|2DArray|Cube)Shadow")
@@ -242,7 +237,6 @@ class Signature:
         code: the text that it needs, line for line as in the file.
         line: of the definition in that text, counted from 1.
         definition: the function's own text.
-        per_pixel: whether it depends on the pixel that it runs for.
         state: variables of the file that a call may change, with their initialisers.
         discards: whether it may discard its pixel.
         extensions: the file's `#extension` lines.
@@ -256,7 +250,6 @@ class Signature:
     code: str
     line: int
     definition: str
-    per_pixel: bool
     state: tuple[tuple[str, str], ...]
     discards: bool
     extensions: tuple[str, ...]
@@ -320,7 +313,6 @@ def _signature(found: Declarations, own: GlslDeclaration) -> Signature:
     before = "".join(
         f"{'uniform ' * type_.opaque}{declare(type_, name)}; " for name, type_ in declared.items()
     )
-    body = _modernise("".join(found.text[one.start : one.end] + "\n" for one in needed))
     return Signature(
         name=own.name,
         result=result,
@@ -329,7 +321,6 @@ def _signature(found: Declarations, own: GlslDeclaration) -> Signature:
         code=_modernise(before) + _modernise(_text_of(found, needed)),
         line=found.text.count("\n", 0, own.start) + 1,
         definition=found.text[own.start : own.end],
-        per_pixel=FRAGMENT_ONLY.search(body) is not None,
         state=tuple((one.name, one.initialiser) for one in _state(needed) if one.initialiser),
         discards="discard" in used,
         extensions=found.extensions,

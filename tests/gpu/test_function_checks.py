@@ -274,10 +274,10 @@ def test_a_check_that_makes_no_sense_is_refused(
     ("name", "reference", "arguments", "says"),
     [
         ("sphere", lambda eye, ray, radius: eye, SPHERE, "gives one value, not t, normal, met"),
-        ("sphere", lambda eye, ray, radius: {"t": 1.0}, SPHERE, "gives a dict of t, not t, nor"),
+        ("sphere", lambda eye, ray, radius: {"t": 1.0}, SPHERE, "gives dict of 1, not t, nor"),
         ("halves", lambda x, high: (x,), (X, X), 'return {"low": …, "high": …}, or a tuple'),
         ("turned", lambda x: x, (X,), "gives shape (41, 1) for a mat2"),
-        ("powers", lambda x: [x, x], (X,), "gives a list of 2, not [0], [1], [2]"),
+        ("powers", lambda x: [x, x], (X,), "gives list of 2, not [0], [1], [2]"),
         ("sum", added, (X, np.arange(41)), "differ from value to value"),
         ("turned", lambda x: mat2(x, x, x), (X,), "mat2 of 3 components in 3 arguments"),
         ("turned", lambda x: mat2(1.0) @ vec2(x, x), (X,), "glslmath.mul(m, v)"),
