@@ -198,44 +198,26 @@ def draw_curve(curve: Curve) -> Chart:
     points = list(
         zip(curve.x, curve.measured, curve.reference, curve.low, curve.high, strict=False)
     )
-    widths = [half_widths(y, low, high) for _, y, _, low, high in points]
     bad = [is_outside(y, low, high) for _, y, _, low, high in points]
+    strip = [_find_strip_place(y, low, high) for _, y, _, low, high in points]
     across = fit_axis(curve.x, _LEFT, _RIGHT, log=curve.log_x, margin=0.02)
     up = fit_axis(_curve_heights(curve), _BOTTOM, _TOP, log=False, margin=0.06)
     plane = Plane(across, up) if across and up else None
-
-    def locate(n: int) -> str:
-        x, y = points[n][:2]
-        if plane is None or not plane.across.holds(x):
-            return ""
-        strip = _STRIP.at(_within_strip(widths[n]))
-        return f"{plane.across.at(x):g} {plane.height(y):g} {strip:g}"
-
-    rows = [
-        ChartRow((figure(p[0]) + " outside" * bad[n], *map(figure, p[1:])), bad[n], locate(n))
-        for n, p in enumerate(points)
-    ]
-    drawn = [n for n, p in enumerate(points) if plane and plane.at(p[0], p[1])]
     marks, labels = _draw_axes(plane, _STRIP_BOTTOM)
     if plane:
-        strip = Plane(plane.across, _STRIP)
-        marks += [
-            ("band", _band_path(curve, plane)),
-            ("reference", plane.line(zip(curve.x, curve.reference, strict=False))),
-            ("dots", plane.dots(points[n][:2] for n in drawn if not bad[n])),
-            ("dots is-outside", plane.dots(points[n][:2] for n in drawn if bad[n])),
-            ("band", f"M{_LEFT} {_STRIP.at(1)}H{_RIGHT}V{_STRIP.at(-1)}H{_LEFT}Z"),
-            ("middle", f"M{_LEFT} {_STRIP.at(0)}H{_RIGHT}"),
-        ]
-        for name, outside in (("dots", False), ("dots is-outside", True)):
-            some = [n for n, is_bad in enumerate(bad) if is_bad is outside]
-            marks.append((name, strip.dots((points[n][0], _within_strip(widths[n])) for n in some)))
-        labels += [
-            (_LEFT - 8, _STRIP.at(at) + 4, "end", label)
-            for at, label in ((1, "+1"), (0, "0"), (-1, "−1"))
-        ]
+        marks += _draw_curve_marks(curve, plane, bad, strip)
+        for edge, label in ((1, "+1"), (0, "0"), (-1, "−1")):
+            labels.append((_LEFT - 8, _STRIP.at(edge) + 4, "end", label))
         words = "position in the band (−1 and +1 are its edges)"
         labels.append((_LEFT, _STRIP_TOP - 6, "label", words))
+    rows = []
+    for point, is_bad, widths in zip(points, bad, strip, strict=True):
+        at = ""
+        if plane and plane.across.holds(point[0]):
+            heights = plane.height(point[1]), Plane(plane.across, _STRIP).height(widths)
+            at = f"{plane.across.at(point[0]):g} {heights[0]:g} {heights[1]:g}"
+        first = figure(point[0]) + " outside" * is_bad
+        rows.append(ChartRow((first, *map(figure, point[1:])), is_bad, at))
     return Chart(
         title=curve.title,
         x_label=curve.x_label,
@@ -244,12 +226,38 @@ def draw_curve(curve: Curve) -> Chart:
         labels=labels,
         key=[(name, name) for name in ("measured", "reference", "band")],
         bad=sum(bad),
-        hidden=len(points) - len(drawn),
+        hidden=sum(plane is None or plane.at(x, y) is None for x, y, *_ in points),
         heads=(curve.x_label, "measured", "reference", "band from", "to"),
         rows=_choose_rows(rows),
         count=len(points),
         height=_STRIP_BOTTOM + 46,
     )
+
+
+def _draw_curve_marks(
+    curve: Curve, plane: Plane, bad: Sequence[bool], strip: Sequence[float]
+) -> Marks:
+    lower = Plane(plane.across, _STRIP)
+    marks = [
+        ("band", _band_path(curve, plane)),
+        ("reference", plane.line(zip(curve.x, curve.reference, strict=False))),
+        ("band", f"M{_LEFT} {_STRIP.at(1)}H{_RIGHT}V{_STRIP.at(-1)}H{_LEFT}Z"),
+        ("middle", f"M{_LEFT} {_STRIP.at(0)}H{_RIGHT}"),
+    ]
+    for name, outside in (("dots", False), ("dots is-outside", True)):
+        for part, heights in ((plane, curve.measured), (lower, strip)):
+            some = zip(curve.x, heights, bad, strict=False)
+            marks.append((name, part.dots((x, y) for x, y, is_bad in some if is_bad is outside)))
+    return marks
+
+
+def _find_strip_place(value: float, low: float, high: float) -> float:
+    """A value's place in its band, at the strip's edge where it is further away; NaN where it is
+    inside a band without a middle."""
+    widths = half_widths(value, low, high)
+    if math.isnan(widths):
+        return _FURTHEST if is_outside(value, low, high) else widths
+    return max(-_FURTHEST, min(_FURTHEST, widths))
 
 
 def _draw_axes(plane: Plane | None, foot: float) -> tuple[Marks, Labels]:
@@ -269,10 +277,6 @@ def _choose_rows(rows: Sequence[ChartRow]) -> list[ChartRow]:
     step = max(1, math.ceil(len(rows) / _MOST_ROWS))
     some = [row for index, row in enumerate(rows) if index % step == 0 or row.bad]
     return some[: 4 * _MOST_ROWS]
-
-
-def _within_strip(widths: float) -> float:
-    return max(-_FURTHEST, min(_FURTHEST, widths))
 
 
 def _curve_heights(curve: Curve) -> list[float]:
