@@ -17,8 +17,6 @@ from shaderlab.errors import ShaderlabError
 
 # Most pieces of a page are a word, some a picture.
 _PIECES_PER_WRITE = 32
-NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
-"""Errors of a disk that is full."""
 # A file that may be written but not replaced: its folder is someone else's or read-only, or the
 # file is a mount of its own, as containers have it.
 _HELD = (errno.EACCES, errno.EPERM, errno.EROFS, errno.EBUSY)

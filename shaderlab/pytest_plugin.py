@@ -1,22 +1,14 @@
 """`pytest my_cases/`: each variant of each case file is an item; a failure shows what `run` does.
 
-Only files that take `Case` from shaderlab and assign `case` are collected; one that takes it,
-assigns none and has no Python tests is named in a warning. Case files are imported and run by
-worker processes, the first of them started when it is first needed: a case that crashes or hangs
-is a failed test, or a file that can't be collected, and the session goes on.
+Case files are imported and run by worker processes: a case that crashes or hangs is a failed test,
+or a file that can't be collected, and the session goes on. While an item is reported, the workers
+run those that come after it, up to the next test of another kind: none of them begins a variant
+while a Python test runs. `shaderlab_jobs = 1` and pytest-xdist, whose processes have a worker each,
+run nothing ahead.
 
-While an item is reported, the workers already run those that come after it, as far as no other
-kind of test comes in between: none of them begins a variant while a Python test runs. With
-`shaderlab_jobs = 1`, in pytest's own process, and in those of pytest-xdist, which have a worker
-each, nothing is run ahead.
-
-`shaderlab_timeout` (seconds) and `shaderlab_memory` (gigabytes) in pytest's configuration are the
-limits of one variant and of one call of a GLSL function (`shaderlab.glsl`) and go before those in
-`[tool.shaderlab]`; `shaderlab_jobs` is the number of workers. SHADERLAB_JOBS goes before it; with 0
-everything runs in pytest's own process, for debuggers.
-
-`--shaderlab-report DIR` writes the page of `shaderlab run`, of cases and of tests of GLSL
-functions.
+`shaderlab_timeout`, `shaderlab_memory` and `shaderlab_jobs` in pytest's configuration go before
+`[tool.shaderlab]`; SHADERLAB_JOBS goes before all, and 0 runs everything in pytest's own process,
+for debuggers. `--shaderlab-report DIR` writes the page of `shaderlab run`.
 """
 
 from __future__ import annotations
@@ -50,7 +42,6 @@ RECORD_ATTRIBUTE = "shaderlab_record"
 """A report's attribute with the record as plain data: pytest-xdist sends it on."""
 _TESTS = re.compile(rb"^\s*(?:async\s+)?def test|^\s*class \w*Test|^Test", re.MULTILINE)
 _PREFETCHER: pytest.StashKey[Prefetcher] = pytest.StashKey()
-_INSPECTED: pytest.StashKey[tuple[Path, str | None]] = pytest.StashKey()
 _NOTES: pytest.StashKey[Notes] = pytest.StashKey()
 
 
@@ -234,7 +225,7 @@ class NoCaseWarning(pytest.PytestWarning):
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile | None:
     """Collect case files, and nothing else."""
-    reason = _inspect(file_path, parent.config)
+    reason = inspect_file(file_path)
     if reason != "":
         if reason and file_path.name != "conftest.py" and not _has_tests(file_path, parent):
             shown = display_path(file_path)
@@ -248,19 +239,10 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile |
 def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> NoTests | None:
     """Keep pytest from importing a case file as a module of tests, in its own process and outside
     the tree of cases. One that has tests as well stays one."""
-    if _inspect(module_path, parent.config) != "" or _has_tests(module_path, parent):
+    if inspect_file(module_path) != "" or _has_tests(module_path, parent):
         return None
     found: NoTests = NoTests.from_parent(parent, path=module_path)
     return found
-
-
-def _inspect(file: Path, config: pytest.Config) -> str | None:
-    """As `inspect_file`; of two hooks that have the same file, the first has it parsed."""
-    inspected, reason = config.stash.get(_INSPECTED, (None, None))
-    if inspected != file:
-        reason = inspect_file(file)
-        config.stash[_INSPECTED] = (file, reason)
-    return reason
 
 
 def _has_tests(file: Path, parent: pytest.Collector) -> bool:

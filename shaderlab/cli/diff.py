@@ -24,6 +24,7 @@ from shaderlab.cli.options import (
     jobs_option,
     limits_option,
     make_executor,
+    perform_one,
     resolve_shader,
     write_json,
 )
@@ -146,14 +147,8 @@ class _Comparison:
             make_executor(None, self.limits, self.workers, early=False)
         ) as executor:
             request = self._make_request(old, new, then, executor)
-            (result,) = executor.perform([request])
-        if result.status == "done":
-            answers: list[Answer] = result.value
-            return answers
-        if isinstance(result.value, ShaderlabError):
-            raise result.value
-        message = str(result.value) if result.status == "error" else result.message
-        raise ShaderlabError(f"{result.status} while {result.step or 'starting'}: {message}")
+            answers: list[Answer] = perform_one(executor, request)
+        return answers
 
     def _make_request(
         self,

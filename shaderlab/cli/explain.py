@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -21,11 +21,12 @@ from shaderlab.cli.options import (
     jobs_option,
     limits_option,
     make_executor,
+    perform_one,
     resolve_shader,
     write_json,
 )
 from shaderlab.compiler.shader_files import EXTENSIONS
-from shaderlab.errors import ShaderlabError, UsageError, suggest
+from shaderlab.errors import UsageError, suggest
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Explanation, Step
 
@@ -119,7 +120,7 @@ def command(arguments: ExplainArguments) -> int:
         make_executor(arguments.driver, arguments.limits, arguments.workers, early=False)
     ) as executor:
         request = _make_request(arguments, executor)
-        value = _perform(request, executor)
+        value = perform_one(executor, request)
     explained: Explanation = value
     where, others = None, {}
     if arguments.is_shader:
@@ -161,18 +162,6 @@ def _make_request(arguments: ExplainArguments, executor: Executor) -> ExplainFil
     return ExplainPixel(
         Path(facts.file), variant, arguments.pass_name, arguments.draw, arguments.pixel, options
     )
-
-
-def _perform(request: ExplainFile | ExplainPixel, executor: Executor) -> Any:
-    """Return the result of a request. Raises ShaderlabError."""
-    from shaderlab.engine.jobs import format_error
-
-    (result,) = executor.perform([request])
-    if result.status == "error" and isinstance(result.value, ShaderlabError):
-        raise result.value
-    if result.status != "done":
-        raise ShaderlabError(f"{result.status}: {format_error(result)}")
-    return result.value
 
 
 def show(explained: Explanation, where: str | None = None) -> None:

@@ -21,7 +21,7 @@ import click
 from shaderlab.cli import FAILED, OK, USAGE
 from shaderlab.engine.jobs import WORDS, check_driver
 from shaderlab.errors import ShaderlabError, UsageError, suggest
-from shaderlab.files import NO_ROOM, replace_file, write_named
+from shaderlab.files import replace_file, write_named
 from shaderlab.model.options import Limits
 from shaderlab.report.formats import FINDING_FORMATS, FORMATS, Format
 
@@ -146,6 +146,19 @@ def make_executor(
     return ProcessExecutor(driver, limits, workers, early=early, work=CHECKING_WORK)
 
 
+def perform_one(executor: Executor, request: Any) -> Any:
+    """Return the result of one request. Raises ShaderlabError."""
+    from shaderlab.engine.jobs import format_error
+
+    (result,) = executor.perform([request])
+    if isinstance(result.value, ShaderlabError):
+        raise result.value
+    if result.status != "done":
+        what = f"{result.status} while {result.step or 'starting'}"
+        raise ShaderlabError(f"{what}: {format_error(result)}")
+    return result.value
+
+
 def _parse_range(word: str) -> tuple[str, str]:
     name, equals, values = word.partition("=")
     if not equals:
@@ -215,11 +228,7 @@ SUMMARY_VARIABLE = "GITHUB_STEP_SUMMARY"
 
 
 def make_run_folder(parent: Path = REPORTS) -> Path:
-    """Make a new folder named by the time; runs that start together get different ones.
-
-    On a full disk it is not made: what is run needs no file, and each file that can't be written
-    is told.
-    """
+    """Make a new folder named by the time; runs that start together get different ones."""
     stamp = datetime.datetime.now().strftime("%Y%m%d-%H%M%S")
     for number in itertools.count(1):
         folder = parent / (stamp if number == 1 else f"{stamp}-{number}")
@@ -230,16 +239,13 @@ def make_run_folder(parent: Path = REPORTS) -> Path:
                 raise UsageError("this is not a folder", file=parent) from None
             continue
         except OSError as error:
-            if error.errno not in NO_ROOM:
-                raise _unwritable_error(
-                    parent, error, "name another folder: --report DIR"
-                ) from error
+            raise _unwritable_error(parent, error, "name another folder: --report DIR") from error
         return folder
     raise AssertionError("unreachable")
 
 
 def make_report_folder(folder: Path) -> Path:
-    """Make the folder of `--report`, which may exist already; not on a full disk.
+    """Make the folder of `--report`, which may exist already.
 
     Raises:
         UsageError: it can't be made, or has a page that is no report.
@@ -248,8 +254,7 @@ def make_report_folder(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        if error.errno not in NO_ROOM:
-            raise _unwritable_error(folder, error, "name another folder") from error
+        raise _unwritable_error(folder, error, "name another folder") from error
     mark_named(folder)
     return folder
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import datetime
-import errno
 import fcntl
 import json
 import os
@@ -38,7 +37,7 @@ from shaderlab.cli.selecting import find_unused
 from shaderlab.engine.jobs import Job
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import NO_ROOM, display_path, open_regular
+from shaderlab.files import display_path, open_regular
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import CodeCoverage, Record, Run
 
@@ -59,8 +58,7 @@ class RunPlan:
 class Journal(contextlib.AbstractContextManager["Journal"]):
     """The file of a run that is going on. A context manager.
 
-    Only one run at a time may write to a folder; the lock goes with the process. On a full disk
-    nothing is written, and `problem` says so.
+    Only one run at a time may write to a folder; the lock goes with the process.
 
     Args:
         folder: the run's folder.
@@ -71,22 +69,16 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
     """
 
     def __init__(self, folder: Path, plan: RunPlan | None) -> None:
-        self._path = folder / FILE_NAME
-        self.problem = ""
-        self._file: IO[bytes]
+        path = folder / FILE_NAME
         try:
-            descriptor = open_regular(self._path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
-            self._file = open(descriptor, "ab", buffering=0)  # noqa: SIM115
+            descriptor = open_regular(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
         except OSError as error:
-            if plan is None or (error.errno not in NO_ROOM and folder.is_dir()):
-                raise UsageError(f"can't write here: {error.strerror}", file=self._path) from error
-            self._file = open(os.devnull, "wb", buffering=0)  # noqa: SIM115
-            self.problem = f"can't write {self._path}: {os.strerror(errno.ENOSPC)}"
-            return
+            raise UsageError(f"can't write here: {error.strerror}", file=path) from error
+        self._file = open(descriptor, "ab", buffering=0)  # noqa: SIM115
         try:
             _lock(self._file, folder)
             if plan is None:
-                whole = self._path.read_bytes().rfind(b"\n") + 1
+                whole = path.read_bytes().rfind(b"\n") + 1
                 self._file.truncate(whole)  # a line that was cut short
             else:
                 self._file.truncate(0)
@@ -99,20 +91,12 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
         self._file.close()
 
     def add(self, value: RunPlan | Record) -> None:
-        """Append one line. If the disk is full the run goes on, and `problem` says so."""
+        """Append one line. Raises OSError: the disk is full; the run may be resumed."""
         from shaderlab.model import store  # not before workers get ready: it takes its time
 
-        if self.problem:
-            return
         line = (store.encode(value) + "\n").encode("utf-8", "replace")
-        start = os.fstat(self._file.fileno()).st_size
-        try:
-            while line:
-                line = line[self._file.write(line) or 0 :]
-        except OSError as error:
-            self.problem = f"can't write {self._path}: {error.strerror}"
-            with contextlib.suppress(OSError):
-                os.ftruncate(self._file.fileno(), start)
+        while line:
+            line = line[self._file.write(line) or 0 :]
 
 
 def _lock(file: IO[bytes], folder: Path) -> None:
@@ -174,8 +158,7 @@ class RecordedRun:
 
     Attributes:
         complete: whether all of the plan was run; an interrupt ends it early.
-        problems: what could not be written, and files given in a shader's place that no program
-            was made of.
+        problems: files given in a shader's place that no program was made of.
         records: those of all drivers, where the run has several.
     """
 
@@ -255,8 +238,7 @@ def run_plan(
         missing=len(plan.jobs) - len(made),
     )
     ignored = () if run.missing else find_unused(plan.options.shaders, run.records)
-    problems = [ShaderlabError(journal.problem)] if journal.problem else []
-    return RecordedRun(run, plan.options.folder, not run.missing, (*problems, *ignored), made)
+    return RecordedRun(run, plan.options.folder, not run.missing, tuple(ignored), made)
 
 
 def measure_coverage(

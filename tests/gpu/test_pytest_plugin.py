@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 import shaderlab.engine.worker
-from shaderlab.engine.catalogue import inspect_file
 from tests.gpu import faulty
 
 STAND_IN = """
@@ -114,21 +113,6 @@ def test_other_files_are_left_alone(cases: pytest.Pytester) -> None:
         test_own="def test_own(): pass",
     )
     cases.runpytest_inprocess("-k", "not far").assert_outcomes(passed=2, deselected=1)
-
-
-def test_a_file_is_examined_once(
-    pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked: list[Path] = []
-
-    def noted(file: Path) -> str | None:
-        asked.append(file)
-        return inspect_file(file)
-
-    monkeypatch.setattr("shaderlab.pytest_plugin.inspect_file", noted)
-    pytester.makepyfile(test_own="def test_own(): pass", test_other="", helper="")
-    pytester.runpytest_inprocess("--collect-only")
-    assert sorted(file.name for file in asked) == ["helper.py", "test_other.py", "test_own.py"]
 
 
 def test_cases_called_tests_are_collected_and_what_is_no_case_is_named(

@@ -189,27 +189,6 @@ def test_an_output_without_room_costs_neither_verdict_nor_report(
 
 
 @pytest.mark.parametrize("folder", [(), ("--report", "here")])
-def test_a_disk_without_room_for_the_runs_folder_costs_no_verdict(
-    shaderlab: Callable[..., Result],
-    case_folder: Path,
-    fake_lab: Install,
-    monkeypatch: pytest.MonkeyPatch,
-    folder: tuple[str, ...],
-) -> None:
-    def full(*_: object) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    log = fake_lab({})
-    monkeypatch.setattr(os, "mkdir", full)
-    result = shaderlab("run", case_folder / "lamp.py", "--json", "-", *folder)
-    assert result.exit_code == 1 and ran(log) == ["lamp[near]", "lamp[far]"]
-    assert len(json.loads(result.stdout)["cases"]) == 2
-    for file in ("run.json", "page/style.css", "records.jsonl"):
-        assert file in result.stderr
-    assert result.stderr.count("No space left on device") == 3
-
-
-@pytest.mark.parametrize("folder", [(), ("--report", "here")])
 def test_where_nothing_may_be_written_another_folder_is_asked_for(
     shaderlab: Callable[..., Result],
     case_folder: Path,
