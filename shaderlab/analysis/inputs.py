@@ -88,6 +88,11 @@ def declared_ranges(program: Program) -> dict[str, str]:
 
 Kind = Literal["number", "unit", "rotation", "affine", "projection", "texture"]
 
+_IN_WORDS: Mapping[str, str] = {
+    "unit": "of length 1", "projection": "a perspective projection", "rotation": "a rotation",
+    "affine": "a matrix that turns, scales and moves", "texture": "any texels within 0..1",
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class InputDomain:
@@ -109,22 +114,16 @@ class InputDomain:
 
     def condition(self, name: str) -> str:
         """What holds of the input's values, as a formula."""
-        words = {
-            "unit": f"|{name}| = 1",
-            "rotation": f"{name} is a rotation",
-            "affine": f"{name} turns, scales and moves",
-            "projection": f"{name} is a perspective projection",
-            "texture": f"{name} within 0..1",
-        }
+        if self.kind == "unit":
+            return f"|{name}| = 1"
+        if self.kind != "number":
+            return f"{name} is {_IN_WORDS[self.kind]}"
         low = f"{self.low:g} <= " if np.isfinite(self.low) else ""
         high = f" <= {self.high:g}" if np.isfinite(self.high) else ""
-        return words.get(self.kind, f"{low}{name}{high}")
+        return f"{low}{name}{high}"
 
     def __str__(self) -> str:
-        words = {"unit": "of length 1", "projection": "a perspective projection",
-                 "affine": "turns, scales and moves", "rotation": "a rotation",
-                 "texture": "any texels within 0..1"}  # fmt: skip
-        text = words.get(self.kind, f"{self.low:g}..{self.high:g}")
+        text = _IN_WORDS.get(self.kind, f"{self.low:g}..{self.high:g}")
         return f"{text}, >= {self.above}" if self.above else text
 
     def clip(self, values: Array) -> Array:

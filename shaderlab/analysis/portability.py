@@ -23,7 +23,6 @@ from shaderlab.model.records import Row
 
 from .answer import format_inputs
 from .batches import InputBatch, flatten_outputs, fragment_batch, run_batch
-from .differences import steps
 from .inputs import Input, inputs_of
 from .interpreter import (
     FLOAT16,
@@ -232,7 +231,7 @@ def mediump(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) ->
     try:
         exact = _outputs(program, batch, FLOAT64)
         devices = [
-            _outputs(program, batch, *_as_device(device, relaxed))
+            _outputs(program, batch, *((FLOAT32, _Relaxed(device)) if relaxed else (device,)))
             for device in (FLOAT16, *map(Half.device, range(_DEVICES)))
         ]
     except (NotInterpretedError, FormulaError):
@@ -241,7 +240,7 @@ def mediump(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) ->
     for name, values in exact.items():
         off = np.max([_codes(device[name], values) for device in devices], axis=0)
         row = int(off.argmax())
-        file, line = _first_deviation(program, batch, row) if off[row] > 0.0 else ("", 0)
+        file, line = _costliest_line(program, batch, row) if off[row] > 0.0 else ("", 0)
         found.append(
             Spread(
                 output=name, precision="mediump", codes=float(off[row]), file=file, line=line,
@@ -249,10 +248,6 @@ def mediump(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) ->
             )
         )  # fmt: skip
     return found
-
-
-def _as_device(device: Arithmetic, relaxed: bool) -> tuple[Arithmetic, Watch | None]:
-    return (FLOAT32, _Relaxed(device)) if relaxed else (device, None)
 
 
 def _outputs(
@@ -271,26 +266,6 @@ def _codes(values: Array, exact: Array) -> Array:
     off = np.where(np.isfinite(values), off, np.inf)
     found: Array = np.where(known, off, 0.0).max(axis=-1)
     return found
-
-
-def _first_deviation(program: Program, batch: InputBatch, row: int) -> tuple[str, int]:
-    """The line whose value is the first that lies far off: by more than a quarter of what is worst
-    among all of them."""
-    pairs = zip(
-        steps(program, batch, row, FLOAT16), steps(program, batch, row, FLOAT64), strict=False
-    )
-    found = []
-    for a, b in pairs:
-        if a.name != b.name or not isinstance(a.value, np.ndarray):
-            continue
-        half, exact = a.value.astype(np.float64), b.value.astype(np.float64)
-        with np.errstate(all="ignore"):
-            size = np.maximum(np.abs(exact).max(), 2.0**-14)
-            found.append((float(np.nan_to_num(np.abs(half - exact).max() / size, nan=np.inf)), a))
-    worst = max((off for off, _ in found), default=0.0)
-    far = 1e3 if np.isinf(worst) else worst / 4.0
-    line = next((step.line for off, step in found if off > far), 0)
-    return program.place(line) if line else ("", 0)
 
 
 def find_spreads(
