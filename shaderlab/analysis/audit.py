@@ -141,14 +141,8 @@ def is_continuous(one: Input, domain: InputDomain) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Counterexample:
-    """An invocation at which an instruction goes wrong.
-
-    Attributes:
-        place, watched: the instruction.
-        batch, row: the invocation.
-        origin: `RANDOM`, `ZERO` or `EQUAL`.
-        crossing: whether the operand is nearly 0, and has both signs around it.
-    """
+    """An invocation, `row` of `batch`, at which an instruction goes wrong; where `crossing` its
+    operand is nearly 0 and has both signs around it. `origin` is `RANDOM`, `ZERO` or `EQUAL`."""
 
     place: Place
     watched: WatchedInstruction

@@ -51,11 +51,7 @@ class WatchedInstruction:
 
 
 class Watcher:
-    """A `Watch` that looks at each instruction.
-
-    Attributes:
-        found: what may go wrong, by place.
-    """
+    """A `Watch` that looks at each instruction: `found` has what may go wrong, by place."""
 
     def __init__(self, count: int) -> None:
         self.count = count

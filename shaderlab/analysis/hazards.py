@@ -151,11 +151,8 @@ class _Replacing:
 
 @dataclass
 class _Zeroing:
-    """A `Watch` that makes every result 0 that is a certain number.
-
-    Attributes:
-        reached: whether an instruction is run with such an operand even so.
-    """
+    """A `Watch` that makes every result 0 that is a certain number; `reached` is whether an
+    instruction is run with such an operand even so."""
 
     place: Place
     number: float

@@ -39,10 +39,7 @@ class ShaderOfFile:
 
 @dataclass(frozen=True)
 class CompareFiles:
-    """Asks for the `Answer` on two shader files, as a list.
-
-    Raises as `shaderlab.analysis.interpreter.load` and `compare_programs`.
-    """
+    """Asks for the `Answer` on two shader files, as a list."""
 
     old: ShaderOfFile
     new: ShaderOfFile
@@ -60,10 +57,7 @@ class CompareFiles:
 @dataclass(frozen=True)
 class CompareInCase:
     """Asks for an `Answer` on each stage of a case's draws that other files for some of its shaders
-    change, on the inputs that the case gives it. `reverse` if those files are the old shaders.
-
-    Raises as `rewritten`, `shaderlab.analysis.interpreter.load` and `compare_programs`.
-    """
+    change, on the inputs that the case gives it. `reverse` if those files are the old shaders."""
 
     case: Path
     files: Mapping[str, Path]
@@ -94,10 +88,7 @@ def _program(source: Source) -> Program:
 
 @dataclass(frozen=True)
 class AuditFile:
-    """Asks for the `Audit` of a shader file, as a list.
-
-    Raises as `shaderlab.analysis.interpreter.load` and `audit_program`.
-    """
+    """Asks for the `Audit` of a shader file, as a list."""
 
     shader: ShaderOfFile
     stage: str | None
@@ -118,10 +109,7 @@ class AuditFile:
 
 @dataclass(frozen=True)
 class AuditCase:
-    """Asks for an `Audit` of each stage of a case's draws, on what those give it.
-
-    Raises as `case_stages` of `invocations` and `load` of the interpreter.
-    """
+    """Asks for an `Audit` of each stage of a case's draws, on what those give it."""
 
     case: Path
     plan: AuditPlan

@@ -45,15 +45,9 @@ _NAME = "each draw is what its shader says"
 
 @dataclass
 class _DrawCheck:
-    """What checking one draw found.
-
-    Attributes:
-        rows: an output a row, or why the draw was left out.
-        left_out: the reason in words, or "".
-        outputs: the outputs that were judged; `outside` those that left their bands.
-        judged: how many pixels were, over all outputs.
-        message: the first pixel that is outside.
-    """
+    """What checking one draw found: a row for each output, or why the draw was left out; the
+    outputs that were judged, and those outside of their bands; how many pixels were judged, over
+    all outputs; and words about the first pixel that is outside."""
 
     rows: list[Row] = field(default_factory=list)
     left_out: str = ""

@@ -1,8 +1,5 @@
-"""Undefined behaviour beyond single instructions: uninitialised reads and outputs, divergent
-derivatives, races between invocations.
-
-For uninitialised values the program is run twice, each time with another value in all of them.
-"""
+"""Undefined behaviour beyond single instructions: uninitialised reads and outputs, for which the
+program runs twice, each time with another value in all of them; and divergent derivatives."""
 
 from __future__ import annotations
 
@@ -269,7 +266,6 @@ def _smooth(batch: InputBatch, inputs: Mapping[str, Input]) -> InputBatch:
     cells = quads_of(places)
     _, first, of = np.unique(cells, return_index=True, return_inverse=True)
     rng = np.random.default_rng(17)
-    offset = (places[:, :2] - places[first][of.ravel(), :2]).astype(np.float64)
     each: dict[str, Array] = {"gl_FragCoord": places}
     for name, values in batch.each.items():
         if name == "gl_FragCoord":
@@ -277,10 +273,7 @@ def _smooth(batch: InputBatch, inputs: Mapping[str, Input]) -> InputBatch:
         same = values[first][of.ravel()]
         if name in inputs and not inputs[name].uniform and same.dtype.kind == "f":
             width = float(np.ptp(values)) or 1.0
-            slope = rng.normal(size=(2, len(first), *values.shape[1:])) * width * _SLOPE
-            slope = slope[:, of.ravel()]
-            extra = tuple(range(1, values.ndim))
-            moved = sum(np.expand_dims(offset[:, k], extra) * slope[k] for k in (0, 1))
+            moved = rng.normal(size=same.shape) * width * _SLOPE
             same = (same + moved).astype(np.float32)
         each[name] = same
     return InputBatch(each, batch.bindings, batch.count)

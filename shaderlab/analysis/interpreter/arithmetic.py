@@ -1,9 +1,8 @@
-"""What the interpreter asks of an arithmetic: the one protocol behind floats, whatever they are.
+"""Arithmetics that a program is interpreted in: floats as NumPy arrays of one width, or as bands.
 
-Integers are `shaderlab.bands.Integer` and conditions `shaderlab.bands.TriBool` in every arithmetic;
-only floats differ: NumPy arrays of one width (`numbers.py`), or bands (`banded.py`). Both are
-shaped (count, components), or (1, components) where all invocations have the same value, and
-(count or 1, rows, columns) for matrices.
+Integers are `shaderlab.bands.Integer` and conditions `shaderlab.bands.TriBool` in all of them.
+Floats are shaped (count, components), or (1, components) where all invocations have the same value,
+and (count or 1, rows, columns) for matrices.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -31,34 +30,6 @@ EXACT = frozenset(
 """Functions that round nothing."""
 
 
-class Arithmetic(Protocol):
-    """A way to compute with floats."""
-
-    @property
-    def name(self) -> str:
-        """Such as "float32" or "band"."""
-
-    @property
-    def rules(self) -> Rules | None:
-        """The precision rules of bands; None for numbers."""
-
-    def exact(self, values: Any) -> Floats:
-        """The float32 numbers that the shader gets, as this arithmetic has them."""
-
-    def literal(self, value: float) -> Floats:
-        """A float32 constant of the module, (1, 1): the author wrote a decimal number."""
-
-    def undefined(self) -> Floats:
-        """A float that nothing was stored to, (1, 1)."""
-
-    def call(self, function: str, *values: Any) -> Any:
-        """One of GLSL's functions by its name in `shaderlab.glslmath`, or one of `negate`, `add`,
-        `subtract`, `multiply`, `divide`, `remainder`; integers as they are."""
-
-    def rounded(self, value: Any) -> Any:
-        """What `glslmath` and `sampling` give (float64 arrays or bands), as this arithmetic's."""
-
-
 @dataclass(frozen=True)
 class Numbers:
     """An `Arithmetic` of NumPy's float16, float32 or float64."""
@@ -66,22 +37,22 @@ class Numbers:
     dtype: Any
     rules: None = None
 
-    @property
-    def name(self) -> str:
-        name: str = np.dtype(self.dtype).name
-        return name
-
     def exact(self, values: Any) -> Floats:
+        """The float32 numbers that the shader gets, as this arithmetic has them."""
         return np.asarray(values, np.float32).astype(self.dtype)
 
     def literal(self, value: float) -> Floats:
+        """A float32 constant of the module, (1, 1): the author wrote a decimal number."""
         # The shortest decimal number with this float32 is the one that was written.
         return np.full((1, 1), float(shortest(value)), self.dtype)
 
     def undefined(self) -> Floats:
+        """A float that nothing was stored to, (1, 1)."""
         return np.zeros((1, 1), self.dtype)
 
     def call(self, function: str, *values: Any) -> Any:
+        """One of GLSL's functions by its name in `shaderlab.glslmath`, or one of `negate`, `add`,
+        `subtract`, `multiply`, `divide`, `remainder`; integers as they are."""
         own = _FUNCTIONS.get(function)
         if own is not None and type(values[0]) is not Integer:  # nor are then the others
             found = own(*values)
@@ -91,6 +62,7 @@ class Numbers:
         return self._convert(getattr(glslmath, function)(*values))
 
     def rounded(self, value: Any) -> Any:
+        """What `glslmath` and `sampling` give (float64 arrays or bands), as this arithmetic's."""
         return self._convert(value)
 
     def _convert(self, value: Any) -> Any:
@@ -192,7 +164,6 @@ class Bands:
     """The `Arithmetic` of `shaderlab.bands`, under some precision rules."""
 
     rules: Rules = field(default_factory=Rules)
-    name: str = "band"
 
     def exact(self, values: Any) -> Floats:
         return Band.exact(values, self.rules)
@@ -217,6 +188,10 @@ class Bands:
 
     def rounded(self, value: Any) -> Any:
         return value
+
+
+Arithmetic = Numbers | Bands
+"""A way to compute with floats. Its methods are those of `Numbers`."""
 
 
 def _add(a: Any, b: Any) -> Any:

@@ -21,7 +21,7 @@ from shaderlab.model.frame import Array, Bindings
 
 from .arithmetic import FLOAT32, Arithmetic
 from .program import INPUTS, Program, Type
-from .running import MAX_BLOCKS, MAX_LOOP_ITERATIONS, Run, Trace, Watch
+from .running import MAX_BLOCKS, Run, Trace, Watch
 from .values import Flags, Missing, PathState, Value, broadcast, component, undefined
 
 
@@ -149,7 +149,6 @@ def interpret(
     *,
     count: int | None = None,
     places: Array | None = None,
-    max_loop_iterations: int = MAX_LOOP_ITERATIONS,
     max_blocks: int = MAX_BLOCKS,
     trace: Trace | None = None,
     watch: Watch | None = None,
@@ -167,7 +166,6 @@ def interpret(
         count: the number of invocations; by default that of the rows of `each`, or 1.
         places: the pixels, by which derivatives and mipmaps find neighbours, (count, 2 or more); by
             default gl_FragCoord.
-        max_loop_iterations: of a loop, each time that it is entered.
         max_blocks: how many blocks may be run in all.
         trace: is called with each value that a variable or a part of one is given.
         watch: is called after each instruction, and may change its result.
@@ -184,7 +182,7 @@ def interpret(
     run = Run(
         program, arithmetic, count,
         places=each.get("gl_FragCoord") if places is None else places,
-        max_loop_iterations=max_loop_iterations, max_blocks=max_blocks, trace=trace, watch=watch,
+        max_blocks=max_blocks, trace=trace, watch=watch,
     )  # fmt: skip
     # What is no number is a result like any other.
     with warnings.catch_warnings(), np.errstate(all="ignore"):

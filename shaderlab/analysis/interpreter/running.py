@@ -138,7 +138,7 @@ def value(run: Run, id_: int) -> Value:
 
 
 MAX_LOOP_ITERATIONS = 4096
-"""The default limit for a loop, each time that it is entered."""
+"""The limit for a loop, each time that it is entered."""
 MAX_BLOCKS = 200_000
 """The default limit for the blocks that a program runs."""
 _MAX_STATES = 8  # that wait at one block before they are joined
@@ -157,7 +157,7 @@ class Run:
     Attributes:
         program, arithmetic, count: what is run, in what, for how many invocations.
         places: gl_FragCoord of each invocation, if it is given.
-        max_loop_iterations, max_blocks, trace, watch: as of `interpret`.
+        max_blocks, trace, watch: as of `interpret`.
         results: each instruction's result by id, as of its last execution, and each constant.
         calls: the lines of the calls under way.
         killed: the invocations that a `discard` may have ended.
@@ -169,7 +169,6 @@ class Run:
     count: int
     _: KW_ONLY
     places: Array | None = None
-    max_loop_iterations: int = MAX_LOOP_ITERATIONS
     max_blocks: int = MAX_BLOCKS
     trace: Trace | None = None
     watch: Watch | None = None
@@ -270,8 +269,8 @@ class Run:
         """Count a block's run, and give up where there are too many."""
         visits[label] = visits.get(label, 0) + 1
         self._blocks += 1
-        if visits[label] > self.max_loop_iterations + 1:
-            what = f"a loop that goes on after {self.max_loop_iterations} iterations"
+        if visits[label] > MAX_LOOP_ITERATIONS + 1:
+            what = f"a loop that goes on after {MAX_LOOP_ITERATIONS} iterations"
         elif self._blocks > self.max_blocks:
             what = f"a program that goes on after {self.max_blocks} blocks"
         else:
