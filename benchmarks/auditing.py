@@ -64,45 +64,72 @@ _END = "\n}\nvoid main()\n{\n    FragColor = color();\n}\n"
 _RATIO = DECLARATIONS[: DECLARATIONS.index("over / under")].count("\n") + 1
 
 
+_OF_STAGE = {
+    "geometry": """#version 430 core
+layout (triangles) in;
+layout (triangle_strip, max_vertices = 5) out;
+in vec4 uv[];
+uniform float x; // range: 0..1
+uniform int n; // range: 0..6
+out float shade;
+void main()
+{
+""",
+}
 _ENDS = {
     "fragment": _END,
     "vertex": "\n}\nvoid main()\n{\n    gl_Position = color();\n}\n",
+    "geometry": "\n}\nvoid main()\n{\n    gl_Position = color();\n    EmitVertex();\n}\n",
+}
+_LAYOUTS = {
+    "geometry": "layout (points) in; layout (points, max_vertices = 1) out; uniform vec2 uv; ",
 }
 STAGES = tuple(_ENDS)
-SUFFIXES = ("frag", "vert")
+SUFFIXES = ("frag", "vert", "geom")
 _SLOPES = re.compile(r"\b(dFd[xy]|fwidth)\(")  # fragment shaders alone have them
 
 
 @dataclass(frozen=True)
 class Planted:
-    """A hazard in a shader: its kind, what `color()` does, the stage."""
+    """A hazard in a shader: its kind, what `color()` or a stage's own `main` does, the stage."""
 
     kind: str
     body: str
     stage: str
+    own: bool = False
 
     @property
     def text(self) -> str:
         """The shader."""
+        if self.own:
+            return f"{_OF_STAGE[self.stage]}{self.body}\n}}\n"
         start = DECLARATIONS
+        if self.stage in _LAYOUTS:
+            start = start.replace("in vec2 uv;", _LAYOUTS[self.stage])
         if self.stage != "fragment":
             start = start.replace("out vec4 FragColor;", "")
         return f"{start}{self.body}{_ENDS[self.stage]}"
 
     @property
     def line(self) -> int:
-        """Where it goes wrong: at the line that is marked, or in the function that the body
-        calls."""
+        """Where it goes wrong: at the line that is marked, or in the function that the body calls;
+        where an output is not written, at its declaration."""
+        start = _OF_STAGE[self.stage] if self.own else DECLARATIONS
         marked = [i for i, line in enumerate(self.body.splitlines()) if line.endswith("// !")]
-        return DECLARATIONS.count("\n") + 1 + marked[0] if marked else _RATIO
+        if marked:
+            return start.count("\n") + 1 + marked[0]
+        return start[: start.index("shade")].count("\n") + 1 if self.own else _RATIO
 
 
 def planted(stage: str = "fragment") -> Iterator[Planted]:
     """Each hazard that a stage can have."""
     data = tomllib.loads(PLANTED.read_text(encoding="utf-8"))
     for kind, bodies in data.items():
-        here = bodies if stage == "fragment" else [b for b in bodies if not _SLOPES.search(b)]
-        yield from (Planted(kind, body, stage) for body in here)
+        if isinstance(bodies, list):
+            here = bodies if stage == "fragment" else [b for b in bodies if not _SLOPES.search(b)]
+            yield from (Planted(kind, body, stage) for body in here)
+    for kind, bodies in data.get(stage, {}).items():
+        yield from (Planted(kind, body, stage, own=True) for body in bodies)
 
 
 def audit_of(one: Planted) -> Audit:

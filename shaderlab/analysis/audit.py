@@ -35,7 +35,7 @@ from .inputs import (
 )
 from .interpreter import Program
 from .portability import Spread, find_spreads, widest_spreads
-from .undefined import divergent, undefined_values
+from .undefined import divergent, excess_vertices, undefined_values
 
 RANDOM, ZERO, EQUAL = range(3)
 """What is special about an invocation: nothing; a place that is 0; two places that are equal."""
@@ -378,6 +378,7 @@ def audit_program(
     for batch in batches:
         hazards += undefined_values(program, batch, inputs)
         hazards += divergent(program, batch, inputs, made_up=not captured)
+        hazards += excess_vertices(program, batch, inputs)
         if plan.precision:
             spreads += find_spreads(program, batch, inputs)
     return Audit(

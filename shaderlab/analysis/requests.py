@@ -129,6 +129,12 @@ class AuditCase:
         for source, given in case_stages(lab, case):
             worker.note("interpreting")
             try:
+                if not given:
+                    raise NotInterpretedError(
+                        f"not audited: what the case gives a {source.stage} stage can't be "
+                        "captured; audit the file",
+                        file=source.path,
+                    )
                 with in_file(display_path(source.path)):
                     audits.append(audit_program(load(source), self.plan, given))
             except (NotInterpretedError, FormulaError) as error:

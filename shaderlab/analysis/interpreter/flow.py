@@ -120,6 +120,8 @@ VARIABLES: Mapping[int, Handler] = {
     Op.LoopMerge: _nothing,
     Op.SelectionMerge: _nothing,
     Op.MemoryBarrier: _nothing,
+    Op.EmitVertex: lambda run, at, state: run.emission.emit(run, at, state),
+    Op.EndPrimitive: lambda run, at, state: run.emission.end(state),
 }
 
 

@@ -131,7 +131,8 @@ class Interpreted:
     Attributes:
         outputs: by name, those that were written; a row for every invocation: floats of the
             arithmetic (count, components), `Integer`s, `TriBool`s, tuples of them for arrays. What
-            was discarded has rows, too, which mean nothing.
+            was discarded has rows, too, which mean nothing. Of a geometry stage tuples with what
+            each vertex was emitted with, and "EmitVertex()", how many those are.
         discarded: which invocations were discarded, (count,); undecided where a band is open.
         undecided: by line of the program's text, the invocations that took both sides of a branch.
     """
@@ -202,7 +203,17 @@ def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
     end = run.call(program.main, PathState(np.ones(count, np.bool_), memory))
     survivors = np.zeros(count, np.bool_) if end is None else end.mask
     return Interpreted(
-        outputs={} if end is None else outputs_of(program, end.memory, count),
+        outputs={} if end is None else _outputs(run, end.memory),
         discarded=TriBool(run.killed & ~survivors, ~run.killed),
         undecided=run.undecided,
     )
+
+
+def _outputs(run: Run, memory: Mapping[int, Value]) -> Mapping[str, Any]:
+    program, count = run.program, run.count
+    if program.stage != "geometry":
+        return outputs_of(program, memory, count)
+    vertices = [outputs_of(program, held, count) for held in run.emission.memories(run)]
+    names = dict.fromkeys(name for vertex in vertices for name in vertex)
+    found = {name: tuple(vertex[name] for vertex in vertices) for name in names}
+    return found | run.emission.counts(run.arithmetic.rules)

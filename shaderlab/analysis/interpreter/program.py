@@ -219,10 +219,10 @@ def load(source: Source) -> Program:
 
     Raises:
         ShaderError: it does not compile.
-        NotInterpretedError: the module has a type that the interpreter does not know, or is of
-            another stage than vertex and fragment.
+        NotInterpretedError: the module has a type that the interpreter does not know, or is of a
+            tessellation or compute stage.
     """
-    if source.stage not in ("vertex", "fragment"):
+    if source.stage.startswith(("tess_", "compute")):
         raise NotInterpretedError(f"not interpreted: {source.stage} stage", file=source.path)
     compiled = compile_with_lines(source)
     for modules in compiled.spirv.values():
