@@ -75,17 +75,28 @@ out float shade;
 void main()
 {
 """,
+    "compute": """#version 430 core
+layout (local_size_x = 32) in;
+layout (std430) buffer Results { float result; };
+uniform float x; // range: -1..1
+uniform int n; // range: 0..6
+float held;
+void main()
+{
+""",
 }
 _ENDS = {
     "fragment": _END,
     "vertex": "\n}\nvoid main()\n{\n    gl_Position = color();\n}\n",
     "geometry": "\n}\nvoid main()\n{\n    gl_Position = color();\n    EmitVertex();\n}\n",
+    "compute": "\n}\nvoid main()\n{\n    result = color();\n}\n",
 }
 _LAYOUTS = {
     "geometry": "layout (points) in; layout (points, max_vertices = 1) out; uniform vec2 uv; ",
+    "compute": "layout (local_size_x = 8) in; buffer Results { vec4 result; }; uniform vec2 uv; ",
 }
 STAGES = tuple(_ENDS)
-SUFFIXES = ("frag", "vert", "geom")
+SUFFIXES = ("frag", "vert", "geom", "comp")
 _SLOPES = re.compile(r"\b(dFd[xy]|fwidth)\(")  # fragment shaders alone have them
 
 

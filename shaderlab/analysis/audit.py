@@ -28,6 +28,7 @@ from .inputs import (
     declared_ranges,
     domains_of,
     inputs_of,
+    interpolate_inputs,
     is_place,
     keep_in_order,
     sample_inputs,
@@ -286,7 +287,7 @@ class InputSearch:
             each[name] = domain.clip(np.where(moves, values + step, values))
         keep_in_order(each, self._domains)
         for name, one_input in self._inputs.items():  # integers are sampled anew here and there
-            if one_input.whole and name in each:
+            if one_input.workgroup is None and one_input.whole and name in each:
                 values, domain = each[name], self._domains[name]
                 fresh = rng.integers(int(domain.low), int(domain.high) + 1, values.shape)
                 each[name] = np.where(rng.random(values.shape) < 0.3, fresh, values)
@@ -300,9 +301,7 @@ class InputSearch:
         t = np.linspace(0.0, 1.0, _STEPS + 1)[:, None]
         for _ in range(_GENERATIONS):
             each = {n: np.repeat(values, len(t), axis=0) for n, values in below.each.items()}
-            for name in self._continuous:
-                a, b = (end.each[name].astype(np.float64) for end in (below, above))
-                each[name] = self._domains[name].clip(a + t * (b - a))
+            each |= interpolate_inputs(below, above, t, self._continuous, self._domains)
             batch = InputBatch(each, below.bindings, len(t))
             self.tried += batch.count
             one = watch_batch(self._program, batch).get(place)

@@ -13,6 +13,7 @@ expectation of a case that a shader is the same as an approved one.
 from __future__ import annotations
 
 import contextlib
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import Any
@@ -37,7 +38,7 @@ from .batches import (
     merge_batches,
     vertex_batch,
 )
-from .differences import MOST, bands_of, compare_accuracy, discards, first_difference
+from .differences import MOST, bands_of, compare_accuracy, discards, first_difference, jumps
 from .inputs import (
     Input,
     InputDomain,
@@ -182,10 +183,15 @@ class _Comparison:
             yield answer
 
     def _inputs(self, captured: Sequence[InputBatch]) -> Iterator[InputBatch]:
-        """Captured inputs, and rounds of others."""
-        yield from captured
-        for seed in range(self.plan.rounds):
-            yield self.make(self.domains, seed)
+        """Captured inputs, rounds of others, and both sides of jumps between those."""
+        batch = None
+        rounds = (self.make(self.domains, seed) for seed in range(self.plan.rounds))
+        for batch in itertools.chain(captured, rounds):
+            yield batch
+        if batch is not None and self.plan.rounds:
+            around = jumps(self.programs, batch, self.domains)
+            if around is not None:
+                yield around
 
     def _run(self, batch: InputBatch) -> _Set:
         return _Set(batch, run(self.programs[0], batch), run(self.programs[1], batch))

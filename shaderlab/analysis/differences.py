@@ -1,11 +1,12 @@
-"""Where two programs differ: the first value stored otherwise, and how accurate each is."""
+"""Where two programs differ: inputs on both sides of jumps, the first value stored otherwise, and
+how accurate each is."""
 
 from __future__ import annotations
 
 import itertools
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,72 @@ from shaderlab.compiler.spirv import Op
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.model.frame import Array
 
-from .batches import InputBatch, run_batch
+from .batches import InputBatch, join_batches, run_batch
+from .inputs import InputDomain, interpolate_inputs
 from .interpreter import Arithmetic, Bands, Program, Stored
+from .noise import run
+
+PAIRS = 192
+_PARTS, _ROUNDS = 8, 9  # each round looks for the steepest of so many parts
+_SMOOTH = 2  # after so many rounds a change that goes on shrinking is no jump
+_SHRINKS = 0.5  # what is left of a smooth change from one round to the next, at most
+_JUMP = 1e9  # how far apart something and nothing are
+
+
+def jumps(
+    programs: tuple[Program, Program], batch: InputBatch, domains: Mapping[str, InputDomain]
+) -> InputBatch | None:
+    """Inputs on both sides of places where one of the programs jumps, on the straight ways between
+    pairs of invocations; None where both are smooth, or nothing can be varied steadily."""
+    steady = [
+        name
+        for name, values in batch.each.items()
+        if name != "gl_FragCoord" and len(values) == batch.count
+        if values.dtype.kind == "f" and values.ndim == 2
+    ]
+    if not steady or batch.count < 2:
+        return None
+    rng = np.random.default_rng(23)
+    start, end = (batch.part(rows) for rows in rng.integers(0, batch.count, (2, PAIRS)))
+    alone = rng.integers(0, len(steady), PAIRS)  # ways along one input
+    alone[: PAIRS // 2] = -1  # and along all of them
+    moved = {
+        name: np.where(((alone == -1) | (alone == i))[:, None], end.each[name], start.each[name])
+        for i, name in enumerate(steady)
+    }
+    ends = []
+    for program in programs:
+        low, high = start, InputBatch({**start.each, **moved}, start.bindings, PAIRS)
+        before = np.full(PAIRS, np.inf)
+        for number in range(_ROUNDS):
+            points = [
+                replace(low, each={**low.each, **interpolate_inputs(low, high, t, steady, domains)})
+                for t in np.linspace(0.0, 1.0, _PARTS + 1)
+            ]
+            along = join_batches(points)
+            changes = _find_changes(program, along)
+            steepest = changes.argmax(axis=0) * PAIRS + np.arange(PAIRS)
+            low, high = along.part(steepest), along.part(steepest + PAIRS)
+            if number >= _SMOOTH and (changes.max(axis=0) <= _SHRINKS * before).all():
+                break
+            before = changes.max(axis=0)
+        else:
+            ends += [low, high]
+    return join_batches(ends) if ends else None
+
+
+def _find_changes(program: Program, along: InputBatch) -> Array:
+    """How much outputs change from one point of each way to the next, (points - 1, ways)."""
+    ran = run(program, along, 0)
+    gone = ran.discarded[0][:, None]
+    found = [np.where(np.isfinite(v[0]), v[0], -_JUMP) for v in ran.outputs.values()]
+    changes = []
+    for values in found or [np.zeros((along.count, 1))]:
+        points = np.where(gone, _JUMP, values).reshape(_PARTS + 1, PAIRS, -1)
+        changes.append(np.abs(np.diff(points, axis=0)).max(axis=-1))
+    most: Array = np.max(changes, axis=0)
+    return most
+
 
 MOST = 512
 """Invocations whose bands are looked at."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from .batches import InputBatch, quads_of
 from .interpreter import Program
 from .interpreter.interpret import interface_name
 from .interpreter.program import INPUTS
+from .interpreter.values import NUMBERS, number_invocations
 
 _RANGE = re.compile(r"//.*?\brange:\s*(\S+)\s*\.\.\s*(\S+)")
 _UNIT = re.compile(r"//.*?\brange:\s*unit\b")
@@ -33,11 +35,13 @@ class Input:
         name: as the interpreter takes it: "lights[0].color".
         type: GLSL's name of it: "vec3", "sampler2D".
         uniform: whether all invocations of a draw have the same.
+        workgroup: of what numbers a compute stage's invocations, the size of their workgroup.
     """
 
     name: str
     type: str
     uniform: bool
+    workgroup: tuple[int, int, int] | None = None
 
     @property
     def whole(self) -> bool:
@@ -59,7 +63,8 @@ def inputs_of(program: Program) -> dict[str, Input]:
                 continue
             type_, uniform = type_name(module, leaf.type), storage != StorageClass.Input
             for each in _elements(unwrap(module, leaf.type)[0], leaf.name):
-                found[each] = Input(each, type_, uniform)
+                size = program.local_size if each in NUMBERS else None
+                found[each] = Input(each, type_, uniform, size)
     return found
 
 
@@ -180,7 +185,10 @@ _ORDERS = (
     ("cutoff", "outercutoff"), ("far", "near"), ("max", "min"), ("high", "low"), ("end", "start"),
     ("edge1", "edge0"), ("most", "least"),
 )  # fmt: skip
+WORKGROUPS = 4
+"""Workgroups of a compute stage in each direction."""
 _BUILT_IN = {
+    "gl_NumWorkGroups": (WORKGROUPS, WORKGROUPS),
     "gl_FrontFacing": (0.0, 1.0), "gl_PointCoord": (0.0, 1.0), "gl_PrimitiveID": (0.0, 64.0),
     "gl_InstanceID": (0.0, 8.0), "gl_InstanceIndex": (0.0, 8.0), "gl_SampleID": (0.0, 3.0),
 }  # fmt: skip
@@ -234,6 +242,10 @@ def _assume_domain(one: Input) -> InputDomain:
     words = words_of(one.name)
     if "sampler" in one.type:
         return InputDomain("texture")
+    if one.workgroup is not None:
+        local = max(one.workgroup) if one.type == "uvec3" else math.prod(one.workgroup)
+        groups = 1 if "Local" in one.name else WORKGROUPS
+        return InputDomain("number", 0.0, groups * (1 if "Group" in one.name else local) - 1.0)
     if one.name in _BUILT_IN:
         return InputDomain("number", *_BUILT_IN[one.name])
     if "mat" in one.type:
@@ -319,9 +331,12 @@ def sample_inputs(
     rng = np.random.default_rng([19, seed])
     each: dict[str, Array] = {}
     textures: dict[str, Texels] = {}
+    size = None
     for name, one in inputs.items():
         domain = domains[name]
-        if domain.kind == "texture":
+        if one.workgroup:
+            size = one.workgroup
+        elif domain.kind == "texture":
             textures[name] = _texture(one, rng)
         elif name in ("gl_VertexID", "gl_VertexIndex"):
             each[name] = np.arange(count, dtype=np.int64)[:, None]
@@ -331,6 +346,9 @@ def sample_inputs(
             each[name] = _matrices(one.type, domain, count, rng)
         else:
             each[name] = _numbers(one.type, domain, count, rng)
+    if size is not None:
+        groups = rng.integers(0, WORKGROUPS, (count, 3))
+        each |= number_invocations(size, groups, rng.integers(0, size, (count, 3)))
     keep_in_order(each, domains)
     if "gl_FragCoord" not in each:
         each["gl_FragCoord"] = _places(count, rng)  # of derivatives' neighbours
@@ -419,6 +437,18 @@ def _texture(one: Input, rng: np.random.Generator) -> Texels:
         values.astype(np.float32), plain, ("repeat", "repeat"), (0.0,) * 4,
         kind=kind, compare="lequal" if shadow else None,
     )  # fmt: skip
+
+
+def interpolate_inputs(
+    start: InputBatch,
+    end: InputBatch,
+    t: Any,
+    names: Iterable[str],
+    domains: Mapping[str, InputDomain],
+) -> dict[str, Array]:
+    """Inputs at a share, or at shares (count, 1), of the straight ways between two batches."""
+    pairs = {n: (start.each[n].astype(np.float64), end.each[n].astype(np.float64)) for n in names}
+    return {name: domains[name].clip(a + t * (b - a)) for name, (a, b) in pairs.items()}
 
 
 _NEAR = 1e-3  # how far from 1 the length of a unit vector is found

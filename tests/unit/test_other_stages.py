@@ -1,4 +1,4 @@
-"""Geometry stages: interpreted, compared and audited; what is not interpreted is named."""
+"""Geometry and compute stages: interpreted, compared and audited; what is not is named."""
 
 from __future__ import annotations
 
@@ -33,6 +33,26 @@ void main()
     }
 }
 """
+BUFFER = """#version 430 core
+layout (local_size_x = 8, local_size_y = 2) in;
+layout (std430) buffer Data { float data[]; };
+void main()
+{
+    float taken = data[gl_GlobalInvocationID.x];
+    data[gl_GlobalInvocationID.x] = taken > 2.0 ? taken / taken : 0.0;
+}
+"""
+SHARING = """#version 430 core
+layout (local_size_x = 8) in;
+layout (std430) buffer Data { float data[]; };
+shared float sums[8];
+void main()
+{
+    sums[gl_LocalInvocationIndex] = data[gl_GlobalInvocationID.x];
+    barrier();
+    data[gl_GlobalInvocationID.x] = sums[7u - gl_LocalInvocationIndex];
+}
+"""
 
 
 def program(text: str, stage: str) -> Program:
@@ -40,10 +60,11 @@ def program(text: str, stage: str) -> Program:
 
 
 def some(stage: str) -> list[Planted]:
-    """Some hazards that are a stage's own, and an uninitialised value."""
+    """Some hazards that are a stage's own, and of those that it shares with others one of each kind
+    in compute stages, of uninitialised values in all."""
     known: dict[tuple[str, bool], list[Planted]] = {}
     for one in planted(stage):
-        if one.own or one.kind == "uninitialised read":
+        if one.own or stage == "compute" or one.kind == "uninitialised read":
             known.setdefault((one.kind, one.own), []).append(one)
     return [one for (_, own), ones in known.items() for one in ones[: 4 if own else 1]]
 
@@ -54,8 +75,12 @@ def test_hazards_of_each_stage_are_found_at_their_lines(stage: str) -> None:
     assert not missed
 
 
-def test_what_is_right_is_clean() -> None:
-    assert audit_program(program(STRIP, "geometry")).hazards == ()
+@pytest.mark.parametrize(
+    ("stage", "text"),
+    [("geometry", STRIP), ("compute", BUFFER)],
+)
+def test_what_is_right_is_clean(stage: str, text: str) -> None:
+    assert audit_program(program(text, stage)).hazards == ()
 
 
 def test_vertices_are_what_was_emitted() -> None:
@@ -102,12 +127,14 @@ def test_stages_are_compared(stage: str, text: str, piece: str, other: str, same
 
 
 def test_what_is_not_interpreted_is_named() -> None:
-    image = "in vec2 at;\nlayout (rgba8) uniform image2D i;\n"
-    image += "void main() { imageStore(i, ivec2(at), vec4(1.0)); }"
+    with pytest.raises(NotInterpretedError, match="sums, which a workgroup shares"):
+        audit_program(program(SHARING, "compute"))
+    with pytest.raises(NotInterpretedError, match="SPIR-V's ControlBarrier at line 6"):
+        audit_program(program(BUFFER.replace("    float", "    barrier(); float"), "compute"))
+    image = "layout (local_size_x = 1) in;\nlayout (rgba8) uniform image2D i;\n"
+    image += "void main() { imageStore(i, ivec2(0), vec4(1.0)); }"
     with pytest.raises(NotInterpretedError, match="image i at line 4"):
-        audit_program(program(f"#version 430 core\n{image}", "fragment"))
-    with pytest.raises(NotInterpretedError, match="compute stage"):
-        program("#version 430 core\nvoid main() {}", "compute")
+        audit_program(program(f"#version 430 core\n{image}", "compute"))
 
 
 def test_a_case_s_stage_that_gives_nothing_is_not_audited(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -35,6 +35,8 @@ def memory_of(
     reader = _InputReader(each, bindings, arithmetic)
     memory: dict[int, Value] = {}
     for id_, (type_, storage) in program.variables.items():
+        if storage == StorageClass.Workgroup:
+            raise program.not_interpreted(f"{program.name(id_)}, which a workgroup shares", 0)
         if storage in INPUTS:
             memory[id_] = reader.value(type_, interface_name(program, id_))
     return memory
@@ -53,6 +55,33 @@ def outputs_of(program: Program, memory: Mapping[int, Value], count: int) -> dic
             if value is not None and not isinstance(value, Missing):
                 found[leaf.name] = broadcast(value, count)
     return found
+
+
+def buffers_of(program: Program, memory: Mapping[int, Value], count: int) -> dict[str, Any]:
+    """What each storage buffer that a program may write to holds, by name, with a row for every
+    invocation: that of its own stores."""
+    found: dict[str, Any] = {}
+    for id_, (pointee, storage) in program.module.variables.items():
+        if is_buffer(program, id_) and storage in INPUTS:
+            value, type_ = memory[id_], program.types[pointee]
+            name = interface_name(program, id_)
+            for (member, _), part in zip(type_.members, value, strict=True):
+                if not _is_missing(part):
+                    found[f"{name}.{member}" if name else member] = broadcast(part, count)
+    return found
+
+
+def is_buffer(program: Program, id_: int) -> bool:
+    """Whether a variable is a storage buffer."""
+    pointee, storage = program.module.variables[id_]
+    kind = program.module.decorated(pointee, Decoration.BufferBlock)
+    return storage == StorageClass.StorageBuffer or kind is not None
+
+
+def _is_missing(value: Value) -> bool:
+    if isinstance(value, tuple):
+        return not value or any(map(_is_missing, value))
+    return isinstance(value, Missing)
 
 
 def interface_name(program: Program, id_: int) -> str:
@@ -132,7 +161,8 @@ class Interpreted:
         outputs: by name, those that were written; a row for every invocation: floats of the
             arithmetic (count, components), `Integer`s, `TriBool`s, tuples of them for arrays. What
             was discarded has rows, too, which mean nothing. Of a geometry stage tuples with what
-            each vertex was emitted with, and "EmitVertex()", how many those are.
+            each vertex was emitted with, and "EmitVertex()", how many those are; of a compute stage
+            what its buffers hold.
         discarded: which invocations were discarded, (count,); undecided where a band is open.
         undecided: by line of the program's text, the invocations that took both sides of a branch.
     """
@@ -211,6 +241,8 @@ def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
 
 def _outputs(run: Run, memory: Mapping[int, Value]) -> Mapping[str, Any]:
     program, count = run.program, run.count
+    if program.stage == "compute":
+        return buffers_of(program, memory, count)
     if program.stage != "geometry":
         return outputs_of(program, memory, count)
     vertices = [outputs_of(program, held, count) for held in run.emission.memories(run)]

@@ -9,6 +9,7 @@ from typing import Literal
 from shaderlab.compiler.compile_cache import compile_with_lines
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv import (
+    ExecutionMode,
     Instruction as Raw,
     Module,
     Op,
@@ -193,6 +194,12 @@ class Program:
             if instruction.id
         }
 
+    @functools.cached_property
+    def local_size(self) -> tuple[int, int, int]:
+        """A compute stage's workgroup in x, y and z; one invocation of other stages."""
+        x, y, z = (*self.module.modes.get(ExecutionMode.LocalSize, ()), 1, 1, 1)[:3]
+        return x, y, z
+
     def line_of(self, op: int) -> int:
         """The first line that has an instruction of this opcode, 0 if none does."""
         blocks = (block for f in self.functions.values() for block in f.blocks.values())
@@ -220,9 +227,9 @@ def load(source: Source) -> Program:
     Raises:
         ShaderError: it does not compile.
         NotInterpretedError: the module has a type that the interpreter does not know, or is of a
-            tessellation or compute stage.
+            tessellation stage.
     """
-    if source.stage.startswith(("tess_", "compute")):
+    if source.stage.startswith("tess_"):
         raise NotInterpretedError(f"not interpreted: {source.stage} stage", file=source.path)
     compiled = compile_with_lines(source)
     for modules in compiled.spirv.values():

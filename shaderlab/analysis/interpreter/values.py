@@ -23,6 +23,7 @@ from shaderlab.bands.exact import (
     select as select_bands,
 )
 from shaderlab.errors import FormulaError
+from shaderlab.model.frame import Array
 
 from .arithmetic import Arithmetic, Floats
 from .program import Type
@@ -282,3 +283,18 @@ def known_index(index: Any) -> int | Integer:
     first = int(index.lo.flat[0])
     same = index.known and bool((index.lo == first).all())
     return first if same else index
+
+
+NUMBERS = (
+    "gl_WorkGroupID", "gl_LocalInvocationID", "gl_GlobalInvocationID", "gl_LocalInvocationIndex"
+)  # fmt: skip
+"""The built-in inputs that number a compute stage's invocations."""
+Size = tuple[int, int, int]
+
+
+def number_invocations(size: Size, groups: Array, local: Array) -> dict[str, Array]:
+    """`NUMBERS` of invocations by their workgroups and their places in these, (count, 3) each."""
+    x, y, _ = size
+    each = groups * np.array(size) + local
+    index = (local @ np.array([1, x, x * y]))[:, None]
+    return dict(zip(NUMBERS, (groups, local, each, index), strict=True))
