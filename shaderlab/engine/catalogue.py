@@ -261,14 +261,9 @@ def _chapters(file: Path) -> Mapping[str, str]:
     except (OSError, ValueError) as error:
         raise CaseError(f"this is no TOML file: {error}", file=file) from error
     chapters: dict[str, str] = found.pop("chapters", {})
-    if found or not isinstance(chapters, dict):
-        wrong = next(iter(found), "chapters")
-        raise CaseError(f"there is no setting {wrong!r}", file=file, remedy="write [chapters]")
-    for number, title in chapters.items():
-        if not (number.isdigit() and isinstance(title, str)):
-            raise CaseError(
-                f"{number} = {title!r} is no chapter", file=file, remedy='write 5 = "Lamps"'
-            )
+    wrong = found or not isinstance(chapters, dict)
+    if wrong or not all(n.isdigit() and isinstance(title, str) for n, title in chapters.items()):
+        raise CaseError('write [chapters] alone, with lines such as 5 = "Lamps"', file=file)
     return chapters
 
 

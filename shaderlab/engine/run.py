@@ -5,12 +5,10 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from shaderlab.compiler.compile import Compiled, find_below_highp
 from shaderlab.compiler.compile_cache import cached_compiler
@@ -46,7 +44,7 @@ from .record import RecordBuilder, format_error
 _NO_TEXTS: Mapping[str, str | Path] = {}
 
 
-class SceneRunner:
+class SceneRunner(AbstractContextManager["SceneRunner"]):
     """Compiles, draws and judges scenes. A context manager; the device is opened on first use.
 
     Args:
@@ -66,17 +64,8 @@ class SceneRunner:
         self._backend: Backend | None = None
         self._verdicts: dict[tuple[Source, ...], Verdict] = {}
         self._preparer = lru_cache(maxsize=64)(self._new_preparer)
-        self._opengl_preparer = lru_cache(maxsize=64)(self._new_opengl_preparer)
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     # A scene, from its case to its record.
@@ -302,9 +291,9 @@ class SceneRunner:
             ShaderError, CaseError: a program does not compile, or does not fit the scene's data.
         """
         folder = str(Path(scene.case.file).parent)
-        preparer = self._opengl_preparer(folder)
+        preparer = self._preparer(folder, opengl=True)
         if texts:
-            preparer = self._new_opengl_preparer(folder, texts)
+            preparer = self._new_preparer(folder, opengl=True, texts=texts)
         programs = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
         _require_compiled(programs)
         self._require_compute(scene)
@@ -375,7 +364,6 @@ class SceneRunner:
     def forget_shaders(self) -> None:
         """Read shaders anew from now on: their files may have changed."""
         self._preparer.cache_clear()
-        self._opengl_preparer.cache_clear()
 
     def close(self) -> None:
         """Give the device back; it is opened again if it is used once more."""
@@ -388,16 +376,13 @@ class SceneRunner:
         if any(description.computes for description in scene.passes):
             self.backend.require_compute()
 
-    def _new_preparer(self, folder: str) -> Preparer:
-        options = self.options
-        shaders = shaders_of(Path(folder), options.replacements, options.include, options.renames)
-        return Preparer(shaders, cached_compiler())
-
-    def _new_opengl_preparer(
-        self, folder: str, texts: Mapping[str, str | Path] = _NO_TEXTS
+    def _new_preparer(
+        self, folder: str, *, opengl: bool = False, texts: Mapping[str, str | Path] = _NO_TEXTS
     ) -> Preparer:
-        shaders = shaders_of(Path(folder), texts, self.options.include, self.options.renames)
-        return Preparer(shaders, _compile_for_opengl)
+        options = self.options
+        replaced = texts if opengl else options.replacements
+        shaders = shaders_of(Path(folder), replaced, options.include, options.renames)
+        return Preparer(shaders, _compile_for_opengl if opengl else cached_compiler())
 
 
 def _is_debugging() -> bool:

@@ -6,7 +6,7 @@ Every command reads them here. What the command line says goes before them.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -140,21 +140,18 @@ def _parse_table(table: Mapping[str, Any], file: Path) -> Settings:
 
 
 def _parse_folders(value: Any, root: Path) -> tuple[Path, ...]:
-    return tuple(_parse_folder(word, root) for word in _parse_words(value, root))
+    folders = tuple(Path(os.path.normpath(root / word)) for word in _parse_words(value))
+    for word, folder in zip(value, folders, strict=True):
+        if not folder.is_dir():
+            raise ValueError(f"there is no folder {word!r} here")
+        if not folder.resolve().is_relative_to(root.resolve()):
+            raise ValueError(
+                f"{word!r} leads out of the project; name it on the command line: --include"
+            )
+    return folders
 
 
-def _parse_folder(word: str, root: Path) -> Path:
-    path = Path(os.path.normpath(root / word))
-    if not path.is_dir():
-        raise ValueError(f"there is no folder {word!r} here")
-    if not path.resolve().is_relative_to(root.resolve()):
-        raise ValueError(
-            f"{word!r} leads out of the project; name it on the command line: --include"
-        )
-    return path
-
-
-def _parse_words(value: Any, root: Path) -> tuple[str, ...]:
+def _parse_words(value: Any) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
         raise ValueError(f'write a list of words, such as ["shaders"], not {value!r}')
     return tuple(value)
@@ -163,21 +160,24 @@ def _parse_words(value: Any, root: Path) -> tuple[str, ...]:
 def _parse_targets(value: Any, root: Path) -> tuple[str, ...]:
     from shaderlab.compiler.glslang import ALL_TARGETS
 
-    words = _parse_words(value, root)
-    for word in words:
-        if word not in ALL_TARGETS:
-            raise ValueError(f"there is no target {word!r}; {suggest(word, ALL_TARGETS)}")
+    words = _parse_words(value)
     if not words:
         raise ValueError(f"name one or more of {', '.join(ALL_TARGETS)}")
+    for word in words:
+        _require_known("target", word, ALL_TARGETS)
     return words
 
 
 def _parse_driver(value: Any, root: Path) -> str:
     from shaderlab.drivers import DRIVERS
 
-    if value not in DRIVERS:
-        raise ValueError(f"there is no driver {value!r}; {suggest(str(value), DRIVERS)}")
+    _require_known("driver", str(value), DRIVERS)
     return str(value)
+
+
+def _require_known(what: str, word: str, known: Iterable[str]) -> None:
+    if word not in known:
+        raise ValueError(f"there is no {what} {word!r}; {suggest(word, known)}")
 
 
 def _parse_number(value: Any, root: Path) -> float:

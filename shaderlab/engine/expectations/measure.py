@@ -221,13 +221,12 @@ class Measure(DrawExpectation, Bounded):
                 remedy="give equals with digits, at_most, at_least or between",
             )
         names = [(row.series, row.word) for row in self.readings]
-        for series, name in names:
-            if names.count((series, name)) > 1:
-                where = f" of series {series!r}" if series else ""
-                raise CaseError(f"measure {self.label!r}: two readings{where} are called {name!r}")
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise CaseError(f"measure {self.label!r}: two readings are called {twice[1]!r}")
         for row in self.readings:
-            for parameter in row.reads.keys() & row.given.keys():
-                raise CaseError(f"measure {self.label!r}: {parameter!r} is both read and given")
+            if both := row.reads.keys() & row.given.keys():
+                raise CaseError(f"measure {self.label!r}: {min(both)!r} is both read and given")
             if len({*row.reads.values()}) < len(row.reads):
                 raise CaseError(
                     f"measure {self.label!r}: two parameters read one output, which is then "

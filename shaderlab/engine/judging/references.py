@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from types import FunctionType
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -31,8 +30,6 @@ from shaderlab.model.records import SourceText
 from .literals import with_literals
 
 Reference = Callable[..., Any]
-_PARAMETERS: WeakKeyDictionary[FunctionType, dict[str, bool]] = WeakKeyDictionary()
-_SOURCES: WeakKeyDictionary[FunctionType, SourceText] = WeakKeyDictionary()
 # NumPy's words of a product by component that was meant as a matrix's: shapes such as (2,2) (50,2).
 _MATRIX = re.compile(r"broadcast together.*\(([234]),\1\)")
 _INDEXED = re.compile(r"\[(\d+)\]")
@@ -134,26 +131,16 @@ def match_parameters(reference: Reference, inputs: Inputs) -> dict[str, list[str
     """
     known = inputs.parameters()
     found = {}
-    for name, required in _parameters_of(reference).items():
+    for name, parameter in inspect.signature(reference).parameters.items():
         if name in known:
             found[name] = known[name]
-        elif required:
+        elif parameter.default is parameter.empty:
             raise FormulaError(
                 f"{name_of(reference)}() asks for {name!r}, which the shader lacks",
                 file=source_of(reference).file,
                 line=source_of(reference).line,
                 remedy=suggest(name, known),
             )
-    return found
-
-
-def _parameters_of(reference: Reference) -> dict[str, bool]:
-    if isinstance(reference, FunctionType) and reference in _PARAMETERS:
-        return _PARAMETERS[reference]
-    parameters = inspect.signature(reference).parameters.values()
-    found = {p.name: p.default is p.empty for p in parameters}
-    if isinstance(reference, FunctionType):
-        _PARAMETERS[reference] = found
     return found
 
 
@@ -248,19 +235,19 @@ def source_of(reference: Callable[..., Any]) -> SourceText:
     target = inspect.unwrap(reference)
     while hasattr(target, "func"):
         target = target.func
-    if not isinstance(target, FunctionType):
-        return _source_of(target, reference)
-    if target not in _SOURCES:  # a formula is asked for it once a variant
-        _SOURCES[target] = _source_of(target, reference)
-    return _SOURCES[target]
+    target = getattr(target, "__func__", target)
+    if isinstance(target, FunctionType):
+        return _source_of(target)
+    return SourceText(file="?", line=0, language="python", text=repr(reference))
 
 
-def _source_of(target: Any, reference: Callable[..., Any]) -> SourceText:
+@lru_cache(maxsize=1024)  # a formula is asked for it once a variant
+def _source_of(function: FunctionType) -> SourceText:
     try:
-        lines, line = inspect.getsourcelines(target)
-        file = inspect.getsourcefile(target) or "?"
-    except (OSError, TypeError):
-        return SourceText(file="?", line=0, language="python", text=repr(reference))
+        lines, line = inspect.getsourcelines(function)
+        file = inspect.getsourcefile(function) or "?"
+    except OSError:
+        return SourceText(file="?", line=0, language="python", text=repr(function))
     return SourceText(file=file, line=max(line, 1), language="python", text="".join(lines))
 
 
