@@ -39,7 +39,6 @@ class Cost(Expectation):
         vertices: likewise the number of vertices submitted, those of all instances together.
         over: what N is, for the table and the plot.
         repeats: how often each pass is drawn; the fastest one counts.
-        name: how outcomes call it.
 
     Raises:
         CaseError: a name is that of no series, or a claim is not complete.

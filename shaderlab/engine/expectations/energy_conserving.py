@@ -36,8 +36,6 @@ class EnergyConserving(OutputLaw):
         cosine: whether cos θ is still to be multiplied in.
         polar, around: numbers of points, even.
         at: other inputs, such as the direction of view and the roughness.
-        draw: which draw's program.
-        name: how outcomes call it.
     """
 
     kind = "energy"

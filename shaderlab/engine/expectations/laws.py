@@ -204,8 +204,6 @@ class Even(EachValue):
         ulp, within: how far the two may lie apart, in float32 steps or as a number; by default
             they are the same.
         at: other inputs.
-        draw: which draw's program.
-        name: how outcomes call it.
     """
 
     kind = "even"
@@ -276,8 +274,6 @@ class MeanOf(OutputLaw):
         values: one for each sample, at least 30 for the normal distribution to be a fair guess.
         significance: the test's level α, in 0…1.
         at: other inputs.
-        draw: which draw's program.
-        name: how outcomes call it.
     """
 
     kind = "mean"
