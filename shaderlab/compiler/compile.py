@@ -88,18 +88,12 @@ Compile = Callable[[Sequence[Source], Sequence[str]], Compiled]
 
 
 def compile_program(stages: Sequence[Source], targets: Sequence[str] = TARGETS) -> Compiled:
-    """Compile and link one program's stages for each target.
+    """Compile and link one program's stages, in any order, for some of `ALL_TARGETS`.
 
     Vulkan allows no samplers in uniform structs, so they are lifted out for "vulkan", and an
-    "info" diagnostic says so.
-
-    Plain GLSL is compiled whatever the targets are: a SPIR-V target that rejects the same lines
-    gets plain GLSL's messages, and stages that can't be linked go no further. A target's verdict
-    does not depend on the other targets.
-
-    Args:
-        stages: at least one source, in any order; at most one for each stage.
-        targets: some of `ALL_TARGETS`.
+    "info" diagnostic says so. A SPIR-V target that rejects the same lines as plain GLSL gets its
+    messages, and stages that can't be linked go no further. A target's verdict does not depend on
+    the other targets.
 
     Raises:
         ShaderError: no stages, two of one stage, stages that can't be linked, or an unknown

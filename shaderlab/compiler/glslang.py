@@ -26,16 +26,9 @@ _MAP = _MAP_BINDINGS | _MAP_LOCATIONS
 
 @dataclass(frozen=True, kw_only=True)
 class TargetSettings:
-    """One target in the compilers' terms.
-
-    Attributes:
-        client: glslang's number for who is to run the program, as are those that follow.
-        messages: rules to report violations of.
-        options: how numbers are assigned and rules relaxed.
-        environment: SPIRV-Tools' name for the target, "" if it has no modules.
-        api: the name in messages of the API that runs the modules.
-        minimum: the lowest desktop `#version` that can become SPIR-V.
-    """
+    """One target in the compilers' terms: glslang's numbers, SPIRV-Tools' name for the target (""
+    without modules), the name in messages of the API that runs the modules, and the lowest desktop
+    `#version` that can become SPIR-V."""
 
     client: int = 0
     client_version: int = 0

@@ -81,11 +81,9 @@ class CompileJob:
 class FileResult:
     """Every target's verdict on one file, or on the files of one program.
 
-    Attributes:
-        path: as it was named; of a program, its files' paths joined by " + ".
-        stage: one of `STAGES`; of a program, its stages joined by " + "; "" if unknown.
-        verdicts: one for each target, in the order they were given, then the driver's if any.
-        spirv: each target's modules by stage, if they were requested.
+    The path is as it was named, the stage one of `STAGES` or "" if unknown; those of a program's
+    files are joined by " + ". The driver's verdict follows the targets'. `spirv` are each target's
+    modules by stage, if they were requested.
     """
 
     path: str
@@ -113,15 +111,14 @@ def compile_glsl(
     Args:
         paths: files, and folders to search; see `find_shaders`.
         link: whether the files are the stages of one program.
-        workers: processes to compile in. A file that crashes a compiler, hangs it or fills the
-            memory is then reported as such and does not affect the others. By default this
-            process compiles.
+        workers: processes to compile in, so that a file that crashes a compiler, hangs it or fills
+            the memory does not affect the others. By default this process compiles.
         options: attributes of `CompileOptions`.
 
     Raises:
         UsageError: a path does not exist, or a folder holds no shader.
-        ShaderError: unknown target or stage, or no compiler is installed. What is wrong
-            with a file never raises; it is in the file's result.
+        ShaderError: unknown target or stage, or no compiler is installed. What is wrong with a file
+            never raises; it is in the file's result.
     """
     how = CompileOptions(**options)
     shaders = find_shaders(paths, [Path(folder) for folder in how.include], stage=how.stage)
@@ -153,7 +150,8 @@ def _result_of(result: Any) -> FileResult:
     if result.status == "done":
         value: FileResult = result.value
         return value
-    return _report_death(result.item, result.status, result.message)
+    message = f"{result.status}: {_DEATHS[result.status]}: {result.message}"
+    return _report_failure(result.item, message, status=result.status)
 
 
 def work(jobs: Iterable[CompileJob]) -> Iterator[FileResult]:
@@ -172,11 +170,7 @@ def work(jobs: Iterable[CompileJob]) -> Iterator[FileResult]:
             yield _report_failure(job, message, error.file, error.line)
 
 
-def _report_death(job: CompileJob, status: str, message: str) -> FileResult:
-    """Return the result of a job whose compiler crashed or timed out."""
-    if status == "crash":
-        return _report_failure(job, f"crash: the compiler crashed: {message}", status="crash")
-    return _report_failure(job, f"timeout: the compiler took too long: {message}", status="timeout")
+_DEATHS = {"crash": "the compiler crashed", "timeout": "the compiler took too long"}
 
 
 def _report_failure(

@@ -219,10 +219,8 @@ Target = tuple[int, int | None]
 def add_feedback(data: bytes, sizes: Mapping[str, int]) -> bytes:
     """Return a module of the last stage before rasterisation, decorated so that it captures.
 
-    Args:
-        data: the module.
-        sizes: the components of each output, by name, in the order in which they are captured:
-            elements of an array and members of a struct follow one another.
+    `sizes` are the components of each output by name, in the order in which they are captured:
+    elements of an array and members of a struct follow one another.
 
     Raises:
         UnsupportedError: only a part of an array or a struct is named, or there is no such output.

@@ -275,10 +275,7 @@ class Interface:
 
 
 def reflect(modules: Mapping[str, bytes]) -> Interface:
-    """Return a program's interface.
-
-    Args:
-        modules: by stage, made for OpenGL.
+    """Return a program's interface, read from its modules by stage, made for OpenGL.
 
     Raises:
         ShaderError: bytes that are not a SPIR-V module.

@@ -41,15 +41,10 @@ def probe_fragments(
     inputs: Mapping[str, Array],
     draw_points: DrawPoints,
 ) -> list[Samples]:
-    """Run a draw's fragment stage on inputs, each an array (count, components): every row is a
-    point of one pixel, so that nothing is interpolated. Inputs that are not given take the value
-    that a domain has at the centre of the screen.
-
-    Args:
-        draw: the draw.
-        runs: uniforms and textures of each run.
-        inputs: what each point gets.
-        draw_points: draws them.
+    """Run a draw's fragment stage on inputs, each an array (count, components), once with the
+    uniforms and textures of each of `runs`: every row is a point of one pixel, so that nothing is
+    interpolated. Inputs that are not given take the value that a domain has at the centre of the
+    screen.
 
     Raises:
         CaseError: an input has no value, or is none of the shader's.
@@ -123,11 +118,6 @@ def capture_fragments(draws: Sequence[PreparedDraw], index: int, redraw: Redraw)
     The pass's other draws run as well and wipe out what they cover, so `covered` is what is seen
     of the draw in the end. A shader that may keep fragments out is captured a second time keeping
     them all.
-
-    Args:
-        draws: the pass's.
-        index: the number of the draw among them.
-        redraw: draws the pass once more.
 
     Raises:
         UnsupportedError: the fragment shader has so many outputs that none can be added, and they
@@ -285,18 +275,15 @@ def capture_vertices(draw: PreparedDraw, bindings: Bindings, capture: CaptureOut
     """Capture every vertex that a draw of a mesh hands to rasterisation.
 
     Without a geometry shader each stored vertex is run once an instance, whatever the primitive;
-    with one the mesh is drawn as it is, and every vertex that is emitted is captured.
+    with one the mesh is drawn as it is, and every emitted vertex is captured.
 
     Outputs are gl_Position and every `out` variable, arrays and matrices as their elements and
-    columns ("v[1]"). Inputs of a vertex stage are the attributes, gl_VertexID and gl_InstanceID.
-    Inputs of a geometry stage are all outputs of the vertices of its primitive
-    ("gl_in[0].gl_Position", "Normal[2]"), gl_PrimitiveIDIn, gl_InstanceID, and `emitted`, which
-    counts the vertices that one invocation emits, from 0. Those vertices are `entering` of the
-    samples, with gl_Position as "gl_in.gl_Position".
-
-    Inputs of an evaluation stage are gl_TessCoord, gl_PrimitiveID, the levels, what the control
-    stage made of its patch ("gl_in[0].gl_Position", "Normal[2]"), and the attributes of the patch's
-    vertices ("aPos[0]"). What the control stage made is among the outputs, too.
+    columns ("v[1]"). Inputs of a vertex stage are the attributes, gl_VertexID and gl_InstanceID; of
+    a geometry stage the outputs of its primitive's vertices ("gl_in[0].gl_Position", "Normal[2]"),
+    gl_PrimitiveIDIn, gl_InstanceID, and `emitted`, which counts an invocation's vertices from 0; of
+    an evaluation stage gl_TessCoord, gl_PrimitiveID, the attributes of the patch's vertices
+    ("aPos[0]"), the levels and what the control stage made, which are among the outputs, too.
+    `entering` are the vertices before a further stage, with gl_Position as "gl_in.gl_Position".
 
     Raises:
         UnsupportedError: an output is of double precision, or a geometry stage follows an

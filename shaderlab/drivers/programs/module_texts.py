@@ -61,13 +61,8 @@ def make_sources(texts: Mapping[str, str], known: Sequence[Source] = ()) -> tupl
 
 
 def compile_to_modules(sources: Sequence[Source], target: str, api: str) -> Compiled:
-    """A program compiled for a target, whose modules are there, and for others that say what it
-    declares.
-
-    Args:
-        sources: its stages.
-        target: "opengl" or "vulkan".
-        api: what the modules are for, as errors call it.
+    """Compile a program for "opengl" or "vulkan", so that its modules are there; errors call what
+    they are for `api`.
 
     Raises:
         ShaderError: it is no GLSL.
@@ -98,14 +93,9 @@ def write_point_texts(draw: Draw, texts: Mapping[str, str]) -> dict[str, str]:
 
 
 def _clip_drawn_points(texts: Mapping[str, str], size: float | str | None) -> dict[str, str]:
-    """The texts of a program that draws points: its last stage writes their size, and drops those
-    that OpenGL clips. lavapipe (Mesa 22.3) and SwiftShader report that they do, and draw them;
-    OpenGL ES has them drawn.
-
-    Args:
-        texts: by stage.
-        size: as in `State.point_size`.
-    """
+    """Return the texts of a program that draws points: its last stage writes their `size` (as in
+    `State.point_size`), and drops those that OpenGL clips. lavapipe (Mesa 22.3) and SwiftShader
+    report that they do, and draw them; OpenGL ES has them drawn."""
     last = "geometry" if "geometry" in texts else "vertex"
     if isinstance(size, str) or (size is None and "gl_PointSize" in texts[last]):
         given = None

@@ -225,13 +225,8 @@ def check_continues(
     colors: Mapping[str, str],
     earlier: Mapping[str, Mapping[str, str]],
 ) -> None:
-    """Check that a pass can draw on in the target of the one that it names.
-
-    Args:
-        scene: whose passes these are.
-        description: a pass with `onto`.
-        colors: its colour attachments, format by output name.
-        earlier: those of the passes before it, by pass.
+    """Check that a pass with `onto` can draw on in the target of the one that it names; `colors`
+    are its attachments' formats by output name, `earlier` those of the passes before it.
 
     Raises:
         CaseError: there is no such earlier pass, or its target is another one.

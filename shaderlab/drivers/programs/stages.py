@@ -26,13 +26,8 @@ from .textures import components_of, numpy_type
 
 @dataclass(frozen=True)
 class VaryingPart:
-    """A scalar or a vector out of an input: what one attachment or one attribute holds.
-
-    Attributes:
-        name: the input (or element of one) that it is part of.
-        path: how it goes on from there in GLSL: "" or a matrix' column, "[2]".
-        type: its GLSL type.
-    """
+    """A scalar or a vector out of an input that an attachment or an attribute holds: the input's
+    name, the path from there in GLSL ("" or a matrix' column, "[2]"), and its type."""
 
     name: str
     path: str
@@ -197,11 +192,7 @@ def fragment_input_parts(text: str, inputs: Iterable[Variable]) -> list[VaryingP
 
 
 def may_drop_fragments(text: str) -> bool:
-    """Whether a fragment shader may discard fragments, or change their depth or coverage.
-
-    >>> may_drop_fragments("void main() { if (gl_FragCoord.x > 9.0) discard; }")
-    True
-    """
+    """Whether a fragment shader may discard fragments, or change their depth or coverage."""
     return any(word in text for word in _MAY_KEEP_OUT)
 
 
@@ -217,11 +208,7 @@ def writes_depth(text: str) -> bool:
 
 def changes_inputs(text: str) -> bool:
     """Whether a fragment shader may get other values than another one of the same inputs: in lower
-    precision, or with another origin of window coordinates.
-
-    >>> changes_inputs("layout(origin_upper_left) in vec4 gl_FragCoord;")
-    True
-    """
+    precision, or with another origin of window coordinates."""
     return any(word in text for word in _CHANGE_INPUTS)
 
 
@@ -233,22 +220,12 @@ def capture_fragment(
     keep_all: bool = False,
     calls: bool = False,
 ) -> tuple[str, dict[VaryingPart, str]]:
-    """Write a fragment shader, unchanged but for a new ending that writes what it got.
+    """Write a fragment shader, unchanged but for a new ending that writes what it got: gl_FragCoord
+    to shaderlab_coord, and each piece of `group` to an output of the type `attachment_type`.
 
-    The author's main is renamed; then gl_FragCoord goes to shaderlab_coord and each piece to an
-    output of its own. It is called where it may drop fragments, so that `discard` and depth
-    writes happen as before, and where a caller wants what it writes.
-
-    Args:
-        text: the shader's.
-        group: what is written of its inputs.
-        unwanted: outputs that become plain variables, to make room.
-        keep_all: whether every fragment is kept, with the depth that it comes with: the author's
-            main is not called then.
-        calls: whether the author's main is called in any case.
-
-    Returns:
-        Its text, and the output of each piece, of the type `attachment_type`.
+    The author's main is called where it may drop fragments, so that `discard` and depth writes
+    happen as before, and with `calls`. With `keep_all` it is not: every fragment is kept, with the
+    depth that it comes with. Outputs that are `unwanted` become plain variables, to make room.
     """
     captured = {piece: f"{PREFIX}out{i}" for i, piece in enumerate(group)}
     shader = GlslDeclarations(text)
@@ -283,13 +260,8 @@ _OFF_SCREEN = (
 
 
 def clip_points(text: str, size: float | None) -> str:
-    """The last stage of a program that draws points, which drops those whose middle is outside of
-    the clip volume.
-
-    Args:
-        text: a vertex or a geometry shader.
-        size: a point's size in pixels, whatever the shader writes; None leaves that to it.
-    """
+    """Write the last stage of a program that draws points, which drops those whose middle is
+    outside of the clip volume and writes a `size` in pixels, if there is one."""
     lines = [*([] if size is None else [f"    gl_PointSize = {size!r};"]), *_OFF_SCREEN]
     return _wrap_emit(text, lines, []) if "EmitVertex" in text else replace_main(text, [], lines)
 
@@ -407,13 +379,8 @@ def store_outputs(
     """Write a program whose last stage before rasterisation stores these pieces of each vertex.
 
     A vertex stage stores vertex v of instance i in place i · PER_INSTANCE + v. A geometry stage, as
-    `stages.count_emitted` makes it, stores vertex k of primitive p in place
-    i · PER_INSTANCE + p · `most` + k.
-
-    Args:
-        texts: of the vertex stage, and of the geometry stage if there is one.
-        parts: what is stored.
-        most: how many vertices a geometry stage may emit of a primitive.
+    `count_emitted` makes it, which emits `most` vertices of a primitive, stores vertex k of
+    primitive p in place i · PER_INSTANCE + p · `most` + k.
     """
     last = "geometry" if "geometry" in texts else "vertex"
     text = _extend(texts[last])
@@ -539,14 +506,9 @@ def copy_inputs(
 
 
 def write_domain_stage(text: str, inputs: Iterable[Variable]) -> str:
-    """Write a vertex stage for one screen-filling triangle, feeding `inputs` as linear ramps.
-
-    Each input takes three uniforms: shaderlab_NAME_origin, _dx and _dy; those of members of a
-    block or a struct are members of one themselves (shaderlab_VS_OUT.FragPos_origin).
-
-    Args:
-        text: the fragment shader.
-        inputs: what it reads.
+    """Write a vertex stage for one screen-filling triangle, feeding the fragment shader's `inputs`
+    as linear ramps: each takes three uniforms, shaderlab_NAME_origin, _dx and _dy; those of members
+    of a block or a struct are members of one themselves (shaderlab_VS_OUT.FragPos_origin).
 
     Raises:
         UnsupportedError: an input is an array.

@@ -29,13 +29,8 @@ INVOCATION = "gl_GlobalInvocationID"
 
 @dataclass(frozen=True, kw_only=True)
 class Slot:
-    """A member of a storage block.
-
-    Attributes:
-        name: what cases call it: GLSL's name, with the block's before it where two blocks share
-            one. Of an array of structs of run-time length it is "particles.position".
-        block: the block's name.
-        member: where it lies.
+    """A member of a storage block. Its name is what cases call it: GLSL's, with the block's before
+    it where two blocks share one; of an array of structs of run-time length "particles.position".
     """
 
     name: str
