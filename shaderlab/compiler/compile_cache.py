@@ -198,23 +198,30 @@ class CompileCache:
 
     def compile(self, stages: Sequence[Source], targets: Sequence[str]) -> Compiled:
         """As `compile_program`."""
-        compilers = self._compilers()
-        if compilers is None:
-            return compile_program(stages, targets)
         ordered = tuple(order_stages(stages, targets))
-        key = program_key(ordered, targets, compilers)
-        return self._load(key, ordered, targets) or self._compile(key, ordered, targets)
+        return self._get(ordered, targets, targets, lambda: compile_program(ordered, targets))
 
     def compile_with_lines(self, source: Source) -> Compiled:
         """As the function of this name."""
+        return self._get((source,), ("lines",), (), lambda: _compile_with_lines(source))
+
+    def _get(
+        self,
+        ordered: tuple[Source, ...],
+        words: Sequence[str],
+        targets: Sequence[str],
+        compute: Callable[[], Compiled],
+    ) -> Compiled:
+        """Return what is stored of these stages under `words`, or compute and store it."""
         compilers = self._compilers()
         if compilers is None:
-            return _compile_with_lines(source)
-        key = program_key([source], ("lines",), compilers)
-        found = self._load(key, (source,), ())
+            return compute()
+        key = program_key(ordered, words, compilers)
+        found = self._load(key, ordered, targets)
         if found is None:
-            found = _compile_with_lines(source)
-            self._store.put(key, encode(Entry(found.verdicts, found.spirv)))
+            found = compute()
+            interface = found.interface if "opengl" in targets else None
+            self._store.put(key, encode(Entry(found.verdicts, found.spirv, interface)))
         return found
 
     def _load(
@@ -231,13 +238,6 @@ class CompileCache:
             return self.compile(ordered, ("glsl", "opengl")).interface
 
         return Compiled(entry.verdicts, entry.spirv, ordered, interface)
-
-    def _compile(self, key: str, ordered: tuple[Source, ...], targets: Sequence[str]) -> Compiled:
-        compiled = compile_program(ordered, targets)
-        interface = compiled.interface if "opengl" in targets else None
-        entry = Entry(compiled.verdicts, compiled.spirv, interface)
-        self._store.put(key, encode(entry))
-        return compiled
 
 
 def program_key(ordered: Sequence[Source], targets: Sequence[str], compilers: str) -> str:
