@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar, Generic, Literal, Protocol, TypeVar
+from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.case import Scene
@@ -323,14 +323,11 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         self.reading()
         return self.targets[pass_name].read(name)
 
+    def find_errors(self, key: PassDraw) -> Sequence[int]:
+        """Return the errors of OpenGL that a draw raised."""
+        return self._gl_errors.get(key, ())
+
     answers: ClassVar[Answers] = {"attachment": _attachment, "time": _time}
-
-
-class Device(Protocol):
-    """What a backend opens; `info` as in `Backend`."""
-
-    @property
-    def info(self) -> Mapping[str, str]: ...
 
 
 class DeviceBackend(Backend):
@@ -342,8 +339,8 @@ class DeviceBackend(Backend):
     linker_class: type[ProgramCache[Any]]
     session_class: type[PassSession[Any, Any]]
 
-    def __init__(self, device: Device) -> None:
-        self.device: Any = device
+    def __init__(self, device: Any) -> None:
+        self.device = device
         self.info = device.info
         self._linker = self.linker_class(device)
 

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Generic, Protocol, Self, TypeVar
+from typing import Any, Generic, Self, TypeVar
 
 from shaderlab.compiler.reflection import Variable
 from shaderlab.errors import UnsupportedError
@@ -44,10 +44,13 @@ class Attachments(ABC):
 
     Attributes:
         depth: the format of depth and stencil, "" for none.
+        samples: how many samples a pixel has.
 
     Raises:
         UnsupportedError: the device can't make such a target; the message says which.
     """
+
+    samples: int
 
     def __init__(self, target: Target, colors: Mapping[str, str], size: tuple[int, int]) -> None:
         self.size = size
@@ -94,13 +97,6 @@ class Attachments(ABC):
         """Release all memory on the device; the target is of no use afterwards."""
 
 
-class SampledTarget(Protocol):
-    """A target whose attachments may be read as textures."""
-
-    @property
-    def samples(self) -> int: ...
-
-
 @dataclass(frozen=True)
 class DeviceTexels:
     """A texture on a device, and what its levels hold.
@@ -120,7 +116,7 @@ class DeviceTexels:
     smaller: tuple[Array, ...] = ()
 
 
-TargetKind = TypeVar("TargetKind", bound=SampledTarget)
+TargetKind = TypeVar("TargetKind", bound=Attachments)
 
 
 @dataclass(eq=False)
@@ -203,13 +199,7 @@ class SceneTextures(ABC, Generic[TargetKind]):
 CAPACITY = 16
 
 
-class Releasable(Protocol):
-    """What holds memory of a device."""
-
-    def release(self) -> None: ...
-
-
-Program = TypeVar("Program", bound=Releasable)
+Program = TypeVar("Program", bound=Any)
 
 
 class ProgramCache(Generic[Program]):

@@ -23,7 +23,7 @@ from shaderlab.model.frame import (
 from shaderlab.model.records import Verdict
 
 from .. import Answers, Evaluation, Size
-from ..passes import DeviceBackend
+from ..passes import DeviceBackend, PassSession
 from ..programs.prepare import Programs
 from ..programs.stages import PREFIX
 from ..programs.storage import capture_invocations
@@ -108,9 +108,6 @@ class OpenGLSession(Drawing):
 
         return calls.answer(self.device, made, returns, texts)
 
-    def _errors(self, key: PassDraw) -> Sequence[int]:
-        return self._gl_errors.get(key, ())
-
     answers: ClassVar[Answers] = {
         **Drawing.answers,
         "count": count_events,
@@ -119,7 +116,7 @@ class OpenGLSession(Drawing):
         "locations": find_locations,
         "trace": tracing.trace,
         "call": _call,
-        "gl_errors": _errors,
+        "gl_errors": PassSession.find_errors,
     }
 
 

@@ -12,7 +12,7 @@ import importlib
 import os
 import pkgutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import cache
 from typing import Any, TypeGuard
 
@@ -30,9 +30,9 @@ from .device import (
     Device,
     GLError,
     NullFunctionError,
-    gl_constant,
 )
 from .drawing import drain_errors
+from .linking import compile_shader, link_program
 
 
 def prototype(name: str) -> Any:
@@ -222,16 +222,9 @@ class _Maker:
             program = GL.glCreateProgram()
             self._programs[wanted] = program
             for stage, text in self._texts(wanted).items():
-                shader = GL.glCreateShader(gl_constant(f"{stage}_shader"))
-                GL.glShaderSource(shader, text)
-                with suppress(GLError):
-                    GL.glCompileShader(shader)
-                GL.glAttachShader(program, shader)
-                GL.glDeleteShader(shader)
-            with suppress(GLError):  # the status says it
-                GL.glLinkProgram(program)
-            if not GL.glGetProgramiv(program, GL.GL_LINK_STATUS):
-                log = GL.glGetProgramInfoLog(program)
+                compile_shader(program, stage, text)
+            linked, log = link_program(program)
+            if not linked:
                 raise ShaderError(f"the driver refuses the {wanted}: {log!r}")
         return self._programs[wanted]
 

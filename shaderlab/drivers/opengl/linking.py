@@ -158,7 +158,7 @@ def modules_of(stages: Sequence[Source]) -> tuple[Mapping[str, bytes], Interface
     return compiled.spirv["opengl"], compiled.interface
 
 
-def _compile_shader(program: int, stage: str, content: str | bytes) -> tuple[bool, str]:
+def compile_shader(program: int, stage: str, content: str | bytes) -> tuple[bool, str]:
     """Compile a stage from its text or its module, and attach it to a program, with which it is
     deleted. Returns whether the driver takes it, and what it says."""
     shader = GL.glCreateShader(gl_constant(f"{stage}_shader"))
@@ -178,7 +178,7 @@ def _compile_shader(program: int, stage: str, content: str | bytes) -> tuple[boo
     return taken, log
 
 
-def _link_program(program: int) -> tuple[bool, str]:
+def link_program(program: int) -> tuple[bool, str]:
     """Link a program; returns whether the driver takes it, and what it says."""
     with suppress(GLError):
         GL.glLinkProgram(program)
@@ -218,11 +218,11 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
     try:
         for source in sources:
             content = modules.get(source.stage, source.text)
-            taken, log = _compile_shader(program, source.stage, content)
+            taken, log = compile_shader(program, source.stage, content)
             diagnostics += parse_driver_log(log, source, ok=taken)
             ok = ok and taken
         if ok and any(source.stage in _BEGIN for source in sources):
-            ok, log = _link_program(program)
+            ok, log = link_program(program)
             diagnostics += parse_driver_log(log, sources[-1], ok=ok)
     finally:
         GL.glDeleteProgram(program)
@@ -246,9 +246,9 @@ def link_modules(device: Device, texts: Mapping[str, str], feedback: Sequence[st
         sizes = {name: _count_components(interface, name) for name in feedback}
         modules = {**modules, last: add_feedback(modules[last], sizes)}
     program = GL.glCreateProgram()
-    results = [_compile_shader(program, stage, module) for stage, module in modules.items()]
+    results = [compile_shader(program, stage, module) for stage, module in modules.items()]
     if all(taken for taken, _ in results):
-        results = [_link_program(program)]
+        results = [link_program(program)]
     refusals = [log for taken, log in results if not taken]
     if refusals:
         GL.glDeleteProgram(program)

@@ -59,6 +59,7 @@ class RenderTarget(Attachments):
             )
         super().__init__(target, colors, size)
         self._device = device
+        self.samples = target.samples
         self.textures = {name: self._texture(word) for name, word in colors.items()}
         self._sampled = [
             self._texture(w, target.samples) for w in colors.values() if target.samples
@@ -76,11 +77,6 @@ class RenderTarget(Attachments):
             texture.release()
         if self._depth is not None:
             self._depth.release()
-
-    @property
-    def samples(self) -> int:
-        """How many samples a pixel has; 0 for one."""
-        return self._target.samples
 
     def texture(self, name: str, *, sampled: bool = False) -> DeviceTexture:
         """A colour attachment, or "depth", as a texture; `sampled`: that of all samples. Raises

@@ -11,7 +11,7 @@ import ctypes
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -41,7 +41,7 @@ from ..programs.textures import (
     texture_contents,
     texture_kind,
 )
-from ..resources import DeviceTexels, SampledTarget, SceneTextures
+from ..resources import DeviceTexels, SceneTextures
 from .buffers import write_mapped
 from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, gl_constant, make_call
 from .linking import uniform_location
@@ -217,14 +217,7 @@ def read_level(
     texture: DeviceTexture, format: str, level: int, size: tuple[int, int, int]
 ) -> Array:
     """One level as it is on the device: (height, width, channels), or of an array or a cube
-    (layers, height, width, channels).
-
-    Args:
-        texture: what to read.
-        format: its format.
-        level: 0 is the largest.
-        size: the level's (width, height, layers).
-    """
+    (layers, height, width, channels). `size` is the level's (width, height, layers)."""
     width, height, count = size
     form, kind = transfer(format), format_of(format)
     values = np.empty((count, height, width, kind.components), kind.numpy)
@@ -257,16 +250,8 @@ def address(values: Array) -> ctypes.c_void_p:
     return ctypes.c_void_p(values.ctypes.data)
 
 
-class TextureTarget(SampledTarget, Protocol):
-    """A target whose attachments are textures; see `RenderTarget`."""
-
-    def texture(self, name: str, *, sampled: bool = False) -> DeviceTexture: ...
-
-    def read_samples(self, name: str) -> Array: ...
-
-
 @dataclass(eq=False)
-class BoundTextures(SceneTextures[TextureTarget]):
+class BoundTextures(SceneTextures[Any]):
     """What a scene's samplers read. Arguments as of `SceneTextures`, and besides:
 
     Args:

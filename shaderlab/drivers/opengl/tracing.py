@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -23,7 +23,7 @@ import moderngl
 import numpy as np
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.model.calls import CallEdit, ChangeCall, DropCall, PostponeCall, RepeatCall
+from shaderlab.model.calls import CallEdit, ChangeCall, PostponeCall, RepeatCall
 from shaderlab.model.frame import PassDraw, TracedCall
 
 from .calls import constant, constants, fresh_context, prototypes
@@ -68,14 +68,17 @@ class CallRecorder:
         self.place: Place | None = ("", None)
         self._context = context
         self._edit = edit
-        self._editor = Editor(edit)
+        self._counts: Counter[str] = Counter()
+        self._postponed: Callable[[], Any] | None = None
+        self._repeated: tuple[str, Callable[[], Any], list[int]] | None = None
 
     @contextmanager
     def recording(self) -> Iterator[None]:
         """Record what is called meanwhile, in place of what was recorded before. Raises
         ShaderlabError: the call of the edit was not made."""
         self.calls.clear()
-        self._editor = Editor(self._edit)
+        self._counts.clear()
+        self._postponed = self._repeated = None
         own = {(module, name): getattr(module, name) for module, name in _list_functions()}
         for (module, name), function in own.items():
             setattr(module, name, _wrap(name, function))
@@ -86,7 +89,12 @@ class CallRecorder:
             _RECORDING.remove(self)
             for (module, name), function in own.items():
                 setattr(module, name, function)
-        self._editor.require_made()
+        edit = self._edit
+        if edit is not None and self._counts[edit.function] <= edit.number:
+            raise ShaderlabError(
+                f"the drawing has no call {edit.number} of {edit.function}",
+                remedy="this is a defect of shaderlab: a drawing takes the same calls each time",
+            )
 
     def load_opengl_function(self, name: str) -> int:
         """Return the address of a function that records its calls; 0 where the driver has none."""
@@ -107,24 +115,60 @@ class CallRecorder:
         self._context.release()
 
     def make(self, name: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-        """Make a call, or what the edit makes of it, and record it; returns what it returned."""
-
-        def made(*arguments: Any) -> Any:
-            returned = function(*arguments)
-            kept, came = arguments, returned
-            # A caller in C passes a count and an address, one in Python arrays.
-            has_address = len(arguments) == 2 and isinstance(arguments[1], int)
-            if has_address and name.startswith(("glGen", "glDrawBuffers")):
-                numbers = list((ctypes.c_uint * arguments[0]).from_address(arguments[1]))
-                kept, came = (arguments[0], numbers), numbers
-            elif name.startswith("glUniform"):
-                kept = _copy_values(name, arguments)
-            self.calls.append(Recorded(self.place, name, kept, came))
-            return returned
-
+        """Make and record a call, or what becomes of it; returns what the caller gets for it."""
+        made = partial(self._record, name, function)
         if self.place is None:
             return made(*arguments)
-        return self._editor.make(name, arguments, made, self.place[0])
+        number, edit = self._counts[name], self._edit
+        self._counts[name] += 1
+        if edit is not None and (edit.function, edit.number) == (name, number):
+            return self._make_edited(edit, made, arguments)
+        if self._repeated is not None and name.startswith(("glDrawArrays", "glDrawElements")):
+            self._repeat(*self._repeated)
+        returned = made(*arguments)
+        if isinstance(edit, PostponeCall) and edit.behind == (name, number) and self._postponed:
+            self._postponed()
+        return returned
+
+    def _record(self, name: str, function: Callable[..., Any], *arguments: Any) -> Any:
+        returned = function(*arguments)
+        kept, came = arguments, returned
+        # A caller in C passes a count and an address, one in Python arrays.
+        has_address = len(arguments) == 2 and isinstance(arguments[1], int)
+        if has_address and name.startswith(("glGen", "glDrawBuffers")):
+            numbers = list((ctypes.c_uint * arguments[0]).from_address(arguments[1]))
+            kept, came = (arguments[0], numbers), numbers
+        elif name.startswith("glUniform"):
+            kept = _copy_values(name, arguments)
+        self.calls.append(Recorded(self.place, name, kept, came))
+        return returned
+
+    def _make_edited(
+        self, edit: CallEdit, made: Callable[..., Any], arguments: tuple[Any, ...]
+    ) -> Any:
+        known, pass_name = prototypes()[edit.function], (self.place or ("", None))[0]
+        if isinstance(edit, ChangeCall):
+            place = list(known.argNames).index(edit.parameter)
+            new: Any = constant(edit.value) if isinstance(edit.value, str) else edit.value
+            if isinstance(arguments[place], ctypes.c_void_p):
+                new = ctypes.c_void_p(new)
+            return made(*arguments[:place], new, *arguments[place + 1 :])
+        later = partial(made, *_copy_arguments(edit.function, arguments))
+        if isinstance(edit, RepeatCall):
+            self._repeated = (pass_name, later, _read_bindings())
+            return made(*arguments)
+        if isinstance(edit, PostponeCall):
+            self._postponed = later
+        return None if known.restype is None else 0
+
+    def _repeat(self, pass_name: str, made: Callable[[], Any], bindings: list[int]) -> None:
+        """Make a call once more, if this is its pass, with what was bound when it was made."""
+        if self.place is None or self.place[0] != pass_name:
+            return
+        before = _read_bindings()
+        _use_bindings(bindings)
+        made()
+        _use_bindings(before)
 
 
 @cache
@@ -201,13 +245,9 @@ _OBJECTS = {
 }  # fmt: skip
 _PREFERRED = {
     "mode": ("GL_POINTS", "GL_LINES"), "func": ("GL_NEVER",), "fail": ("GL_ZERO", "GL_KEEP"),
-    "attachment": ("GL_COLOR_ATTACHMENT0",),
+    "attachment": ("GL_COLOR_ATTACHMENT0",), "type": ("GL_UNSIGNED_BYTE",),
 }  # fmt: skip
 _BITS = ("COLOR", "DEPTH", "STENCIL", "READ", "WRITE", "INVALIDATE", "UNSYNCHRONIZED", "FLUSH")
-_VENDORS = (
-    "_ARB", "_EXT", "_NV", "_AMD", "_ATI", "_SGIS", "_SGIX", "_OES", "_APPLE", "_INTEL", "_IBM",
-    "_HP", "_3DFX", "_MESA", "_KHR", "_SUN", "_OVR", "_PGI", "_QCOM", "_INGR",
-)  # fmt: skip
 _LONGEST = 40
 
 
@@ -262,7 +302,7 @@ def find_constant(function: str, name: str, value: int) -> str:
     for word in (*_PREFERRED.get(name, ()), "GL_ZERO" if "factor" in name else "GL_NONE"):
         if word in known:
             return word
-    plain = [w for w in known if not w.endswith(_VENDORS) and not w.endswith("_BIT")]
+    plain = [w for w in known if not w.endswith("_BIT")]
     return min(plain or known, key=len, default="")
 
 
@@ -419,9 +459,6 @@ def _only_sets(function: str) -> bool:
     return function in _PLACES or function in _ONE_PLACE
 
 
-Make = Callable[..., Any]
-HeldCall = tuple[Make, tuple[Any, ...]]
-
 VECTOR = re.compile(
     r"glUniform(?P<matrix>Matrix)?(?P<rows>\d)(?:x(?P<columns>\d))?(?P<kind>f|i|ui)v"
 )
@@ -437,92 +474,9 @@ _BINDINGS: Sequence[tuple[str, Callable[[int], None]]] = (
 )
 
 
-class Editor:
-    """Counts calls, and changes the one that an edit is about.
-
-    Args:
-        edit: what becomes of which call; None for nothing.
-    """
-
-    def __init__(self, edit: CallEdit | None) -> None:
-        self._edit = edit
-        self._counts: Counter[str] = Counter()
-        self._made = edit is None
-        self._held: HeldCall | None = None
-        self._again: tuple[str, HeldCall, list[int]] | None = None
-
-    def make(self, name: str, arguments: tuple[Any, ...], made: Make, pass_name: str) -> Any:
-        """Make a call by `made`, or what becomes of it; gives what the caller gets for it.
-
-        Args:
-            name: the C name.
-            arguments: what it is called with.
-            made: makes and records the call.
-            pass_name: the pass that it is made for.
-        """
-        number = self._counts[name]
-        self._counts[name] += 1
-        edit = self._edit
-        if edit is not None and (edit.function, edit.number) == (name, number):
-            self._made = True
-            return self._make_edited(edit, arguments, made, pass_name)
-        if self._again is not None and name.startswith("glDraw") and name != "glDrawBuffers":
-            self._repeat(pass_name)
-        returned = made(*arguments)
-        if (
-            self._held is not None
-            and isinstance(edit, PostponeCall)
-            and edit.behind == (name, number)
-        ):
-            (later, given), self._held = self._held, None
-            later(*given)
-        return returned
-
-    def require_made(self) -> None:
-        """Raise ShaderlabError if the call did not come."""
-        if not self._made and self._edit is not None:
-            raise ShaderlabError(
-                f"the drawing has no call {self._edit.number} of {self._edit.function}",
-                remedy="this is a defect of shaderlab: a drawing takes the same calls each time",
-            )
-
-    def _make_edited(
-        self, edit: CallEdit, arguments: tuple[Any, ...], made: Make, pass_name: str
-    ) -> Any:
-        name = edit.function
-        if isinstance(edit, ChangeCall):
-            place = list(prototypes()[name].argNames).index(edit.parameter)
-            new: Any = constant(edit.value) if isinstance(edit.value, str) else edit.value
-            if isinstance(arguments[place], ctypes.c_void_p):
-                new = ctypes.c_void_p(new)
-            return made(*arguments[:place], new, *arguments[place + 1 :])
-        if isinstance(edit, RepeatCall):
-            self._again = (pass_name, (made, _copy_arguments(name, arguments)), _read_bindings())
-            return made(*arguments)
-        if isinstance(edit, PostponeCall):
-            self._held = (made, _copy_arguments(name, arguments))
-        else:
-            assert isinstance(edit, DropCall)
-        return None if prototypes()[name].restype is None else 0
-
-    def _repeat(self, pass_name: str) -> None:
-        assert self._again is not None
-        first, (made, arguments), bindings = self._again
-        if pass_name == first:
-            with _use_bindings(bindings):
-                made(*arguments)
-
-
-@contextmanager
-def _use_bindings(bindings: list[int]) -> Iterator[None]:
-    before = _read_bindings()
+def _use_bindings(bindings: list[int]) -> None:
     for (_, bind), number in zip(_BINDINGS, bindings, strict=True):
         bind(number)
-    try:
-        yield
-    finally:
-        for (_, bind), number in zip(_BINDINGS, before, strict=True):
-            bind(number)
 
 
 def _read_bindings() -> list[int]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,6 @@ from shaderlab.model.textures import (
     WRAPS,
     CompressedTexture,
     Output,
-    Sampling,
     TextureSource,
     level_sizes,
 )
@@ -87,12 +86,13 @@ def layout_of(mesh: Mesh | None, declared: Mapping[str, Variable]) -> VertexLayo
     attributes: list[tuple[int, int, int, int]] = []
     # Vulkan's first number for a topology is that of points, and so on in the order of PRIMITIVES.
     topology = PRIMITIVES.index(mesh.primitive)
-    arrays = _convert_integers(mesh, declared).inputs
     for name, place in mesh.placements().items():
         variable = declared.get(name)
         if variable is None or variable.location is None:
             continue
-        array = arrays[name]
+        array = mesh.inputs[name]
+        if array.dtype.kind in "iu" and numpy_type(variable.type) is np.float32:
+            raise UnsupportedError(f"{name}: integers for a {variable.type}: Vulkan converts none")
         columns = array.shape[2] if array.ndim == 3 else 1
         size = array.shape[1]
         letter = "u" if numpy_type(variable.type) is np.uint32 else array.dtype.kind
@@ -128,15 +128,13 @@ class VertexBuffers:
         lib.vkCmdDrawIndexed(commands.handle, self.count, instances, 0, 0, 0)
 
 
-def upload(
-    resources: Resources, mesh: Mesh | None, declared: Mapping[str, Variable]
-) -> VertexBuffers:
+def upload(resources: Resources, mesh: Mesh | None) -> VertexBuffers:
     """Return the buffers of a mesh, or three vertices without attributes."""
     if mesh is None:
         return VertexBuffers((), None, 3)
-    parts = _convert_integers(mesh, declared).parts()
     buffers = tuple(
-        resources.buffer("vertex_buffer", b"".join(piece for _, piece in own)) for own in parts
+        resources.buffer("vertex_buffer", b"".join(piece for _, piece in own))
+        for own in mesh.parts()
     )
     if mesh.indices is None:
         return VertexBuffers(buffers, None, mesh.vertices)
@@ -157,33 +155,6 @@ def read_layout(
                 buffer=buffer, offset=offset, stride=stride, divisor=divisor
             )
     return found
-
-
-def _convert_integers(mesh: Mesh, declared: Mapping[str, Variable]) -> Mesh:
-    """Return the mesh with integers made floats, as OpenGL has it, where the shader reads those."""
-
-    def fitting(given: Mapping[str, Array]) -> dict[str, Array]:
-        return {
-            name: array.astype(np.float32) if _needs_floats(array, declared.get(name)) else array
-            for name, array in given.items()
-        }
-
-    kinds = {name: _needs_floats(array, declared.get(name)) for name, array in mesh.inputs.items()}
-    if not any(kinds.values()):
-        return mesh
-    return replace(
-        mesh,
-        attributes=fitting(mesh.attributes),
-        instance_attributes=fitting(mesh.instance_attributes),
-    )
-
-
-def _needs_floats(array: Array, variable: Variable | None) -> bool:
-    return (
-        variable is not None
-        and array.dtype.kind in "iu"
-        and numpy_type(variable.type) is np.float32
-    )
 
 
 @dataclass(frozen=True)
@@ -347,7 +318,14 @@ class BoundTextures(SceneTextures[RenderTarget]):
             )
         chain, border = {}, _BORDERS.get(source.border, 0)
         if "clamp_to_border" in source.wrap and source.border not in _BORDERS:
-            chain, border = {"pNext": _custom_border(device, structs, source)}, _CUSTOM_BORDER
+            if "customBorderColorWithoutFormat" not in device.features:
+                raise UnsupportedError(
+                    f"a border of {source.border}: this device has no VK_EXT_custom_border_color"
+                )
+            chain, border = {"pNext": structs(
+                "SamplerCustomBorderColorCreateInfoEXT",
+                customBorderColor={"float32": source.border},
+            )}, _CUSTOM_BORDER  # fmt: skip
         across, up, *along_r = (WRAPS.index(word) for word in source.wrap)
         return self._resources.create("Sampler", structs(
             "SamplerCreateInfo", **chain, flags=0 if seamless else _NOT_SEAMLESS,
@@ -469,17 +447,6 @@ _CUSTOM_BORDER = constant("BORDER_COLOR_FLOAT_CUSTOM_EXT")
 # A texture without mipmaps has no level but the first; up to here its filters are told apart by
 # the level of detail, as the specification recommends for OpenGL's two filters without mipmaps.
 _ONE_LEVEL = 0.25
-
-
-def _custom_border(device: Device, structs: Structs, sampling: Sampling) -> Any:
-    needed = ("customBorderColors", "customBorderColorWithoutFormat")
-    if not device.features.issuperset(needed):
-        raise UnsupportedError(
-            f"a border of {sampling.border}: this device has no VK_EXT_custom_border_color"
-        )
-    return structs(
-        "SamplerCustomBorderColorCreateInfoEXT", customBorderColor={"float32": sampling.border}
-    )
 
 
 _FETCH = """#version 330 core

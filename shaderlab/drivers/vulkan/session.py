@@ -145,7 +145,7 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         values = {**bindings.uniforms, HEIGHT: np.array([target.size[1]], np.float32)}
         return Ready(
             program, layout, locations, state,
-            upload(own, description.mesh, program.attributes), description.instances,
+            upload(own, description.mesh), description.instances,
             self._descriptors(own, program, draw, values, stored or {}),
         )  # fmt: skip
 

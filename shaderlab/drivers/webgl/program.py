@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import subprocess
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -34,18 +33,10 @@ _MOST_LOCATIONS = 32
 _SECONDS = 30
 
 
-@dataclass(frozen=True)
-class Translated:
-    """A program's stages in ESSL, and what it declares."""
-
-    texts: Mapping[str, str]
-    interface: Interface
-
-
 def translate(
     texts: Mapping[str, str], known: Sequence[Source] = (), *, keep_names: bool = False
-) -> Translated:
-    """Return a program in ESSL; `texts` by stage are GLSL, some of which may be those of `known`.
+) -> tuple[dict[str, str], Interface]:
+    """Return a program in ESSL and its interface; `texts` are GLSL by stage, some those of `known`.
 
     What one stage hands to the other goes by its location, unless a vertex stage's outputs are to
     `keep_names`: SPIRV-Cross names members by a block's instance, which stages name as they like.
@@ -61,9 +52,8 @@ def translate(
         compiled = compile_to_modules(make_sources(own, known), "opengl", "WebGL2")
         assert compiled.interface is not None
         modules = compiled.spirv["opengl"]
-        return Translated(
-            {stage: _essl(stage, modules[stage], keep_names) for stage in own}, compiled.interface
-        )
+        essl = {stage: _essl(stage, modules[stage], keep_names) for stage in own}
+        return essl, compiled.interface
 
 
 def _essl(stage: str, module: bytes, keep_names: bool) -> str:
@@ -91,12 +81,18 @@ class Program:
         UnsupportedError: the browser refuses its ESSL, which glslang took as GLSL.
     """
 
-    def __init__(self, device: Device, source: Translated, feedback: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        device: Device,
+        texts: Mapping[str, str],
+        interface: Interface,
+        feedback: Sequence[str] = (),
+    ) -> None:
         self._objects = Objects(device.gl)
         self.gl = device.gl
-        self.interface = source.interface
+        self.interface = interface
         self.handle = self._objects.new("Program")
-        refused = find_refusal(self.gl, self.handle, source.texts, feedback)
+        refused = find_refusal(self.gl, self.handle, texts, feedback)
         if refused:
             self.release()
             raise UnsupportedError(refused)
@@ -158,9 +154,9 @@ class Linker(ProgramCache[Program]):
         Raises ShaderError, UnsupportedError: as `translate` and `Program`."""
 
         def linked() -> Program:
-            source = translate(texts, known, keep_names=bool(feedback))
+            essl, interface = translate(texts, known, keep_names=bool(feedback))
             with phase("link"):
-                return Program(self.device, source, feedback)
+                return Program(self.device, essl, interface, feedback)
 
         return self.get((tuple(sorted(texts.items())), tuple(feedback)), linked)
 

@@ -321,16 +321,13 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
             name: active.index(name) if name in active else -1 for name in draw.interface.uniforms
         }
 
-    def _errors(self, key: PassDraw) -> Sequence[int]:
-        return self._gl_errors.get(key, ())
-
     answers: ClassVar[Answers] = {
         **PassSession.answers,
         "count": _count,
         "attributes": _read_attributes,
         "blocks": _read_blocks,
         "locations": _locations,
-        "gl_errors": _errors,
+        "gl_errors": PassSession.find_errors,
     }
 
 
@@ -349,7 +346,7 @@ class WebGLBackend(DeviceBackend):
         """Of the ESSL that SPIRV-Cross makes of a program. A stage alone is only compiled."""
         texts = {source.stage: source.text for source in sources}
         try:
-            made = translate(texts, sources)
+            essl, _ = translate(texts, sources)
         except UnsupportedError:
             raise
         except ShaderError as error:
@@ -358,7 +355,7 @@ class WebGLBackend(DeviceBackend):
                 file=error.file, line=error.line,
             ) from error  # fmt: skip
         with Objects(self.device.gl) as own:
-            refused = find_refusal(self.device.gl, own.new("Program"), made.texts)
+            refused = find_refusal(self.device.gl, own.new("Program"), essl)
         said = (sources[0].diagnostic(refused),) if refused else ()
         return Verdict(target=DRIVER, ok=not refused, diagnostics=said)
 
