@@ -69,12 +69,12 @@ def always_written(patch: pytest.MonkeyPatch) -> None:
 
 def depth_in_textures(patch: pytest.MonkeyPatch) -> None:
     """No depth is kept in a renderbuffer."""
-    attach = target.attach_depth
-    patch.setattr(
-        target,
-        "attach_depth",
-        lambda made, wanted, size: attach(made, replace(wanted, depth_storage="texture"), size),
-    )
+    begin = target.RenderTarget.__init__
+
+    def begun(self: Any, device: Any, wanted: Any, *rest: Any) -> None:
+        begin(self, device, replace(wanted, depth_storage="texture"), *rest)
+
+    patch.setattr(target.RenderTarget, "__init__", begun)
 
 
 def nothing_without_a_location(patch: pytest.MonkeyPatch) -> None:

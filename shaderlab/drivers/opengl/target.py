@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from contextlib import ExitStack
 from typing import Any
 
 import moderngl
@@ -66,17 +66,15 @@ class RenderTarget(Attachments):
         ]
         self._resolved = self._framebuffer(list(self.textures.values()))
         self._drawn = self._framebuffer(self._sampled) if target.samples else self._resolved
-        self._depth: Attached | None = None
-        if target.depth is not None:
-            self._depth = attach_depth(self._drawn, target, size)
+        self._made = ExitStack()
+        for made in (*self.textures.values(), *self._sampled, self._resolved, self._drawn):
+            self._made.callback(made.release)
+        self._depth: DeviceTexture | None = None
+        if self.depth:
+            self._attach_depth()
 
     def release(self) -> None:
-        for framebuffer in {self._drawn, self._resolved}:
-            framebuffer.release()
-        for texture in (*self.textures.values(), *self._sampled):
-            texture.release()
-        if self._depth is not None:
-            self._depth.release()
+        self._made.close()
 
     def texture(self, name: str, *, sampled: bool = False) -> DeviceTexture:
         """A colour attachment, or "depth", as a texture; `sampled`: that of all samples. Raises
@@ -86,8 +84,8 @@ class RenderTarget(Attachments):
                 index = list(self.colors).index(name)
                 return DeviceTexture(self._sampled[index].glo, "2DMS")
             return DeviceTexture(self.textures[name].glo, "2D")
-        if name == "depth" and self._depth is not None and self._depth.texture is not None:
-            return self._depth.texture
+        if name == "depth" and self._depth is not None:
+            return self._depth
         remedy = UNREADABLE if self.samples else NO_TEXTURE
         raise UnsupportedError(f"sampling the {name} of this target", remedy=remedy)
 
@@ -143,14 +141,22 @@ class RenderTarget(Attachments):
         return found
 
     def read(self, name: str) -> Image:
-        if name not in self.colors:
-            assert self._target.depth is not None
-            return read_depth(self._drawn, self._target, name, self.size)
-        word = self.colors[name]
-        kind = COLOR[word]
-        values = np.empty((self.size[1], self.size[0], kind.components), kind.numpy)
-        self.textures[name].read_into(values, alignment=1)
-        return Image(values, word)
+        width, height = self.size
+        if name in self.colors:
+            kind = COLOR[self.colors[name]]
+            values = np.empty((height, width, kind.components), kind.numpy)
+            self.textures[name].read_into(values, alignment=1)
+            return Image(values, self.colors[name])
+        if self.samples:
+            raise multisampled_error(name)
+        values = np.empty((height, width, 1), np.float32 if name == "depth" else np.uint8)
+        place = (GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT)
+        if name == "stencil":
+            place = (GL.GL_STENCIL_INDEX, GL.GL_UNSIGNED_BYTE)
+        self._drawn.use()
+        with tightly_packed():
+            GL_1_0.glReadPixels(0, 0, width, height, *place, address(values))
+        return Image(values, self.depth if name == "depth" else "stencil8")
 
     def read_samples(self, name: str) -> Array:
         """Read all samples of a colour attachment: (samples, height, width, components)."""
@@ -181,6 +187,35 @@ class RenderTarget(Attachments):
             return self._device.context.framebuffer(textures)
         except moderngl.Error as error:
             raise self._explain_incomplete(str(error)) from error
+
+    def _attach_depth(self) -> None:
+        form, samples, kind = depth_storage(self.depth), self.samples, GL.GL_RENDERBUFFER
+        stencil = DEPTH[self.depth].stencil
+        point = GL.GL_DEPTH_STENCIL_ATTACHMENT if stencil else GL.GL_DEPTH_ATTACHMENT
+        self._drawn.use()
+        if samples or self._target.depth_storage == "renderbuffer":
+            buffer = int(GL.glGenRenderbuffers(1))
+            self._made.callback(lambda: GL.glDeleteRenderbuffers(1, [buffer]))
+            GL.glBindRenderbuffer(kind, buffer)
+            if samples:
+                GL.glRenderbufferStorageMultisample(kind, samples, form.internal, *self.size)
+            else:
+                GL.glRenderbufferStorage(kind, form.internal, *self.size)
+            GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, point, kind, buffer)
+        else:
+            self._depth = made = DeviceTexture.new("2D")
+            self._made.callback(made.release)
+            GL_1_0.glTexImage2D(
+                made.target, 0, form.internal, *self.size, 0, form.components, form.type, None
+            )
+            GL.glTexParameteri(made.target, GL.GL_TEXTURE_MIN_FILTER, GL.GL_NEAREST)
+            GL.glTexParameteri(made.target, GL.GL_TEXTURE_MAG_FILTER, GL.GL_NEAREST)
+            GL.glBindTexture(made.target, 0)
+            GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, point, made.target, made.glo, 0)
+        status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
+        if status != GL.GL_FRAMEBUFFER_COMPLETE:
+            self.release()
+            raise UnsupportedError(f"a framebuffer with {self.depth} (status 0x{status:04X})")
 
     def _explain_incomplete(self, said: str) -> Exception:
         """Explain why the framebuffer is not complete: memory, most of the time."""
@@ -235,79 +270,3 @@ def read_samples(
 
 
 NO_TEXTURE = 'Target(depth_storage="texture"): no sampler reads a renderbuffer'
-_COMPLETE = 0x8CD5
-
-
-@dataclass(frozen=True)
-class Attached:
-    """A depth attachment: a texture or a renderbuffer."""
-
-    texture: DeviceTexture | None
-    renderbuffer: int | None = None
-
-    def release(self) -> None:
-        """Release its memory."""
-        if self.texture is not None:
-            self.texture.release()
-        if self.renderbuffer is not None:
-            GL.glDeleteRenderbuffers(1, [self.renderbuffer])
-
-
-def attach_depth(framebuffer: Any, target: Target, size: tuple[int, int]) -> Attached:
-    """Give a framebuffer the depth of a target, and stencil if the format has it.
-
-    Raises:
-        UnsupportedError: the driver can't draw with such a format.
-    """
-    word, samples = target.depth, target.samples
-    assert word is not None
-    made_as = depth_storage(word)
-    stencil = DEPTH[word].stencil
-    point = GL.GL_DEPTH_STENCIL_ATTACHMENT if stencil else GL.GL_DEPTH_ATTACHMENT
-    framebuffer.use()
-    if samples or target.depth_storage == "renderbuffer":
-        buffer = int(GL.glGenRenderbuffers(1))
-        GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, buffer)
-        kind = GL.GL_RENDERBUFFER
-        if samples:
-            GL.glRenderbufferStorageMultisample(kind, samples, made_as.internal, *size)
-        else:
-            GL.glRenderbufferStorage(kind, made_as.internal, *size)
-        GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, point, GL.GL_RENDERBUFFER, buffer)
-        made = Attached(None, buffer)
-    else:
-        texture = DeviceTexture.new("2D")
-        GL_1_0.glTexImage2D(
-            texture.target, 0, made_as.internal, *size, 0, made_as.components, made_as.type, None
-        )
-        GL.glTexParameteri(texture.target, GL.GL_TEXTURE_MIN_FILTER, GL.GL_NEAREST)
-        GL.glTexParameteri(texture.target, GL.GL_TEXTURE_MAG_FILTER, GL.GL_NEAREST)
-        GL.glBindTexture(texture.target, 0)
-        GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, point, texture.target, texture.glo, 0)
-        made = Attached(texture)
-    status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
-    if status != _COMPLETE:
-        made.release()
-        raise UnsupportedError(f"a framebuffer with {word} (status 0x{status:04X})")
-    return made
-
-
-def read_depth(framebuffer: Any, target: Target, name: str, size: tuple[int, int]) -> Image:
-    """ "depth" as float32 in 0…1, or "stencil" as bytes: (height, width, 1).
-
-    Raises:
-        UnsupportedError: the target has several samples a pixel.
-    """
-    if target.samples:
-        raise multisampled_error(name)
-    assert target.depth is not None
-    width, height = size
-    of_depth = name == "depth"
-    values = np.empty((height, width, 1), np.float32 if of_depth else np.uint8)
-    framebuffer.use()
-    place = (GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT)
-    if not of_depth:
-        place = (GL.GL_STENCIL_INDEX, GL.GL_UNSIGNED_BYTE)
-    with tightly_packed():
-        GL_1_0.glReadPixels(0, 0, width, height, *place, address(values))
-    return Image(values, target.depth if of_depth else "stencil8")
