@@ -306,10 +306,15 @@ def _foreign() -> tuple[str | Path, ...]:
 
 
 _PACKAGE = "shaderlab_cases_"
-
-
 _FOR_CASES = ("shaderlab", "shaderlab.glslmath", "shaderlab.glslmath.sampling", "shaderlab.assets")
 """The modules whose names case files import."""
+_MOVED = {
+    "shaderlab.sampling": "shaderlab.glslmath.sampling",
+    "shaderlab.expectations": "shaderlab.engine.expectations",
+    "OfOutput": "OutputExpectation",
+    "OfDraw": "DrawExpectation",
+}
+"""Modules and names that earlier versions had, and what they are called now."""
 
 
 def load_cases(files: Iterable[Path]) -> dict[str, Case]:
@@ -451,6 +456,9 @@ def _import_hint(error: ImportError, file: Path, tree: Path) -> str | None:
     if name in sys.stdlib_module_names and (file.parent / f"{name}.py").is_file():
         return f"{name} is a module of Python's own; the file beside the case is .{name}"
     word = re.search(r"cannot import name '(\w+)'", str(error))
+    for old, new in _MOVED.items():
+        if old == (word.group(1) if word else name) or name.startswith(f"{old}."):
+            return f"{old} is called {new} now"
     if word is None or not name.startswith("shaderlab"):
         return None
     for other in _FOR_CASES:

@@ -91,12 +91,12 @@ class Request(Protocol):
 
 @dataclass(frozen=True)
 class DescribeDriver:
-    """Asks for a `DriverInfo` with the driver; a process keeps the first driver it is asked for."""
+    """Asks what a driver says of itself; a process keeps the first driver it is asked for."""
 
     driver: str | None
 
-    def perform(self, worker: Worker) -> DriverInfo:
-        return DriverInfo(driver=dict(worker.lab(RunOptions(driver=self.driver)).driver))
+    def perform(self, worker: Worker) -> dict[str, str]:
+        return dict(worker.lab(RunOptions(driver=self.driver)).driver)
 
 
 @dataclass(frozen=True)
@@ -363,11 +363,11 @@ class ProcessExecutor(Executor):
     def _describe_driver(self) -> DriverInfo:
         versions = package_versions()  # a worker's are the same, and it has enough to import
         (result,) = self._pool.run([DescribeDriver(self._driver)])
-        if result.status == "done":
-            found: DriverInfo = result.value
-            return replace(found, versions=versions)
-        said = format_error(result)
-        return DriverInfo(driver={"renderer": "none", "vendor": "", "version": said, "glsl": ""})
+        driver = result.value
+        if result.status != "done":
+            said = format_error(result)
+            driver = {"renderer": "none", "vendor": "", "version": said, "glsl": ""}
+        return DriverInfo(driver=driver, versions=versions)
 
 
 class InProcessExecutor(Executor):
@@ -391,8 +391,8 @@ class InProcessExecutor(Executor):
         return made
 
     def about(self) -> DriverInfo:
-        about = DescribeDriver(self._driver).perform(self._worker)
-        return replace(about, versions=package_versions())
+        driver = DescribeDriver(self._driver).perform(self._worker)
+        return DriverInfo(driver=driver, versions=package_versions())
 
     def perform(self, requests: Iterable[Any], key: Key | None = None) -> Generator[ItemResult]:
         """In the order of the requests."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from typing import Any
 
@@ -16,6 +15,7 @@ from shaderlab import (
     energy_conserving,
     even,
     fullscreen,
+    glsl,
     mean_of,
     monotone,
     odd,
@@ -233,6 +233,18 @@ def test_laws_that_nothing_could_break_are_errors(make: Callable[[], OutputLaw])
         make()
 
 
-def test_an_exchange_takes_two_inputs() -> None:
-    with pytest.raises(CaseError, match=re.escape('even(over="x")')):
-        symmetric("y", over="x", values=XS)
+@pytest.mark.parametrize(
+    ("old", "now"),
+    [
+        (lambda: symmetric("y", over="x", values=XS), 'even(over="x")'),
+        (lambda: symmetric("y", over=("a", "b"), values=[(1, 2)], ulps=3), "ulp="),
+        (lambda: glsl.monotone(along="d"), "over="),
+        (lambda: glsl.monotone("d", rising=False), 'direction="decreasing"'),
+        (lambda: glsl.monotone("d", strictly=True), "strict="),
+        (lambda: glsl.symmetric("a", "b"), 'symmetric(over=("a", "b"))'),
+    ],
+)
+def test_a_former_spelling_names_the_present_one(old: Callable[[], Any], now: str) -> None:
+    with pytest.raises(CaseError) as error:
+        old()
+    assert now in str(error.value)

@@ -54,11 +54,7 @@ class DiscardCheck:
 
     def needed(self, expectation: Expectation) -> Iterator[CapturedFragments]:
         """The draws into what an expectation reads that were not examined yet."""
-        return (need for need in self._draws_of(expectation) if not self.knows(need))
-
-    def knows(self, need: CapturedFragments) -> bool:
-        """Whether a draw was examined: its capture is not needed again."""
-        return need.key in self._faults
+        return (need for need in self._draws_of(expectation) if need.key not in self._faults)
 
     def _draws_of(self, expectation: Expectation) -> Iterator[CapturedFragments]:
         if not any(self._draws.values()):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import KW_ONLY, dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass, fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -44,16 +44,21 @@ class Exact(OutputExpectation):
             yield Read(self.equals.pass_name, self.equals.name)
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        other = self.equals
-        if isinstance(other, Output):
-            own = scene.find_pass(scene.split_output(self.output)[0])
-            if own is scene.find_pass(other.pass_name) and self.own_name(scene) == other.name:
-                raise CaseError(
-                    f"exact {self.name!r}: {self.output} is compared with itself, so it could not "
-                    "fail",
-                    remedy="compare what is drawn in two ways, or with colours",
-                )
+        if isinstance(self.equals, Output):
+            self._require_another(self.equals, scene)
         return ()
+
+    def _require_another(self, other: Output, scene: Scene) -> None:
+        own = scene.find_pass(scene.split_output(self.output)[0])
+        twin = scene.find_pass(other.pass_name)
+        if self.own_name(scene) != other.name:
+            return
+        if own is twin or is_twin(replace(own, name=twin.name), twin):
+            what = "itself" if own is twin else f"pass {twin.name!r}, which draws the same"
+            raise CaseError(
+                f"exact {self.name!r}: {self.output} is compared with {what}, so it could not fail",
+                remedy="compare what is drawn in two ways, or with colours",
+            )
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         values = find_image(self.output, scene, frame).values
@@ -87,6 +92,22 @@ class Exact(OutputExpectation):
         if isinstance(wanted, Output):
             wanted = find_image(wanted.path, scene, frame).values
         return spread_over(wanted, values, self.name)
+
+
+def is_twin(one: Any, other: Any) -> bool:
+    """Whether two parts of a scene are alike: equal, or made of the very same arrays."""
+    if one is other:
+        return True
+    if type(one) is not type(other) or isinstance(one, np.ndarray):
+        return False
+    if is_dataclass(one):
+        return all(is_twin(getattr(one, f.name), getattr(other, f.name)) for f in fields(one))
+    if isinstance(one, Mapping):
+        # Textures get their units in the order of their names.
+        return list(one) == list(other) and all(is_twin(one[k], other[k]) for k in one)
+    if isinstance(one, tuple | list):
+        return len(one) == len(other) and all(map(is_twin, one, other))
+    return bool(one == other)
 
 
 def spread_over(expected: Any, values: Array, name: str) -> Array:

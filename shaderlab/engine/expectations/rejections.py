@@ -235,32 +235,19 @@ class Refused(Expectation):
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         error = frame.answer(RaisedError(self.what))
-        want = _describe_error(self.message, self.file, self.line, self.remedy)
-        got = _describe_error("nothing", None, None, None)
-        if error is not None:
-            got = _describe_error(error.message, error.file, error.line, error.remedy)
-        rows = [
-            Row(label=part, expected=want[part], measured=got[part], ok=want[part] == got[part])
-            for part in want
-            if want[part] or got[part]
-        ]
+        rows = []
+        for part in ("message", "file", "line", "remedy"):
+            want = str(getattr(self, part) or "")
+            got = str(getattr(error, part, None) or "")
+            if want or got:
+                shown = "nothing" if part == "message" and error is None else got
+                rows.append(Row(label=part, expected=want, measured=shown, ok=want == got))
         message = ""
         if error is None:
             message = "the lab accepts it, but should reject it"
         elif not all(row.ok for row in rows):
             message = "the lab rejects it in other words: " + str(error).replace("\n", " ")
         return self.judge_rows(rows, message, judged=len(rows))
-
-
-def _describe_error(
-    message: str, file: str | None, line: int | None, remedy: str | None
-) -> dict[str, str]:
-    return {
-        "message": message,
-        "file": file or "",
-        "line": "" if line is None else str(line),
-        "remedy": remedy or "",
-    }
 
 
 refused = Refused

@@ -258,7 +258,14 @@ class Symmetric(Close, Law):
 
 
 bounded = Bounded
-monotone = Monotone
+
+
+def monotone(
+    over: str = "", *, direction: str = "increasing", strict: bool = False, **old: Any
+) -> Monotone:
+    """f never falls (or never rises) as the input `over` grows; see `Monotone`."""
+    reject_old_spelling("monotone", old)
+    return Monotone(over, direction=direction, strict=strict)
 
 
 def even(over: str, *, ulp: float = 0.0, within: float = 0.0) -> Symmetric:
@@ -272,16 +279,33 @@ def odd(over: str, *, ulp: float = 0.0, within: float = 0.0) -> Symmetric:
 
 
 def symmetric(
-    over: tuple[str, str], *, odd: bool = False, ulp: float = 0.0, within: float = 0.0
+    over: tuple[str, str], *old: str, odd: bool = False, ulp: float = 0.0, within: float = 0.0
 ) -> Symmetric:
     """f(a, b) = f(b, a); with `odd`, f(a, b) = −f(b, a)."""
-    if isinstance(over, str) or len(over) != 2:
+    if old or isinstance(over, str) or len(over) != 2:
         raise CaseError(
             f"symmetric: over must be a pair of names, not {over!r}",
             remedy='symmetric(over=("a", "b")) exchanges two inputs; '
             'even(over="x") and odd(over="x") change the sign of one',
         )
     return Symmetric(tuple(over), -1 if odd else 1, ulp=ulp, within=within)
+
+
+OLD_SPELLINGS = {
+    "along": "over=",
+    "rising": 'direction="increasing" or direction="decreasing"',
+    "strictly": "strict=",
+    "ulps": "ulp=",
+}
+
+
+def reject_old_spelling(owner: str, given: Mapping[str, Any]) -> None:
+    """Raise an error for keywords that are not taken; for one of an earlier version, name what it
+    is now."""
+    for name in given:
+        if name in OLD_SPELLINGS:
+            raise CaseError(f"{owner}: there is no {name}=", remedy=f"give {OLD_SPELLINGS[name]}")
+        raise TypeError(f"{owner}() got an unexpected keyword argument {name!r}")
 
 
 def _constant(values: Array, batch: Batch) -> str:
