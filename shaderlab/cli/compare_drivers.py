@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.text import Text
 
 from shaderlab.cli.recorded_run import RecordedRun, RunPlan
-from shaderlab.cli.showing import plain_table
+from shaderlab.cli.showing import make_table
 from shaderlab.errors import AssetError
 from shaderlab.model import pictures
 from shaderlab.model.frame import Array
@@ -270,7 +270,7 @@ def show_drivers(run: Run, console: Console) -> None:
     if table is None:
         return
     names = [name for name, _ in table.drivers]
-    shown = plain_table("case", "variants", *names, right={"variants"}, whole={"case", *names})
+    shown = make_table("case", "variants", *names, right={"variants"}, whole={"case", *names})
     for case_id, count, cells in table.by_case():
         texts = (Text(cell, _STYLES.get(cell[0], "")) for cell in cells)
         shown.add_row(Text(make_printable(case_id)), Text(str(count)), *texts)

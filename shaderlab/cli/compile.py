@@ -191,11 +191,11 @@ def _print_results(
     files = dict(outputs) if json_file is None else {**outputs, "json": json_file}
     to_stderr = uses_stdout(files)
     for result in results:
-        for line in messages(result):
+        for line in format_messages(result):
             click.echo(line, err=to_stderr)
         tally.add(result)
         if json_file is not None:
-            entries += as_data(result)
+            entries += make_entries(result)
         if outputs:
             found += collect_verdict_findings(result.verdicts, result.path)
     if not quiet:
@@ -260,7 +260,7 @@ class Tally:
             yield f"{target:<14}" + "".join(f"{counts[column]:>10}" for column in columns)
 
 
-def messages(result: FileResult) -> Iterator[str]:
+def format_messages(result: FileResult) -> Iterator[str]:
     """Each message once, with its targets unless all of them have it."""
     targets_of: dict[str, list[str]] = {}
     for verdict in result.verdicts:
@@ -271,7 +271,7 @@ def messages(result: FileResult) -> Iterator[str]:
         yield f"{line} [{', '.join(targets)}]" if few else line
 
 
-def as_data(result: FileResult) -> Iterator[dict[str, Any]]:
+def make_entries(result: FileResult) -> Iterator[dict[str, Any]]:
     """An entry of the JSON for each target's verdict on the file."""
     for verdict in result.verdicts:
         said = dataclasses.asdict(verdict)

@@ -101,13 +101,13 @@ def command(
             "--range and --stage can't be combined with --case, whose inputs are known"
         )
     plan = Plan(ranges=ranges, rounds=2 if case else Plan.rounds)
-    asking = _Comparison(case, stage, includes, plan, limits, workers)
+    comparison = _Comparison(case, stage, includes, plan, limits, workers)
     try:
         if against is None:
             assert new is not None
-            answers = asking.about(old, new)
+            answers = comparison.compare(old, new)
         else:
-            answers = _compare_with_revision(asking, old, against)
+            answers = _compare_with_revision(comparison, old, against)
     except UsageError:
         raise
     except ShaderlabError as error:
@@ -135,7 +135,7 @@ class _Comparison:
     limits: Limits
     workers: int
 
-    def about(
+    def compare(
         self, old: Path, new: Path, then: Callable[[Path], Path] | None = None
     ) -> list[Answer]:
         """The answers on two files; `then` says where the old one and what it includes is.
@@ -173,34 +173,34 @@ class _Comparison:
         mine, other = (old, new) if then is None else (new, then(old))
         if not other.is_file():
             raise UsageError("there is no such file", file=other)
-        name = _inside(mine, Path(facts.file).parent, self.includes)
+        name = _name_in_cases(mine, Path(facts.file).parent, self.includes)
         files = resolve_replacements({name: other}, make_jobs(facts), self.includes)
         options = RunOptions(include=self.includes, limits=self.limits)
         return requests.CompareInCase(Path(facts.file), files, then is not None, self.plan, options)
 
 
-def _compare_with_revision(asking: _Comparison, file: Path, name: str) -> list[Answer]:
+def _compare_with_revision(comparison: _Comparison, file: Path, name: str) -> list[Answer]:
     """The answers on a file and what it was at a revision. Raises ShaderlabError."""
 
     if not file.is_file():
         raise UsageError("there is no such file", file=file)
-    with revision(file, name) as before:
+    with check_out(file, name) as before:
         try:
-            answers = asking.about(file, file, before.then)
+            answers = comparison.compare(file, file, before.find_path)
         except ShaderlabError as error:
             raise _rename_error_file(error, before) from error
-    return [replace(answer, old=before.shown(answer.old)) for answer in answers]
+    return [replace(answer, old=before.format_path(answer.old)) for answer in answers]
 
 
 def _rename_error_file(error: ShaderlabError, before: Revision) -> ShaderlabError:
     if error.file is None:
         return error
     return type(error)(
-        error.message, file=before.shown(error.file), line=error.line, remedy=error.remedy
+        error.message, file=before.format_path(error.file), line=error.line, remedy=error.remedy
     )
 
 
-def _inside(path: Path, folder: Path, includes: Sequence[Path]) -> str:
+def _name_in_cases(path: Path, folder: Path, includes: Sequence[Path]) -> str:
     """A shader's name as the cases of a folder know it; what was typed where it is no file."""
     from shaderlab.engine.catalogue import shaders_of
 
@@ -234,12 +234,12 @@ class Revision:
     top: Path
     folder: Path
 
-    def then(self, path: Path) -> Path:
+    def find_path(self, path: Path) -> Path:
         """Where a file or folder of the repository is as it was; others are where they are."""
         real = path.resolve()
         return self.folder / real.relative_to(self.top) if real.is_relative_to(self.top) else path
 
-    def shown(self, path: str) -> str:
+    def format_path(self, path: str) -> str:
         """A file of the revision's as Git writes it: "HEAD~1:shaders/lamp.frag"."""
         inside = Path(path)
         if not inside.is_relative_to(self.folder):
@@ -248,7 +248,7 @@ class Revision:
 
 
 @contextmanager
-def revision(path: Path, name: str) -> Iterator[Revision]:
+def check_out(path: Path, name: str) -> Iterator[Revision]:
     """The revision `name` of the repository that the file is in.
 
     Raises:

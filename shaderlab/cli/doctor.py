@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import importlib.metadata
 import platform
-import struct
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,7 +20,7 @@ DISTRIBUTION = "shaderlab"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finding:
+class Check:
     """One thing that was looked at.
 
     `found` is what there is, or what is wrong; `remedy` is how to get it, where it is missing.
@@ -35,11 +34,10 @@ class Finding:
     remedy: str = ""
 
 
-def examine() -> tuple[Finding, ...]:
+def examine() -> tuple[Check, ...]:
     """Look at everything, the most basic first. Opens a device for a moment; never raises."""
     return (
         _check_python(),
-        _check_sizes(),
         *_check_packages(),
         _check_images(),
         *_check_compilers(),
@@ -51,9 +49,9 @@ def examine() -> tuple[Finding, ...]:
     )
 
 
-def _check_python() -> Finding:
+def _check_python() -> Check:
     wanted = ".".join(map(str, OLDEST_PYTHON))
-    return Finding(
+    return Check(
         name="Python",
         found=f"{platform.python_version()} at {sys.executable}",
         ok=sys.version_info >= OLDEST_PYTHON,
@@ -61,13 +59,7 @@ def _check_python() -> Finding:
     )
 
 
-def _check_sizes() -> Finding:
-    words = {"int": "i", "long": "l", "float": "f", "double": "d", "pointer": "P"}
-    sizes = ", ".join(f"{name} {8 * struct.calcsize(code)}" for name, code in words.items())
-    return Finding(name="machine", found=f"{platform.machine()} {platform.system()}; bits: {sizes}")
-
-
-def _check_packages() -> Iterator[Finding]:
+def _check_packages() -> Iterator[Check]:
     """The packages that shaderlab's own metadata asks for, each with the version found."""
     from packaging.requirements import Requirement
 
@@ -75,7 +67,7 @@ def _check_packages() -> Iterator[Finding]:
         wanted = importlib.metadata.requires(DISTRIBUTION) or []
         version = importlib.metadata.version(DISTRIBUTION)
     except importlib.metadata.PackageNotFoundError:
-        yield Finding(
+        yield Check(
             name=DISTRIBUTION,
             found="used from a folder, not installed",
             ok=False,
@@ -83,7 +75,7 @@ def _check_packages() -> Iterator[Finding]:
             remedy="pip install -e . in the checkout (or make setup); pytest finds cases then",
         )
         return
-    yield Finding(name=DISTRIBUTION, found=version)
+    yield Check(name=DISTRIBUTION, found=version)
     for requirement in map(Requirement, wanted):
         if requirement.marker is not None and not requirement.marker.evaluate({"extra": ""}):
             continue
@@ -94,7 +86,7 @@ def _check_packages() -> Iterator[Finding]:
             version = ""
         right = bool(version) and specifier.contains(version, prereleases=True)
         found = f"{version or 'not installed'} (wanted: {specifier or 'any'})"
-        yield Finding(
+        yield Check(
             name=name,
             found=version if right else found,
             ok=right,
@@ -102,13 +94,13 @@ def _check_packages() -> Iterator[Finding]:
         )
 
 
-def _check_images() -> Finding:
+def _check_images() -> Check:
     """What reads image files."""
     try:
         found = f"files are read by OpenImageIO {importlib.metadata.version('OpenImageIO')}"
     except importlib.metadata.PackageNotFoundError:
         found = "no OpenImageIO: image files can't be loaded; reports are unaffected"
-    return Finding(
+    return Check(
         name="images",
         found=found,
         ok=not found.startswith("no"),
@@ -117,13 +109,13 @@ def _check_images() -> Finding:
     )
 
 
-def _check_compilers() -> Iterator[Finding]:
+def _check_compilers() -> Iterator[Check]:
     from shaderlab.compiler.glslang import find_versions
 
     try:
         found = find_versions()
     except ShaderlabError as error:
-        yield Finding(
+        yield Check(
             name="compilers",
             found=error.message,
             ok=False,
@@ -131,15 +123,15 @@ def _check_compilers() -> Iterator[Finding]:
         )
         return
     for name, version in found.items():
-        yield Finding(name=name, found=version)
+        yield Check(name=name, found=version)
 
 
-def _check_bands() -> Finding:
+def _check_bands() -> Check:
     """What does the arithmetic of bands."""
     from shaderlab.bands import compiled
 
     built = compiled.KERNELS is not None
-    return Finding(
+    return Check(
         name="bands",
         found="by compiled passes" if built else "by NumPy, which takes several times as long",
         ok=built or compiled.is_turned_off(),
@@ -148,7 +140,7 @@ def _check_bands() -> Finding:
     )
 
 
-def _check_compile_cache() -> Finding:
+def _check_compile_cache() -> Check:
     """Where the compile cache is, and how large."""
     from shaderlab.compiler.compile_cache import Store, cache_folder
     from shaderlab.files import CACHE_VARIABLE
@@ -159,39 +151,39 @@ def _check_compile_cache() -> Finding:
     else:
         usage = Store(folder).usage()
         found = f"{usage.entries} files, {usage.size / 1e6:.1f} MB in {folder}"
-    return Finding(name="compiled programs", found=found, necessary=False)
+    return Check(name="compiled programs", found=found, necessary=False)
 
 
-def _check_data() -> Iterator[Finding]:
+def _check_data() -> Iterator[Check]:
     from shaderlab.engine.catalogue import data_folder
 
     for kind in ("shaders", "cases"):
         try:
-            yield Finding(name=kind, found=str(data_folder(kind)))
+            yield Check(name=kind, found=str(data_folder(kind)))
         except ShaderlabError as error:
-            yield Finding(name=kind, found=error.message, ok=False, remedy=error.remedy or "")
+            yield Check(name=kind, found=error.message, ok=False, remedy=error.remedy or "")
 
 
-def _check_driver() -> Iterator[Finding]:
+def _check_driver() -> Iterator[Check]:
     from shaderlab.drivers import probe
 
     try:
         driver = probe()
     except ShaderlabError as error:
-        yield Finding(
+        yield Check(
             name="OpenGL on EGL",
             found=error.message,
             ok=False,
             remedy="\n".join((error.remedy or "install Mesa").split(" · ")),
         )
         return
-    yield Finding(name="OpenGL on EGL", found="a context without a screen opens")
+    yield Check(name="OpenGL on EGL", found="a context without a screen opens")
     names = {"renderer": "driver", "version": "OpenGL", "glsl": "GLSL"}
     for key, value in driver.items():
-        yield Finding(name=names.get(key, key.replace("_", " ")), found=value)
+        yield Check(name=names.get(key, key.replace("_", " ")), found=value)
 
 
-def _check_further_drivers() -> Iterator[Finding]:
+def _check_further_drivers() -> Iterator[Check]:
     """The drivers of Vulkan and of WebGL2, which only `--driver` asks for."""
     from shaderlab import drivers as backends
 
@@ -200,10 +192,10 @@ def _check_further_drivers() -> Iterator[Finding]:
             driver = backends.probe(name)
         except ShaderlabError as error:
             remedy = "\n".join((error.remedy or "").split(" · "))
-            yield Finding(name=name, found=error.message, ok=False, necessary=False, remedy=remedy)
+            yield Check(name=name, found=error.message, ok=False, necessary=False, remedy=remedy)
             continue
         found = "; ".join(driver[key] for key in ("renderer", "version") if key in driver)
-        yield Finding(name=name, found=found, necessary=False)
+        yield Check(name=name, found=found, necessary=False)
 
 
 @click.command("doctor")
@@ -214,16 +206,16 @@ def command(json_file: str | None) -> int:
     Exit code: 0 complete, 1 something necessary is missing.
     """
 
-    findings = examine()
+    checks = examine()
     if json_file is not None:
-        write_json([dataclasses.asdict(finding) for finding in findings], json_file)
+        write_json([dataclasses.asdict(check) for check in checks], json_file)
     if json_file != "-":
-        wide = max(len(finding.name) for finding in findings)
-        for finding in findings:
-            mark = click.style("✓", "green") if finding.ok else click.style("✗", "red")
-            if not finding.ok and not finding.necessary:
+        wide = max(len(check.name) for check in checks)
+        for check in checks:
+            mark = click.style("✓", "green") if check.ok else click.style("✗", "red")
+            if not check.ok and not check.necessary:
                 mark = click.style("–", "yellow")
-            click.echo(f"{mark} {finding.name:<{wide}}  {finding.found}")
-            for line in finding.remedy.splitlines() if not finding.ok else ():
+            click.echo(f"{mark} {check.name:<{wide}}  {check.found}")
+            for line in check.remedy.splitlines() if not check.ok else ():
                 click.echo(f"  {'':<{wide}}  → {line}")
-    return FAILED if any(f.necessary and not f.ok for f in findings) else OK
+    return FAILED if any(f.necessary and not f.ok for f in checks) else OK

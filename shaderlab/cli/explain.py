@@ -168,7 +168,7 @@ def show(explained: Explanation, where: str | None = None) -> None:
     """Print the table, and where precision goes; `where` is said in place of the pixel."""
     from rich.console import Console
 
-    from shaderlab.cli.showing import plain_table
+    from shaderlab.cli.showing import make_table
     from shaderlab.report.text import make_printable
 
     console = Console(file=sys.stdout, highlight=False, markup=False, soft_wrap=True)
@@ -178,7 +178,7 @@ def show(explained: Explanation, where: str | None = None) -> None:
     console.print(where or f"pixel ({x}, {y}), counted from the lower left")
     right = ("ulp off", "ulp wide", "lost here")
     left = ("line", "name", "value", "float64", "band")
-    table = plain_table(*left, *right, right=right, whole=left)
+    table = make_table(*left, *right, right=right, whole=left)
     for step in explained.steps:
         at = step.component
         table.add_row(
@@ -195,11 +195,11 @@ def show(explained: Explanation, where: str | None = None) -> None:
     console.print(table)
     if explained.refused:
         console.print(f"values come from float32 arithmetic: {explained.refused}", style="yellow")
-    for line in where_precision_goes(explained.steps):
+    for line in describe_losses(explained.steps):
         console.print(line)
 
 
-def where_precision_goes(steps: Sequence[Step]) -> list[str]:
+def describe_losses(steps: Sequence[Step]) -> list[str]:
     """A line for each of the statements that lose most, and for one that the driver gets wrong."""
     from shaderlab.files import display_path
 

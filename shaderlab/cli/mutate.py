@@ -248,12 +248,12 @@ def _judge(run: MutationRun, show: Show) -> bool:
 
 
 def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None:
-    from shaderlab.cli.showing import plain_table
+    from shaderlab.cli.showing import make_table
     from shaderlab.mutation import score
 
     headings = ("mutants", "killed", "survived", "score", "of state", "equivalent",
                 "no difference", "invalid", "seconds")  # fmt: skip
-    table = plain_table("case", *headings, right=headings)
+    table = make_table("case", *headings, right=headings)
     for result in results:
         table.add_row(
             result.id,

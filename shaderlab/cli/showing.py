@@ -52,7 +52,7 @@ _NAME = 8  # characters of a name that are always shown
 _RIGHT = frozenset({"variants", "checks", "of band", "seconds", _INFORMATIVE})
 
 
-def plain_table(
+def make_table(
     *headings: str, right: Collection[str], whole: Collection[str] | None = None
 ) -> Table:
     """An empty table without lines.
@@ -73,7 +73,7 @@ def plain_table(
     return table
 
 
-def case_table(records: Iterable[Record]) -> Table:
+def make_case_table(records: Iterable[Record]) -> Table:
     """A row for all variants of a case that passed, and one for each other variant.
 
     The least share of informative values has a column where it is not 100 % everywhere. In a
@@ -82,7 +82,7 @@ def case_table(records: Iterable[Record]) -> Table:
     records = list(records)
     tells = any(o.informative not in (None, 1.0) for r in records for o in r.expectations)
     headings = (*_HEADINGS, *([_INFORMATIVE] if tells else []))
-    table = plain_table(*headings, right=_RIGHT, whole=[h for h in headings if h != "case"])
+    table = make_table(*headings, right=_RIGHT, whole=[h for h in headings if h != "case"])
     table.columns[1].min_width = _NAME
     cases: dict[tuple[str, str], list[Record]] = {}
     for record in records:
@@ -194,7 +194,7 @@ class Show:
         if len({(record.id, record.file) for record in listed}) > MOST_CASES:
             listed = tuple(record for record in listed if record.status != "pass")
         if listed:
-            self.console.print(case_table(listed))
+            self.console.print(make_case_table(listed))
         if passed := len(run.records) - len(listed):
             words = f"not listed: {passed:,} that passed; the report has all"
             self.console.print(words, style="dim")
@@ -266,7 +266,7 @@ class Show:
                 spent[phase] += seconds
         inside = sum(record.seconds for record in run.records)
         spent["other"] = max(inside - sum(spent.values()), 0.0)
-        table = plain_table("phase", "seconds", "share", "", right=("seconds", "share"))
+        table = make_table("phase", "seconds", "share", "", right=("seconds", "share"))
         for phase, seconds in spent.items():
             share = seconds / inside if inside else 0.0
             table.add_row(phase, f"{seconds:.3f}", f"{share:.0%}", "█" * round(40 * share))

@@ -9,7 +9,7 @@ import re
 import pytest
 from rich.console import Console
 
-from shaderlab.cli.showing import MOST_CASES, Show, case_table
+from shaderlab.cli.showing import MOST_CASES, Show, make_case_table
 from shaderlab.model.records import Record, Run
 
 
@@ -164,7 +164,7 @@ def test_a_table_fits_its_terminal_and_cuts_no_number(
 ) -> None:
     records = [dataclasses.replace(r, id=name) for r in (passing, failing)]
     console = Console(width=width, soft_wrap=True, file=io.StringIO())
-    console.print(case_table(records))
+    console.print(make_case_table(records))
     heading, *lines = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
     assert len(lines) == 2 and all(len(line) <= width for line in (heading, *lines))
     assert [line[0] for line in lines] == ["✓", "✗"]

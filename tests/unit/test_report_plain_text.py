@@ -10,7 +10,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shaderlab.cli.showing import case_table
+from shaderlab.cli.showing import make_case_table
 from shaderlab.model.records import DriverResult, Record
 from shaderlab.report.formats import junit, markdown
 from shaderlab.report.text import (
@@ -91,7 +91,7 @@ def test_every_report_counts_what_was_not_asked(tmp_path: Path) -> None:
     said = format_summary(replace(made, seconds=1.0))
     assert said == "2 cases: 2 passed (1 of them without 2 checks of OpenGL's own calls) in 1.0 s"
     console = Console(width=120, record=True, file=StringIO())
-    console.print(case_table(made.records))
+    console.print(make_case_table(made.records))
     rows = console.export_text().splitlines()
     assert "2 skipped" in rows[2] and "skipped" not in rows[1]
     words = Page(write(made, tmp_path)).words()
