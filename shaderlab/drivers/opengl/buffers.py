@@ -164,12 +164,7 @@ def write_mapped(target: int, whole: bytes) -> None:
 
 
 class UniformBuffers:
-    """Makes each buffer when it is first bound.
-
-    Args:
-        device: where to make them.
-        stack: releases them in the end.
-    """
+    """Makes each buffer when it is first bound; `stack` releases them in the end."""
 
     def __init__(self, device: Device, stack: ExitStack) -> None:
         self._device = device

@@ -64,17 +64,9 @@ LIBRARIES = {"libgl": "libGL.so.1", "libegl": "libEGL.so.1"}
 
 
 class Device:
-    """An open context. Several may be open in one process, and used in turn.
-
-    Args:
-        context: a `moderngl.Context`.
-        info: what the driver says of itself.
-        driver: a name of `shaderlab.drivers.DRIVERS`.
-        recorder: writes the context's calls down; None for a context that is the driver's own.
-
-    Attributes:
-        takes_spirv: whether it gets programs as SPIR-V modules.
-    """
+    """An open `moderngl.Context`. Several may be open in one process, and used in turn; `recorder`
+    writes the calls of one that is not the driver's own down. One that `takes_spirv` gets programs
+    as SPIR-V modules."""
 
     def __init__(
         self,
@@ -155,16 +147,9 @@ _IN_USE: list[Device] = []  # the innermost last
 
 
 def open_device(driver: str) -> Device:
-    """Open an OpenGL core context on EGL.
-
-    Args:
-        driver: a name of `shaderlab.drivers.DRIVERS`. The choice holds for the process: Mesa
-            reads it once.
-
-    Raises:
-        DriverError: there is no EGL, no driver, or none that offers OpenGL 3.3, or SPIR-V where
-            the driver's name says so.
-    """
+    """Open an OpenGL core context on EGL. The choice of a driver holds for the process: Mesa reads
+    it once. Raises DriverError: there is no EGL, no driver, or none that offers OpenGL 3.3, or
+    SPIR-V where the driver's name says so."""
     # Any: mistyped in moderngl's stubs.
     options: Any = {"standalone": True, "backend": "egl", **LIBRARIES}
     try:

@@ -194,21 +194,9 @@ def has_compute(device: Device) -> bool:
 def dispatch(
     device: Device, program: Any, draw: PreparedDraw, bindings: Bindings
 ) -> Mapping[str, Image]:
-    """Run a program that is linked and whose uniforms and textures are set.
-
-    Args:
-        device: where to run it.
-        program: the linked program.
-        draw: the dispatch.
-        bindings: what its images and the members of its storage blocks hold before.
-
-    Returns:
-        What is left in each image and each member that is not `readonly`; of what has no effect
-        what it held before.
-
-    Raises:
-        DriverError: the driver lays a block out differently.
-    """
+    """Run a program that is linked and whose uniforms and textures are set. Returns what is left in
+    each image and each member that is not `readonly`; of what has no effect what it held before, as
+    `bindings` have it. Raises DriverError: the driver lays a block out differently."""
     known, values = storage.find_slots(draw.interface), bindings.buffers
     buffers: list[tuple[Any, bytearray, Mapping[str, storage.Slot]]] = []
     with ExitStack() as stack:

@@ -191,18 +191,9 @@ def _decode_log(log: bytes | str) -> str:
 
 
 def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
-    """Ask the driver for its verdict on a program, as a target named "driver".
-
-    Each stage is compiled; all are linked where the program has a stage that begins one. Nothing
-    stays behind in the context.
-
-    Args:
-        device: an open device, current in this thread.
-        sources: the stages, each once.
-
-    Raises:
-        UnsupportedError: the driver has no such stage; glslang's verdict is then the only one.
-    """
+    """Ask the driver for its verdict on a program, as a target named "driver". Each stage is
+    compiled; all are linked where the program has a stage that begins one. Nothing stays behind in
+    the context. Raises UnsupportedError: the driver has no such stage."""
     for source in sources:
         if device.version < _NEEDS.get(source.stage, 0):
             raise UnsupportedError(f"this driver has no {source.stage} stage", file=source.path)

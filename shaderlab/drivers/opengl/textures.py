@@ -252,12 +252,7 @@ def address(values: Array) -> ctypes.c_void_p:
 
 @dataclass(eq=False)
 class BoundTextures(SceneTextures[Any]):
-    """What a scene's samplers read. Arguments as of `SceneTextures`, and besides:
-
-    Args:
-        device: where they are.
-        stack: releases device memory at the end.
-    """
+    """What a scene's samplers read; `_stack` releases device memory at the end."""
 
     _device: Device
     _stack: ExitStack
@@ -346,17 +341,7 @@ def bind_images(
     device: Device, program: Any, images: Mapping[str, Texels], stack: ExitStack
 ) -> dict[str, DeviceTexture]:
     """Make textures of what the images hold, each bound to a separate unit, without those that have
-    no effect.
-
-    Args:
-        device: where they are.
-        program: the linked program.
-        images: what they hold.
-        stack: releases them.
-
-    Raises:
-        UnsupportedError: one is too large for the driver.
-    """
+    no effect; `stack` releases them. Raises UnsupportedError: one is too large for the driver."""
     found: dict[str, DeviceTexture] = {}
     for name, image in images.items():
         location = uniform_location(program, name)

@@ -54,10 +54,6 @@ class Recorded:
 class CallRecorder:
     """Stands for the context of glcontext that moderngl uses.
 
-    Args:
-        context: the real one.
-        edit: a call that is made otherwise while calls are recorded.
-
     Attributes:
         calls: what was recorded.
         place: the pass and the draw that calls are made for; None for the lab's own reading.
@@ -247,7 +243,10 @@ _PREFERRED = {
     "mode": ("GL_POINTS", "GL_LINES"), "func": ("GL_NEVER",), "fail": ("GL_ZERO", "GL_KEEP"),
     "attachment": ("GL_COLOR_ATTACHMENT0",), "type": ("GL_UNSIGNED_BYTE",),
 }  # fmt: skip
-_BITS = ("COLOR", "DEPTH", "STENCIL", "READ", "WRITE", "INVALIDATE", "UNSYNCHRONIZED", "FLUSH")
+_BITS = {
+    "mask": ("GL_COLOR_BUFFER_BIT", "GL_DEPTH_BUFFER_BIT", "GL_STENCIL_BUFFER_BIT"),
+    "access": ("GL_MAP_READ_BIT", "GL_MAP_WRITE_BIT"),
+}
 _LONGEST = 40
 
 
@@ -282,8 +281,8 @@ def format_argument(function: str, name: str, value: Any) -> str:
 def _format_number(function: str, name: str, value: int) -> str:
     if name in _FLAGS and value in (0, 1):
         return ("GL_FALSE", "GL_TRUE")[value]
-    if function in _MASKS and name in ("mask", "access"):
-        return _format_bits(function, value)
+    if function in _MASKS and name in _BITS:
+        return " | ".join(w for w in _BITS[name] if value & constants()[w]) or str(value)
     if name in ("mask", "ref") and value > 0xFFFF:
         return f"0x{value:X}"
     known = find_constant(function, name, value) if name in _ENUMS else ""
@@ -312,17 +311,6 @@ def _constants_by_number() -> Mapping[int, Sequence[str]]:
     for word, number in constants().items():
         found.setdefault(number, []).append(word)
     return found
-
-
-def _format_bits(function: str, value: int) -> str:
-    like = "GL_MAP_" if function.startswith("glMap") else "GL_"
-    found: dict[int, str] = {}
-    for word, number in constants().items():
-        single = number and not number & (number - 1)
-        ours = word.startswith(like) and word.endswith("_BIT") and any(b in word for b in _BITS)
-        if ours and single and value & number:
-            found.setdefault(number, word)
-    return " | ".join(found.values()) or str(value)
 
 
 def makes_objects(function: str) -> bool:
@@ -520,12 +508,7 @@ _WORDED = ("_FILTER", "_MODE", "_FUNC", "WRAP_S", "WRAP_T", "WRAP_R")
 
 @contextmanager
 def open_recording_device(device: Device, edit: CallEdit | None = None) -> Iterator[Device]:
-    """Open a device in a separate context, whose calls are recorded while a scene is drawn on it.
-
-    Args:
-        device: gives the driver.
-        edit: a call of the scene's drawing that is made otherwise.
-    """
+    """Open a device whose calls are recorded, one perhaps edited, while a scene is drawn on it."""
     with fresh_context(device) as raw:
         recorder = CallRecorder(raw, edit)
         options: Any = {"standalone": True, "context": recorder}  # mistyped in moderngl's stubs

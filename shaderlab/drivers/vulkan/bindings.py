@@ -285,12 +285,7 @@ _USES = ("sampled", "transfer_src", "transfer_dst")
 
 @dataclass(eq=False)
 class BoundTextures(SceneTextures[RenderTarget]):
-    """What a scene's samplers read. Arguments as of `SceneTextures`, and besides:
-
-    Args:
-        resources: where they are made, to be released with the scene.
-        linker: makes the programs that read texels.
-    """
+    """What a scene's samplers read; `_linker` makes the programs that read texels."""
 
     _resources: Resources
     _linker: Linker

@@ -172,14 +172,8 @@ class Device:
 
 
 def open_device(driver: str) -> Device:
-    """Open a device of a driver.
-
-    Args:
-        driver: "lavapipe", "swiftshader", or "vulkan" for the machine's own.
-
-    Raises:
-        DriverError: the driver is not there, or lacks what the lab can't do without.
-    """
+    """Open a device of "lavapipe", "swiftshader", or "vulkan", the machine's own. Raises
+    DriverError: the driver is not there, or lacks what the lab can't do without."""
     structs = Structs()
     with environment(driver):
         instance = _instance(structs)

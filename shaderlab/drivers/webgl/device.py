@@ -41,13 +41,10 @@ class Object:
 
 
 class Calls:
-    """WebGL2's methods and constants by their names.
+    """WebGL2's methods and constants by their names, played by a browser.
 
     `gl.clear(gl.COLOR_BUFFER_BIT)` is played with the next question. Arguments are numbers, texts,
     lists of them, objects, bytes and arrays.
-
-    Args:
-        browser: plays them.
     """
 
     def __init__(self, browser: Browser) -> None:

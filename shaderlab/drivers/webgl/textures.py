@@ -249,12 +249,7 @@ class DeviceTexture:
 
 @dataclass(eq=False)
 class BoundTextures(SceneTextures[Any]):
-    """What a scene's samplers read. Arguments as of `SceneTextures`, and besides:
-
-    Args:
-        device: where they are made.
-        own: what they are released with.
-    """
+    """What a scene's samplers read; what is made is released with `_own`."""
 
     _device: Device
     _own: Objects
