@@ -47,15 +47,8 @@ LinkerKind = TypeVar("LinkerKind", bound=ProgramCache[Any])
 
 
 class PassSession(Session, Generic[TargetKind, LinkerKind]):
-    """A session that draws its scene pass by pass.
-
-    Args:
-        linker: makes the programs.
-        scene: what to draw.
-        programs: each pass's draws, compiled.
-        size: (width, height) for targets that do not say.
-        stack: releases device memory in the end.
-    """
+    """A session that draws its scene pass by pass, targets that do not say in `size` (width,
+    height); `linker` makes the programs, `stack` releases device memory in the end."""
 
     _textures: SceneTextures[Any]  # what the scene's samplers read; a driver makes it
 

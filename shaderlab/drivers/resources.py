@@ -34,20 +34,14 @@ def multisampled_error(name: str) -> UnsupportedError:
 
 
 class Attachments(ABC):
-    """The attachments of one pass at one size, on a device. As a context manager they are cleared
-    first and released in the end.
-
-    Args:
-        target: sizes, clear values, depth format, samples.
-        colors: format by output name, in the order of the outputs' locations.
-        size: (width, height) in pixels.
+    """The attachments of one pass at one size, (width, height) in pixels, on a device. As a context
+    manager they are cleared first and released in the end. Making them raises UnsupportedError
+    where the device can't.
 
     Attributes:
+        colors: format by output name, in the order of the outputs' locations.
         depth: the format of depth and stencil, "" for none.
         samples: how many samples a pixel has.
-
-    Raises:
-        UnsupportedError: the device can't make such a target; the message says which.
     """
 
     samples: int
@@ -99,15 +93,9 @@ class Attachments(ABC):
 
 @dataclass(frozen=True)
 class DeviceTexels:
-    """A texture on a device, and what its levels hold.
-
-    Attributes:
-        source: what it was made from; kept with it, so that no other one gets its id.
-        handle: the texture, or a view of it, as the API has it.
-        format: as `shaderlab.Texture` has it.
-        values: the first level.
-        smaller: the levels below it.
-    """
+    """A texture on a device: the `handle` of it, or of a view, as the API has it, and what its
+    first level and those below it hold. What it was made from is kept with it, so that no other
+    source gets its id."""
 
     source: TextureSource
     handle: Any
@@ -122,13 +110,8 @@ TargetKind = TypeVar("TargetKind", bound=Attachments)
 @dataclass(eq=False)
 class SceneTextures(ABC, Generic[TargetKind]):
     """The textures of one scene on a device, each made once, attachments of earlier passes among
-    them.
-
-    Args:
-        folder: what the paths of their files are relative to.
-        images: what passes have drawn so far.
-        targets: the passes' targets.
-    """
+    them. Paths of their files are relative to `folder`; `images` are what passes have drawn so
+    far."""
 
     folder: Path
     images: Mapping[tuple[str, str], Image]

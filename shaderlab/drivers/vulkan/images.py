@@ -153,7 +153,14 @@ def generate_levels(device: Device, image: DeviceImage) -> None:
     """Halve each level into the next one, by filtering linearly."""
     with recording(device) as commands:
         for level in range(1, image.levels):
-            _blit(commands, image, image, level - 1, level)
+            ends = [((0, 0, 0), (*image.sizes[n], 1)) for n in (level - 1, level)]
+            parts = [(aspects(image.word), n, 0, image.layers) for n in (level - 1, level)]
+            region = commands.structs(
+                "ImageBlit", srcSubresource=parts[0], srcOffsets=ends[0], dstSubresource=parts[1],
+                dstOffsets=ends[1],
+            )  # fmt: skip
+            own = (image.handle, GENERAL)
+            lib.vkCmdBlitImage(commands.handle, *own, *own, 1, region, constant("FILTER_LINEAR"))
             commands.barrier()
 
 
@@ -173,19 +180,6 @@ def _region(commands: Commands, image: DeviceImage, level: int, aspect: int) -> 
         "BufferImageCopy", imageSubresource=(aspect, level, 0, image.array_layers),
         imageExtent=(*image.sizes[level], image.depth),
     )  # fmt: skip
-
-
-def _blit(commands: Commands, source: DeviceImage, to: DeviceImage, one: int, other: int) -> None:
-    ends = [((0, 0, 0), (*image.sizes[n], 1)) for image, n in ((source, one), (to, other))]
-    parts = [(aspects(source.word), n, 0, source.layers) for n in (one, other)]
-    region = commands.structs(
-        "ImageBlit", srcSubresource=parts[0], srcOffsets=ends[0], dstSubresource=parts[1],
-        dstOffsets=ends[1],
-    )  # fmt: skip
-    linear = constant("FILTER_LINEAR")
-    lib.vkCmdBlitImage(
-        commands.handle, source.handle, GENERAL, to.handle, GENERAL, 1, region, linear
-    )
 
 
 _CHANNELS = {"r": "R{0}", "rg": "R{0}G{0}", "rgb": "R{0}G{0}B{0}A{0}", "rgba": "R{0}G{0}B{0}A{0}"}
