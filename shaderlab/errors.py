@@ -108,12 +108,7 @@ def in_file(file: str) -> Iterator[None]:
 
 @contextmanager
 def require_extra(name: str, what: str, file: str | Path | None = None) -> Iterator[None]:
-    """Around the import of a package that comes with an extra.
-
-    Args:
-        name: of the extra.
-        what: needs the package.
-        file: that it is needed for, where there is one.
+    """Around the import of a package that `what` needs, and that comes with the extra `name`.
 
     Raises:
         UsageError: it is not installed; says how to install it.

@@ -156,16 +156,8 @@ def make_jobs(facts: CaseInfo) -> list[Job]:
 def make_failed_record(
     job: Job, status: str, message: str, *, step: str = "", driver: str = "", seconds: float = 0.0
 ) -> Record:
-    """The record of a job whose process did not live to write one.
-
-    Args:
-        job: what was to be run.
-        status: "timeout", "crash" or "error".
-        message: how it ended.
-        step: the last thing it was about to do, in words.
-        driver: the renderer it ran on.
-        seconds: how long it took until then.
-    """
+    """The record of a job whose process did not live to write one: how it ended, the last step that
+    it was about to do, and the renderer it ran on."""
     from shaderlab.engine.catalogue import chapter_title  # not before the first worker is started
     from shaderlab.model.records import Record
 
@@ -457,8 +449,7 @@ class Prefetcher:
         No record is given twice: a job that is asked for again is run again.
 
         Args:
-            job: the job.
-            following: gives those that are likely to be asked for after it, in order. It is
+            following: gives the jobs that are likely to be asked for after it, in order. It is
                 called only if `job` itself was not expected.
 
         Raises:

@@ -51,13 +51,9 @@ class PictureFiles:
 
 
 class PictureWriter:
-    """Writes pictures below `folder`/images; without a folder it writes nothing.
+    """Writes pictures below images/ in a run's folder; without a folder it writes nothing.
 
     Names are made of the case's id, the variant and a label, and always end up inside the folder.
-
-    Args:
-        folder: of the run.
-        case_id, variant: what is in the files' names.
     """
 
     def __init__(self, folder: Path | None, case_id: str, variant: str) -> None:
@@ -247,14 +243,8 @@ def _to_file_name(word: str) -> str:
 def enlarge(
     backend: Backend, scene: Scene, programs: Programs, images: Images, side: int
 ) -> Images:
-    """Draw a scene with `side` × `side` pixels where its targets have no size of their own.
-
-    Args:
-        backend: the device.
-        scene: what to draw.
-        programs: its compiled draws.
-        images: what was drawn of it in another size; returned if no target depends on the size.
-        side: the size in pixels.
+    """Draw a scene with `side` × `side` pixels where its targets have no size of their own; return
+    `images`, drawn in another size, where all have one.
 
     Raises:
         ShaderError, UnsupportedError, CaseError: it can't be drawn.

@@ -152,14 +152,9 @@ class RecordBuilder:
         *,
         always: bool,
     ) -> None:
-        """Set what holding draws against their own shaders gave.
-
-        Args:
-            modules: what was judged.
-            judgement: its outcome, which is format_value where it fails.
-            outside: the outputs that their shader does not allow.
-            always: show the outcome in any case.
-        """
+        """Set what holding draws against their own shaders gave: what was judged, its outcome,
+        which is shown where it fails, or `always`, and the outputs that their shader does not
+        allow."""
         self._modules, self._outside = modules, outside
         if always or judgement.outcome.message:
             self.add_outcome(judgement.outcome, judgement)

@@ -303,12 +303,7 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
     def evaluation(
         self, scene: Scene, programs: Programs, *, like: Evaluation | None = None
     ) -> Iterator[Evaluation]:
-        """Draw a scene, and keep it on the device for judging.
-
-        Args:
-            scene: what to draw.
-            programs: its compiled draws.
-            like: see `Evaluation`.
+        """Draw a scene, and keep it on the device for judging; for `like` see `Evaluation`.
 
         Raises:
             ShaderError, UnsupportedError, CaseError: it can't be drawn.

@@ -67,11 +67,8 @@ class DiscardCheck:
                 yield from self._draws.get(name, ())
 
     def fault(self, expectation: Expectation, frame: Frame) -> str:
-        """Say what is wrong with the discarded fragments of what an expectation read, or "".
-
-        Args:
-            expectation: what was judged.
-            frame: what was drawn, with answers to `needed`; always the same one.
+        """Say what is wrong with the discarded fragments of what an expectation read, or ""; the
+        frame, always the same one, has answers to `needed`.
 
         Raises:
             FormulaError: a rule fails, or is not a comparison.

@@ -126,14 +126,8 @@ class ReferenceBand:
 def reference_band(
     reference: Reference, inputs: Inputs, *, shape: tuple[int, int], rules: Rules, format: str
 ) -> ReferenceBand:
-    """Return the band of a formula, evaluated unless the cache in use has it.
-
-    Args:
-        reference: the formula.
-        inputs: what the shader got.
-        shape: count and components of the measured values.
-        rules: precision rules.
-        format: the attachment's format; the band is rounded as storing to it rounds.
+    """Return the band of a formula, evaluated unless the cache in use has it; `shape` is the count
+    and the components of the measured values. For the rest see `judge_band`.
 
     Raises:
         FormulaError: the formula fails or gives another number of components.
