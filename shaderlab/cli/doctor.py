@@ -149,8 +149,8 @@ def _check_compile_cache() -> Check:
     if folder is None:
         found = f"no cache: {CACHE_VARIABLE} is empty, or there is no home folder"
     else:
-        usage = Store(folder).usage()
-        found = f"{usage.entries} files, {usage.size / 1e6:.1f} MB in {folder}"
+        entries, size = Store(folder).usage()
+        found = f"{entries} files, {size / 1e6:.1f} MB in {folder}"
     return Check(name="compiled programs", found=found, necessary=False)
 
 

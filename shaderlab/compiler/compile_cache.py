@@ -39,14 +39,6 @@ _HOUR = 3600.0
 _SIGNATURE = "Signature: 8a477f597d28d172789f06886806bc55\n"
 
 
-@dataclass(frozen=True)
-class Usage:
-    """How many entries a store has, and how many bytes of disk they take."""
-
-    entries: int
-    size: int
-
-
 class Store:
     """A folder of entries, created when the first one is put into it.
 
@@ -92,13 +84,14 @@ class Store:
             if key[1:3] == "00":  # one time in 256, since it looks at every file of the folder
                 self._trim(folder)
 
-    def usage(self) -> Usage:
-        """Return what is stored now; looks at every file."""
+    def usage(self) -> tuple[int, int]:
+        """Return how many entries there are now, and the bytes of disk they take; looks at every
+        file."""
         sizes: list[int] = []
         with suppress(OSError):
             for folder in list(os.scandir(self.folder)):
                 sizes += [size for _, size, _ in _files(folder.path)] if folder.is_dir() else []
-        return Usage(len(sizes), sum(sizes))
+        return len(sizes), sum(sizes)
 
     def _path(self, key: str) -> str:
         return os.path.join(self._name, key[:1], key[1:])

@@ -299,7 +299,7 @@ class Roots:
             path = os.path.normpath(folder / name)
             root = next((root for root in roots if os.path.abspath(path).startswith(root)), None)
             if root is not None:
-                places.append((path, _slashes(os.path.abspath(path)[len(root) :])))
+                places.append((path, os.path.abspath(path)[len(root) :]))
         if not places:
             raise OutsideError(_LEADS_OUT)
         return places
@@ -405,10 +405,10 @@ def _locate(file: str, folder: str, roots: Sequence[tuple[str, str]]) -> ShaderF
     real = _resolve_folder(file)
     for real_root, root in roots:
         if real.startswith(real_root):
-            return ShaderFile(file, root, _slashes(real[len(real_root) :]))
+            return ShaderFile(file, root, real[len(real_root) :])
     start = os.path.join(folder, "")
     name = file[len(start) :] if file.startswith(start) else os.path.relpath(file, folder)
-    return ShaderFile(file, folder, _slashes(name))
+    return ShaderFile(file, folder, name)
 
 
 def _walk(folder: str) -> Iterator[str]:
@@ -438,7 +438,3 @@ def _names_stage(file: str) -> bool:
     except ShaderError as error:
         return "names no stage" in error.message  # a misspelt pragma is an error, not an include
     return True
-
-
-def _slashes(name: str) -> str:
-    return name.replace(os.sep, "/")

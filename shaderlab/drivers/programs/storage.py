@@ -126,30 +126,39 @@ def require_supported(draw: Draw, interface: Interface) -> None:
         UnsupportedError: it can't; names what is declared.
         CaseError: the shader writes nothing.
     """
-    for name, variable in interface.uniforms.items():
-        if variable.type == "atomic_uint":
-            raise UnsupportedError(
-                f"{draw.compute}: {name} is an atomic_uint",
-                remedy="declare a uint in a buffer block instead, or an r32ui image",
-            )
-    _require_images_supported(draw, interface)
-    for name, block in storage_blocks(interface).items():
-        if block.array is not None:
-            raise UnsupportedError(f"{draw.compute}: {name} is an array of storage blocks")
-    for slot in find_slots(interface).values():
-        member = slot.member
-        if member.record_stride and member.array is not None:
-            raise UnsupportedError(
-                f"{draw.compute}: {slot.name} is an array in an array of run-time length"
-            )
-        if not member.type.endswith(("float", "int", "uint", "2", "3", "4")) or (
-            member.type.startswith("d")
-        ):
-            raise UnsupportedError(f"{draw.compute}: {slot.name} is {member.type}")
+    for what, remedy in _find_unsupported(interface):
+        raise UnsupportedError(f"{draw.compute}: {what}", remedy=remedy)
     if not find_outputs(interface):
         raise CaseError(
             f"{draw.compute} writes to no storage block and no image, so nothing could be checked"
         )
+
+
+def _find_unsupported(interface: Interface) -> Iterator[tuple[str, str | None]]:
+    """Yield what is declared that the lab can't give to a compute shader, with remedies."""
+    for name, variable in interface.uniforms.items():
+        if variable.type == "atomic_uint":
+            remedy = "declare a uint in a buffer block instead, or an r32ui image"
+            yield f"{name} is an atomic_uint", remedy
+    for name, image in image_variables(interface).items():
+        if _image_kind(image) not in KINDS:
+            known = ", ".join(f"image{kind}" for kind in KINDS)
+            yield f"{name} is an {image.type}; compute passes have {known}", None
+        if image.array is not None:
+            yield f"{name} is an array of images", f"declare {image.array} of them"
+        if _image_format(image) not in FORMATS:
+            remedy = f"compute passes have {', '.join(FORMATS)}"
+            yield f"{name} has the format {_image_format(image)}", remedy
+    for name, block in storage_blocks(interface).items():
+        if block.array is not None:
+            yield f"{name} is an array of storage blocks", None
+    for slot in find_slots(interface).values():
+        member = slot.member
+        if member.record_stride and member.array is not None:
+            yield f"{slot.name} is an array in an array of run-time length", None
+        known_type = member.type.endswith(("float", "int", "uint", "2", "3", "4"))
+        if not known_type or member.type.startswith("d"):
+            yield f"{slot.name} is {member.type}", None
 
 
 def _values(slot: Slot, value: BufferValue, images: Images) -> tuple[Array, Array]:
@@ -260,26 +269,6 @@ def _image_format(image: Variable) -> str:
     """The format of its texels: its layout's, or where it has none (`writeonly`) the widest."""
     letter = image.type.partition("image")[0]
     return image.format or {"": "rgba32f", "i": "rgba32i", "u": "rgba32ui"}[letter]
-
-
-def _require_images_supported(draw: Draw, interface: Interface) -> None:
-    """Raise UnsupportedError for an image that the lab can't give to a compute shader."""
-    for name, image in image_variables(interface).items():
-        if _image_kind(image) not in KINDS:
-            known = ", ".join(f"image{kind}" for kind in KINDS)
-            raise UnsupportedError(
-                f"{draw.compute}: {name} is an {image.type}; compute passes have {known}"
-            )
-        if image.array is not None:
-            raise UnsupportedError(
-                f"{draw.compute}: {name} is an array of images",
-                remedy=f"declare {image.array} of them",
-            )
-        if _image_format(image) not in FORMATS:
-            raise UnsupportedError(
-                f"{draw.compute}: {name} has the format {_image_format(image)}",
-                remedy=f"compute passes have {', '.join(FORMATS)}",
-            )
 
 
 def _image_contents(
