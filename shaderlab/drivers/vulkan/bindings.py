@@ -10,7 +10,7 @@ import numpy as np
 
 from shaderlab.compiler.reflection import Block, Variable
 from shaderlab.errors import UnsupportedError
-from shaderlab.model.frame import Array, AttributeReading, Image
+from shaderlab.model.frame import Array, Image
 from shaderlab.model.mesh import PRIMITIVES, Mesh
 from shaderlab.model.scene import Target
 from shaderlab.model.state import COMPARISONS, State
@@ -140,21 +140,6 @@ def upload(resources: Resources, mesh: Mesh | None) -> VertexBuffers:
         return VertexBuffers(buffers, None, mesh.vertices)
     indices = resources.buffer("index_buffer", mesh.indices.astype(np.uint32))
     return VertexBuffers(buffers, indices, len(mesh.indices))
-
-
-def read_layout(
-    layout: VertexLayout, declared: Mapping[str, Variable]
-) -> dict[str, AttributeReading]:
-    """Return where a pipeline of this layout reads each attribute."""
-    streams = {location: layout.streams[number] for location, number, _, _ in layout.attributes}
-    found = {}
-    for name, variable in declared.items():
-        if variable.location in streams:
-            buffer, offset, stride, divisor = streams[variable.location]
-            found[name] = AttributeReading(
-                buffer=buffer, offset=offset, stride=stride, divisor=divisor
-            )
-    return found
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,6 @@ from .bindings import (
     draw_covering,
     layout_of,
     new_set,
-    read_layout,
     upload,
 )
 from .device import (
@@ -242,7 +241,16 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         if draw.draw.mesh is None:
             return {}
         declared = self.program(draw).attributes
-        return read_layout(layout_of(draw.draw.mesh, declared), declared)
+        layout = layout_of(draw.draw.mesh, declared)
+        streams = {location: layout.streams[number] for location, number, *_ in layout.attributes}
+        found = {}
+        for name, variable in declared.items():
+            if variable.location in streams:
+                buffer, offset, stride, divisor = streams[variable.location]
+                found[name] = AttributeReading(
+                    buffer=buffer, offset=offset, stride=stride, divisor=divisor
+                )
+        return found
 
     def _read_blocks(self, key: PassDraw) -> Mapping[str, BlockReading]:
         """Read the modules' offsets, which are those that a driver reads at."""

@@ -59,21 +59,6 @@ class VertexArray:
         else:
             gl.drawArraysInstanced(mode, 0, self.count, instances)
 
-    def readings(self, gl: Calls) -> dict[str, AttributeReading]:
-        """Return what WebGL2 itself says of each attribute's place."""
-        gl.bindVertexArray(self.handle)
-        found = {}
-        for name, (at, buffer) in self.locations.items():
-            offset, stride, divisor = gl.ask_all([
-                ("getVertexAttribOffset", at, gl.VERTEX_ATTRIB_ARRAY_POINTER),
-                ("getVertexAttrib", at, gl.VERTEX_ATTRIB_ARRAY_STRIDE),
-                ("getVertexAttrib", at, gl.VERTEX_ATTRIB_ARRAY_DIVISOR),
-            ])  # fmt: skip
-            found[name] = AttributeReading(
-                buffer=buffer, offset=offset, stride=stride, divisor=divisor
-            )
-        return found
-
 
 def vertex_array(own: Objects, mesh: Mesh | None, declared: Mapping[str, Variable]) -> VertexArray:
     """Return a mesh's vertex array for a stage with these inputs, or one of three vertices."""
@@ -277,8 +262,18 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
             return {}
         program = self.linker.link(write_point_texts(draw.draw, draw.texts), draw.sources)
         gl = self.device.gl
+        found = {}
         with Objects(gl) as own:
-            found = vertex_array(own, draw.draw.mesh, program.interface.attributes).readings(gl)
+            made = vertex_array(own, draw.draw.mesh, program.interface.attributes)
+            for name, (at, buffer) in made.locations.items():
+                offset, stride, divisor = gl.ask_all([
+                    ("getVertexAttribOffset", at, gl.VERTEX_ATTRIB_ARRAY_POINTER),
+                    ("getVertexAttrib", at, gl.VERTEX_ATTRIB_ARRAY_STRIDE),
+                    ("getVertexAttrib", at, gl.VERTEX_ATTRIB_ARRAY_DIVISOR),
+                ])  # fmt: skip
+                found[name] = AttributeReading(
+                    buffer=buffer, offset=offset, stride=stride, divisor=divisor
+                )
             gl.bindVertexArray(None)
         return found
 
