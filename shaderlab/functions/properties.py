@@ -509,12 +509,12 @@ def _note_outcome(function: Function, test: Test, batch: Batch) -> Iterator[None
     try:
         yield
     except Exception as error:
-        if found is not None:
-            said = "\n".join([str(error) or type(error).__name__, *getattr(error, "__notes__", ())])
-            found.outcomes.append(replace(outcome, status="fail", outside=1, message=said))
+        said = "\n".join([str(error) or type(error).__name__, *getattr(error, "__notes__", ())])
+        outcome = replace(outcome, status="fail", outside=1, message=said)
         raise
-    if found is not None:
-        found.outcomes.append(outcome)
+    finally:
+        if found is not None:
+            found.outcomes.append(outcome)
 
 
 def example(**values: Any) -> Callable[[Test], Test]:

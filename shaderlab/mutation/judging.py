@@ -72,8 +72,6 @@ class Judge:
             trials = self.trials(mutant)
             with self._bands.in_use():
                 return self._judge_trials(trials)
-        except PartError:
-            raise
         except ShaderError as error:
             return MutantResult("invalid", error.message)
         except Exception as error:
