@@ -40,8 +40,7 @@ format: .venv/.ready ## make the style right
 setup: .venv/.ready ## only what run and test set up: .venv, packages, an OpenGL driver
 	@echo "setup: ready in .venv"
 
-.venv/.ready: pyproject.toml constraints.txt .ci/setup .ci/system .ci/opengl.py \
-		hatch_build.py $(wildcard shaderlab/bands/kernels/*)
+.venv/.ready: pyproject.toml constraints.txt .ci/setup .ci/system .ci/opengl.py
 	@.ci/setup
 
 .venv/.ready-for-tests: .venv/.ready .ci/system

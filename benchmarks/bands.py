@@ -10,8 +10,7 @@
   of the same tolerance, and whether the verdicts are equal on right and wrong frames;
 - the memory that judging the largest formula takes at 512 × 512.
 
-`--operations` prints what single operations take instead, by the compiled passes and by NumPy
-alone.
+`--operations` prints what single operations take instead.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab import glslmath
-from shaderlab.bands import Band, Rules, compiled
+from shaderlab.bands import Band, Rules
 from shaderlab.bands.bounds import contains
 from shaderlab.engine.catalogue import load_cases, shipped_cases
 from shaderlab.engine.expectations.formula import Formula
@@ -75,14 +74,12 @@ def main(words: list[str] | None = None) -> int:
 def evaluation(repeats: int, every: bool, cases: Collection[str] = ()) -> Job:
     """Print the cost of each formula's band; the slowest formula."""
     print(f"bands at {SIDE} × {SIDE}, best of {repeats}")
-    total, plain, first, slowest = 0.0, 0.0, 0.0, (0.0, None)
+    total, first, slowest = 0.0, 0.0, (0.0, None)
     seen: set[tuple[str, str]] = set()
     of_case: dict[str, list[float]] = {}
     for job in jobs(SIDE, cases):
         took = best(repeats, lambda job=job: band_of(job))
         total += took
-        with compiled.numpy_alone():
-            plain += best(repeats, lambda job=job: band_of(job))
         some = replace(job, inputs=job.inputs.part(slice(0, SIDE * SIDE)))
         of_case.setdefault(job.case, []).append(best(repeats, lambda some=some: band_of(some)))
         name = (job.case, job.check.name)
@@ -95,7 +92,6 @@ def evaluation(repeats: int, every: bool, cases: Collection[str] = ()) -> Job:
             slowest = (took, job)
     print(f"  {first * 1e3:8.1f} ms  all {len(seen)} formulas, one variant each")
     print(f"  {total * 1e3:8.1f} ms  with all variants")
-    print(f"  {plain * 1e3:8.1f} ms  the same by NumPy alone: {plain / total:.1f} times")
     one = f"of each of {len(of_case)} cases, {SIDE * SIDE} values at most"
     print(f"  {sum(times[0] for times in of_case.values()) * 1e3:8.1f} ms  the first formula {one}")
     print(f"  {sum(map(max, of_case.values())) * 1e3:8.1f} ms  the slowest formula {one}")
@@ -181,10 +177,7 @@ def operations() -> None:
             "matrix and vector": lambda u=u, matrix=matrix: glslmath.mul(matrix, u),
         }
         for name, run in runs.items():
-            took = [best(repeats, run)]
-            with compiled.numpy_alone():
-                took.append(best(repeats, run))
-            print(f"{count:6} values  {name:24}" + "".join(f"{t * 1e6:9.1f}" for t in took))
+            print(f"{count:6} values  {name:24}{best(repeats, run) * 1e6:9.1f}")
 
 
 def jobs(side: int, only: Collection[str] = ()) -> Iterator[Job]:

@@ -24,8 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands.bounds import BandT, Bounds, Terms, find_least, flush_gain_of, may_be_tiny
-from shaderlab.bands.compiled import use_kernel
+from shaderlab.bands.bounds import NO, BandT, Bounds, Terms, find_least, flush_gain_of, may_be_tiny
 from shaderlab.bands.exact import negate, transpose
 from shaderlab.bands.rounding import (
     LARGEST,
@@ -49,7 +48,6 @@ DIVISION_ULPS = 2.5
 UNCANCELLED = 1.0 - 2.0**-20
 
 
-@use_kernel
 @np.errstate(all="ignore")
 def add(a: BandT, b: BandT) -> BandT:
     """a + b, correctly rounded in either direction."""
@@ -64,16 +62,15 @@ def add(a: BandT, b: BandT) -> BandT:
     if not a.rules.rearrange:
         return a.derive(lo, hi, b, nan=nan)
     mag_a, mag_b = a.abs_sum, b.abs_sum
-    mag = mag_a + mag_b
     terms = Terms.of(
-        mag,
+        mag_a + mag_b,
         lambda: flush_gain_of(mag_a, a.terms) + flush_gain_of(mag_b, b.terms),
         a.terms,
         b.terms,
         count=a.count + b.count,
     )
     step = terms.step()
-    if find_least(mag_a) <= 0.0 or find_least(mag_b) <= 0.0:
+    if a.least_abs_sum <= 0.0 or b.least_abs_sum <= 0.0:
         # Adding an exact zero is no sum: no compiler keeps it.
         step = np.where((mag_a > 0.0) & (mag_b > 0.0), step, 0.0)
     if a.is_plain and b.is_plain:
@@ -85,31 +82,21 @@ def add(a: BandT, b: BandT) -> BandT:
         step = step + (b.count - 1) * RELATIVE_STEP * mag_a
 
     # Operands of one sign, once settled, are further from zero than any rearrangement can err.
-    positive = (a_lo + b_lo >= step) | (hi >= mag * UNCANCELLED)
-    negative = (a_hi + b_hi <= -step) | (-lo >= mag * UNCANCELLED)
-    bounds = _move_out(
-        lo,
-        hi,
-        step,
-        (a.lo >= 0.0) & (b.lo >= 0.0) & positive,
-        (a.hi <= 0.0) & (b.hi <= 0.0) & negative,
-    )
-    return a.derive(*bounds, b, nan=nan, terms=terms)
+    low, high = lo - step, hi + step
+    positive = (low < 0.0) & (a.lo >= 0.0) & (b.lo >= 0.0)
+    if positive.any():
+        positive &= (a_lo + b_lo >= step) | (hi >= terms.abs_sum * UNCANCELLED)
+        low = np.where(positive, 0.0, low)
+    negative = (high > 0.0) & (a.hi <= 0.0) & (b.hi <= 0.0)
+    if negative.any():
+        negative &= (a_hi + b_hi <= -step) | (-lo >= terms.abs_sum * UNCANCELLED)
+        high = np.where(negative, 0.0, high)
+    return a.derive(low, high, b, nan=nan, terms=terms)
 
 
-@use_kernel
 def subtract(a: BandT, b: BandT) -> BandT:
     """a - b, correctly rounded in either direction."""
     return add(a, negate(b))
-
-
-def _move_out(
-    lo: Float64Array, hi: Float64Array, step: Float64Array, positive: Flags, negative: Flags
-) -> Ends:
-    """Bounds moved out by a step, which does not take a result past zero where that is known to be
-    positive or negative."""
-    low, high = lo - step, hi + step
-    return np.where((low < 0.0) & positive, 0.0, low), np.where((high > 0.0) & negative, 0.0, high)
 
 
 def _move_out_by_terms(
@@ -117,12 +104,17 @@ def _move_out_by_terms(
 ) -> Ends:
     """Bounds moved out by some steps of the terms: a sum times or over a plain value, once settled,
     keeps its sign when its terms are distributed, if its size is at least `least`."""
-    safe = terms.safe()
-    positive, negative = (lo >= 0.0) & safe & (hi >= least), (hi <= 0.0) & safe & (-lo >= least)
-    return _move_out(lo, hi, steps * terms.step(), positive, negative)
+    step = steps * terms.step()
+    low, high = lo - step, hi + step
+    positive = (low < 0.0) & (lo >= 0.0)
+    if positive.any():
+        low = np.where(positive & terms.safe() & (hi >= least), 0.0, low)
+    negative = (high > 0.0) & (hi <= 0.0)
+    if negative.any():
+        high = np.where(negative & terms.safe() & (-lo >= least), 0.0, high)
+    return low, high
 
 
-@use_kernel
 @np.errstate(all="ignore")
 def multiply(a: BandT, b: BandT) -> BandT:
     """a · b, correctly rounded in either direction; a value times itself is not negative."""
@@ -185,7 +177,6 @@ def _scale_terms(a: Bounds, factor: Float64Array) -> Terms | None:
     return Terms(terms.abs_sum * factor, slack, terms.count, flush_gain)
 
 
-@use_kernel
 @np.errstate(all="ignore")
 def square(a: BandT) -> BandT:
     """a · a for one and the same value: never negative, and no compiler expands (b + c)²."""
@@ -209,7 +200,6 @@ def _square_terms(a: Bounds, product: Float64Array) -> Terms:
     return Terms.of(mag, lambda: np.maximum(flush_gain_of(a.abs_sum, a.terms) ** 2, 1.0), a.terms)
 
 
-@use_kernel
 @np.errstate(all="ignore")
 def divide(a: BandT, b: BandT) -> BandT:
     """a / b within 2.5 ULP where 2^-126 ≤ |b| ≤ 2^126; anything elsewhere."""
@@ -233,11 +223,19 @@ def product_bounds(
     a_lo: Float64Array, a_hi: Float64Array, b_lo: Float64Array, b_hi: Float64Array
 ) -> Ends:
     """The hull of the products of the ends. Exact: 24 + 24 bits fit into float64."""
-    ends = (a_lo,) if a_lo is a_hi else (a_lo, a_hi), (b_lo,) if b_lo is b_hi else (b_lo, b_hi)
-    products = [x * y for x in ends[0] for y in ends[1]]
+    if a_lo is a_hi:
+        a_lo, a_hi, b_lo, b_hi = b_lo, b_hi, a_lo, a_hi
+    if a_lo is a_hi:
+        lo = a_lo * b_lo
+        return lo, lo
+    if find_least(a_lo) >= 0.0 and find_least(b_lo) >= 0.0:
+        lo, hi = a_lo * b_lo, a_hi * b_hi
+        if is_finite(lo, hi):
+            return lo, hi
+    ends = (b_lo,) if b_lo is b_hi else (b_lo, b_hi)
+    products = [x * y for x in (a_lo, a_hi) for y in ends]
     # A NaN, of 0 times infinity, is no bound.
-    lo = reduce(np.fmin, products)
-    return lo, lo if len(products) == 1 else reduce(np.fmax, products)
+    return reduce(np.fmin, products), reduce(np.fmax, products)
 
 
 def _zero_times_infinity(
@@ -256,6 +254,8 @@ def _usable_divisor(
 ) -> tuple[Float64Array, Float64Array, Float64Array, Flags]:
     """The divisor's bounds and its smallest absolute value, 1 where it is outside the range that
     has a precision; and where that is."""
+    if find_least(b_lo) >= SMALLEST_NORMAL and b_hi.max(initial=0.0) <= LARGEST_DIVISOR:
+        return b_lo, b_hi, b_lo, NO
     low, high = np.abs(b_lo), np.abs(b_hi)
     smallest = np.minimum(low, high)
     outside = (
@@ -274,13 +274,16 @@ def _quotient_bounds(
     a_lo: Float64Array, a_hi: Float64Array, b_lo: Float64Array, b_hi: Float64Array
 ) -> Ends:
     """The hull of the quotients of the ends; no divisor is zero."""
+    if a_lo is a_hi and b_lo is b_hi:
+        lo = a_lo / b_lo
+        return lo, lo
+    if find_least(a_lo) >= 0.0 and find_least(b_lo) >= 0.0:
+        return a_lo / b_hi, a_hi / b_lo
     ends = (a_lo,) if a_lo is a_hi else (a_lo, a_hi), (b_lo,) if b_lo is b_hi else (b_lo, b_hi)
     quotients = [x / y for x in ends[0] for y in ends[1]]
-    lo = reduce(np.minimum, quotients)
-    return lo, lo if len(quotients) == 1 else reduce(np.maximum, quotients)
+    return reduce(np.minimum, quotients), reduce(np.maximum, quotients)
 
 
-@use_kernel
 @np.errstate(all="ignore")
 def sum_last(a: BandT) -> BandT:
     """The sum over the last axis (kept, with size 1), its terms added in any order."""
@@ -288,8 +291,6 @@ def sum_last(a: BandT) -> BandT:
         return a
     a_lo, a_hi = a.apply_slack()
     lo, hi = _over_last(a_lo, add_below), _over_last(a_hi, add_above)
-    if a_lo is a_hi and (lo == hi).all():
-        hi = lo
     nan = None
     if not is_finite(lo, hi):
         rises = (a_hi == np.inf).sum(axis=-1, keepdims=True)
@@ -307,18 +308,19 @@ def sum_last(a: BandT) -> BandT:
     )
     step = terms.step()
     count: Any = float(a.shape[-1])
-    no_zeros = find_least(sizes) > 0.0
+    no_zeros = a.least_abs_sum > 0.0
     if not no_zeros:
         count = _over_last((sizes > 0.0).astype(np.float64), np.add)
-    # All partial sums but the last, which `derive` rounds, may each lose a step.
-    between = np.maximum(count - 2.0, 0.0) * step
-    lo, hi = _move_out(
-        lo,
-        hi,
-        between,
-        _over_last(a_lo >= 0.0, np.logical_and),
-        _over_last(a_hi <= 0.0, np.logical_and),
-    )
+    if a.shape[-1] > 2:
+        # All partial sums but the last, which `derive` rounds, may each lose a step.
+        between = np.maximum(count - 2.0, 0.0) * step
+        low, high = lo - between, hi + between
+        positive, negative = (low < 0.0), (high > 0.0)
+        if positive.any():
+            low = np.where(positive & _over_last(a_lo >= 0.0, np.logical_and), 0.0, low)
+        if negative.any():
+            high = np.where(negative & _over_last(a_hi <= 0.0, np.logical_and), 0.0, high)
+        lo, hi = low, high
     if not a.rules.rearrange:
         return a.join_flags_over_last().derive(lo, hi, nan=nan)
     terms.slack = step if no_zeros else np.where(count >= 2.0, step, 0.0)

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from shaderlab.bands import arithmetic, formats
-from shaderlab.bands.bounds import NO, NOWHERE, Allowed, Bounds, Swizzled, Terms
-from shaderlab.bands.compiled import use_bands
+from shaderlab.bands.bounds import NO, NOWHERE, Allowed, Bounds, Swizzled
 from shaderlab.bands.exact import TriBool, absolute_value, equal, less, negate, not_less, union
 from shaderlab.bands.rounding import Float64Array, Rules, round_outward
 from shaderlab.errors import FormulaError
@@ -109,7 +108,9 @@ class Band(Bounds, Swizzled):
             with np.errstate(all="ignore"):
                 got = np.atleast_1d(np.asarray(values, dtype=np.float32))
         with np.errstate(all="ignore"):
-            wide = got.astype(np.float64)
+            # Each component's values lie beside each other, as in all that is computed from them:
+            # NumPy's loops over short last axes would take several times as long.
+            wide = got.astype(np.float64, order="F")
         return cls._leaf(wide, wide, rules)
 
     @classmethod
@@ -124,7 +125,8 @@ class Band(Bounds, Swizzled):
             low, high = np.broadcast_arrays(low, high)
         if (low > high).any():
             raise FormulaError("a band's lower bound lies above its upper bound")
-        return cls._leaf(low, high, rules)
+        first = np.asfortranarray(low)
+        return cls._leaf(first, first if low is high else np.asfortranarray(high), rules)
 
     @classmethod
     def literal(cls, value: ArrayLike, rules: Rules = _DEFAULT) -> Band:
@@ -226,8 +228,6 @@ for _name, _why in _REFUSED.items():
     setattr(Band, _name, _refusal(*_why))
 for _name in ("pow", "mod", "floordiv"):
     setattr(Band, f"__r{_name}__", _refusal(*_REFUSED[f"__{_name}__"]))
-
-use_bands(Band, Terms, Rules, NOWHERE)
 
 
 @lru_cache(maxsize=512)

@@ -128,13 +128,19 @@ class Terms:
     def step(self) -> Float64Array:
         """What one rounding among these terms may change."""
         size: Float64Array = RELATIVE_STEP * self.abs_sum
-        if self.flush_gain is not None or self.least < TINY:
-            size = np.maximum(size, self._flush_error())
+        if self.flush_gain is None:
+            if self.least >= TINY:
+                return size
+            if not may_be_tiny(self.abs_sum, self.least):
+                return np.fmax(size, 0.0)  # 0 for NaN
+        size = np.maximum(size, self._flush_error())
         return size if self.least > 0.0 else np.where(self.abs_sum > 0.0, size, 0.0)
 
     def safe(self) -> Flags:
         """Where the sum of these terms, settled, keeps its sign in any order: not among
         denormals, where flushing one of two terms of opposite signs may leave the other's."""
+        if self.flush_gain is None and self.least >= TINY:
+            return ~NO
         found: Flags = (RELATIVE_STEP * self.abs_sum >= self._flush_error()) | (self.abs_sum == 0.0)
         return found
 
@@ -349,11 +355,14 @@ class Bounds(Interval):
         if self.terms is not None:
             return self.terms.abs_sum
         if self._size is None:
-            size = np.abs(self.lo)
-            if self.lo is not self.hi:
-                size = np.maximum(size, np.abs(self.hi))
+            size = np.abs(self.lo) if self.lo is self.hi else np.maximum(-self.lo, self.hi)
             self._size = np.minimum(size, LARGEST)
         return self._size
+
+    @property
+    def least_abs_sum(self) -> float:
+        """The smallest `abs_sum`."""
+        return find_least(self.abs_sum) if self.terms is None else self.terms.least
 
     @property
     def nan(self) -> Flags:

@@ -7,7 +7,7 @@ pass NaN on.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NoReturn
+from typing import Any, Literal, NoReturn
 
 import numpy as np
 
@@ -244,7 +244,7 @@ def join(parts: Sequence[BandT], axis: int) -> BandT:
     """Bands of the same rules along a negative axis, the other axes broadcast."""
 
     def together(arrays: Sequence[Any]) -> Any:
-        return concatenate(arrays, axis)
+        return concatenate(arrays, axis, "F")
 
     first = parts[0]
     lo = together([part.lo for part in parts])
@@ -260,7 +260,7 @@ def join(parts: Sequence[BandT], axis: int) -> BandT:
     return type(first)(lo, hi, first.rules, (nan, anything, undecided), terms)
 
 
-def concatenate(arrays: Sequence[Any], axis: int) -> Any:
+def concatenate(arrays: Sequence[Any], axis: int, order: Literal["C", "F"] = "C") -> Any:
     """NumPy's concatenate, along a negative axis, the axes other than that one broadcast.
 
     The result is contiguous: products of matrices depend on how these lie in memory, in float64's
@@ -272,7 +272,7 @@ def concatenate(arrays: Sequence[Any], axis: int) -> Any:
     others = {(*row.shape[before], 1, *row.shape[after]) for row in rows}
     common = others.pop() if len(others) == 1 else np.broadcast_shapes(*others)
     length = sum(row.shape[axis] for row in rows)
-    whole = np.empty((*common[before], length, *common[after]), np.result_type(*rows))
+    whole = np.empty((*common[before], length, *common[after]), np.result_type(*rows), order)
     places, start = whole.swapaxes(0, axis), 0
     for row in rows:
         end = start + row.shape[axis]

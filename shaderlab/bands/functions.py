@@ -15,7 +15,6 @@ import numpy as np
 from shaderlab.bands import arithmetic, exact
 from shaderlab.bands.band import Band
 from shaderlab.bands.bounds import Terms, flush_gain_of
-from shaderlab.bands.compiled import use_kernel
 from shaderlab.bands.rounding import (
     FLOAT64_ERROR,
     LARGEST,
@@ -52,7 +51,6 @@ def _evaluate(a: Band, function: Any) -> Ends:
     return lo, lo if a.lo is a.hi else function(a.hi)
 
 
-@use_kernel
 @np.errstate(all="ignore")
 def inversesqrt(a: Band) -> Band:
     """1/√a within 2 ULP; a ≤ 0 is undefined."""
@@ -66,7 +64,6 @@ def _inversesqrt_bounds(a_lo: Float64Array, a_hi: Float64Array) -> Ends:
     return widen_by_ulps(lo, hi, INVERSESQRT_ULPS, INVERSESQRT_ULPS)
 
 
-@use_kernel
 @np.errstate(all="ignore")
 def sqrt(a: Band) -> Band:
     """√a as 1/inversesqrt(a), so 2 ULP and then 2.5; a < 0 is undefined, and √0 is 0."""
@@ -216,7 +213,6 @@ def arccosine(a: Band) -> Band:
     return _arc(a, lambda leg: _angle_bounds(leg.lo, leg.hi, a.lo, a.hi))
 
 
-@use_kernel
 @np.errstate(all="ignore")
 def cut_to_ends(found: Band, x: Band, y: Band, a: Band) -> Band:
     """The band `found` of mix(x, y, a) by its operations, cut to what it may be at most.

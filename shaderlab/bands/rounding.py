@@ -1,18 +1,20 @@
 """Rounding outward to the float32 grid, ULPs, and the rules of precision.
 
-IEEE 754 (§4.3.2) has rounding directions, which NumPy has no switch for: a bound is the nearest
-number or, where that lies past the true one, its neighbour.
+IEEE 754 (§4.3.2) has rounding directions. NumPy has no switch for them, but its loops follow the
+processor's, which C's `fesetround` sets for a thread: so a lower bound is computed rounding down,
+an upper one rounding up.
 """
 
 from __future__ import annotations
 
+import ctypes
+import platform
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shaderlab.bands.compiled import use_kernel
 from shaderlab.errors import FormulaError, suggest
 
 Float64Array = NDArray[np.float64]
@@ -35,30 +37,43 @@ FLOAT64_ERROR = 2.0**-50
 _EXPONENT_BITS = np.int64(0x7FF0_0000_0000_0000)
 _FRACTION_BITS = np.int64(0x000F_FFFF_FFFF_FFFF)
 
-# Beyond all that a float32 may be widened to, and a finite float64.
-_FAR = 2.0**600
+# Times this, what is positive lies beyond all that a float32 may be widened to.
+_FAR = 2.0**1000
+
+# C's FE_DOWNWARD and FE_UPWARD; FE_TONEAREST is 0 on both.
+_DIRECTIONS = {"aarch64": (0x80_0000, 0x40_0000), "x86_64": (0x400, 0x800)}
+_DOWNWARD, _UPWARD = _DIRECTIONS.get(platform.machine(), _DIRECTIONS["x86_64"])
+_NEAREST = 0
+# The lock of threads is kept: releasing it takes longer than the call.
+_set_rounding = ctypes.PyDLL(None).fesetround
 
 
 def add_below(a: Float64Array, b: Float64Array) -> Float64Array:
     """The largest float64 not above a + b."""
-    total, lost = _two_sum(a, b)
-    return np.where(lost < 0.0, np.nextafter(total, -np.inf), total) + 0.0
+    try:
+        _set_rounding(_DOWNWARD)
+        total = a + b
+    finally:
+        _set_rounding(_NEAREST)
+    return total + 0.0  # a sum of zero is -0 rounding down
 
 
 def add_above(a: Float64Array, b: Float64Array) -> Float64Array:
     """The smallest float64 not below a + b."""
-    total, lost = _two_sum(a, b)
-    return np.where(lost > 0.0, np.nextafter(total, np.inf), total)
+    try:
+        _set_rounding(_UPWARD)
+        return a + b
+    finally:
+        _set_rounding(_NEAREST)
 
 
-def _two_sum(a: Float64Array, b: Float64Array) -> Ends:
-    """a + b rounded to float64, and what the rounding lost (Knuth, TAOCP 2, 4.2.2 theorem B).
+def _require_directions() -> None:
+    one, little = np.ones(8), np.full(8, 2.0**-80)
+    if not (add_below(one, -little) < one).all() or not (add_above(one, little) > one).all():
+        raise ImportError("shaderlab.bands cannot set this processor's rounding direction")
 
-    The loss is NaN where the sum or a step towards it overflows.
-    """
-    total = a + b
-    b_part = total - a
-    return total, (a - (total - b_part)) + (b - b_part)
+
+_require_directions()
 
 
 def ulp(x: Float64Array) -> Float64Array:
@@ -79,36 +94,53 @@ def ulp(x: Float64Array) -> Float64Array:
     return step
 
 
-@use_kernel
 @np.errstate(all="ignore")
 def round_outward(lo: Float64Array, hi: Float64Array, flush: bool) -> Ends:
     """The largest float32 not above `lo`, the smallest not below `hi`; the same array twice where
     all are float32 themselves and one array was given. With `flush`, bounds that touch denormals
     include zero."""
-    low = round_down(lo)
-    high = low if lo is hi and (low == lo).all() else round_up(hi)
+    low = _to_single(lo, _DOWNWARD)
+    wide = low.astype(np.float64)
+    if lo is hi and (wide == lo).all():
+        high, exact = low, True
+    else:
+        high, exact = _to_single(hi, _UPWARD), False
     if flush:
-        low_denormal = (low > 0.0) & (low < SMALLEST_NORMAL)
-        high_denormal = (high < 0.0) & (high > -SMALLEST_NORMAL)
+        low_denormal = _is_denormal(low, 0)
+        high_denormal = _is_denormal(high, _SIGN)
         if low_denormal.any():
-            low = np.where(low_denormal, 0.0, low)
+            wide, exact = np.where(low_denormal, 0.0, wide), False
         if high_denormal.any():
-            high = np.where(high_denormal, 0.0, high)
-    return low, high
+            high, exact = np.where(high_denormal, np.float32(0.0), high), False
+    return wide, wide if exact else high.astype(np.float64)
+
+
+_SIGN = 0x8000_0000
+_DENORMALS = 0x007F_FFFF
+
+
+def _is_denormal(x: Float32Array, sign: int) -> Flags:
+    """Where `x` is a denormal of this sign: its bits count those from 1 on."""
+    found: Flags = x.view(np.uint32) - np.uint32(sign + 1) < _DENORMALS
+    return found
+
+
+def _to_single(x: Float64Array, direction: int) -> Float32Array:
+    try:
+        _set_rounding(direction)
+        return x.astype(np.float32)
+    finally:
+        _set_rounding(_NEAREST)
 
 
 def round_down(x: Float64Array) -> Float64Array:
     """The largest float32 not above `x`."""
-    single = x.astype(np.float32)
-    below = np.where(single > x, np.nextafter(single, np.float32(-np.inf)), single)
-    return below.astype(np.float64)
+    return _to_single(x, _DOWNWARD).astype(np.float64)
 
 
 def round_up(x: Float64Array) -> Float64Array:
     """The smallest float32 not below `x`."""
-    single = x.astype(np.float32)
-    above = np.where(single < x, np.nextafter(single, np.float32(np.inf)), single)
-    return above.astype(np.float64)
+    return _to_single(x, _UPWARD).astype(np.float64)
 
 
 def is_finite(lo: Float64Array, hi: Float64Array) -> bool:
@@ -121,19 +153,29 @@ def is_power_of_two(x: Float64Array) -> bool:
     return not (x.view(np.int64) & _FRACTION_BITS).any()
 
 
+@np.errstate(all="ignore")
 def widen_by_ulps(
     lo: Float64Array, hi: Float64Array, ulps_lo: Float64Array | float, ulps_hi: Float64Array | float
 ) -> Ends:
     """Bounds moved out by some ULP; a bound does not move past zero, and zero stays zero."""
-    out_lo = ulps_lo * ulp(lo) + FLOAT64_ERROR * np.minimum(np.abs(lo), LARGEST)
-    out_hi = ulps_hi * ulp(hi) + FLOAT64_ERROR * np.minimum(np.abs(hi), LARGEST)
-    # An ULP doubles past a power of two: a value above `lo`, just past one, may err further
-    # below than `lo` itself.
-    more_lo = np.minimum(np.maximum(out_hi, out_lo), (1.0 + (lo > 0.0)) * out_lo)
-    more_hi = np.minimum(np.maximum(out_lo, out_hi), (1.0 + (hi < 0.0)) * out_hi)
-    new_lo, new_hi = lo - more_lo, hi + more_hi
+    more_lo = out_lo = _error_at(lo, ulps_lo)
+    more_hi = out_hi = out_lo
+    if lo is not hi or ulps_lo is not ulps_hi:
+        out_hi = _error_at(hi, ulps_hi)
+        # An ULP doubles past a power of two: a value above `lo`, just past one, may err further
+        # below than `lo` itself.
+        most = np.maximum(out_lo, out_hi)
+        more_lo = np.minimum(most, out_lo + np.minimum(out_lo, np.maximum(lo, 0.0) * _FAR))
+        more_hi = np.minimum(most, out_hi + np.minimum(out_hi, np.minimum(hi, 0.0) * -_FAR))
     # A limit for what may not pass zero, and none for the rest.
-    return np.maximum(new_lo, 0.0 - (lo < 0.0) * _FAR), np.minimum(new_hi, (hi > 0.0) * _FAR)
+    limit_lo, limit_hi = np.minimum(lo, 0.0) * _FAR, np.maximum(hi, 0.0) * _FAR
+    return np.maximum(lo - more_lo, limit_lo), np.minimum(hi + more_hi, limit_hi)
+
+
+def _error_at(x: Float64Array, ulps: Float64Array | float) -> Float64Array:
+    error: Float64Array = FLOAT64_ERROR * np.minimum(np.abs(x), LARGEST)
+    error += ulps * ulp(x)
+    return error
 
 
 def shortest(value: Any) -> str:

@@ -41,7 +41,6 @@ def examine() -> tuple[Check, ...]:
         *_check_packages(),
         _check_images(),
         *_check_compilers(),
-        _check_bands(),
         _check_compile_cache(),
         *_check_data(),
         *_check_driver(),
@@ -124,20 +123,6 @@ def _check_compilers() -> Iterator[Check]:
         return
     for name, version in found.items():
         yield Check(name=name, found=version)
-
-
-def _check_bands() -> Check:
-    """What does the arithmetic of bands."""
-    from shaderlab.bands import compiled
-
-    built = compiled.KERNELS is not None
-    return Check(
-        name="bands",
-        found="by compiled passes" if built else "by NumPy, which takes several times as long",
-        ok=built or compiled.is_turned_off(),
-        necessary=False,
-        remedy="install a C compiler, then run pip install -e . in the checkout (or make setup)",
-    )
 
 
 def _check_compile_cache() -> Check:
