@@ -22,7 +22,7 @@ from .interpreter import Arithmetic, Bands, Program, Stored
 from .noise import run
 
 PAIRS = 192
-_PARTS, _ROUNDS = 8, 9  # each round looks for the steepest of so many parts
+_PARTS, _ROUNDS = 8, 6  # each round looks for the steepest of so many parts
 _SMOOTH = 2  # after so many rounds a change that goes on shrinking is no jump
 _SHRINKS = 0.5  # what is left of a smooth change from one round to the next, at most
 _JUMP = 1e9  # how far apart something and nothing are
@@ -174,7 +174,7 @@ def steps(program: Program, batch: InputBatch, row: int, arithmetic: Arithmetic)
     turns: Counter[str] = Counter()
 
     def note(stored: Stored) -> None:
-        if stored.mask[own] and not isinstance(stored.value, tuple):
+        if not stored.is_argument and stored.mask[own] and not isinstance(stored.value, tuple):
             value = stored.value
             lane = value[own : own + 1] if value.shape[0] > 1 else value
             found.append(Step(stored.name, turns[stored.name], stored.line, lane))

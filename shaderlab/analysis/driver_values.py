@@ -33,19 +33,20 @@ _XYZW = {letter: i for letters in ("xyzw", "rgba", "stpq") for i, letter in enum
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement that stores or returns a value.
+    """A statement that stores or returns a value, or the entry of a function.
 
     Attributes:
-        kind: "store" is a declaration or an assignment, "return" one with a value.
+        kind: "store" is a declaration or an assignment, "return" one with a value, "entry" where a
+            function begins.
         first, last: its lines, counted from 1.
-        name: the variable that is stored to, "f()" for a `return` of f.
+        name: the variable that is stored to, "f()" for a `return` of f, the function of an entry.
         place: what is stored to, as it is written: "light.position.y".
         start, end: its bytes in the text.
         value, type: of a `return`, where the bytes of its expression end, and its function's type.
         braced: whether it stands in braces.
     """
 
-    kind: Literal["store", "return"]
+    kind: Literal["store", "return", "entry"]
     first: int
     last: int
     name: str
@@ -92,7 +93,8 @@ def driver_values(
         ShaderlabError: the shader can't be drawn again.
     """
     text = evaluation.programs[key[0]][key[1]].text("fragment") or ""
-    wanted = _plan_watches(find_statements(text), stored, undecided)
+    statements = [*find_entries(text), *find_statements(text)]
+    wanted = _plan_watches(statements, stored, undecided)
     redraws = _Redraws(evaluation, key, pixel, text)
     size = _VALUES * (MOST_OUTPUTS - 1 - len(redraws.colors))
     if size < 4:
@@ -114,11 +116,12 @@ def _plan_watches(
     statements: Sequence[Statement], stored: Sequence[Stored], undecided: bool
 ) -> dict[Stored, _Watch]:
     """What to watch for each event that a statement of the text stands for."""
-    total = Counter((event.line, event.name) for event in stored)
+    # All calls of a function pass its entry, and an event's line its statements there.
+    slots = [(0 if event.is_argument else event.line, event.name) for event in stored]
+    total = Counter(slots)
     passed: Counter[tuple[int, str]] = Counter()
     found = {}
-    for event in stored:
-        slot = (event.line, event.name)
+    for event, slot in zip(stored, slots, strict=True):
         turn = passed[slot]
         passed[slot] += 1
         is_shown = turn < _FIRST_TURNS or turn == total[slot] - 1
@@ -135,6 +138,12 @@ def _find_statements_of(
 ) -> Iterator[tuple[Statement, str]]:
     """The statements that an event may be of, and what stands for the value there."""
     name = event.name
+    if event.is_argument:
+        function, _, parameter = name[:-1].partition("(")
+        entries = [one for one in statements if (one.kind, one.name) == ("entry", function)]
+        if len(entries) == 1:  # not overloaded
+            yield entries[0], parameter
+        return
     kind = "return" if event.at.op == Op.ReturnValue else "store"
     root = name if kind == "return" else name.partition(".")[0].partition("[")[0]
     for one in statements:
@@ -213,6 +222,17 @@ def find_statements(text: str) -> list[Statement]:
             nodes = walk(field(function, "body"))
             inside = [one for node in nodes for one in _statements_at(file, node, name, returned)]
             found += sorted(inside, key=lambda one: one.end)
+    return found
+
+
+def find_entries(text: str) -> list[Statement]:
+    """The entries of a text's functions."""
+    found = []
+    for name, functions in Syntax(text).functions.items():
+        for function in functions:
+            start = field(function, "body").start_byte + 1
+            lines = (function.start_point[0] + 1, function.end_point[0] + 1)
+            found.append(Statement("entry", *lines, name, "", start, start))
     return found
 
 

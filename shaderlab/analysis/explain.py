@@ -124,7 +124,7 @@ def steps_at(
     given: Invocations, bands: Trace, driver: Mapping[Stored, Array], row: int
 ) -> tuple[Step, ...]:
     """What one invocation stores, step by step, with the driver's values where they are known. An
-    integer has a step where the driver has another one."""
+    integer or an argument has a step where the driver has another one."""
     single, exact = (
         trace_invocations(given, arithmetic).at(row) for arithmetic in (FLOAT32, FLOAT64)
     )
@@ -136,7 +136,7 @@ def steps_at(
         if known:
             value = driver[event].astype(np.float64)
         step = _step(given, event, value, known, _bounds(exact[key].value, row)[0], row)
-        if is_vector(event.value) or (known and not step.inside):
+        if (is_vector(event.value) and not event.is_argument) or (known and not step.inside):
             steps.append(step)
     return tuple(steps)
 

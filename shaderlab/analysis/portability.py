@@ -143,7 +143,7 @@ def _costliest_line(program: Program, batch: InputBatch, row: int) -> tuple[str,
         costs = [
             (precision_loss(event, own), event.line)
             for event in events
-            if event.mask[own] and is_vector(event.value)
+            if event.mask[own] and is_vector(event.value) and not event.is_argument
         ]
     finite = [one for one in costs if np.isfinite(one[0]) and one[0] > 0.0]
     return program.place(max(finite)[1]) if finite else ("", 0)

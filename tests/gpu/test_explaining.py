@@ -126,17 +126,24 @@ def test_an_author_s_mistake_is_found_by_the_reference_s_names(
     assert (Path(explained.file).name, explained.line) == ("lit.frag", line)
 
 
+@pytest.mark.parametrize(
+    ("words", "wrong", "line", "said"),
+    [
+        ("max(dot", "0.999 * max(dot", 13, "cosine is "),
+        ("share(cosine)", "share(at.x)", 17, "share(cosine) is "),
+    ],
+)
 def test_a_driver_s_mistake_is_found_by_the_shader_s_own_band(
-    lab: SceneRunner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    lab: SceneRunner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    words: str, wrong: str, line: int, said: str,
+) -> None:  # fmt: skip
     """The driver draws another text than the one that is interpreted."""
     meant = load(Shaders([]).from_text(SHADER, "fragment", "lit.frag"))
     monkeypatch.setattr(invocations, "program_of", lambda source: meant)
-    wrong = SHADER.replace("max(dot", "0.999 * max(dot")
-    explained = outcome_of(lab, case_of(tmp_path, wrong)).explanation
-    assert explained is not None and explained.line == 13
+    explained = outcome_of(lab, case_of(tmp_path, SHADER.replace(words, wrong))).explanation
+    assert explained is not None and explained.line == line
     assert explained.verdict.startswith("the driver is outside the shader's band; first at ")
-    assert ":13: cosine is " in explained.verdict
+    assert f":{line}: {said}" in explained.verdict
 
 
 def test_what_cannot_be_interpreted_changes_no_verdict(lab: SceneRunner, tmp_path: Path) -> None:

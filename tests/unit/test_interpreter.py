@@ -437,7 +437,7 @@ def test_the_trace_names_what_each_line_stores() -> None:
     }"""
     )
     seen: list[Stored] = []
-    run(text, trace=seen.append)
+    run(text, trace=lambda event: event.is_argument or seen.append(event))
     assert [(s.line, s.name, s.calls) for s in seen] == [
         (6, "half_of()", (10,)),
         (10, "light.position.y", ()),

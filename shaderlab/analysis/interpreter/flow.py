@@ -90,6 +90,7 @@ def _call(run: Run, at: Instruction, state: PathState) -> Any:
     function = run.program.functions[at.operands[0]]
     for parameter, argument in zip(function.parameters, at.operands[1:], strict=True):
         run.results[parameter] = run.value(argument)
+    run.trace_arguments(at, function, state)
     run.calls.append(at.line)
     end = run.call(function, state)
     run.calls.pop()

@@ -28,9 +28,12 @@ from .values import (
     broadcast,
     component,
     compose,
+    fetch,
     join,
     null,
+    part_type,
     select,
+    split_parts,
     undefined,
 )
 
@@ -41,7 +44,8 @@ class Stored:
 
     Attributes:
         at: the instruction.
-        name: the variable, or the part of it, as GLSL writes it; "f()" is the result of f.
+        name: the variable, or the part of it, as GLSL writes it; "f()" is the result of f,
+            "f(x)" what f is passed as x.
         value: floats of the arithmetic, an `Integer`, a `TriBool`, or a tuple of such, with one row
             or as many as there are invocations.
         mask: the invocations that were here; the value means nothing to others.
@@ -60,6 +64,11 @@ class Stored:
     def line(self) -> int:
         """The line of the program's text, counted from 1; see `Program.place`."""
         return self.at.line
+
+    @property
+    def is_argument(self) -> bool:
+        """Whether it is what a function is passed."""
+        return self.at.op == Op.FunctionCall
 
 
 Trace = Callable[[Stored], object]
@@ -300,6 +309,20 @@ class Run:
             calls, reads = tuple(self.calls), tuple(self._reads)
             self.trace(Stored(at, name, value, state.mask, calls, reads))
             self._reads.clear()
+
+    def trace_arguments(self, at: Instruction, function: Function, state: PathState) -> None:
+        """Trace the numbers and vectors that a function is passed."""
+        if self.trace is None:
+            return
+        called = self.program.name(function.id).partition("(")[0]
+        for id_, of in function.parameters.items():
+            value: Any = self.results[id_]
+            type_ = self.program.types[of]
+            if isinstance(value, Pointer):
+                type_ = part_type(self.program.variables[value.variable][0], value.path)
+                value = fetch(state.memory.get(value.variable), value.path, state.mask)
+            for name, part in split_parts(value, type_, f"{called}({self.program.name(id_)}"):
+                self.trace(Stored(at, f"{name})", part, state.mask, tuple(self.calls), ()))
 
     def note_read(self, value: Value) -> None:
         """Note for the trace what the next value may be computed of."""

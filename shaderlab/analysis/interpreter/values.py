@@ -7,7 +7,7 @@ samplers are `Texels`. None is what nothing was stored to.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -276,6 +276,22 @@ def format_place(name: str, type_: Type, path: Sequence[int | Integer]) -> str:
         name += type_.step("?" if isinstance(index, Integer) else index)
         type_ = type_.part(0 if isinstance(index, Integer) else index)
     return name
+
+
+def part_type(type_: Type, path: Sequence[int | Integer]) -> Type:
+    """The type of the part at the end of a path."""
+    for index in path:
+        type_ = type_.part(0 if isinstance(index, Integer) else index)
+    return type_
+
+
+def split_parts(value: Value, type_: Type, name: str) -> Iterator[tuple[str, Value]]:
+    """The numbers, vectors and matrices of a value, each by its name in GLSL."""
+    if isinstance(value, tuple):
+        for i, part in enumerate(value):
+            yield from split_parts(part, type_.part(i), name + type_.step(i))
+    elif isinstance(value, Band | Integer | TriBool | np.ndarray):
+        yield name, value
 
 
 def known_index(index: Any) -> int | Integer:
