@@ -52,12 +52,13 @@ def floor_in_light(
     size = pixel_size(FragPos, -1.25 * coverage, frag_coord)
     fields = mix(vec3(0.55), vec3(0.75), chessboard(FragPos * 10.0 / coverage))
     color = encoded(fields * vec3(1.0, 0.87, 0.66) * attenuation(length(FragPos), *light))
+    at_5, at_1 = reach(0.05, *light), reach(0.01, *light)
     rings = (
-        (lambda place: length(place) - reach(0.05, *light), 2.0, AMBER, 1.0),
-        (lambda place: length(place) - reach(0.01, *light), 2.0, BLUE, 1.0),
-        (lambda place: length(place) - coverage, 1.0, (1.0, 1.0, 1.0), 0.6),
+        (lambda distance: distance - at_5, 2.0, AMBER, 1.0),
+        (lambda distance: distance - at_1, 2.0, BLUE, 1.0),
+        (lambda distance: distance - coverage, 1.0, (1.0, 1.0, 1.0), 0.6),
     )
-    return vec4(with_lines(color, FragPos, size, rings), 1.0)
+    return vec4(with_lines(color, FragPos, size, rings, of=length), 1.0)
 
 
 def row(d, kl, kq, at_d, five, one, takes_over):

@@ -65,12 +65,13 @@ def dusty_air(
     beam = 0.55 * spot_intensity(FragPos, *cone) / (0.4 + dot(ray, ray))
     color = encoded(vec3(0.02, 0.03, 0.05) + vec3(1.0, 0.93, 0.75) * beam)
     in_front = step(0.05, length(ray))
-    lines = (
-        (lambda at: ratio(at) - 1.0, 1.5, AMBER, in_front),
-        (ratio, 1.5, BLUE, in_front),
-        (lambda at: distance(at) - 1.0, 1.0, (0.85, 0.85, 0.85), 0.35),
+    cones = (
+        (lambda ratio: ratio - 1.0, 1.5, AMBER, in_front),
+        (lambda ratio: ratio, 1.5, BLUE, in_front),
     )
-    return vec4(with_lines(color, across, size, lines), 1.0)
+    arc = (lambda distance: distance - 1.0, 1.0, (0.85, 0.85, 0.85), 0.35)
+    color = with_lines(color, across, size, cones, of=ratio)
+    return vec4(with_lines(color, across, size, [arc], of=distance), 1.0)
 
 
 def row(degrees, notes, ratio, intensity):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import reduce
 
 import numpy as np
@@ -25,6 +25,9 @@ from shaderlab.glslmath import (
 
 AMBER, BLUE = (1.00, 0.72, 0.25), (0.45, 0.70, 1.00)
 """The colours of lines in pictures."""
+
+REACH = (0, -1, 1)
+"""How far pixels lie from one, in pixels, between which GLSL may measure a change."""
 
 Field = Callable[[Value], Value]
 Color = tuple[float, float, float]
@@ -99,11 +102,18 @@ def change(field: Field, place: Value, size: Value) -> Value:
     >>> change(lambda place: place[..., :1] * 3.0, np.zeros((1, 2)), np.array([0.5, 0.1])).item()
     1.5
     """
+    return _change_of({k: field(near) for k, near in _places_around(place, size).items()})
+
+
+def _places_around(place: Value, size: Value) -> dict[tuple[int, int], Value]:
+    """The pixel's place, and those of its neighbours, by how far they are off."""
     right, up = vec2(swizzle(size, "x"), 0.0), vec2(0.0, swizzle(size, "y"))
-    reach = (0, -1, 1)
-    near = {(x, y): field(place + (x * right + y * up)) for x in reach for y in reach}
-    across = [near[k + 1, aside] - near[k, aside] for aside in reach for k in (0, -1)]
-    upward = [near[aside, k + 1] - near[aside, k] for aside in reach for k in (0, -1)]
+    return {(x, y): place + (x * right + y * up) for x in REACH for y in REACH}
+
+
+def _change_of(near: Mapping[tuple[int, int], Value]) -> Value:
+    across = [near[k + 1, aside] - near[k, aside] for aside in REACH for k in (0, -1)]
+    upward = [near[aside, k + 1] - near[aside, k] for aside in REACH for k in (0, -1)]
     return reduce(either, map(abs, across)) + reduce(either, map(abs, upward))
 
 
@@ -118,12 +128,21 @@ def line(field: Field, place: Value, size: Value, width: float) -> Value:
     >>> line(across, np.array([[1.0, 0.0], [1.1, 0.0], [1.3, 0.0]]), size, 2.0).ravel().tolist()
     [1.0, 0.5, 0.0]
     """
-    pixels = abs(field(place)) / max(change(field, place, size), 1.0e-12)
+    return _line_of(field(place), change(field, place, size), width)
+
+
+def _line_of(value: Value, change: Value, width: float) -> Value:
+    pixels = abs(value) / max(change, 1.0e-12)
     return 1.0 - smoothstep(0.5 * width - 0.5, 0.5 * width + 0.5, pixels)
 
 
 def with_lines(
-    color: Value, place: Value, size: Value, rows: Iterable[tuple[Field, float, Color, Value]]
+    color: Value,
+    place: Value,
+    size: Value,
+    rows: Iterable[tuple[Field, float, Color, Value]],
+    *,
+    of: Field = lambda place: place,
 ) -> Value:
     """A colour with lines over it, one after the other.
 
@@ -131,11 +150,14 @@ def with_lines(
         color: what is below them, (…, 3).
         place, size: as `change` takes them.
         rows: of each line its field, its width in pixels, its colour and how much it covers.
+        of: what the fields are functions of, in place of the place: evaluated once for them all.
 
     >>> rows = [(lambda place: place[..., :1], 2.0, (1.0, 0.5, 0.0), 0.5)]
     >>> with_lines(np.zeros(3), np.zeros((1, 2)), np.array([0.1, 0.1]), rows).tolist()
     [[0.5, 0.25, 0.0]]
     """
+    here, around = of(place), {k: of(near) for k, near in _places_around(place, size).items()}
     for field, width, hue, strength in rows:
-        color = mix(color, vec3(*hue), strength * line(field, place, size, width))
+        change = _change_of({k: field(near) for k, near in around.items()})
+        color = mix(color, vec3(*hue), strength * _line_of(field(here), change, width))
     return color

@@ -99,12 +99,7 @@ def load_obj(path: str | Path) -> tuple[Part, ...]:
 
 
 def read_bytes(source: Path, what: str, limit: int, too_large: str) -> bytes:
-    """A model's file.
-
-    Args:
-        what: a name of its kind, such as "an OBJ file".
-        limit: the most bytes that are read.
-        too_large: the remedy for a larger file.
+    """Read a model's file: `what` names its kind, `too_large` the remedy above `limit` bytes.
 
     Raises:
         AssetError: it is missing, a folder, unreadable or too large.
@@ -293,8 +288,6 @@ class Cloud:
 
 @dataclass(frozen=True)
 class _Header:
-    """What the header says, and where the data begin."""
-
     fields: tuple[str, ...]
     stride: int
     columns: int
@@ -422,11 +415,6 @@ def _check_size(header: _Header, data: bytes) -> None:
 
 
 def _parse_counts(words: list[str], name: str) -> list[int]:
-    """Counts in the header.
-
-    >>> _parse_counts(["4", "4", "1"], "SIZE")
-    [4, 4, 1]
-    """
     if not all(word.isdecimal() and len(word) < 16 for word in words):
         raise _pcd_error(f"its {name} is {' '.join(words)!r}, which is no count")
     return [int(word) for word in words]

@@ -35,6 +35,7 @@ from shaderlab.bands.rounding import (
     Float64Array,
     add_above,
     add_below,
+    add_outward,
     is_finite,
     is_power_of_two,
     widen_by_ulps,
@@ -53,7 +54,7 @@ def add(a: BandT, b: BandT) -> BandT:
     """a + b, correctly rounded in either direction."""
     a_lo, a_hi = a.apply_slack()
     b_lo, b_hi = b.apply_slack()
-    lo, hi = add_below(a_lo, b_lo), add_above(a_hi, b_hi)
+    lo, hi = add_outward((a_lo, a_hi), (b_lo, b_hi))
     if a_lo is a_hi and b_lo is b_hi and (lo == hi).all():
         hi = lo
     nan = None
@@ -84,11 +85,11 @@ def add(a: BandT, b: BandT) -> BandT:
     # Operands of one sign, once settled, are further from zero than any rearrangement can err.
     low, high = lo - step, hi + step
     positive = (low < 0.0) & (a.lo >= 0.0) & (b.lo >= 0.0)
-    if positive.any():
+    if np.count_nonzero(positive):
         positive &= (a_lo + b_lo >= step) | (hi >= terms.abs_sum * UNCANCELLED)
         low = np.where(positive, 0.0, low)
     negative = (high > 0.0) & (a.hi <= 0.0) & (b.hi <= 0.0)
-    if negative.any():
+    if np.count_nonzero(negative):
         negative &= (a_hi + b_hi <= -step) | (-lo >= terms.abs_sum * UNCANCELLED)
         high = np.where(negative, 0.0, high)
     return a.derive(low, high, b, nan=nan, terms=terms)
@@ -104,13 +105,15 @@ def _move_out_by_terms(
 ) -> Ends:
     """Bounds moved out by some steps of the terms: a sum times or over a plain value, once settled,
     keeps its sign when its terms are distributed, if its size is at least `least`."""
-    step = steps * terms.step()
+    step = terms.step()
+    if steps != 1:
+        step = steps * step
     low, high = lo - step, hi + step
     positive = (low < 0.0) & (lo >= 0.0)
-    if positive.any():
+    if np.count_nonzero(positive):
         low = np.where(positive & terms.safe() & (hi >= least), 0.0, low)
     negative = (high > 0.0) & (hi <= 0.0)
-    if negative.any():
+    if np.count_nonzero(negative):
         high = np.where(negative & terms.safe() & (-lo >= least), 0.0, high)
     return low, high
 
@@ -316,9 +319,9 @@ def sum_last(a: BandT) -> BandT:
         between = np.maximum(count - 2.0, 0.0) * step
         low, high = lo - between, hi + between
         positive, negative = (low < 0.0), (high > 0.0)
-        if positive.any():
+        if np.count_nonzero(positive):
             low = np.where(positive & _over_last(a_lo >= 0.0, np.logical_and), 0.0, low)
-        if negative.any():
+        if np.count_nonzero(negative):
             high = np.where(negative & _over_last(a_hi <= 0.0, np.logical_and), 0.0, high)
         lo, hi = low, high
     if not a.rules.rearrange:

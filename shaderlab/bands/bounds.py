@@ -170,7 +170,7 @@ def flush_gain_of(abs_sum: Float64Array, terms: Terms | None) -> Float64Array:
 
 def find_least(abs_sum: Float64Array) -> float:
     """The smallest size; infinite for an empty array."""
-    return float(abs_sum.min()) if abs_sum.size else np.inf
+    return float(np.minimum.reduce(abs_sum, axis=None)) if abs_sum.size else np.inf
 
 
 def may_be_tiny(abs_sum: Float64Array, least: float, *parts: Terms | None) -> bool:
@@ -178,7 +178,7 @@ def may_be_tiny(abs_sum: Float64Array, least: float, *parts: Terms | None) -> bo
     somewhere."""
     if any(part is not None and part.flush_gain is not None for part in parts):
         return True
-    return least < TINY and bool(((abs_sum > 0.0) & (abs_sum < TINY)).any())
+    return least < TINY and bool(np.count_nonzero((abs_sum > 0.0) & (abs_sum < TINY)))
 
 
 class Interval:

@@ -130,7 +130,6 @@ def difference(p: Any, frag_coord: Any, direction: str, *, own: bool) -> Any:
 
 
 def _choose_own(values: list[Any], missing: list[Any], second: Any) -> tuple[Any, Any]:
-    """Of the two rows or columns, each pixel's own."""
     lost = np.where(second, missing[1], missing[0])
     if not isinstance(values[0], Band):
         return np.where(second, values[1], values[0]), lost

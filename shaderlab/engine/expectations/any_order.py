@@ -207,11 +207,7 @@ def _find_same(one: Array, other: Array) -> Array:
 
 
 def _find_areas(apart: Array) -> Array:
-    """Those pixels that lie in a square of two by two of them.
-
-    >>> _find_areas(np.array([[1, 1, 0], [1, 1, 1]], bool)).astype(int).tolist()
-    [[1, 1, 0], [1, 1, 0]]
-    """
+    """Those pixels that lie in a square of two by two of them."""
     whole = apart[1:, 1:] & apart[:-1, 1:] & apart[1:, :-1] & apart[:-1, :-1]
     found = np.zeros_like(apart)
     for rows in (slice(1, None), slice(-1)):

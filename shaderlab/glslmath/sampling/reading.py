@@ -560,12 +560,7 @@ def _at_corners(texels: list[Array], across: list[Array], up: list[Array]) -> li
 
 
 def sample_volume(sampler: Sampler, p: Any) -> Span:
-    """A sample at s, t and r, by the filter that minifying and magnifying share.
-
-    Args:
-        sampler: of the kind "3D".
-        p: coordinates (count, 3) or (3,), as an array or a band.
-    """
+    """A sample of a "3D" texture at s, t and r, (count, 3) or (3,), an array or a band."""
     exact = sampler.rules is None
     depth, height, width, _ = level_values(sampler, 0).shape
     uvw = p if isinstance(p, Band) else np.asarray(p, np.float64)
