@@ -60,6 +60,9 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
 
     Only one run at a time may write to a folder; the lock goes with the process.
 
+    Attributes:
+        problem: why records are no longer written, such as a full disk; None while they are.
+
     Args:
         folder: the run's folder.
         plan: what is run; None resumes the run that is there.
@@ -69,7 +72,8 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
     """
 
     def __init__(self, folder: Path, plan: RunPlan | None) -> None:
-        path = folder / FILE_NAME
+        path = self._path = folder / FILE_NAME
+        self.problem: ShaderlabError | None = None
         try:
             descriptor = open_regular(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
         except OSError as error:
@@ -91,12 +95,16 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
         self._file.close()
 
     def add(self, value: RunPlan | Record) -> None:
-        """Append one line. Raises OSError: the disk is full; the run may be resumed."""
+        """Append one line. A full disk sets `problem`: the run goes on, for its verdicts."""
         from shaderlab.model import store  # not before workers get ready: it takes its time
 
         line = (store.encode(value) + "\n").encode("utf-8", "replace")
-        while line:
-            line = line[self._file.write(line) or 0 :]
+        try:
+            while line and self.problem is None:
+                line = line[self._file.write(line) or 0 :]
+        except OSError as error:
+            problem = f"{error.strerror}: records are no longer written here"
+            self.problem = ShaderlabError(problem, file=self._path)
 
 
 def _lock(file: IO[bytes], folder: Path) -> None:
@@ -158,7 +166,8 @@ class RecordedRun:
 
     Attributes:
         complete: whether all of the plan was run; an interrupt ends it early.
-        problems: files given in a shader's place that no program was made of.
+        problems: records that could not be written, and files given in a shader's place that no
+            program was made of.
         records: those of all drivers, where the run has several.
     """
 
@@ -237,8 +246,10 @@ def run_plan(
         replaced={name: display_path(file) for name, file in plan.options.shaders.items()},
         missing=len(plan.jobs) - len(made),
     )
-    ignored = () if run.missing else find_unused(plan.options.shaders, run.records)
-    return RecordedRun(run, plan.options.folder, not run.missing, tuple(ignored), made)
+    problems = [] if journal.problem is None else [journal.problem]
+    if not run.missing:
+        problems += find_unused(plan.options.shaders, run.records)
+    return RecordedRun(run, plan.options.folder, not run.missing, tuple(problems), made)
 
 
 def measure_coverage(
