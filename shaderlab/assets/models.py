@@ -415,6 +415,11 @@ def _check_size(header: _Header, data: bytes) -> None:
 
 
 def _parse_counts(words: list[str], name: str) -> list[int]:
+    """Return the counts in a line of a header.
+
+    >>> _parse_counts(["4", "4", "1"], "SIZE")
+    [4, 4, 1]
+    """
     if not all(word.isdecimal() and len(word) < 16 for word in words):
         raise _pcd_error(f"its {name} is {' '.join(words)!r}, which is no count")
     return [int(word) for word in words]

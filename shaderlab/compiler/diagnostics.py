@@ -6,12 +6,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from shaderlab.model.records import Diagnostic, Severity, Verdict
 
 from .glslang import SETTINGS, preprocess
 from .sources import Source
 from .syntax import GlslDeclaration, Syntax
+
+if TYPE_CHECKING:
+    from tree_sitter import Node
 
 _MESSAGE = re.compile(r"^(?P<severity>(?:INTERNAL )?ERROR|WARNING|NOTE): (?P<rest>.*)$")
 _PLACED = re.compile(
@@ -39,10 +43,19 @@ def parse_stage_log(log: str, source: Source) -> tuple[Diagnostic, ...]:
             found[source.diagnostic(message, at, severity=severity)] = None
         elif (message := placed["message"].strip()) != _TERMINATED:
             token = placed["token"] or ""
-            worded = f"'{token}' : {message}" if token else message
             at = int(placed["line"])
+            if token == "bad":  # glslang's preprocessor has no other word for it
+                token, message = _find_foreign(source, at) or (token, message)
+            worded = f"'{token}' : {message}" if token else message
             found[source.diagnostic(worded, at, severity=severity, token=token)] = None
     return tuple(found)
+
+
+def _find_foreign(source: Source, line: int) -> tuple[str, str] | None:
+    """Return a character of a line that GLSL does not have, and the message about it."""
+    code = source.code.split("\n")[line - 1]
+    foreign = next((letter for letter in code if not letter.isascii()), None)
+    return None if foreign is None else (foreign, "unexpected character")
 
 
 def parse_link_log(log: str, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
@@ -194,8 +207,8 @@ _DEFINE = re.compile(r"#[ \t]*define\b[ \t]*(.*)")
 _HARMLESS = re.compile(r"\w+(?:[ \t]+(?!(?:if|else|for|while|do|switch)\b)[\w.]+)?[ \t]*$")
 # Nodes that nest one level deeper in the compiler, and those that are an operator of an expression.
 _NESTING = frozenset([
-    "compound_statement", "parenthesized_expression", "if_statement", "else_clause",
-    "for_statement", "while_statement", "do_statement", "switch_statement",
+    "function_definition", "parenthesized_expression", "if_statement", "for_statement",
+    "while_statement", "do_statement", "switch_statement",
     "conditional_expression", "argument_list", "subscript_expression", "initializer_list",
 ])  # fmt: skip
 _OPERATING = frozenset([
@@ -260,7 +273,7 @@ def _find_deep_nesting(code: str) -> tuple[str, str, int] | None:
         node = cursor.node
         assert node is not None
         above.append((nesting, operators))
-        nesting += node.type in _NESTING
+        nesting += node.type in _NESTING or _is_bare_block(node)
         operators += node.type in _OPERATING
         if nesting > MAX_NESTING:
             what = f"nests deeper than {MAX_NESTING} levels"
@@ -275,6 +288,12 @@ def _find_deep_nesting(code: str) -> tuple[str, str, int] | None:
             if not cursor.goto_parent():
                 return None
             nesting, operators = above.pop()
+
+
+def _is_bare_block(node: Node) -> bool:
+    """Whether a node is a block in a block, not the body of a statement."""
+    parent = node.parent if node.type == "compound_statement" else None
+    return parent is not None and parent.type == "compound_statement"
 
 
 def _is_small(code: str) -> bool:

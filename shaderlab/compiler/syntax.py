@@ -178,7 +178,11 @@ class Syntax:
         declarators = node.children_by_field_name("declarator")
         body = next((child for child in node.children if child.type in _BODIES), None)
         start, end = self._start(node), node.end_byte
+        if type_ is not None and type_.type == "struct_specifier" and not _has_body(type_):
+            return self._placed(start, end, kind="other")
         if node.type == "struct_specifier":  # alone, its semicolon beside it
+            if not _has_body(node):
+                return self._placed(start, end, kind="other")
             end = self.bytes.find(b";", end) + 1 or end
             return self._struct(node, start, end, "", [])
         if type_ is not None and type_.type == "struct_specifier":
@@ -326,6 +330,11 @@ _BRANCHES = ("preproc_if", "preproc_ifdef", "preproc_elif", "preproc_elifdef", "
 
 def _blank(match: re.Match[bytes]) -> bytes:
     return re.sub(rb"[^\n]", b" ", match.group())
+
+
+def _has_body(struct: Node) -> bool:
+    """Whether a struct has members; C's `struct Light light;` has none."""
+    return struct.child_by_field_name("body") is not None
 
 
 def _top_level(node: Node) -> Iterator[Node]:

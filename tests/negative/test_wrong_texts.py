@@ -168,7 +168,10 @@ TEXTS: dict[str, tuple[str, str, list[tuple[int | None, str]]]] = {
     "a letter GLSL lacks": (
         "fragment",
         HEAD + "float é;\n" + MAIN,
-        [(3, "'�' : unexpected token")],
+        [
+            (3, "'é' : unexpected character"),
+            (3, "type parameter must be a constant integer expression"),
+        ],
     ),
     "an int attribute not flat": (
         "fragment",
@@ -415,8 +418,6 @@ TEXTS: dict[str, tuple[str, str, list[tuple[int | None, str]]]] = {
                 1,
                 "compute shaders require es profile with version 310 or above, or non-es profile with version 420 or above",
             ),
-            (2, "'gl_WorkGroupSize' : not supported for this version or the enabled extensions"),
-            (2, "'compute shaders' : required extension not requested: GL_ARB_compute_shader"),
         ],
     ),
     "a sum that overflows the stack": (
@@ -435,7 +436,7 @@ TEXTS: dict[str, tuple[str, str, list[tuple[int | None, str]]]] = {
     "branches too deep": (
         "fragment",
         HEAD + "uniform float x;\nvoid main() {\n" + "if (x > 0.0) {\n" * 1000 + "}" * 1001 + "\n",
-        [(202, NESTING)],
+        [(203, NESTING)],
     ),
     "a chain of branches too long": (
         "fragment",
@@ -445,10 +446,6 @@ TEXTS: dict[str, tuple[str, str, list[tuple[int | None, str]]]] = {
 }
 
 
-# For SPIR-V nothing is parsed where the preprocessor refuses the version.
-FIRST_ALONE = {"a compute stage too old": 1}
-
-
 @pytest.mark.parametrize("kind", TEXTS)
 def test_a_wrong_text_is_rejected_with_its_whole_message_at_its_line(kind: str) -> None:
     stage, text, messages = TEXTS[kind]
@@ -456,8 +453,7 @@ def test_a_wrong_text_is_rejected_with_its_whole_message_at_its_line(kind: str) 
     for verdict in compiled.verdicts:
         assert not verdict.ok
         assert verdict.spirv_bytes == 0
-        told = messages if verdict.target == "glsl" else messages[: FIRST_ALONE.get(kind)]
-        assert [(d.line, d.message) for d in verdict.diagnostics] == told
+        assert [(d.line, d.message) for d in verdict.diagnostics] == messages
         assert {(d.file, d.severity) for d in verdict.diagnostics} == {("wrong", "error")}
     assert compiled.interface is None
     assert compiled.spirv == {}
