@@ -10,7 +10,7 @@ import functools
 import importlib
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -89,8 +89,8 @@ class Session(ABC):
         self.programs = programs
 
     @abstractmethod
-    def draw(self) -> Drawn:
-        """Draw the passes in order, and read their attachments.
+    def draw(self, only: Container[str] | None = None) -> Drawn:
+        """Draw the passes in order, all or only these, and read their attachments.
 
         Raises:
             CaseError: the scene's data do not fit its programs or each other.

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import time
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -111,9 +111,10 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
 
     # Drawing.
 
-    def draw(self) -> Drawn:
+    def draw(self, only: Container[str] | None = None) -> Drawn:
         for description in self.scene.passes:
-            self._run_pass(description)
+            if only is None or description.name in only:
+                self._run_pass(description)
         return Drawn(
             images=self.images,
             bindings=self.bindings,

@@ -243,16 +243,37 @@ def _to_file_name(word: str) -> str:
 def enlarge(
     backend: Backend, scene: Scene, programs: Programs, images: Images, side: int
 ) -> Images:
-    """Draw a scene with `side` × `side` pixels where its targets have no size of their own; return
-    `images`, drawn in another size, where all have one.
+    """Draw a scene with `side` × `side` pixels where its targets have no size of their own: the
+    passes that depend on the size, and those that they read. The rest is taken from `images`, drawn
+    in another size.
 
     Raises:
         ShaderError, UnsupportedError, CaseError: it can't be drawn.
     """
-    if all(each.target.size is not None or each.computes for each in scene.passes):
+    needed = set(resized_passes(scene))
+    if not needed:
         return images
+    for description in reversed(scene.passes):
+        if description.name in needed:
+            needed |= _find_read_passes(description)
     with backend.session(scene, programs, (side, side)) as session:
-        return session.draw().images
+        return {**images, **session.draw(needed).images}
+
+
+def resized_passes(scene: Scene) -> Sequence[str]:
+    """The passes that depend on the frame's size: by their own targets or by what they read."""
+    found: dict[str, None] = {}
+    for description in scene.passes:
+        own = description.target.size is None and not description.computes
+        if own or not _find_read_passes(description).isdisjoint(found):
+            found[description.name] = None
+    return list(found)
+
+
+def _find_read_passes(description: Pass) -> set[str]:
+    """The earlier passes whose outputs a pass reads or draws onto."""
+    read = {output.pass_name for draw in description.draws for output in draw.outputs_read()}
+    return read | ({description.onto} if description.onto else set())
 
 
 def save_frames(folder: Path, case_id: str, variant: str, images: Images) -> None:

@@ -1,4 +1,5 @@
-"""A scene in the size for people: all images are those of the scene drawn in that size."""
+"""A scene in the size for people: what depends on the size is drawn once more with what it reads;
+all images are those of the whole scene drawn in that size."""
 
 from __future__ import annotations
 
@@ -8,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from shaderlab.drivers.passes import PassSession
 from shaderlab.engine.expectations.exact import exact
-from shaderlab.engine.pictures import enlarge
+from shaderlab.engine.pictures import enlarge, resized_passes
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.scene import Pass, Target, fullscreen
@@ -63,14 +65,26 @@ def scene(tmp_path: Path) -> Scene:
     return Case(title="t", id="t", file=file, passes=PASSES, expect=expect).scene("default")
 
 
-def test_what_has_no_size_of_its_own_is_drawn_in_the_size_for_people(scene: Scene) -> None:
+def test_only_what_depends_on_the_size_is_drawn_again(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[str] = []
+    run = PassSession._run_pass
+
+    def noted(session: PassSession[Any, Any], description: Pass) -> None:
+        drawn.append(description.name)
+        run(session, description)
+
     with SceneRunner() as lab:
         programs = lab.prepare(scene)
         with lab.evaluation(scene, programs) as evaluation:
             images = evaluation.drawn.images
         with lab.backend.session(scene, programs, (32, 32)) as session:
             wanted = session.draw().images
+        monkeypatch.setattr(PassSession, "_run_pass", noted)
         found = enlarge(lab.backend, scene, programs, images, 32)
+    assert resized_passes(scene) == ["smooth", "lit", "more", "after"]
+    assert drawn == ["table", "deep", "smooth", "lit", "more", "after"]
     assert list(found) == list(wanted)
     for key, image in found.items():
         assert image.format == wanted[key].format

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -43,9 +43,11 @@ class ConstantSession(Session):
         super().__init__(scene, programs)
         self.size = size
 
-    def draw(self) -> Drawn:
+    def draw(self, only: Container[str] | None = None) -> Drawn:
         images, bindings = {}, {}
         for description in self.scene.passes:
+            if only is not None and description.name not in only:
+                continue
             draws = self.programs[description.name]
             for index, draw in enumerate(draws):
                 bindings[description.name, index] = bind.bind(draw.draw, draw.interface, no_texels)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -49,10 +49,10 @@ class Drawing(PassSession[RenderTarget, Linker]):
         self._blocks = UniformBuffers(self.device, stack)
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
 
-    def draw(self) -> Drawn:
+    def draw(self, only: Container[str] | None = None) -> Drawn:
         recorder = self.device.recorder
         with nullcontext() if recorder is None else recorder.recording():
-            return super().draw()
+            return super().draw(only)
 
     def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
         return RenderTarget(self.device, target, colors, size)
