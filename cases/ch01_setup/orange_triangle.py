@@ -6,8 +6,8 @@ both axes. Each pixel whose centre lies inside the triangle gets the fragment sh
 127 and 128, and a driver may store either.
 
 Look at: the number of pixels. The triangle's area is ¼ and the window's is 2 × 2, so it covers 1/16
-of the window: 32400 of 720 × 720 pixels. Also look at the two reasons why the notes' text of this
-shader does not compile.
+of the window: 32400 of 720 × 720 pixels. Also look at the two reasons why this shader does not
+compile as it stands in the notes. Both look like slips of a conversion to another file format.
 """
 
 import numpy as np
@@ -32,7 +32,7 @@ CORNERS = np.array([(-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), (0.0, 0.5, 0.0)])
 
 
 def orange():
-    """The notes' colour: full red, half green, a fifth of blue."""
+    """Full red, half green, a fifth of blue."""
     return vec4(1.0, 0.5, 0.2, 1.0)
 
 
@@ -68,19 +68,33 @@ case = Case(
             (7, "syntax error, unexpected INTCONSTANT"),
             name="a trailing 0 is refused",
         ),
+        compile_fails(
+            "ch01_setup/errata/macro_twice.frag",
+            (4, "'#define' : Macro redefined; different substitutions: WIDTH"),
+            name="a macro defined twice, in two ways, is refused",
+        ),
     ],
     errata=[
         Erratum(
             section="1.2.2",
             says="#version 330_core",
-            truth="number and profile are two words: #version 330 core",
+            truth="number and profile are two words: #version 330 core. Most likely lost when "
+            "the notes were converted",
             proof="#version 330_core is refused",
         ),
         Erratum(
             section="1.2.2",
             says="the shader's text ends in }0",
-            truth="nothing may follow the closing brace but further declarations",
+            truth="nothing may follow the closing brace but further declarations. Most likely "
+            "added when the notes were converted",
             proof="a trailing 0 is refused",
+        ),
+        Erratum(
+            section="1.1",
+            says="another meaning is given for Visual C++'s warning C4005",
+            truth="C4005 means that a macro is defined a second time, with another text: two "
+            "headers define the same name. GLSL has the same rule, and makes it an error",
+            proof="a macro defined twice, in two ways, is refused",
         ),
     ],
 )

@@ -183,8 +183,9 @@ case = Case(
     errata=[
         Erratum(
             section="2.3.2",
-            says="dvecn is a vector of n doubles, listed among the types of GLSL 330",
-            truth="double, dvec2, dvec3 and dvec4 need #version 400; in 330 the words are reserved",
+            says="the table of vector types has dvecn, n doubles, and names no version",
+            truth="double, dvec2, dvec3 and dvec4 need #version 400; in 330, which the notes' "
+            "shaders are written in, the words are reserved",
             proof="dvec2 in 3.30 is refused",
         )
     ],

@@ -12,7 +12,7 @@ four pixels a texel throughout. The joints go first, then the bricks, and a sing
 
 import numpy as np
 
-from shaderlab import Case, Ramp, Texture, assets, formula
+from shaderlab import Case, Erratum, Ramp, Texture, assets, formula, gl_calls
 from shaderlab.glslmath import floor, swizzle, vec2
 from shaderlab.glslmath.sampling import texelFetch, textureSize
 from shaderlab.reference.filtering import box, level_count, texel_count
@@ -75,6 +75,7 @@ def shown(level):
 
 SIZES = {n: (float(SIDE >> n),) * 2 for n in range(1, LEVELS)}
 MEANS = {n: f"level {n} is the mean of level {n - 1}" for n in range(1, LEVELS)}
+GENERATED = "one call of glGenerateMipmap makes all levels"
 
 case = Case(
     title="The chain of mipmaps",
@@ -106,5 +107,14 @@ case = Case(
             },
             digits=0,
         ),
+        gl_calls("glGenerateMipmap", times=1, pass_name="level1", name=GENERATED),
+    ],
+    errata=[
+        Erratum(
+            section="2.4.4",
+            says="glGenerateMipmaps makes the levels",
+            truth="the function is called glGenerateMipmap, without an s; there is no other",
+            proof=GENERATED,
+        )
     ],
 )

@@ -96,7 +96,7 @@ case = Case(
             "(1, 2)",
             expect=[
                 *components(1.0, 2.0),
-                exact("otherVec", (3.0, 2.0, 2.0, 3.0), name="the notes' result"),
+                exact("otherVec", (3.0, 2.0, 2.0, 3.0), name="(3, 2, 2, 3)"),
             ],
         ),
         Variant("(0.1, −7)", {"someVec": (0.1, -7.0)}, expect=components(0.1, -7.0)),

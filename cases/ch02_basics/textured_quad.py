@@ -30,7 +30,7 @@ NOISE = np.random.default_rng(246).random((8, 8, 4))
 
 
 def square(colors, scale=(1.0, 1.0, 1.0), offset=(0.0, 0.0, 0.0)):
-    """The notes' quad, with a colour at each corner."""
+    """A quad with a colour at each corner."""
     return Mesh(
         attributes={
             "aPos": PLACES * np.array(scale) + np.array(offset),

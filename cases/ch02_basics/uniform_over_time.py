@@ -35,7 +35,7 @@ START = (-0.4, -0.3)  # time and green in the picture's corner
 
 
 def our_color(time):
-    """What the notes' render loop sends."""
+    """What a render loop sends."""
     return (0.0, sin(time) / 2.0 + 0.5, 0.0, 1.0)
 
 
@@ -78,7 +78,7 @@ def picture(corner, extent, moment):
 
 
 def frame(name, time, green):
-    """The picture at one moment, with the figure the notes' formula gives then."""
+    """The picture at one moment, with the figure the formula gives then."""
     color = our_color(time)
     return Variant(
         f"t = {name}",

@@ -7,14 +7,14 @@ hardware divides by the last one, w, which is the distance in front of the camer
 become small.
 
 Look at: the grid's lines. They are parallel on the quad and meet in the distance. The picture shows
-a larger quad from the same place; the numbers are the notes' own.
+a larger quad from the same place; the three matrices are those of the notes.
 """
 
 from math import radians
 
 import numpy as np
 
-from shaderlab import Case, Depth, Mesh, State, Target, assets, formula, mesh_pass, value
+from shaderlab import Case, Depth, Erratum, Mesh, State, Target, assets, formula, mesh_pass, value
 from shaderlab.glslmath import abs, fract, min, mix, smoothstep, swizzle, vec3
 from shaderlab.reference.transforms import (
     clip_position,
@@ -60,15 +60,17 @@ def floor_tiles(TexCoords, frag_coord):
     return mix(color, vec3(0.55, 0.65, 0.75), 0.6 * ((away - 2.1) / 1.8))
 
 
+BY_INTEGERS = "the corner, where 800 / 600 is divided as integers: x is a third too large"
+
 case = Case(
     title="Model, view, projection",
     section="3.4",
     math=r"\mathbf{c} = P\,V\,M\,(x, y, z, 1)^{\mathsf T}, \qquad "
     r"\mathbf{n} = (c_x, c_y, c_z)\,/\,c_w",
-    passes=(*tilted("picture", 2.2, (640, 480)), *tilted("notes", 0.5, (64, 48))),
+    passes=(*tilted("picture", 2.2, (640, 480)), *tilted("half", 0.5, (64, 48))),
     picture="picture.FragColor",
     expect=[
-        *(formula(f"{name}.FragColor", opaque(floor_tiles)) for name in ("picture", "notes")),
+        *(formula(f"{name}.FragColor", opaque(floor_tiles)) for name in ("picture", "half")),
         formula("gl_Position", clip_position),
         formula("Ndc", device_position),
         formula("picture.gl_Position", clip_position),
@@ -102,5 +104,24 @@ case = Case(
             digits=6,
             name="device coordinates of the corner",
         ),
+        value(
+            "Ndc",
+            at={
+                "aPos": (0.5, 0.5, 0.0),
+                "projection": perspective(radians(45.0), 800 // 600, 0.1, 100.0),
+            },
+            equals=(0.188329, 0.108021, 0.939533),
+            digits=6,
+            name=BY_INTEGERS,
+        ),
+    ],
+    errata=[
+        Erratum(
+            section="3.4",
+            says="the aspect ratio is the width divided by the height, which are integers",
+            truth="in C++ the quotient of two integers is an integer: 800 / 600 is 1, and what "
+            "is seen is a third too wide; one of the two has to be a float",
+            proof=BY_INTEGERS,
+        )
     ],
 )

@@ -65,8 +65,9 @@ LAST = {6 * k + 5: name for k, name in enumerate(AXES)}
 TURNS = {draw: f"{FULL[axis]:g}° around {axis}" for draw, axis in LAST.items()}
 THIRD = {"aPos": (1, 0, 0), "axis": (5, 5, 5), "angle": radians(120), "offset": (0, 0, 0)}
 RIGHT = {**THIRD, "axis": (0, 0, 1), "angle": radians(90)}
-# What the notes turn by 30° around z and move by (5, 6, 7), and what comes out.
-NOTES = {"aPos": (1.0, 2.0, 3.0), "axis": (0.0, 0.0, 1.0), "angle": radians(30.0)}
+# (1, 2, 3), turned by 30° around z and moved by (5, 6, 7): by equation 3.4 as it should read, and
+# as it is printed.
+TURNED = {"aPos": (1.0, 2.0, 3.0), "axis": (0.0, 0.0, 1.0), "angle": radians(30.0)}
 MENDED = (4.866025, 8.232051, 10.0)
 PRINTED = (-0.133975, 2.232051, 10.0), "V₁ and V₂ are missing"
 AT_ONCE = translate((5, 6, 7)) @ rotate(radians(30), (0, 0, 1)) @ (1, 2, 3, 1)
@@ -90,8 +91,8 @@ case = Case(
             {
                 "x becomes y": (RIGHT, (0.0, 1.0, 0.0)),
                 "a third of a turn around (5, 5, 5)": (THIRD, (0.0, 1.0, 0.0)),
-                "equation 3.4, mended": ({**NOTES, "offset": (5.0, 6.0, 7.0)}, MENDED),
-                "equation 3.4, as printed": ({**NOTES, "offset": (0.0, 0.0, 7.0)}, *PRINTED),
+                "equation 3.4, mended": ({**TURNED, "offset": (5.0, 6.0, 7.0)}, MENDED),
+                "equation 3.4, as printed": ({**TURNED, "offset": (0.0, 0.0, 7.0)}, *PRINTED),
             },
             reference=turned,
         ),
@@ -100,9 +101,9 @@ case = Case(
     errata=[
         Erratum(
             section="3.2",
-            says="equation 3.4 gives x cos θ − y sin θ and x sin θ + y cos θ, with no V₁ and V₂: "
-            "(−0.133975, 2.232051, 10, 1) for 30°, (1, 2, 3) and V = (5, 6, 7)",
-            truth="the last column counts for all three: (4.866025, 8.232051, 10, 1)",
+            says="equation 3.4 gives x cos θ − y sin θ and x sin θ + y cos θ, with no V₁ and V₂",
+            truth="the last column counts for all three: for 30°, (1, 2, 3) and V = (5, 6, 7) it "
+            "is (4.866025, 8.232051, 10, 1), and not (−0.133975, 2.232051, 10, 1)",
             proof="equation 3.4, mended",
         )
     ],

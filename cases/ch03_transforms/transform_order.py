@@ -126,7 +126,7 @@ case = Case(
             proof=BY_GLM,
         ),
         Erratum(
-            section="3.4",
+            section="4.2",
             says="glm::mat4 model; is an identity matrix",
             truth="it was until GLM 0.9.9; glm::mat4(1.0f) is one in every version",
             proof=FROM_ZEROS,

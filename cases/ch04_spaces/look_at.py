@@ -12,7 +12,7 @@ ones, wherever the camera goes.
 
 import numpy as np
 
-from shaderlab import Case, assets, formula
+from shaderlab import Case, Erratum, assets, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import mul, vec4
 from shaderlab.reference.spaces import in_camera
@@ -173,5 +173,14 @@ case = Case(
         ),
         *results({INVERSE: (lambda: inverse_gap() < 1e-15, 1.0, ROUNDING)}, digits=0),
         *results({"|f × up|": (unnormalised_side, 0.985611)}),
+    ],
+    errata=[
+        Erratum(
+            section="4.3",
+            says="places and directions are written glm::vec(…) (and in 5.9.1 too)",
+            truth="three floats are a glm::vec3; lookAt takes three of them, and gives the "
+            "matrix above",
+            proof="every vertex",
+        )
     ],
 )

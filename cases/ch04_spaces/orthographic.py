@@ -26,7 +26,7 @@ from ..scenes.studio import studio_color
 
 VIEW = look_at((3.4, 4.6, 3.0), (-0.6, 0.2, -7.0))
 BOX = {"left": -5.2, "right": 6.0, "bottom": -3.6, "top": 4.8, "near": 0.5, "far": 40.0}
-NOTES = {"left": -3.0, "right": 5.0, "bottom": -2.0, "top": 7.0, "near": 1.0, "far": 7.5}
+PLANES = {"left": -3.0, "right": 5.0, "bottom": -2.0, "top": 7.0, "near": 1.0, "far": 7.5}
 TRACK = stage.subject("ch04_spaces/orthographic.vert", railway(16.0), {"view": VIEW, **BOX})
 MATRIX = orthographic(*BOX.values())
 
@@ -68,7 +68,7 @@ case = Case(
                     ("the middle", (1.0, 2.5, -4.25), (0.0, 0.0, 0.0)),
                 )
             },
-            at={"aPos": (0.0, 0.0, 0.0), "view": np.eye(4), **NOTES},
+            at={"aPos": (0.0, 0.0, 0.0), "view": np.eye(4), **PLANES},
             reference=clip,
         ),
         *results(

@@ -22,7 +22,7 @@ from ..scenes.laws import device_place, unchanged
 from ..scenes.panels import panel, picture
 
 LARGE = (10, 20, 640, 480)
-NOTES = {"viewport": LARGE, "depthRange": (0.0, 1.0)}
+OFF_CENTRE = {"viewport": LARGE, "depthRange": (0.0, 1.0)}
 BEYOND = (-10, -20, 640, 480)
 CELLS = (
     Cell(column=0, row=0, columns=2, rows=1),
@@ -38,13 +38,13 @@ def rectangle(*corners):
 
 
 SQUARE = rectangle((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0))
-# A patch of 4 × 3 pixels of the notes' viewport, whose lower left corner is (½, −½); flat at 0.2.
+# A patch of 4 × 3 pixels of that viewport, whose lower left corner is (½, −½); flat at 0.2.
 PATCH = rectangle(
     (0.5, -0.5, 0.2), (0.5125, -0.5, 0.2), (0.5125, -0.4875, 0.2), (0.5, -0.4875, 0.2)
 )
 
 
-def filled(mesh, state, uniforms=NOTES):
+def filled(mesh, state, uniforms=OFF_CENTRE):
     """A rectangle in one viewport."""
     return Draw(
         vertex="ch04_spaces/viewport.vert",
@@ -95,7 +95,7 @@ def where_it_is(frag_coord):
 PLACE = {"aPos": (0.5, -0.5, 0.2)}
 NEAR, FAR = {"aPos": (0.5, -0.5, -1.0)}, {"aPos": (1.0, 1.0, 1.0)}
 NOTHING, THERE = (0.0, 0.0, 0.0), Pixel(470, 100)
-NOTES_PLACE = "(½, −½, 0.2) in the viewport (10, 20, 640, 480)"
+OFF_CENTRE_PLACE = "(½, −½, 0.2) in the viewport (10, 20, 640, 480)"
 IN_FLOAT64 = window(np.array(PLACE["aPos"]), np.array(LARGE), np.array([0, 1]))
 VIEWPORTS = {k: k + 1 for k in range(len(CELLS))}
 
@@ -141,14 +141,14 @@ case = Case(
         *figures(
             "judged.Window",
             {
-                NOTES_PLACE: ({}, (490.0, 140.0, 0.6)),
+                OFF_CENTRE_PLACE: ({}, (490.0, 140.0, 0.6)),
                 "lower left corner, near": ({"aPos": (-1.0, -1.0, -1.0)}, (10.0, 20.0, 0.0)),
                 "upper right corner, far": (FAR, (650.0, 500.0, 1.0)),
                 "depth range ¼ … ¾": ({"depthRange": (0.25, 0.75)}, (490.0, 140.0, 0.55)),
                 "depth range 0 … ½": ({"depthRange": (0.0, 0.5)}, (490.0, 140.0, 0.3)),
                 "depth range 1 … 0": ({**NEAR, "depthRange": (1.0, 0.0)}, (490.0, 140.0, 1.0)),
             },
-            at={**PLACE, **NOTES},
+            at={**PLACE, **OFF_CENTRE},
             reference=by_hand,
         ),
         coverage(12, pass_name="patch", name="the patch covers 4 × 3 pixels"),
@@ -166,6 +166,6 @@ case = Case(
         figure("middle.landed", "in the depth range ¼ … ¾", THERE, (470.5, 100.5, 0.55)),
         figure("turned.landed", "in the depth range 1 … 0", THERE, (470.5, 100.5, 0.4)),
         coverage(12, pass_name="middle", name="a viewport may reach beyond the window"),
-        *results({f"{NOTES_PLACE}, in float64": (IN_FLOAT64, (490.0, 140.0, 0.6))}, digits=9),
+        *results({f"{OFF_CENTRE_PLACE}, in float64": (IN_FLOAT64, (490.0, 140.0, 0.6))}, digits=9),
     ],
 )

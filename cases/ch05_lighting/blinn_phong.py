@@ -102,17 +102,17 @@ def strongest(specular):
     return specular.max()
 
 
-def notes_lobe(lobe, degrees):
-    """What the notes' formula, without a gate, gives for a lamp 5° below the surface and a viewer
-    so many degrees above the other side; shininess 8."""
+def ungated(lobe, degrees):
+    """What a lobe without a gate gives for a lamp 5° below the surface and a viewer so many degrees
+    above the other side; shininess 8."""
     eye = np.array([cos(radians(degrees)), 0.0, sin(radians(degrees))])
     return lobe(np.array(lit.GRAZING["Normal"]), np.array(lit.BELOW), eye, 8.0)
 
 
-NOTES = (
-    ("Phong", 10, notes_lobe(lobes.mirrored_lobe, 10), 0.757792),
-    ("Blinn", 10, notes_lobe(lobes.halfway_lobe, 10), 0.933574),
-    ("Blinn", 70, notes_lobe(lobes.halfway_lobe, 70), 0.156940),
+UNGATED = (
+    ("Phong", 10, ungated(lobes.mirrored_lobe, 10), 0.757792),
+    ("Blinn", 10, ungated(lobes.halfway_lobe, 10), 0.933574),
+    ("Blinn", 70, ungated(lobes.halfway_lobe, 70), 0.156940),
 )
 
 
@@ -175,8 +175,8 @@ case = Case(
         ),
         *results(
             {
-                f"the notes' {name} on a face turned away, seen {degrees}° above it": made
-                for name, degrees, *made in NOTES
+                f"{name} without a gate on a face turned away, seen {degrees}° above it": made
+                for name, degrees, *made in UNGATED
             }
         ),
         any_order("picture.FragColor"),
@@ -194,10 +194,11 @@ case = Case(
     ],
     errata=[
         Erratum(
-            section="5.7",
-            says="the specular term is (N·H)ˢ or (R·V)ˢ, whatever side of the surface the lamp is",
-            truth="a face turned away from the lamp has no highlight; without the gate, seen from "
-            "10° above with the lamp 5° below, Phong gives 0.757792 and Blinn 0.933574",
+            section="5.9.1",
+            says="the specular term is max(N·H, 0) to a power, on whatever side of the surface "
+            "the lamp is (and likewise R·V in 5.2.3)",
+            truth="a face turned away from the lamp has no highlight; without the gate, seen "
+            "from 10° above with the lamp 5° below, Phong gives 0.757792 and Blinn 0.933574",
             proof=lit.TURNED_AWAY,
         ),
     ],

@@ -87,8 +87,8 @@ case = Case(
         *figures(
             "FragColor",
             {
-                "coral in white light, by the notes": ({}, (1.0, 0.5, 0.31, 1)),
-                "coral in green light, by the notes": ({"lightColor": GREEN}, (0.0, 0.5, 0.0, 1)),
+                "coral in white light": ({}, (1.0, 0.5, 0.31, 1)),
+                "coral in green light": ({"lightColor": GREEN}, (0.0, 0.5, 0.0, 1)),
             },
             at={"Normal": (0.0, 0.0, 1.0), "lightColor": WHITE, "objectColor": CORAL},
             reference=PRODUCT,

@@ -45,9 +45,7 @@ case = Case(
         formula("lightDir", light_sources.direction_to_light),
         formula("FragColor", opaque(light_sources.directional)),
         *lit.picture_checks(),
-        figure(
-            "lightDir", "the notes' direction, turned around", POINT, (0.188144, 0.940721, 0.282216)
-        ),
+        figure("lightDir", "the direction, turned around", POINT, (0.188144, 0.940721, 0.282216)),
         *figures(
             "FragColor",
             {

@@ -1,13 +1,13 @@
 """A light with a colour for each part: how much of it is everywhere, how much comes from the lamp.
 
 With white for all three, the ambient part alone is as bright as the lamp, and everything is washed
-out. The notes' struct gives the light's own share of each part, and 0.2, 0.5 and 1 are a sensible
-start: (1.788356, 0.894301, 0.554560) at the point becomes (0.594301, 0.297273, 0.184402). The lamp
-has a position, and a colour only through these three.
+out. The struct gives the light's own share of each part, and 0.2, 0.5 and 1 are a sensible start:
+(1.788356, 0.894301, 0.554560) at the point becomes (0.594301, 0.297273, 0.184402). The lamp has a
+position, and a colour only through these three.
 
 Look at: the same vase of one material in four lights. Upper left all three parts are white: flat
-and overexposed. Upper right is the notes' 0.2, 0.5, 1. Lower left is a candle, whose shadows are
-deep and warm; lower right a bright blue sky with a weak lamp. The material has not changed.
+and overexposed. Upper right is 0.2, 0.5, 1. Lower left is a candle, whose shadows are deep and
+warm; lower right a bright blue sky with a weak lamp. The material has not changed.
 """
 
 from shaderlab import Case, assets
@@ -70,9 +70,9 @@ NAMES = {
     2: "vase by candlelight",
     5: "vase under the sky",
     8: "vase, all white",
-    9: "wall in the notes' light",
-    10: "floor in the notes' light",
-    -1: "vase in the notes' light",
+    9: "wall in the light of 0.2, 0.5, 1",
+    10: "floor in the light of 0.2, 0.5, 1",
+    -1: "vase in the light of 0.2, 0.5, 1",
 }
 
 case = Case(

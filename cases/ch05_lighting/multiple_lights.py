@@ -186,8 +186,9 @@ case = Case(
     errata=[
         Erratum(
             section="5.6",
-            says="vec3 output = vec3(0.0);",
-            truth="output is reserved for the future in GLSL: a variable can't be called so",
+            says="vec3 output; to which each lamp's light is then added",
+            truth="output is reserved in GLSL: a variable can't be called so. And a sum has to "
+            "begin at 0: without a value given to it a local variable holds anything",
             proof="a variable called output is refused",
         )
     ],

@@ -15,7 +15,7 @@ map's normals had to turn with it.
 
 import numpy as np
 
-from shaderlab import Case, Mesh, Texture, assets, formula
+from shaderlab import Case, Erratum, Mesh, Texture, assets, formula
 from shaderlab.glslmath import mul, normalize, swizzle, vec3, vec4, where
 from shaderlab.glslmath.sampling import texture
 from shaderlab.reference import tangent_space
@@ -215,5 +215,14 @@ case = Case(
             (0.003922, -0.003922, 1.0),
         ),
         *results({"how far the flat colour leans, in degrees": (TILT, 0.317755)}),
+    ],
+    errata=[
+        Erratum(
+            section="5.10",
+            says="normal mapping and bump mapping are one thing, and no TBN matrix is needed",
+            truth="a bump map holds heights, whose slopes tilt the normal (Blinn 1978); a normal "
+            "map holds directions in the texture's own frame, which TBN takes to the world",
+            proof="mapped: normals",
+        )
     ],
 )

@@ -100,7 +100,7 @@ def color(FragPos, Normal, camPos, albedo, metallic, roughness, lights_position,
 
 
 def at_the_point(roughness, metallic=0.0):
-    """The notes' point with one lamp, as strong as makes 1 at its distance of √6.44."""
+    """The test point with one lamp, as strong as makes 1 at its distance of √6.44."""
     dark = (0.0, 0.0, 0.0)
     return {
         "FragPos": (0.0, 0.0, 0.0),

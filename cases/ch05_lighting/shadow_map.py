@@ -123,17 +123,14 @@ case = Case(
                 "(1, 0, 2) in the map, with up = (1, 1, 1)": (in_light(AS_PRINTED), TURNED),
             }
         ),
-        # The notes multiply the ambient light by the colour twice.
-        *results(
-            {"the notes' ambient light on grey": (0.15 * GREY[0] * GREY[0], 0.0375)}, digits=4
-        ),
+        *results({"multiplied by the grey twice": (0.15 * GREY[0] * GREY[0], 0.0375)}, digits=4),
         figure("judged.FragColor", KEPT, IN_SHADOW, (0.075, 0.075, 0.075, 1.0)),
     ],
     errata=[
         Erratum(
             says="ambient = 0.15 · color, and the sum of all parts times color once more",
-            truth="the colour belongs to the light once: a grey of 0.5 in shadow is 0.075, "
-            "not 0.0375",
+            truth="the colour belongs to the light once: a grey of 0.5 in shadow is 0.075, not "
+            "0.0375",
             proof=KEPT,
         ),
         Erratum(

@@ -2,9 +2,10 @@
 
 The ray from the lamp is reflected about the normal. A viewer in its path sees a highlight, which
 fades with the angle from it: by the angle's cosine, raised to the power of the shininess. Of the
-three parts only this one depends on the viewer, so it moves when the viewer does. At the notes'
-point the cosine is 0.788110, and its 32nd power is next to nothing. A face that is turned away from
-the lamp gets no rays to reflect, so it has no highlight, even if the formula's cosine is large.
+three parts only this one depends on the viewer, so it moves when the viewer does. With the normal
+(0, 0, 1), a lamp at (1.2, 1, 2) and a viewer at (0, 0, 3) the cosine is 0.788110, and its 32nd
+power is next to nothing. A face that is turned away from the lamp gets no rays to reflect, so it
+has no highlight, even if the formula's cosine is large.
 
 Look at: the same ring and ball three times. Above is what ambient and diffuse light show: chalk. In
 the middle is the specular part alone, a few points of light on black. Below is the sum, and the
@@ -49,8 +50,10 @@ NAMES = dict(enumerate(f"{what}, {part}" for part in PARTS for what in ("ball", 
 LAMP = {"lightColor": lit.WHITE, "lightPos": lit.POINT_LAMP}
 POINT = {**lit.POINT, **LAMP, **strengths(0.1, 1.0, 0.5)}
 BEHIND = {**lit.GRAZING, "lightPos": lit.BELOW, "shininess": 8.0}
-# What the notes' lobe gives there, which does not ask whether the surface faces the lamp.
-NOTES_LOBE = mirrored_lobe(np.array(POINT["Normal"]), lit.BELOW, BEHIND["viewPos"], 8.0)
+# What a lobe gives there that does not ask whether the surface faces the lamp.
+UNGATED = mirrored_lobe(np.array(POINT["Normal"]), lit.BELOW, BEHIND["viewPos"], 8.0)
+STRONGEST = "1 for a viewer in the mirrored ray, at (−1.2, −1, 2)"
+MIRRORED = (-1.2, -1.0, 2.0)
 GREEN_HIGHLIGHT = "a green thing's highlight in white light"
 GREEN = {"lightPos": (0.0, 0.0, 2.0), "objectColor": (0.0, 1.0, 0.0)}
 ASIDE = {"viewPos": lit.ASIDE, "shininess": 0.5}
@@ -78,8 +81,9 @@ case = Case(
         figure("spec", "its 32nd power", {**POINT, "shininess": 32.0}, 0.000490666, digits=9),
         figure("FragColor", "colour at the point", POINT, (0.888356, 0.444178, 0.275390, 1.0)),
         figure("spec", lit.TURNED_AWAY, {**POINT, **BEHIND}, 0.0),
-        *results({"the notes' highlight there": (NOTES_LOBE, 0.757792)}),
+        *results({"a highlight without a gate there": (UNGATED, 0.757792)}),
         figure("FragColor", GREEN_HIGHLIGHT, {**POINT, **GREEN}, (0.0, 1.6, 0.0, 1.0)),
+        figure("spec", STRONGEST, {**POINT, "viewPos": MIRRORED, "shininess": 32.0}, 1.0),
         figure("spec", "nearly 90° from the mirrored ray", {**POINT, **ASIDE}, 0.071075),
         sweep(
             "spec",
@@ -105,6 +109,12 @@ case = Case(
             truth="on plastic they do, but the formula multiplies all by objectColor: a green "
             "thing's highlight in white light is green",
             proof=GREEN_HIGHLIGHT,
+        ),
+        Erratum(
+            section="5.2.3",
+            says="the highlight is at its maximum from everywhere",
+            truth="from the mirrored direction alone: 1 at (−1.2, −1, 2), 0.000491 at (0, 0, 3)",
+            proof=STRONGEST,
         ),
     ],
 )

@@ -2,11 +2,11 @@
 
 θ belongs to the ray from the lamp to the fragment, φ to the inner cone, γ to the outer one. The
 ratio is 1 on the inner cone and 0 on the outer one; the clamp takes care of everything inside and
-outside. A uniform `cutOff` has to hold a cosine, and a cosine of degrees: without the conversion
-to radians it is a number that looks like one and belongs to another cone.
+outside. A uniform `cutOff` has to hold a cosine, and a cosine of degrees: without the conversion to
+radians it is a number that looks like one and belongs to another cone.
 
-Look at: the beam from the side, in dusty air. Amber lines are the inner cone, blue lines the
-outer one, and on the grey arc, one unit from the lamp, lie the points of the table.
+Look at: the beam from the side, in dusty air. Amber lines are the inner cone, blue lines the outer
+one, and on the grey arc, one unit from the lamp, lie the points of the table.
 """
 
 from math import cos, radians, sin, tan
@@ -74,11 +74,11 @@ def dusty_air(
     return vec4(with_lines(color, across, size, [arc], of=distance), 1.0)
 
 
-def row(degrees, notes, ratio, intensity):
-    """Both figures one unit from the lamp, so many degrees off its axis; what the notes print."""
+def row(degrees, printed, ratio, intensity):
+    """Both figures one unit from the lamp, some degrees off its axis, and what the notes print."""
     at = {"FragPos": (sin(radians(degrees)), 0.0, -cos(radians(degrees)))}
     return (
-        figure("ratio", f"ratio at {degrees}°", at, ratio, note=f"the notes print {notes}"),
+        figure("ratio", f"ratio at {degrees}°", at, ratio, note=f"the notes print {printed}"),
         figure("intensity", f"intensity at {degrees}°", at, intensity),
     )
 
@@ -86,7 +86,7 @@ def row(degrees, notes, ratio, intensity):
 TURNED = {"tangent": -0.1, "light.direction": (0.5, 0.0, -1.0)}  # no unit vector either
 ON_AXIS = {"FragPos": (0.5, 0.0, -1.0), "light.direction": (0.5, 0.0, -1.0)}
 ASIDE = (0.5, -2.0, 1.5)
-# The notes' rows for the cone of 25° and 35°: angle, their figure, ratio, intensity.
+# The rows for the cone of 25° and 35°: angle, the notes' figure, ratio, intensity.
 WIDE = [
     *row(30, "0.56", 0.537811, 0.537811),
     *row(26, "0.89", 0.913789, 0.913789),
@@ -100,13 +100,16 @@ WIDE = [
 
 
 MIXED_UP = ratio_of_cosines(cos(radians(15.0)), cos(12.5), cos(radians(17.5)))
-NOTES = (MIXED_UP, 0.277, "rounding on the way made it 0.29")
-# The notes' row for the cone of 12.5° and 17.5°, whose cosine they took of radians.
+BY_RADIANS = (MIXED_UP, 0.277, "rounding on the way made it 0.29")
+NUMERATOR = "cos 15° − cos 17.5°, from figures of three digits"
+# The row for the cone of 12.5° and 17.5°, whose cosine the notes took of radians.
 NARROW = [
     *row(15, "0.29", 0.540717, 0.540717),
     *results({"cos 12.5°": (cos(radians(12.5)), 0.976296)}),
     *results({"cos(12.5 rad)": (cos(12.5), 0.9978, "the notes' 0.9978")}, digits=4),
-    *results({"with the notes' cosine": NOTES}, digits=3),
+    *results({"with the cosine of 12.5 rad": BY_RADIANS}, digits=3),
+    *results({NUMERATOR: (0.966 - 0.953, 0.013)}, digits=3),
+    *results({"cos(12.5 rad) − cos 17.5°, likewise": (0.9978 - 0.953, 0.0448)}, digits=4),
 ]
 
 case = Case(
@@ -136,6 +139,13 @@ case = Case(
             says="θ = 15°, φ = 12.5°, γ = 17.5°: cos φ = 0.9978, I = 0.29",
             truth="0.9978 is the cosine of 12.5 radians; cos 12.5° = 0.976296 and I = 0.540717",
             proof="ratio at 15°",
-        )
+        ),
+        Erratum(
+            section="5.5.3",
+            says="0.966 − 0.953 = 0.0448, and the fraction on one line without parentheses",
+            truth="0.966 − 0.953 = 0.013; 0.0448 is the denominator, 0.9978 − 0.953. Both "
+            "differences need parentheses: (0.966 − 0.953) / (0.9978 − 0.953)",
+            proof=NUMERATOR,
+        ),
     ],
 )

@@ -49,10 +49,10 @@ def strip(row, near):
     return tested("ch06_tests/depth_strip", SQUARE, uniforms, cell=place, **state)
 
 
-def strips(name, near):
+def strips(name, near, depth="depth24"):
     """The depth buffer around all places."""
     draws = (strip(row, near) for row in range(len(PLACES)))
-    return picture(draws, (WIDTH, 2 * len(PLACES)), name, depth="depth24")
+    return picture(draws, (WIDTH, 2 * len(PLACES)), name, depth=depth)
 
 
 def charted(decade, near, far):
@@ -113,6 +113,12 @@ def steps(series, near):
         )
 
 
+def off_a_whole_number(depth, F):
+    """How far depths of 16 bits are from whole numbers of steps, or from F by more than ½ step."""
+    codes, exact = (x.astype(np.float64) * (2.0**16 - 1.0) for x in (depth, F))
+    return max(np.abs(codes - np.round(codes)).max(), np.abs(codes - exact).max() - 0.5)
+
+
 def share(start, stop, near):
     """The share of all codes between two distances."""
     return window_depth(stop, near, FAR) - window_depth(start, near, FAR)
@@ -123,6 +129,7 @@ def largest_error(depth, F):
     return np.abs(depth - F).max()
 
 
+FIXED = "steps of 16 bits are even: depth is a whole number of them"
 GREY, DARK = (0.75, 0.75, 0.75, 1.0), (0.10, 0.13, 0.20, 1.0)
 HALFWAY = {"aPos": (0.5, 0.0, 0.0), "middle": 10.0, "slope": 4.0}
 AT_TWO = {"decade": 0.30102999566398, "near": 1.0}
@@ -135,6 +142,7 @@ case = Case(
     passes=(
         strips("tenth", 0.1),
         strips("one", 1.0),
+        strips("sixteen", 1.0, "depth16"),
         *enlarged((chart(0, 0.1), chart(1, 1.0)), (108, 54), 9, judged="judged"),
     ),
     picture="picture.FragColor",
@@ -164,6 +172,13 @@ case = Case(
             ],
             at_most=1.0e-6,
             note="a step of the buffer is 6e-8, and so is one of a float below 1",
+        ),
+        measure(
+            FIXED,
+            off_a_whole_number,
+            reads={"depth": "sixteen.depth", "F": "sixteen.F"},
+            at_most=0.02,
+            note="both are read as floats of 24 bits",
         ),
         measure(
             "distance of two steps",
@@ -196,6 +211,13 @@ case = Case(
             says="distances from 50 to 100 take 2 % of the depth range",
             truth="1.0101 % for n = 1 and f = 100, 0.1001 % for n = 0.1",
             proof="z from 50 to 100, n = 1",
+        ),
+        Erratum(
+            section="6.2",
+            says="depth is stored as a float of 16 or 24 bits",
+            truth="16 and 24 bits are fixed point, steps of 1 / (2ᵇ − 1) from 0 to 1; a float "
+            "depth has 32 bits (GL_DEPTH_COMPONENT32F)",
+            proof=FIXED,
         ),
     ],
 )

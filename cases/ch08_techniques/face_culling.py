@@ -25,7 +25,7 @@ from ..scenes.panels import cell, picture
 SQUARE = Mesh(**assets.quad(1.75)).only("aPos")
 # The quad of section 2.2.7: both of its triangles run clockwise.
 CORNERS = np.array([(0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, 0.5, 0.0)])
-NOTES = Mesh(attributes={"aPos": CORNERS}, indices=np.array([0, 1, 3, 1, 2, 3]))
+QUAD = Mesh(attributes={"aPos": CORNERS}, indices=np.array([0, 1, 3, 1, 2, 3]))
 CUBE = Mesh(**assets.cube()).only("aPos")
 WINDINGS, FRONTS = ("ccw", "cw"), ("ccw", "cw")
 CULLED = (None, "front", "back", "front_and_back")
@@ -81,7 +81,7 @@ TRUTH = np.block([[[inner(c, r)] for c in range(4)] for r in range(4)])
 
 def whole(name, mesh, depth=None, **state):
     """One mesh over a window of its own."""
-    side = 720 if mesh is NOTES else 64
+    side = 720 if mesh is QUAD else 64
     draw = drawn(SHADERS, mesh, {"turned": False}, depth=depth, **state)
     return picture([draw], (side, side), name, clear=PAPER, depth="depth24")
 
@@ -111,8 +111,8 @@ case = Case(
     r"\text{counter-clockwise} \iff A > 0",
     passes=(
         picture(TABLE, (256, 256), "table", clear=PAPER),
-        whole("back, ccw", NOTES, cull="back", front_face="ccw"),
-        whole("back, cw", NOTES, cull="back", front_face="cw"),
+        whole("back, ccw", QUAD, cull="back", front_face="ccw"),
+        whole("back, cw", QUAD, cull="back", front_face="cw"),
         whole("cube", CUBE),
         whole("cube, culled", CUBE, cull="back"),
         whole("cube, culled and tested", CUBE, depth=Depth(), cull="back"),
@@ -151,8 +151,8 @@ case = Case(
         Erratum(
             section="8.1",
             says="to make clockwise faces the front, call glFrontFace(GL_CCW)",
-            truth="GL_CCW is counter-clockwise, and the default: with it clockwise faces are back "
-            "faces, and culling GL_BACK leaves nothing of them",
+            truth="GL_CCW is counter-clockwise, and the default: with it clockwise faces are "
+            "back faces, and culling GL_BACK leaves nothing of them",
             proof="2.2.7's quad, GL_BACK and GL_CCW",
         )
     ],

@@ -3,8 +3,9 @@
 Depth and stencil are needed while a scene is drawn, and seldom afterwards. A renderbuffer is memory
 for just that, in whatever layout suits the driver: it attaches to a framebuffer and to no texture
 unit, so no sampler can read it. A framebuffer is complete when each of its attachments is, when
-there is at least one, and when their numbers of samples agree. There need be no colour, a depth
-attachment alone is complete; and sizes may differ, then what all of them cover can be drawn.
+there is at least one, and when their numbers of samples agree. A framebuffer has at least eight
+points for colour attachments and one each for depth and stencil, but none of them has to be used: a
+depth attachment alone is complete. Sizes may differ; then what all of them cover can be drawn.
 
 Look at: on the left a small near square and a large far one with a depth renderbuffer, on the right
 without one: there the far square, drawn last, hides the near one.
@@ -12,7 +13,7 @@ without one: there the far square, drawn last, hides the near one.
 
 import numpy as np
 
-from shaderlab import Case, Depth, Erratum, assets, exact, formula
+from shaderlab import Case, Depth, assets, exact, formula
 from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.glslmath import swizzle, vec4
 
@@ -150,13 +151,5 @@ case = Case(
             renderbuffer("a", COLOR, "GL_DEPTH_COMPONENT24"),
         ),
         *errors({"storage with renderbuffer 0 bound: 0x0502": (STORAGE, REFUSED)}),
-    ],
-    errata=[
-        Erratum(
-            section="8.2",
-            says="a framebuffer needs at least one colour attachment to be complete",
-            truth="with glDrawBuffer(GL_NONE) and glReadBuffer(GL_NONE) depth alone is complete",
-            proof="depth alone",
-        ),
     ],
 )

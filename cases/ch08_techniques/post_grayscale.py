@@ -4,18 +4,18 @@ The scene is drawn into a texture first; a second pass draws one rectangle over 
 reads that texture, so each of its pixels can be changed at will. The mean of red, green and blue
 treats all channels alike. The eye does not: green looks much brighter than red, and red brighter
 than blue. Rec. 709 weighs them by .2126, .7152 and .0722. Its weights are those of light, and a
-picture holds numbers that stand for light: the notes weigh the numbers, which is called luma and is
-a shortcut. To be right, decode, weigh, encode. The difference is largest for strong colours, and 0
-for greys.
+picture holds numbers that stand for light. To weigh the numbers themselves is called luma, and is a
+shortcut. To be right, decode, weigh, encode. The difference is largest for strong colours, and 0
+for greys. The notes have the mean alone; the weights are this lesson's.
 
 Look at: the left third, the average; the middle, luma; the right third, the light's own luminance.
 The blue ring turns almost black in the middle. The coral of the ball (1, .5, .31) is .603333 by the
-average, .592582 by luma and .639345 by its light.
+average, .592582 by luma and .639316 by its light.
 """
 
 import numpy as np
 
-from shaderlab import Case, Erratum, Texture, assets, coverage, formula
+from shaderlab import Case, Texture, assets, coverage, formula
 from shaderlab.glslmath import swizzle, vec4, where
 from shaderlab.glslmath.sampling import texture
 from shaderlab.reference import post_processing
@@ -94,14 +94,5 @@ case = Case(
         *results({"luminance of coral by sRGB's own curve": (BY_SRGB, 0.643)}, digits=3),
         *results({"weights of Rec. 709 together": (TOGETHER, 1.0, "white stays white")}, digits=4),
         *photograph_checks(),
-    ],
-    errata=[
-        Erratum(
-            section="8.2.3",
-            says="Rec. 709's weights, applied to the colours of the picture, give its brightness",
-            truth="the weights are those of light; of the encoded picture they make luma, 0.592582 "
-            "for coral, where its luminance is 0.639316",
-            proof="luminance of coral",
-        )
     ],
 )

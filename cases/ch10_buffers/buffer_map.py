@@ -18,7 +18,17 @@ that were copied.
 
 import numpy as np
 
-from shaderlab import Case, Output, Texture, attribute_layout, exact, formula, gl_call, gl_calls
+from shaderlab import (
+    Case,
+    Erratum,
+    Output,
+    Texture,
+    attribute_layout,
+    exact,
+    formula,
+    gl_call,
+    gl_calls,
+)
 from shaderlab.engine.expectations.gl_call import Object, call
 
 from ..scenes.api import answers, errors
@@ -41,6 +51,7 @@ READ, WRITE, GIVE_UP = "GL_MAP_READ_BIT", "GL_MAP_WRITE_BIT", "GL_MAP_INVALIDATE
 UNMAP = ("glUnmapBuffer", "GL_ARRAY_BUFFER")
 MAPPED = (*BOUND, call(*TO_WRITE))
 REFUSED = "invalid_operation"
+UNBOUND = "map with buffer 0 bound: 0x0502"
 IMAGE = {"width": 480, "height": 320, "internalformat": "GL_RGBA8", "times": 1}
 
 
@@ -83,7 +94,7 @@ case = Case(
         exact("picture.FragColor", Output("picture, copied.FragColor"), name="same as from memory"),
         gl_calls("glMapBufferRange", length=4 * 480 * 320, times=1, name="written"),
         gl_calls("glTexImage2D", **IMAGE, pixels="NULL", after="glUnmapBuffer", name="then read"),
-        gl_call(*TO_WRITE, raises=REFUSED, name="map with buffer 0 bound: 0x0502"),
+        gl_call(*TO_WRITE, raises=REFUSED, name=UNBOUND),
         gl_call(*TO_WRITE, before=BOUND, name="map with a buffer bound"),
         gl_call(*TO_WRITE, before=MAPPED, raises=REFUSED, name="map what is mapped"),
         gl_call(*UNMAP, before=MAPPED, returns="GL_TRUE", name="unmap"),
@@ -105,5 +116,15 @@ case = Case(
         ),
         attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, name="positions, then colours"),
         *rosette_checks(),
+    ],
+    errata=[
+        Erratum(
+            section="10",
+            says="glBindBuffer(GL_ARRAY_BUFFER, 0) is called before glMapBuffer(GL_ARRAY_BUFFER, "
+            "…)",
+            truth="what is mapped is what is bound: with 0 bound the call raises 0x0502 and "
+            "returns no address",
+            proof=UNBOUND,
+        )
     ],
 )

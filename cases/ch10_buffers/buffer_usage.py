@@ -49,6 +49,8 @@ TIMES = {"stream": 1, "static": 1, "dynamic": 3}
 WRITTEN = {"stream": "written once", "static": "written once", "dynamic": "written thrice"}
 ALL = [hinted(usage, cell(place, 3, 3)) for place, usage in enumerate(USAGES)]
 
+LAYOUT = "what the vertex array holds: bytes to begin at, and strides"
+
 case = Case(
     title="Usage hints",
     section="10",
@@ -65,7 +67,9 @@ case = Case(
             "picture.FragColor", encoded, {k: f"picture, {u}" for k, u in enumerate(USAGES)}
         ),
         coverage(9360, pass_name="stream_draw", name="pixels of one rosette"),
-        attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, pass_name="static_draw"),
+        attribute_layout(
+            {"aPos": (0, 12), "aColor": (84, 12)}, pass_name="static_draw", name=LAYOUT
+        ),
         *(
             gl_calls(
                 "glBufferData",
@@ -100,6 +104,19 @@ case = Case(
             says="data in a GL_STATIC_DRAW buffer does not change",
             truth="it is a hint: the buffer was made empty, and glBufferSubData wrote to it since",
             proof="STATIC_DRAW",
-        )
+        ),
+        Erratum(
+            section="10",
+            says="the hints of READ and COPY are for PBOs and FBOs only",
+            truth="any buffer takes all nine: this one holds vertices, and is drawn from",
+            proof="STATIC_READ",
+        ),
+        Erratum(
+            section="10",
+            says="a VBO lies in main memory, a VAO on the graphics card",
+            truth="where a buffer lies is the driver's choice, which these hints may guide; a "
+            "VAO holds no vertices, it says from which buffer and byte each attribute is read",
+            proof=LAYOUT,
+        ),
     ],
 )

@@ -48,7 +48,7 @@ TEXTURED = "ch05_lighting/lit_textured.vert"
 PLACED = "ch07_maps/placed.vert"
 BLACK = (0.0, 0.0, 0.0, 0.0)
 
-# The notes' test point: a surface in the origin that faces +z, the viewer before it, a lamp aside.
+# A test point: a surface in the origin that faces +z, the viewer before it, a lamp aside.
 POINT = {"FragPos": (0.0, 0.0, 0.0), "Normal": (0.0, 0.0, 1.0), "viewPos": (0.0, 0.0, 3.0)}
 POINT_LAMP = (1.2, 1.0, 2.0)
 # From here the viewer is nearly 90° from the mirrored ray, where a lobe without its clamp shows.
@@ -60,7 +60,7 @@ TOWARDS_BELOW = tuple(-x for x in BELOW)
 GRAZING = {**POINT, "viewPos": (math.cos(math.radians(10.0)), 0.0, math.sin(math.radians(10.0)))}
 TURNED_AWAY = "no highlight on a face turned away"
 CORAL, HALF, WHITE = (1.0, 0.5, 0.31), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)
-# Light at that point as the notes have it, and a coral surface.
+# Light at that point, and a coral surface.
 POINT_LIGHT = {"light.ambient": (0.2, 0.2, 0.2), "light.diffuse": HALF, "light.specular": WHITE}
 CORAL_POINT = {
     "FragPos": POINT["FragPos"],

@@ -1,6 +1,6 @@
 """Things that swing in time.
 
-Source: the OpenGL study notes, section 2.3.4.
+The first is that of section 2.3.4 of the notes.
 """
 
 from __future__ import annotations

@@ -18,5 +18,5 @@ void main()
     vec3 viewDir = normalize(viewPos - FragPos);
     Surface surface = Surface(FragPos, normalize(Normal), viewDir, Color, specular, shininess);
     lightDir = normalize(-light.direction);
-    FragColor = vec4(fromDirLight(light, surface), 1.0);
+    FragColor = vec4(CalcDirLight(light, surface), 1.0);
 }

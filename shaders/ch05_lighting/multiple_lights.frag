@@ -24,10 +24,10 @@ void main()
     vec3 viewDir = normalize(viewPos - FragPos);
     Surface surface = Surface(FragPos, normalize(Normal), viewDir, Color, specular, shininess);
 
-    directional = fromDirLight(dirLight, surface);
+    directional = CalcDirLight(dirLight, surface);
     points = vec3(0.0);
     for (int i = 0; i < POINT_LIGHTS; ++i)
-        points += fromPointLight(pointLights[i], surface);
-    spot = fromSpotLight(spotLight, surface);
+        points += CalcPointLight(pointLights[i], surface);
+    spot = CalcSpotLight(spotLight, surface);
     FragColor = vec4(directional + points + spot, 1.0);
 }

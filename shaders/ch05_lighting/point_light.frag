@@ -19,5 +19,5 @@ void main()
     Surface surface = Surface(FragPos, normalize(Normal), viewDir, Color, specular, shininess);
     Attenuation fading = Attenuation(light.constant, light.linear, light.quadratic);
     factor = attenuationAt(fading, length(light.position - FragPos));
-    FragColor = vec4(fromPointLight(light, surface), 1.0);
+    FragColor = vec4(CalcPointLight(light, surface), 1.0);
 }

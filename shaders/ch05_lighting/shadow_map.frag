@@ -26,7 +26,7 @@ void main()
     vec3 viewDir = normalize(viewPos - FragPos);
 
     float bias = slopeBias(normal, lightDir, leastBias, mostBias);
-    shadow = shadowAround(shadowMap, shadowCoordinates(FragPosLightSpace), bias, radius);
+    shadow = ShadowCalculation(shadowMap, shadowCoordinates(FragPosLightSpace), bias, radius);
     place = FragPos;
     upright = normal;
 

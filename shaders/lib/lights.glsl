@@ -50,16 +50,16 @@ vec3 directed(Surface surface, vec3 lightDir, vec3 diffuse, vec3 specular)
     return diffuse * (diff * surface.diffuse) + specular * (spec * surface.specular);
 }
 
-// The notes' CalcDirLight: from so far away that all rays are parallel and none has faded.
-vec3 fromDirLight(DirLight light, Surface surface)
+// From so far away that all rays are parallel and none has faded.
+vec3 CalcDirLight(DirLight light, Surface surface)
 {
     vec3 lightDir = normalize(-light.direction);
     return light.ambient * surface.diffuse
          + directed(surface, lightDir, light.diffuse, light.specular);
 }
 
-// The notes' CalcPointLight: in all directions from one place, fading on the way.
-vec3 fromPointLight(PointLight light, Surface surface)
+// In all directions from one place, fading on the way.
+vec3 CalcPointLight(PointLight light, Surface surface)
 {
     vec3 ray = light.position - surface.place;
     Attenuation fading = Attenuation(light.constant, light.linear, light.quadratic);
@@ -67,8 +67,9 @@ vec3 fromPointLight(PointLight light, Surface surface)
     return attenuationAt(fading, length(ray)) * (light.ambient * surface.diffuse + part);
 }
 
-// The notes' CalcSpotLight: a point light that shines into a cone with a soft edge.
-vec3 fromSpotLight(SpotLight light, Surface surface)
+// A point light that shines into a cone with a soft edge. The notes only have a call of it, in a
+// comment: what it does is written here.
+vec3 CalcSpotLight(SpotLight light, Surface surface)
 {
     vec3 ray = light.position - surface.place;
     Attenuation fading = Attenuation(light.constant, light.linear, light.quadratic);

@@ -22,7 +22,7 @@ float shadowOf(float current, float closest, float bias)
 
 // The share of (2 radius + 1)² neighbouring texels that say shadow: comparisons, not depths, are
 // averaged.
-float shadowAround(sampler2D shadowMap, vec3 place, float bias, int radius)
+float ShadowCalculation(sampler2D shadowMap, vec3 place, float bias, int radius)
 {
     vec2 texel = 1.0 / vec2(textureSize(shadowMap, 0));
     float sum = 0.0;

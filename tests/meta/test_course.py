@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.catalogue import shipped
-from tests.meta.course import PAGE, SECTIONS, WITHIN, names_of, page, rows
+from tests.meta.course import LEFT_OUT, PAGE, SECTIONS, WITHIN, names_of, page, rows
 
 
 def test_the_page_is_what_the_cases_make_of_it(repository: Path) -> None:
@@ -13,9 +13,10 @@ def test_the_page_is_what_the_cases_make_of_it(repository: Path) -> None:
     assert found == page(), "run `python -m tests.meta.course`"
 
 
-def test_every_section_has_a_proof() -> None:
+def test_every_section_has_a_proof_or_says_why_not() -> None:
     proved = {section: [by for _, _, by in rows(section)] for section in SECTIONS}
-    assert {section for section, found in proved.items() if not found or not all(found)} == set()
+    without = {section for section, found in proved.items() if not found or not all(found)}
+    assert without <= set(LEFT_OUT) <= set(SECTIONS)
 
 
 def test_every_lesson_is_of_a_section() -> None:

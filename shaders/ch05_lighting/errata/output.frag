@@ -4,7 +4,7 @@ out vec4 FragColor;
 
 void main()
 {
-    vec3 output = vec3(0.0);
+    vec3 output;
     output += vec3(1.0, 0.5, 0.31);
     FragColor = vec4(output, 1.0);
 }
