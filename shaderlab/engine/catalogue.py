@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING
 
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CaseError, ShaderlabError, UsageError, suggest
-from shaderlab.files import search_folder
+from shaderlab.files import read_regular, search_folder
 
 if TYPE_CHECKING:
     from shaderlab.compiler.sources import Shaders
@@ -76,21 +76,23 @@ def inspect_file(path: Path) -> str | None:
     """Tell what a file is, without importing it; never raises.
 
     Returns:
-        "" for a case file, the reason why a file is none that takes `Case` from shaderlab, None
-        for all others.
+        "" for a case file, also for one with a mistake, which loading it reports; the reason why a
+        file is none that takes `Case` from shaderlab; None for all others.
     """
-    source = _read(path) if path.suffix == ".py" else b""
+    if path.suffix != ".py" or path.name.startswith("."):
+        return None
+    try:
+        source = read_regular(path)
+    except OSError:  # a link to nothing, a FIFO, a file of someone else
+        return "" if os.path.lexists(path) and not path.is_dir() else None
+    if b"\0" in source:  # UTF-16 or a damaged file: nothing can be found in it
+        return ""
     if not _MENTIONS.search(source):
         return None
     try:
         body = list(_statements(ast.parse(source).body))
-    except (SyntaxError, ValueError, RecursionError) as error:
-        if b"shaderlab" not in source:
-            return None
-        if _ASSIGNS.search(source):
-            return ""  # loading it reports the mistake
-        line = f" in line {error.lineno}" if isinstance(error, SyntaxError) else ""
-        return f"it has a syntax error{line}"
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return "" if b"shaderlab" in source else None
     values = [value for statement in body for value in _assigned_values(statement)]
     imports_lab, takes = _imports_lab(body)
     literal = all(isinstance(value, _NO_CASES) for value in values)
@@ -102,7 +104,7 @@ def inspect_file(path: Path) -> str | None:
         return "its name begins with _"
     if not values:
         return "it assigns no `case` at its top level: one case a file, case = Case(…)"
-    return "its `case` is no Case(…)" if literal else ""
+    return ""
 
 
 def imported_files(path: Path) -> set[Path]:
@@ -141,7 +143,7 @@ def _parse(path: Path) -> Sequence[ast.stmt]:
     """The statements of a file that run when it is imported; none if it can't be parsed."""
     try:
         return list(_statements(ast.parse(_read(path)).body))
-    except (SyntaxError, ValueError, RecursionError):
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
         return []
 
 
@@ -170,6 +172,8 @@ def _assigned_values(statement: ast.stmt) -> Iterator[ast.expr | None]:
                     yield None
         case ast.AnnAssign(target=ast.Name(id="case"), value=value) if value is not None:
             yield value
+        case ast.ClassDef(name="case"):
+            yield ast.Constant(statement.name)
         case ast.ImportFrom(names=names):
             yield from (None for alias in names if (alias.asname or alias.name) == "case")
 
@@ -349,12 +353,23 @@ def load_case(path: Path) -> Case:
 
     if not path.is_file():
         what = "is a folder, not a case file" if path.is_dir() else "is no regular file"
-        raise CaseError(what if path.exists() else "there is no such case file", file=path)
+        raise CaseError(
+            what if path.exists() else "there is no such case file",
+            file=path,
+            remedy="name a case file that can be read, or remove this one",
+        )
+    if path.stem == "__init__":
+        raise CaseError(
+            "this file makes its folder a package: it is no case", file=path, remedy="rename it"
+        )
     module = _import(path)
     case = getattr(module, "case", None)
-    if not isinstance(case, Case):
+    if type(case) is not Case:  # isinstance() believes what an object says of its class
+        what = f"its `case` is of type {type(case).__name__}, not a Case"
         raise CaseError(
-            "the file defines no case", file=path, remedy="assign one: case = Case(title=…, …)"
+            "the file defines no case" if case is None else what,
+            file=path,
+            remedy="assign one: case = Case(title=…, …)",
         )
     loaded = replace(
         case,
@@ -388,10 +403,10 @@ def _import(path: Path) -> ModuleType:
         raise
     except BaseException as error:  # SystemExit too
         raise CaseError(
-            f"{type(error).__name__}: {error}".rstrip(": "),
+            _text(error),
             file=path,
             line=error.lineno if isinstance(error, SyntaxError) else _line_in(path, error),
-            remedy=_import_hint(error, file, tree) if isinstance(error, ImportError) else None,
+            remedy=_import_hint(error, file, tree),
         ) from error
     finally:
         _forget_scripts(sorted(set(sys.modules) - known, reverse=True), file.parent)
@@ -445,8 +460,21 @@ def _line_in(path: Path, error: BaseException) -> int | None:
     return frames[-1].lineno if frames else None
 
 
-def _import_hint(error: ImportError, file: Path, tree: Path) -> str | None:
-    """What to do about an import that fails."""
+def _text(error: BaseException) -> str:
+    """An exception's name and message, also of one whose str() raises."""
+    lines = traceback.format_exception_only(error)  # a syntax error begins with its source
+    return next(line for line in lines if not line.startswith(" ")).strip()
+
+
+def _import_hint(error: BaseException, file: Path, tree: Path) -> str | None:
+    """What to do about a file that can't be imported."""
+    if isinstance(error, SyntaxError):
+        lines = error.lineno or 0  # 0 of an unknown encoding, and of a file that is no text
+        return "correct this line" if lines else "save the file as text in UTF-8"
+    if not isinstance(error, Exception):
+        return "a case file is imported: it must come to its end"
+    if not isinstance(error, ImportError):
+        return "to see the traceback: shaderlab --debug run …"
     name = error.name or ""
     if "beyond top-level package" in str(error):
         return (

@@ -13,6 +13,7 @@ from shaderlab.engine.catalogue import (
     data_folder,
     inspect_file,
     is_case_file,
+    load_case,
     shipped_cases,
     tree_of,
 )
@@ -70,9 +71,6 @@ def test_other_files(tmp_path: Path, text: str) -> None:
         (IMPORT + "case: Case\n", "assigns no `case`"),
         (IMPORT + "'''\ncase = Case()\n'''\n", "assigns no `case`"),
         ("import shaderlab\nlamp = shaderlab.Case()\n", "assigns no `case`"),
-        (IMPORT + "case = 1\n", "its `case` is no Case"),
-        (IMPORT + "case = [Case()]\n", "its `case` is no Case"),
-        (IMPORT + "Case(\n", "a syntax error in line 2"),
     ],
 )
 def test_a_file_that_takes_case_and_is_none_has_a_reason(
@@ -182,3 +180,46 @@ def test_a_wrong_file_of_a_tree_is_an_error_with_its_name(
     with pytest.raises(CaseError, match=re.escape(says)) as caught:
         chapter_title(tmp_path / "lamp.py", "5.1")
     assert caught.value.file == str(tmp_path / "cases.toml")
+
+
+LIAR = """class Liar:
+    @property
+    def __class__(self): return Case
+    def __getattr__(self, name): return []
+    def __eq__(self, other): return True
+case = Liar()
+"""
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        IMPORT + "case = 1\n",
+        IMPORT + "case = [Case()]\n",
+        IMPORT + "class case: pass\n",
+        IMPORT + "case = Case\n",
+        IMPORT + LIAR,
+        IMPORT + "from unittest.mock import MagicMock\ncase = MagicMock(spec=Case)\n",
+        IMPORT + "class E(Exception):\n    def __str__(self): raise E\nraise E\ncase = 1\n",
+        IMPORT + "raise SystemExit(0)\ncase = 1\n",
+        IMPORT + "Case(\n",
+        IMPORT + "case = " + "-" * 100_000 + "1",
+        "# coding: utf-16\n" + IMPORT + "case = 1\n",
+        (IMPORT + "case = 1\n").encode("utf-16"),
+        b"\0" * 100,
+        None,
+    ],
+)
+def test_a_file_that_can_be_no_case_fails_by_its_name(
+    tmp_path: Path, content: str | bytes | None
+) -> None:
+    """Beside good cases it would be left out otherwise, and the run would pass."""
+    file = tmp_path / "lamp.py"
+    if content is None:
+        file.symlink_to("nowhere")
+    else:
+        file.write_bytes(content if isinstance(content, bytes) else content.encode())
+    assert list(case_files(tmp_path)) == [file]
+    with pytest.raises(CaseError) as raised:
+        load_case(file)
+    assert raised.value.file == str(file) and raised.value.remedy

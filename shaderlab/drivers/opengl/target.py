@@ -9,7 +9,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from shaderlab.errors import UnsupportedError
+from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.scene import Target
 from shaderlab.model.state import State
@@ -215,7 +215,9 @@ class RenderTarget(Attachments):
         status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
         if status != GL.GL_FRAMEBUFFER_COMPLETE:
             self.release()
-            raise UnsupportedError(f"a framebuffer with {self.depth} (status 0x{status:04X})")
+            lacking = status == GL.GL_FRAMEBUFFER_UNSUPPORTED  # else something is bound wrongly
+            kind = UnsupportedError if lacking else DriverError
+            raise kind(f"a framebuffer with {self.depth} (status 0x{status:04X})")
 
     def _explain_incomplete(self, said: str) -> Exception:
         """Explain why the framebuffer is not complete: memory, most of the time."""
@@ -225,7 +227,7 @@ class RenderTarget(Attachments):
         what = f"a target of {self.size[0]} × {self.size[1]} with {len(kinds)} attachments"
         if GL.GL_OUT_OF_MEMORY in iter(GL.glGetError, GL.GL_NO_ERROR) or wanted >= 1 << 30:
             return MemoryError(f"{what} takes {wanted / (1 << 30):.3g} GB")
-        return UnsupportedError(f"{what}: {said}")
+        return (UnsupportedError if "UNSUPPORTED" in said else DriverError)(f"{what}: {said}")
 
 
 _FETCH = """#version 330 core
