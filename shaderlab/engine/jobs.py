@@ -11,7 +11,7 @@ import contextlib
 import itertools
 import os
 import time
-from collections.abc import Callable, Generator, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -235,7 +235,6 @@ def choose_worker_count(variants: int) -> int:
 
 LAB_WORK = "shaderlab.engine.worker:Worker"
 """What workers that judge scenes call, as of `shaderlab.workers.pool.WorkerPool`."""
-Key = Callable[[Any], Hashable]
 
 
 class Executor:
@@ -248,7 +247,7 @@ class Executor:
         """The driver and the packages that jobs run on."""
         raise NotImplementedError
 
-    def perform(self, requests: Iterable[Any], key: Key | None = None) -> Generator[ItemResult]:
+    def perform(self, requests: Iterable[Any]) -> Generator[ItemResult]:
         """The results of requests as they complete; see `WorkerPool.run`."""
         raise NotImplementedError
 
@@ -273,9 +272,7 @@ class Executor:
             if job.broken:
                 yield job, make_failed_record(job, job.broken, job.trouble)
         requests = [RunJob(job, options) for job in jobs if not job.broken]
-        # Of several drivers each has processes of its own: a worker stays with one while it can.
-        key = (lambda request: request.job.driver) if any(job.driver for job in jobs) else None
-        with contextlib.closing(self.perform(requests, key=key)) as results:
+        with contextlib.closing(self.perform(requests)) as results:
             for result in results:
                 yield result.item.job, self.record_of(result)
 
@@ -338,11 +335,11 @@ class ProcessExecutor(Executor):
             self.about()  # now, while workers are free: a failed job's record names the driver
         yield from super().run(jobs, options)
 
-    def perform(self, requests: Iterable[Any], key: Key | None = None) -> Generator[ItemResult]:
+    def perform(self, requests: Iterable[Any]) -> Generator[ItemResult]:
         requests = list(requests)
         if self._workers is None:
-            self._pool.widen(choose_worker_count(len(requests)))
-        yield from self._pool.run(requests, key)
+            self._pool.jobs = max(self._pool.jobs, choose_worker_count(len(requests)))
+        yield from self._pool.run(requests)
 
     def close(self) -> None:
         self._pool.close()
@@ -386,7 +383,7 @@ class InProcessExecutor(Executor):
         driver = DescribeDriver(self._driver).perform(self._worker)
         return DriverInfo(driver=driver, versions=package_versions())
 
-    def perform(self, requests: Iterable[Any], key: Key | None = None) -> Generator[ItemResult]:
+    def perform(self, requests: Iterable[Any]) -> Generator[ItemResult]:
         """In the order of the requests."""
         for number, request in enumerate(requests):
             began = time.monotonic()

@@ -60,8 +60,8 @@ class MutationPlan:
 
 @dataclass(frozen=True)
 class MutationTarget(ABC):
-    """What mistakes are made in, and what judges them: a case, or a file of tests. A worker keeps
-    to the requests of one file; results have its `id`."""
+    """What mistakes are made in, and what judges them: a case, or a file of tests. Results have
+    its `id`."""
 
     file: Path
     id: str
@@ -174,7 +174,7 @@ class MutationRun:
         while waiting:
             batch = list(waiting.values())
             requests = [run.target.judge(run.mutants[index]) for run, index in batch]
-            results = self._executor.perform(requests, key=lambda request: request.file)
+            results = self._executor.perform(requests)
             with contextlib.closing(results):
                 for item in results:
                     run, index = batch[item.number]

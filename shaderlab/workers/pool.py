@@ -19,7 +19,7 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -67,13 +67,13 @@ class ItemResult:
     seconds: float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class _Batch:
-    """Items that one worker gets at once, and the queue for their results, which None ends."""
+@dataclass(eq=False)
+class _Run:
+    """The results of one `run`: None stands for the end of a batch, an exception for that of the
+    run; `closed` once nobody reads them any more."""
 
-    items: list[tuple[int, Any]]
-    key: Hashable
     results: queue.SimpleQueue[ItemResult | BaseException | None]
+    closed: bool = False
 
 
 @dataclass(eq=False)
@@ -92,16 +92,12 @@ class _Worker:
     it; any thread may call `close`.
 
     Attributes:
-        inbox: what that thread is to do; None ends it.
-        key: that of its last batch.
         fresh: whether the process has answered nothing yet.
     """
 
     def __init__(
         self, work: str, limits: Limits, folder: Path, environment: Mapping[str, str]
     ) -> None:
-        self.inbox: queue.SimpleQueue[_Batch | None] = queue.SimpleQueue()
-        self.key: Hashable = None
         self.fresh = True
         self._limits = limits
         self._folder = folder
@@ -297,7 +293,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
     """Worker processes that share the items of `run`. A context manager.
 
     All workers, later replacements included, start in the environment and the working directory
-    that this process has now.
+    that this process has now, and each only when all others are busy.
 
     Args:
         work: what workers call, as "module:name", since they import it by its name: a function
@@ -305,7 +301,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             that makes such a function from a `shaderlab.workers.worker.Channel`, optionally with a
             `preload()` that imports what it will need.
         limits: of each item.
-        jobs: how many workers, to begin with; `widen` adds others.
+        jobs: how many workers at most; may be set to more at any time.
         batch: how many items a worker is sent at once.
     """
 
@@ -317,17 +313,18 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         jobs: int = 1,
         batch: int = BATCH,
     ) -> None:
+        self.jobs = max(jobs, 1)
         path = os.pathsep.join(sort_search_path(sys.path))
         environment = {**_ONE_THREAD, **os.environ, "PYTHONPATH": path}
         self._make = functools.partial(_Worker, work, limits or Limits(), Path.cwd(), environment)
         self._batch = max(batch, 1)
-        self._threads: list[threading.Thread] = []
+        self._queue: queue.SimpleQueue[tuple[_Run, list[tuple[int, Any]]] | None] = (
+            queue.SimpleQueue()
+        )
         self._lock = threading.Lock()  # for all below
         self._closed = False
-        self._workers: list[_Worker] = []
-        self._idle: list[_Worker] = []  # a stack: what is never needed is never started
-        self._pending: deque[_Batch] = deque()
-        self.widen(max(jobs, 1))
+        self._unfinished = 0  # batches, but for empty ones
+        self._workers: dict[threading.Thread, _Worker] = {}
 
     def __exit__(self, *_: object) -> None:
         self.close()
@@ -336,127 +333,88 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         """End all workers, whatever they are doing."""
         with self._lock:
             self._closed = True
-            while self._pending:
-                self._pending.popleft().results.put(None)
-        for worker in self._workers:
+        for worker in self._workers.values():
             worker.close()
-            worker.inbox.put(None)
-        for thread in self._threads:
+            self._queue.put(None)
+        for thread in self._workers:
             thread.join()
 
     def start(self) -> None:
         """Start the first worker without waiting for it or for the first items."""
-        self._submit(_Batch([], None, queue.SimpleQueue()))
+        self._submit(_Run(queue.SimpleQueue()), [])
 
-    def widen(self, jobs: int) -> None:
-        """Grow the pool to at least `jobs` workers."""
-        with self._lock:
-            for _ in range(jobs - len(self._workers)):
-                worker = self._make()
-                self._workers.append(worker)
-                self._idle.insert(0, worker)
-                thread = threading.Thread(target=self._serve, args=[worker], daemon=True)
-                thread.start()
-                self._threads.append(thread)
-
-    def run(
-        self, items: Iterable[Any], key: Callable[[Any], Hashable] | None = None
-    ) -> Generator[ItemResult]:
+    def run(self, items: Iterable[Any]) -> Generator[ItemResult]:
         """Yield the items' results as they complete.
 
         Only a few batches are taken from `items` ahead of the results that were read, so memory
         does not grow with their number. Closing the generator drops what no worker was sent.
 
-        Args:
-            items: what to work on.
-            key: a worker prefers items of the key that it had last, then those of a key that no
-                other worker has; items of one key should share one batch only.
-
         Raises:
             ShaderlabError: no worker can be started at all.
         """
-        results: queue.SimpleQueue[ItemResult | BaseException | None] = queue.SimpleQueue()
+        run = _Run(queue.SimpleQueue())
         numbered = enumerate(items)
-        batches = (
-            _Batch(some, key(some[0][1]) if key is not None else None, results)
-            for some in iter(lambda: list(itertools.islice(numbered, self._batch)), [])
-        )
+        batches = iter(lambda: list(itertools.islice(numbered, self._batch)), [])
+        ahead = max(self.jobs + 1, BATCH // self._batch)
         try:
-            ahead = max(len(self._workers) + 1, BATCH // self._batch)
-            unfinished = sum(map(self._submit, itertools.islice(batches, ahead)))
-            while unfinished:
-                result = results.get()
+            left = sum(self._submit(run, batch) for batch in itertools.islice(batches, ahead))
+            while left:
+                result = run.results.get()
                 if result is None:
-                    unfinished += sum(map(self._submit, itertools.islice(batches, 1))) - 1
+                    left += sum(self._submit(run, b) for b in itertools.islice(batches, 1)) - 1
                 elif isinstance(result, BaseException):
                     raise result
                 else:
                     yield result
         finally:
-            with self._lock:
-                self._pending = deque(b for b in self._pending if b.results is not results)
+            run.closed = True
 
-    def _submit(self, batch: _Batch) -> bool:
-        """Give the batch to an idle worker or queue it; return False if the pool is closed."""
+    def _submit(self, run: _Run, batch: list[tuple[int, Any]]) -> bool:
+        """Queue a batch, for a new worker if all are busy; return False if the pool is closed."""
         with self._lock:
             if self._closed:
                 return False
-            if self._idle:
-                worker = next(
-                    (w for w in reversed(self._idle) if w.key == batch.key), self._idle[-1]
-                )
-                self._idle.remove(worker)
-                worker.key = batch.key
-                worker.inbox.put(batch)
-            else:
-                self._pending.append(batch)
+            self._queue.put((run, batch))
+            self._unfinished += bool(batch)
+            if len(self._workers) < min(self.jobs, max(self._unfinished, 1)):
+                worker = self._make()
+                thread = threading.Thread(target=self._serve, args=[worker], daemon=True)
+                self._workers[thread] = worker
+                thread.start()
         return True
 
     def _serve(self, worker: _Worker) -> None:
         """Give a worker one batch after the other, until the pool is closed."""
-        while (batch := worker.inbox.get()) is not None:
+        while (taken := self._queue.get()) is not None:
+            run, batch = taken
             try:
-                for result in self._results(worker, batch):
-                    batch.results.put(result)
+                for result in self._answers(worker, run, deque(batch)):
+                    run.results.put(result)
             except BaseException as error:
                 if not self._closed:
-                    batch.results.put(error)
+                    run.results.put(error)
             with self._lock:
-                if self._pending:
-                    worker.inbox.put(self._take_pending(worker))
-                else:
-                    self._idle.append(worker)
-            batch.results.put(None)
+                self._unfinished -= bool(batch)
+            run.results.put(None)
         worker.end()
 
-    def _take_pending(self, worker: _Worker) -> _Batch:
-        """Take the batch that suits a worker best off the queue."""
-        taken = {other.key for other in self._workers if other is not worker}
-        mine = (b for b in self._pending if b.key == worker.key)
-        free = (b for b in self._pending if b.key not in taken)
-        best = next(mine, None) or next(free, self._pending[0])
-        worker.key = best.key
-        self._pending.remove(best)
-        return best
-
-    def _results(self, worker: _Worker, batch: _Batch) -> Iterator[ItemResult]:
-        worker.launch()
-        rest = deque(batch.items)
-        alone = False
-        while rest and not self._closed:
+    def _answers(
+        self, worker: _Worker, run: _Run, rest: deque[tuple[int, Any]]
+    ) -> Iterator[ItemResult]:
+        """The results of a batch; where the worker dies, its replacement goes on with the next
+        item, or with the same one if an earlier one may have left the memory in disorder."""
+        if not (self._closed or run.closed):
+            worker.launch()
+        while rest and not (self._closed or run.closed):
             worker.wait_until_ready()
             began = time.monotonic()
             try:
-                sent = itertools.islice(rest, 1 if alone else None)
-                for kind, value in worker.answers([item for _, item in sent]):
+                for kind, value in worker.answers([item for _, item in rest]):
                     now = time.monotonic()
                     yield ItemResult(*rest.popleft(), kind, value, seconds=now - began)
                     began = now
-                alone = False
             except WorkerDiedError as error:
-                # Perhaps an earlier item left the memory in disorder: try once more, alone.
-                alone = error.status == "crash" and not worker.fresh and not self._closed
-                if not alone:
+                if error.status == "timeout" or worker.fresh or self._closed:
                     seconds = time.monotonic() - began
                     number, item = rest.popleft()
                     yield ItemResult(

@@ -45,7 +45,7 @@ class Pool:
     """Notes how many workers it is asked to have, and answers without any."""
 
     def __init__(self, work: str, *, jobs: int, **_: Any) -> None:
-        self.asked = [jobs]
+        self.jobs = jobs
         self.items: list[Any] = []
         POOLS.append(self)
 
@@ -55,10 +55,7 @@ class Pool:
     def close(self) -> None:
         pass
 
-    def widen(self, jobs: int) -> None:
-        self.asked.append(jobs)
-
-    def run(self, items: Sequence[Any], key: object = None) -> Iterator[ItemResult]:
+    def run(self, items: Sequence[Any]) -> Iterator[ItemResult]:
         self.items += items
         for number, item in enumerate(items):
             if isinstance(item, LoadCase):
@@ -79,9 +76,9 @@ def pools(monkeypatch: pytest.MonkeyPatch) -> list[Pool]:
     return POOLS
 
 
-@pytest.mark.parametrize(("workers", "asked"), [(None, [1, 2, 4]), (1, [1]), (3, [3]), (9, [9])])
+@pytest.mark.parametrize(("workers", "at_last"), [(None, 4), (1, 1), (3, 3), (9, 9)])
 def test_workers_are_added_when_it_is_known_what_there_is_to_do(
-    workers: int | None, asked: list[int], pools: list[Pool]
+    workers: int | None, at_last: int, pools: list[Pool]
 ) -> None:
     jobs = [Job(file="a.py", id="a", variant=f"{n}") for n in range(20)]
     broken = [Job(file="b.py", id=f"b{n}", variant="", broken="error") for n in range(20)]
@@ -90,7 +87,7 @@ def test_workers_are_added_when_it_is_known_what_there_is_to_do(
         found = dict(made.run([*jobs, *broken], RunOptions()))
     assert set(found) == {*jobs, *broken}
     assert all(record.key == job.key for job, record in found.items())
-    assert pools[0].asked == asked
+    assert pools[0].jobs == at_last
 
 
 @pytest.mark.parametrize("command", ["run", "mutate"])

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import itertools
 import os
 import textwrap
 import time
-from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -207,34 +205,6 @@ def test_what_comes_after_a_lost_item_of_a_batch_is_sent_again(work: str) -> Non
     assert [r.status for r in results] == expected
 
 
-def test_a_worker_keeps_to_its_key(work: str, tmp_path: Path) -> None:
-    """Two workers, two keys: none of them leaves its key before all items of that are done."""
-    go = tmp_path / "go"
-
-    def items() -> Iterator[tuple[str, str]]:
-        yield from (("x", f"until {go}"), ("y", f"until {go}"))
-        yield from ((key, f"{number} pid") for number in range(12) for key in "xy")
-        go.touch()  # now all of them wait
-
-    keys: deque[str] = deque()
-
-    def texts() -> Iterator[str]:
-        for key, text in items():
-            keys.append(key)
-            yield text
-
-    with WorkerPool(work, limits=LIMITS, jobs=2, batch=1) as pool:
-        served: dict[int, list[str]] = {}
-        order = []
-        for result in pool.run(texts(), key=lambda text: keys[-1]):
-            order.append(keys[result.number])
-            if not result.item.startswith("until"):
-                served.setdefault(result.value, []).append(keys[result.number])
-    assert sorted(order) == ["x"] * 13 + ["y"] * 13
-    for found in served.values():
-        assert sum(a != b for a, b in itertools.pairwise(found)) <= 1
-
-
 def test_items_are_taken_as_they_are_needed(pool: WorkerPool) -> None:
     taken = []
 
@@ -281,7 +251,7 @@ def test_workers_start_in_the_environment_that_the_pool_was_made_in(
         monkeypatch.setenv("PLACE", "after")
         monkeypatch.chdir(tmp_path)
         monkeypatch.syspath_prepend(str(tmp_path / "elsewhere"))
-        pool.widen(2)
+        pool.jobs = 2
         results = list(pool.run(["crash", "place", "crash", "place"]))
     assert first.value[:2] == (here, "before")
     assert [r.value for r in results if r.item == "place"] == [first.value] * 2
