@@ -185,6 +185,14 @@ class CaseView:
         return self.group.status
 
     @property
+    def lead(self) -> tuple[VariantView, tuple[Outcome, str] | None] | None:
+        """The first variant that did not pass, with its first failing check, if there is one."""
+        for variant in self.variants:
+            if variant.record.status not in PASSABLE:
+                return variant, next(iter(variant.failed), None)
+        return None
+
+    @property
     def several(self) -> bool:
         return len(self.variants) > 1
 

@@ -69,6 +69,7 @@ def environment() -> Environment:
             "middle": _css(pictures.BAND_MIDDLE),
             "high": _css(pictures.BAND_HIGH),
             "outside": [_css(colour) for colour in pictures.OUTSIDE],
+            "check": _css(pictures.CHECK),
             "uncovered": _css(pictures.UNCOVERED),
         },
         script_colours=_script_colours,
@@ -107,6 +108,8 @@ def _script_colours() -> str:
         "middle": pictures.BAND_MIDDLE,
         "high": pictures.BAND_HIGH,
         "outside": pictures.OUTSIDE,
+        "magnitudes": pictures.MAGNITUDES,
+        "check": pictures.CHECK,
         "uncovered": pictures.UNCOVERED,
         "broken": pictures.NOT_FINITE,
     }

@@ -70,7 +70,9 @@ def test_a_variant_unfolds_and_its_pictures_become_readable(visit: Visit, lamp: 
     assert "inside its band" in variant.locator("[data-part=where]").text_content()
 
 
-def test_passing_checks_are_one_line_each_and_failing_ones_open(visit: Visit, lamp: Sample) -> None:
+def test_passing_checks_are_one_line_each_and_the_first_failing_one_leads(
+    visit: Visit, lamp: Sample
+) -> None:
     page = visit(lamp.case("blend"))
     passed = page.locator("#case-blend-default-fragcolor")
     assert not passed.locator(".measures").is_visible()
@@ -80,6 +82,11 @@ def test_passing_checks_are_one_line_each_and_failing_ones_open(visit: Visit, la
     assert words == ["passed", "FragColor", "formula", "30 %"]
     page = visit(lamp.case("lamp"))
     assert page.locator("#case-lamp-bad-fragcolor .measures").is_visible()
+    # It stands before the lesson, and nothing else is open.
+    first = page.locator(".failure .check")
+    assert first.get_attribute("id") == "case-lamp-bad-fragcolor"
+    assert first.bounding_box()["y"] < min(500, page.locator(".lesson").bounding_box()["y"])
+    assert page.locator(".check details[open]").count() == 1
 
 
 def test_on_paper_what_is_folded_stays_folded(visit: Visit, lamp: Sample) -> None:

@@ -9,6 +9,7 @@ import struct
 import sys
 import zlib
 from collections.abc import Callable
+import math
 from pathlib import Path
 
 import numpy as np
@@ -113,9 +114,17 @@ def test_a_lone_value_outside_shows_both_colours_of_the_check() -> None:
         picture = distances(widths, outside, 1)
         assert picture.shape == (6, 6, 3)
         cell = {tuple(p) for p in picture[2:4, 2:4].reshape(-1, 3).tolist()}
-        assert cell == set(pictures.OUTSIDE)
+        assert len(cell) == 2 and cell & set(pictures.OUTSIDE) and pictures.CHECK in cell
         rest = {tuple(p) for p in picture[:2].reshape(-1, 3).tolist()}
-        assert not rest & set(pictures.OUTSIDE)
+        assert not rest & {pictures.CHECK, *pictures.OUTSIDE}
+
+
+def test_the_further_outside_the_brighter() -> None:
+    for expected, width in zip(pictures.OUTSIDE, (1.5, -99.0, 1e3, 1e5, math.nan), strict=True):
+        picture = distances(np.array([[width]]), np.array([[True]]), 1)
+        assert {tuple(p) for p in picture.reshape(-1, 3).tolist()} == {expected, pictures.CHECK}
+    light = [sum(colour) for colour in pictures.OUTSIDE]
+    assert light == sorted(light)
 
 
 def test_of_several_components_the_furthest_is_shown() -> None:
@@ -124,7 +133,10 @@ def test_of_several_components_the_furthest_is_shown() -> None:
     assert tuple(picture[0, 0].tolist()) == pictures.BAND_LOW
     bad = np.array([[[False, False, True]]])
     marked = distances(widths, bad, 1)
-    assert {tuple(p) for p in marked.reshape(-1, 3).tolist()} == set(pictures.OUTSIDE)
+    assert {tuple(p) for p in marked.reshape(-1, 3).tolist()} == {
+        pictures.OUTSIDE[-1],
+        pictures.CHECK,
+    }
 
 
 def test_files_have_the_top_row_first_and_come_back_in_gl_order(tmp_path: Path) -> None:

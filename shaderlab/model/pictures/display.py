@@ -18,7 +18,16 @@ NOT_FINITE: Colour = (255, 0, 255)
 BAND_LOW: Colour = (33, 102, 172)
 BAND_MIDDLE: Colour = (247, 247, 247)
 BAND_HIGH: Colour = (224, 130, 20)
-OUTSIDE: tuple[Colour, Colour] = ((214, 20, 20), (0, 0, 0))
+# Of a value outside, in a check with black: as far as so many half band widths, and beyond.
+MAGNITUDES = (10.0, 100.0, 1e4, 1e6)
+OUTSIDE: tuple[Colour, ...] = (
+    (138, 10, 20),
+    (208, 24, 20),
+    (250, 96, 36),
+    (255, 176, 56),
+    (255, 246, 150),
+)
+CHECK: Colour = (0, 0, 0)
 UNCOVERED: Colour = (205, 205, 205)
 # 256 colours from dark to bright, two hexadecimal digits each of red, green and blue.
 VIRIDIS = (
@@ -103,7 +112,8 @@ def distance_picture(
     """Where in its band each value lies, as indices into a palette of few colours.
 
     Blue is the band's lower end, white its middle, orange its upper end. A value outside is a
-    red and black check, an uncovered pixel light grey.
+    check of black and of a colour of `OUTSIDE`, brighter the further it is; an uncovered pixel is
+    light grey.
 
     Args:
         widths: signed distance from the band's middle in half band widths, −1…1 inside, NaN
@@ -125,13 +135,14 @@ def distance_picture(
             "(height, width) or (height, width, components)"
         )
     if distance.ndim == 3:
+        nowhere = np.where(beyond, np.inf, -1.0)
         beyond = np.asarray(beyond.any(axis=2))
-        size = np.where(np.isnan(distance), -1.0, np.abs(distance))
+        size = np.where(np.isnan(distance), nowhere, np.abs(distance))
         furthest = size.argmax(axis=2)[:, :, None]
         distance = np.take_along_axis(distance, furthest, axis=2)[:, :, 0]
 
     table = _distance_palette()
-    uncovered, light, dark = range(len(table) - 3, len(table))
+    uncovered, dark = 2 * _SHADES + 1, len(table) - 1
     # Eight shades to each side are told apart, and make a file of half the size.
     with np.errstate(invalid="ignore"):
         steps = np.rint(np.clip(distance, -1.0, 1.0) * _SHADES) + _SHADES
@@ -142,18 +153,21 @@ def distance_picture(
     if beyond.any():
         y, x = np.indices(large.shape)
         half = factor / 2
-        check = np.where((y % factor >= half) ^ (x % factor >= half), dark, light)
+        # A NaN is beyond all.
+        light = uncovered + 1 + np.searchsorted(MAGNITUDES, np.abs(distance))
+        black = (y % factor >= half) ^ (x % factor >= half)
+        check = np.where(black, dark, enlarge(light, factor))
         large = np.where(enlarge(beyond, factor), check, large).astype(np.uint8)
     return large, table
 
 
 def _distance_palette() -> Bytes:
-    """The colours from a band's lower end to its upper one, of an uncovered pixel, of a check."""
+    """The colours from a band's lower end to its upper one, of an uncovered pixel, of checks."""
     t = np.arange(-_SHADES, _SHADES + 1)[:, None] / _SHADES
     middle = np.array(BAND_MIDDLE, dtype=np.float64)
     end = np.where(t < 0, np.array(BAND_LOW, dtype=np.float64), np.array(BAND_HIGH))
     shades = np.rint(middle + (end - middle) * np.abs(t))
-    return np.array([*shades, UNCOVERED, *OUTSIDE], dtype=np.uint8)
+    return np.array([*shades, UNCOVERED, *OUTSIDE, CHECK], dtype=np.uint8)
 
 
 def as_pixels(array: NDArray[Any]) -> NDArray[Any]:

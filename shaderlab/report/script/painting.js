@@ -43,7 +43,10 @@ function colourAt(values, what, i, single, range, gain) {
   const size = values.rows * values.columns;
   if (what === "distance") {
     const place = furthestOf(values, i, single);
-    if (!Number.isFinite(place)) return colours.outside;
+    if (Math.abs(place) > 1) {
+      const rank = colours.magnitudes.findIndex((most) => Math.abs(place) <= most);
+      return [colours.outside.at(rank), colours.check];  // the last one beyond all of them
+    }
     const end = place < 0 ? colours.low : colours.high;
     return both(colours.middle.map((m, c) => Math.round(m + (end[c] - m) * Math.abs(place))));
   }
@@ -184,8 +187,8 @@ function histogramOf(values, channel) {
     if (!(values.flags[i] & 1)) continue;
     if (channel >= 0 && Math.floor(i / size) !== channel) continue;
     const place = placeOf(values, i);
-    if (place === -Infinity) counts[0] += 1;
-    else if (place === Infinity) counts[BINS + 1] += 1;
+    if (place < -1) counts[0] += 1;
+    else if (place > 1) counts[BINS + 1] += 1;
     else counts[1 + Math.min(BINS - 1, Math.floor((place + 1) / 2 * BINS))] += 1;
   }
   return counts;

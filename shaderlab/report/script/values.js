@@ -103,12 +103,17 @@ function indexOf(values, x, y, c) {
   return values.flags[index] & 1 ? index : -1;
 }
 
-/** Signed distance from the band's middle in half widths; ±Infinity outside. */
+/** Signed distance from the band's middle in half widths; beyond ±1 outside, ±Infinity if the
+ * band is one value. */
 function placeOf(values, i) {
   const middle = values.low[i] / 2 + values.high[i] / 2;
   const half = values.high[i] / 2 - values.low[i] / 2;
   const value = values.measured[i];
-  if (values.flags[i] & 2) return value < middle ? -Infinity : Infinity;
+  if (values.flags[i] & 2) {
+    const place = half > 0 ? (value - middle) / half : NaN;
+    if (Math.abs(place) > 1) return place;
+    return value < middle ? -Infinity : Infinity;
+  }
   if (!(half > 0) || !Number.isFinite(half) || Number.isNaN(value)) return 0;
   return Math.max(-1, Math.min(1, (value - middle) / half));
 }
