@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import importlib
+import math
 import os
 import resource
 import struct
 import sys
 import zlib
 from collections.abc import Callable
-import math
 from pathlib import Path
 
 import numpy as np
