@@ -4,6 +4,11 @@
 
 PY := .venv/bin/python
 
+# In other locales Python 3.11 can't read the path of this folder where it has letters beyond ASCII.
+ifneq ($(shell locale charmap 2>/dev/null),UTF-8)
+export LC_ALL = C.UTF-8
+endif
+
 # An environment that was moved or copied here, or that lost its Python, is made anew.
 STALE := $(shell test -x $(PY) && test "$$(cat .venv/.ready 2>/dev/null)" = "$(CURDIR)" \
 	|| rm -f .venv/.ready)
