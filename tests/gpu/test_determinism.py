@@ -43,23 +43,15 @@ def drawn(
 
 
 @pytest.fixture(scope="module")
-def jobs(repository: Path) -> list[Job]:
-    executor = ProcessExecutor()
-    try:
-        facts = executor.load([repository / "cases" / name for name in CASES])
-    finally:
-        executor.close()
-    return [
-        Job(file=f.file, id=f.id, variant=variant or f.variants[0])
-        for f, variant in zip(facts, CASES.values(), strict=True)
-    ]
-
-
-@pytest.fixture(scope="module")
-def runs(jobs: list[Job], tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
+def runs(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     folder = tmp_path_factory.mktemp("runs")
     first, other = ProcessExecutor(), ProcessExecutor()
     try:
+        facts = first.load([repository / "cases" / name for name in CASES])
+        jobs = [
+            Job(file=f.file, id=f.id, variant=variant or f.variants[0])
+            for f, variant in zip(facts, CASES.values(), strict=True)
+        ]
         return {
             "once": drawn(first, jobs, folder / "once"),
             "again": drawn(first, jobs, folder / "again"),

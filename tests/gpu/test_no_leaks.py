@@ -45,7 +45,7 @@ from tests.catalogue import shipped
 
 SEED = 1
 SAMPLE = ("blend-factors", "depth-functions", "mvp", "stencil-functions", "uniform-buffer")
-SIDE = 48
+SIDE = 24
 
 
 class Watched(SceneRunner):

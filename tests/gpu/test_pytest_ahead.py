@@ -23,7 +23,7 @@ from tests.gpu import faulty
 
 WAIT = "while not os.path.exists('{file}'): __import__('time').sleep(0.01)"
 # A worker that waits in vain ends itself, as in `faulty.HANG`.
-IN_VAIN = "signal.setitimer(signal.ITIMER_REAL, 3.0)"
+IN_VAIN = "signal.setitimer(signal.ITIMER_REAL, 1.0)"
 TELL = "open('{file}', 'a').write('once ')"
 PID = "open('{told}/pids', 'a').write(str(os.getpid()) + ' ')"
 OUTCOMES = ("-rA", "--tb=no", "-o", "shaderlab_jobs=2")
