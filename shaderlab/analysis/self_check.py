@@ -11,12 +11,11 @@ import os
 import warnings
 from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.analysis.interpreter import Bands, Interpreted, Program, interpret, read
+from shaderlab.analysis.interpreter import Bands, Interpreted, interpret
 from shaderlab.analysis.interpreter.values import Flags
 from shaderlab.bands import Band
 from shaderlab.compiler.sources import Source
@@ -26,7 +25,7 @@ from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.engine.judging.bands import store_band
 from shaderlab.engine.worker import Worker
-from shaderlab.errors import DeviceLostError, NotInterpretedError, ShaderlabError
+from shaderlab.errors import DeviceLostError, ShaderlabError
 from shaderlab.model.expectation import Judgement, Need
 from shaderlab.model.frame import PassDraw
 from shaderlab.model.phases import phase
@@ -158,33 +157,16 @@ def _interpret_draw(
     evaluation: Evaluation, key: PassDraw, *, every: bool
 ) -> tuple[Invocations, Interpreted | None]:
     """A draw's invocations and their bands; None where none is seen."""
-    source = stage_of(evaluation, key, "fragment")
-    module = evaluation.programs[key[0]][key[1]].compiled.spirv.get("opengl", {}).get("fragment")
-    blocks = _MOST_BLOCKS if every else _SAMPLE_BLOCKS
-    try:
-        # The module that is there already has no lines, which only messages need.
-        program = program_of(source) if module is None else _read(module, source)
-        return _interpret_sample(evaluation, key, program, blocks, every=every)
-    except NotInterpretedError:
-        return _interpret_sample(evaluation, key, program_of(source), blocks, every=every)
-
-
-def _interpret_sample(
-    evaluation: Evaluation, key: PassDraw, program: Program, blocks: int, *, every: bool
-) -> tuple[Invocations, Interpreted | None]:
+    program = program_of(stage_of(evaluation, key, "fragment"))
     given = sample_fragments(evaluation, key, None if every else PIXELS, program=program)
     if not given.count:
         return given, None
+    blocks = _MOST_BLOCKS if every else _SAMPLE_BLOCKS
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         return given, interpret(
             program, given.each, given.bindings, Bands(), count=given.count, max_blocks=blocks
         )
-
-
-@lru_cache(maxsize=64)
-def _read(module: bytes, source: Source) -> Program:
-    return read(module, source)
 
 
 def shows_what_is_written(evaluation: Evaluation, key: PassDraw) -> bool:

@@ -268,6 +268,50 @@ def _require_error(
     return (*diagnostics, source.diagnostic(message))
 
 
+_DIRECTIVE = r"^[ \t]*#[ \t]*(?!define\b)[^\n]*"
+_NUMBER = re.compile(
+    rf"{_DIRECTIVE}|(?<![\w.])((?:\d+\.\d*|\.\d+|\d+(?=[eE]))(?:[eE][+-]?\d+)?)[fF]?(?![\w.])", re.M
+)
+_CONSTANT = re.compile(r"\bconst\s+(?=(?:\w+p\s+)?(?:float|vec[234]|mat[234]\w*)\s)")
+_START = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)\b[^\n]*\n", re.M)
+_AS_NAME, _AS_NUMBER = str.maketrans(".+-", "pqm"), str.maketrans("pqm", ".+-")
+_LITERAL = "shaderlab_literal_"
+
+
+def keep_literals(source: Source) -> Source:
+    """Return a stage in which each float literal is a specialisation constant, so that the compiler
+    leaves constant expressions to whoever reads the module; `literal_of` tells its number. Lines
+    stay. Not every text compiles so: what must be constant may not be computed of those."""
+    names: dict[str, str] = {}
+
+    def name(match: re.Match[str]) -> str:
+        number = match[1]
+        if not number:
+            return match[0]
+        return names.setdefault(number, _LITERAL + number.translate(_AS_NAME))
+
+    starts = list(_START.finditer(source.code))
+    at = starts[-1].end() if starts else 0
+    rest = _CONSTANT.sub("", _NUMBER.sub(name, source.code[at:]))
+    if not names:
+        return source
+    line = source.code.count("\n", 0, at) + 1
+    declared = ", ".join(f"{name} = {number}" for number, name in names.items())
+    text = f"layout (constant_id = 0) const float {declared};\n#line {line}\n{rest}"
+    return replace(source, text=source.code[:at] + text, stripped=None)
+
+
+def literal_of(name: str) -> float | None:
+    """Return the number of a constant that `keep_literals` has made, by its name; None of others.
+
+    >>> literal_of("shaderlab_literal_2p5em3")
+    0.0025
+    """
+    if not name.startswith(_LITERAL):
+        return None
+    return float(name.removeprefix(_LITERAL).translate(_AS_NUMBER))
+
+
 _OPAQUE = re.compile(r"[iu]?(?:sampler|image)")
 
 

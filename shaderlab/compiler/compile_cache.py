@@ -25,8 +25,8 @@ from shaderlab.errors import ShaderError
 from shaderlab.files import cache_root, open_regular, write_bytes
 from shaderlab.model.records import Diagnostic, Verdict
 
-from .compile import Compile, Compiled, compile_program, order_stages
-from .glslang import files, link
+from .compile import Compile, Compiled, compile_program, keep_literals, order_stages
+from .glslang import SETTINGS, files, link
 from .reflection import Block, Interface, Member, Variable
 from .sources import Source
 
@@ -151,7 +151,8 @@ def cached_compiler() -> Compile:
 
 def compile_with_lines(source: Source) -> Compiled:
     """Compile one stage for OpenGL, or for Vulkan if only that takes it, behind the compile cache;
-    its module says which line of the text each instruction comes from.
+    its module says which line of the text each instruction comes from, and computes constant
+    expressions itself (see `keep_literals`) where the text compiles so.
 
     Raises:
         ShaderError: as `compile_program`.
@@ -163,6 +164,10 @@ def compile_with_lines(source: Source) -> Compiled:
 
 
 def _compile_with_lines(source: Source) -> Compiled:
+    if source.version[0] >= SETTINGS["opengl"].minimum:
+        linked = link([keep_literals(source)], "opengl", lines=True)
+        if linked.ok:
+            return Compiled((), {"opengl": linked.modules}, (source,))
     compiled = compile_program([source], ("opengl", "vulkan"))
     for target in compiled.spirv:
         linked = link([source], target, lines=True)

@@ -10,9 +10,10 @@ import pytest
 
 from benchmarks.adversary_device import Device
 from benchmarks.erring_arithmetic import Erring, outside
-from shaderlab.analysis.interpreter import Bands, interpret, load
+from shaderlab.analysis.interpreter import FLOAT64, Bands, interpret, load
 from shaderlab.bands import Band
 from shaderlab.compiler import Shaders
+from shaderlab.compiler.spirv import Op
 from shaderlab.model.frame import Bindings, Texels
 
 COUNT = 64
@@ -96,3 +97,34 @@ def test_how_far_a_texture_is_magnified_does_not_matter(size: float, exact: bool
     bindings = Bindings(textures={"t": image})
     band = interpret(program, each, bindings, Bands()).outputs["color"]
     assert (widest(band) < 1e-5) is exact
+
+
+FOLDED = {
+    "0.2126 * 0.9": lambda f: f(0.2126) * f(0.9),
+    "pow(0.73, 2.2)": lambda f: f(0.73) ** f(2.2),
+    "pow(0.9, 5.0)": lambda f: f(0.9) ** f(5.0),
+    "acos(0.2)": lambda f: np.arccos(f(0.2)),
+    "mod(5.3, 0.7)": lambda f: f(5.3) - f(0.7) * np.floor(f(5.3) / f(0.7)),
+    "fract(43.7)": lambda f: f(43.7) - f(43.0),
+    "(0.52 - 0.02)": lambda f: f(0.52) - f(0.02),
+    "1.0 / 2.2": lambda f: f(1.0) / f(2.2),
+    "float(3) / 7.0": lambda f: f(3.0) / f(7.0),
+}
+
+
+@pytest.mark.parametrize("expression", FOLDED)
+def test_constants_may_be_folded_in_float32_or_in_float64(expression: str) -> None:
+    code = f"const float k = {expression}; color = vec2(k, ({expression}) * p.x);"
+    band = band_of(code)
+    for precision in (np.float32, np.float64):
+        constant = np.full(COUNT, FOLDED[expression](precision), np.float32)
+        folded = np.stack([constant, constant * PLACES["p"][:, 0]], axis=-1)
+        assert band.contains(folded).all()
+
+
+def test_a_literal_keeps_its_digits_and_its_line() -> None:
+    text = "#version 330 core\n#define PI 3.14159265\nout float color;\nvoid main()\n{\n"
+    source = Shaders([]).from_text(text + "    color = 2.0 * PI;\n}\n", "fragment", "t.frag")
+    program = load(source)
+    assert interpret(program, {}, arithmetic=FLOAT64).outputs["color"] == 2.0 * 3.14159265
+    assert program.line_of(Op.FMul) == 6

@@ -42,9 +42,13 @@ class Numbers:
         return np.asarray(values, np.float32).astype(self.dtype)
 
     def literal(self, value: float) -> Floats:
-        """A float32 constant of the module, (1, 1): the author wrote a decimal number."""
+        """A number that the author wrote, (1, 1)."""
+        return np.full((1, 1), value, self.dtype)
+
+    def constant(self, value: float) -> Floats:
+        """A float32 of the module, (1, 1), that the compiler took from the text or computed."""
         # The shortest decimal number with this float32 is the one that was written.
-        return np.full((1, 1), float(shortest(value)), self.dtype)
+        return self.literal(float(shortest(value)))
 
     def undefined(self) -> Floats:
         """A float that nothing was stored to, (1, 1)."""
@@ -169,12 +173,16 @@ class Bands:
         return Band.exact(values, self.rules)
 
     def literal(self, value: float) -> Floats:
-        """The hull of the decimal number's neighbours, as in a reference; 3 ULP around one with
-        so many digits that the compiler must have computed it of others."""
+        """The hull of the decimal number's neighbours, as in a reference."""
+        return Band.literal(np.full((1, 1), value), self.rules)
+
+    def constant(self, value: float) -> Floats:
+        """As `literal`; 3 ULP around a float32 with so many digits that the compiler must have
+        computed it of others."""
         shown = np.format_float_scientific(np.float32(value), trim="-")
         digits = shown.split("e")[0].replace(".", "").replace("-", "")
         if len(digits) < _DIGITS or value == round(value):
-            return Band.literal(np.full((1, 1), float(shown)), self.rules)
+            return self.literal(float(shown))
         give = _COMPUTED * float(np.spacing(np.abs(np.float32(value))))
         middle = np.full((1, 1), float(value))
         return Band.between(middle - give, middle + give, self.rules)

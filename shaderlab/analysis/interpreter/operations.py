@@ -17,6 +17,7 @@ from shaderlab.bands.rounding import RELATIVE_STEP
 from shaderlab.compiler.spirv import Glsl450 as G, Op
 from shaderlab.errors import FormulaError
 
+from .arithmetic import FLOAT64
 from .program import Instruction, Type
 from .values import PathState, compose, fetch, known_index, replace_part, select
 
@@ -30,9 +31,20 @@ def call_function(function: str) -> Handler:
     """A handler that calls a function of the arithmetic on the operands' values."""
 
     def handler(run: Run, at: Instruction, state: PathState) -> Any:
-        return compute(run, function, run.values(at.operands))
+        values = run.values(at.operands)
+        exact = _fold(run, function, values) if at.id in run.program.folded else None
+        return compute(run, function, values) if exact is None else exact
 
     return handler
+
+
+def _fold(run: Run, function: str, values: list[Any]) -> Band | None:
+    """What compilers make of exact constants, in float32 or float64, where nothing is rounded."""
+    if not all(type(value) is Band and value.lo is value.hi for value in values):
+        return None
+    found = FLOAT64.call(function, *(value.lo for value in values))
+    same = bool((found == found.astype(np.float32)).all())
+    return Band.exact(found, values[0].rules) if same else None
 
 
 def apply(function: Callable[..., Any]) -> Handler:

@@ -155,6 +155,9 @@ class Function:
         return {label: place for place, label in enumerate(self.blocks)}
 
 
+_FOLDED = (Op.FNegate, Op.FAdd, Op.FSub, Op.FMul, Op.FDiv, Op.VectorTimesScalar)
+
+
 @dataclass(eq=False)
 class Program:
     """One stage, ready to be interpreted.
@@ -193,6 +196,17 @@ class Program:
             for instruction in block
             if instruction.id
         }
+
+    @functools.cached_property
+    def folded(self) -> frozenset[int]:
+        """The results of + - * / on constants alone, which every compiler computes itself."""
+        found: set[int] = set()
+        for id_, one in self.definitions.items():
+            if one.op in _FOLDED and all(
+                of in found or of in self.module.values for of in one.operands
+            ):
+                found.add(id_)
+        return frozenset(found)
 
     @functools.cached_property
     def local_size(self) -> tuple[int, int, int]:

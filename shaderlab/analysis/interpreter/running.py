@@ -10,6 +10,7 @@ import numpy as np
 
 from shaderlab.bands import Band, Integer, TriBool
 from shaderlab.bands.rounding import ulp
+from shaderlab.compiler.compile import literal_of
 from shaderlab.compiler.spirv import Op, StorageClass
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
@@ -132,7 +133,10 @@ def value(run: Run, id_: int) -> Value:
     if op in _SCALAR:
         word = np.array([[words[2]]], np.uint32)
         if type_.kind == "float":
-            return run.arithmetic.literal(float(word.view(np.float32)[0, 0]))
+            written = literal_of(program.name(id_))
+            if written is not None:
+                return run.arithmetic.literal(written)
+            return run.arithmetic.constant(float(word.view(np.float32)[0, 0]))
         number = word.view(np.int32) if type_.signed else word
         return Integer(number, unsigned=not type_.signed, rules=run.arithmetic.rules)
     if op in _COMPOSITE:
