@@ -54,7 +54,8 @@ class OutputAnswer:
         different: on how many of them it is another one.
         apart: how far, at most; infinite where only one program draws, or has a number.
         why: "value", "coverage", "definedness"; "missing" where a program has no such output.
-        example: inputs at which it differs, and what both give there.
+        example: inputs at which it differs, and what both give there; if it is the same under
+            conditions, inputs that do not meet them.
         place: the first line of the new program that differs there, "file:line" or "".
         conditions: what it is the same under, where it is not so without.
         numerics: None where the mathematics differ, or bands could not be had.
@@ -89,8 +90,9 @@ class OutputAnswer:
                 f"{self.name}: same{' mathematics' if numerics else ''} on {self.judged:,} inputs"
             )
             if self.conditions:
-                text += f", if {' and '.join(self.conditions)}"
-            return f"{text}; {numerics}" if numerics else text
+                text += f", only if {' and '.join(self.conditions)}"
+            text += f"; {numerics}" if numerics else ""
+            return text + self._example() if self.conditions else text
         share = 100.0 * self.different / self.judged
         text = f"{self.name}: different at {_percent(share)} % of {self.judged:,} inputs"
         if self.why == "value":
@@ -98,10 +100,13 @@ class OutputAnswer:
         text += _WHY.get(self.why, "")
         if self.place:
             text += f"; first at {self.place}"
-        if self.example:
-            text += f"\n    with {format_inputs(self.example)}"
-            text += f"\n    {_vector(self.gives[0])} became {_vector(self.gives[1])}"
-        return text
+        return text + self._example()
+
+    def _example(self) -> str:
+        if not self.example:
+            return ""
+        text = f"\n    with {format_inputs(self.example)}"
+        return f"{text}\n    {_vector(self.gives[0])} became {_vector(self.gives[1])}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,6 +133,11 @@ class Answer:
         if False in found:
             return False
         return None if None in found or not found else True
+
+    @property
+    def conditional(self) -> bool:
+        """Whether some output is the same only under conditions."""
+        return any(output.conditions for output in self.outputs)
 
     @property
     def same_numerics(self) -> bool:
@@ -164,12 +174,15 @@ def _data(output: OutputAnswer) -> dict[str, Any]:
             "why": output.why,
             "apart": output.apart if output.why == "value" else None,
             "place": output.place,
+        }
+    if output.conditions:
+        found["conditions"] = list(output.conditions)
+    if output.why or output.conditions:
+        found |= {
             "example": {n: list(v) for n, v in output.example.items()},
             "old gives": _numbers(output.gives[0]),
             "new gives": _numbers(output.gives[1]),
         }
-    if output.conditions:
-        found["conditions"] = list(output.conditions)
     if output.numerics is not None:
         numerics = output.numerics
         found["numerics"] = {

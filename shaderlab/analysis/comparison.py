@@ -42,6 +42,7 @@ from .differences import MOST, bands_of, compare_accuracy, discards, first_diffe
 from .inputs import (
     Input,
     InputDomain,
+    add_constants,
     declared_ranges,
     domains_of,
     inputs_of,
@@ -121,6 +122,7 @@ def compare_programs(
     else:
         declared = {**declared_ranges(old), **declared_ranges(new)}
         domains = domains_of(inputs.values(), declared, plan.ranges)
+        domains = add_constants(domains, inputs, (old, new))
 
         def make(domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
             return sample_inputs(inputs, domains, plan.count, seed)
@@ -171,6 +173,12 @@ class _Comparison:
             pairs = self._names(sets)
             if all(self._is_settled(sets, *pair) for pair in pairs):
                 break
+        else:
+            if not captured and self.plan.rounds:
+                domains = add_constants(self.domains, self.inputs, self.programs, beyond=True)
+                # A loop as long as such a number says may be too long to run.
+                with contextlib.suppress(NotInterpretedError):
+                    sets.append(self._run(self.make(domains, self.plan.rounds + 1)))
         for name, other in pairs:
             if not name or not other:
                 yield OutputAnswer(name=name or other, why="missing")
@@ -179,7 +187,7 @@ class _Comparison:
             if answer.same and self.plan.accuracy:
                 answer = replace(answer, numerics=self._numerics(sets[0], name, other))
             if answer.same and self.plan.rounds:
-                answer = replace(answer, conditions=tuple(self._conditions(name, other)))
+                answer = self._add_conditions(answer, name, other)
             yield answer
 
     def _inputs(self, captured: Sequence[InputBatch]) -> Iterator[InputBatch]:
@@ -283,21 +291,34 @@ class _Comparison:
             self._in_bands = tuple(bands_of(program, batch) for program in self.programs)
         return self._in_bands
 
-    def _conditions(self, name: str, other: str) -> Iterator[str]:
-        """What an output is the same under: assumptions about inputs without which it is not."""
+    def _add_conditions(self, answer: OutputAnswer, name: str, other: str) -> OutputAnswer:
+        """The answer with what it holds under: assumptions about inputs without which the output is
+        another one, and inputs that show it."""
         relaxed = tuple(n for n, domain in self.domains.items() if domain.relaxed is not None)
-        if not relaxed or not self._differs_without(relaxed, name, other):
-            return
-        for input_ in relaxed:
-            if self._differs_without((input_,), name, other):
-                yield self.domains[input_].condition(input_)
+        found = self._find_without(relaxed, name, other) if relaxed else None
+        if found is None:
+            return answer
+        one, compared = found
+        alone = {n: self._find_without((n,), name, other) for n in relaxed}
+        needed = [n for n, shown in alone.items() if shown is not None]
+        if needed:
+            one, compared = alone[needed[0]] or found
+        row = _worst(compared)
+        return replace(
+            answer,
+            conditions=tuple(self.domains[n].condition(n) for n in needed or relaxed),
+            example=one.batch.example(row, self.inputs),
+            gives=(_value(one.old, name, row), _value(one.new, other, row)),
+        )
 
-    def _differs_without(self, relaxed: tuple[str, ...], name: str, other: str) -> bool:
-        """Whether an output differs without what is assumed of some inputs."""
+    def _find_without(
+        self, relaxed: tuple[str, ...], name: str, other: str
+    ) -> tuple[_Set, Compared] | None:
+        """Where an output differs without what is assumed of some inputs; None if it does not."""
         if relaxed not in self._freed:
             self._freed[relaxed] = list(self._sets_without(relaxed))
-        sets = self._freed[relaxed]
-        return any(self._compare(one, name, other).different.any() for one in sets)
+        found = ((one, self._compare(one, name, other)) for one in self._freed[relaxed])
+        return next((pair for pair in found if pair[1].different.any()), None)
 
     def _sets_without(self, relaxed: tuple[str, ...]) -> Iterator[_Set]:
         domains = {

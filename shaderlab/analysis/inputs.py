@@ -24,6 +24,8 @@ from .interpreter.values import NUMBERS, number_invocations
 _RANGE = re.compile(r"//.*?\brange:\s*(\S+)\s*\.\.\s*(\S+)")
 _UNIT = re.compile(r"//.*?\brange:\s*unit\b")
 _DECLARED = re.compile(r"([A-Za-z_]\w*)\s*(?:\[[^]]*\]\s*)?(?:=[^;]*)?[;,]")
+_WHOLE = 2.0**31
+_LAYOUT = re.compile(r"\blayout\s*\([^)]*\)")
 _ENDLESS = 4  # elements of an array whose length is known at run time only
 
 
@@ -83,7 +85,7 @@ def declared_ranges(program: Program) -> dict[str, str]:
     for line in text.splitlines():
         if "range:" not in line:
             continue
-        code, _, _ = line.partition("//")
+        code = _LAYOUT.sub("", line.partition("//")[0])
         pair = _RANGE.search(line)
         text = "unit" if _UNIT.search(line) else f"{pair[1]}..{pair[2]}" if pair else ""
         if text:
@@ -109,6 +111,7 @@ class InputDomain:
         source: "given" by --range, "declared" in a comment, "learned" from captures,
             or "assumed".
         above: the name of an input than which this one is not less.
+        constants: numbers to try besides: what the programs compare theirs with, for example.
     """
 
     kind: Kind
@@ -116,6 +119,7 @@ class InputDomain:
     high: float = 1.0
     source: Literal["given", "declared", "assumed", "learned"] = "assumed"
     above: str = ""
+    constants: tuple[float, ...] = ()
 
     def condition(self, name: str) -> str:
         """What holds of the input's values, as a formula."""
@@ -136,7 +140,8 @@ class InputDomain:
         if self.kind == "unit":
             with np.errstate(all="ignore"):
                 values = values / np.linalg.norm(values, axis=1, keepdims=True)
-            return np.nan_to_num(values, nan=0.57735).astype(np.float32)
+            middle = values.shape[1] ** -0.5  # of opposite vectors there is none
+            return np.nan_to_num(values, nan=middle).astype(np.float32)
         return np.clip(values, self.low, self.high).astype(np.float32)
 
     @property
@@ -222,6 +227,26 @@ def domains_of(
         lower = lower_partner(one.name, found)
         if lower and found[one.name].kind == found[lower].kind == "number":
             found[one.name] = replace(found[one.name], above=lower)
+    return found
+
+
+def add_constants(
+    domains: Mapping[str, InputDomain],
+    inputs: Mapping[str, Input],
+    programs: Sequence[Program],
+    *,
+    beyond: bool = False,
+) -> dict[str, InputDomain]:
+    """The domains of numbers with the programs' own constants to try; with `beyond` those beyond
+    the assumed range of an integer, too: `id == 12345` is true for no other."""
+    constants = sorted({number for program in programs for number in program.numbers})
+    found = dict(domains)
+    for name, domain in domains.items():
+        if domain.kind == "number" and name in inputs and "mat" not in inputs[name].type:
+            whole = inputs[name].whole and domain.source == "assumed" and name[:3] != "gl_"
+            low, high = (-_WHOLE, _WHOLE - 1.0) if whole and beyond else (domain.low, domain.high)
+            own = tuple(number for number in constants if low <= number <= high)
+            found[name] = replace(domain, constants=own)
     return found
 
 
@@ -368,13 +393,19 @@ def _numbers(type_: str, domain: InputDomain, count: int, rng: np.random.Generat
         if domain.high - domain.low > 2.0**16:  # of each magnitude as many
             whole = whole >> rng.integers(0, 32, (count, size))
             return whole % 2**32 if type_[0] == "u" else whole
-        return whole if type_[0] == "i" else np.abs(whole) if type_[0] == "u" else whole > 0
+        if type_[0] == "b":
+            return whole > 0
+        own = [int(n) for n in domain.constants if n == int(n)]
+        if own:
+            whole = np.where(
+                rng.random(whole.shape) < _CORNERS, rng.choice(own, whole.shape), whole
+            )
+        return whole if type_[0] == "i" else np.abs(whole)
     x = rng.uniform(domain.low, domain.high, (count, size))
     if domain.low > 0.0 and domain.high > 20.0 * domain.low:  # of each magnitude as many
         x = np.exp(rng.uniform(np.log(domain.low), np.log(domain.high), (count, size)))
-    ends = np.array(
-        [e for e in (domain.low, domain.high, 0.0, 1.0) if domain.low <= e <= domain.high]
-    )
+    tried = (domain.low, domain.high, 0.0, 1.0, *domain.constants)
+    ends = np.array([e for e in tried if domain.low <= e <= domain.high])
     corner = rng.random((count, size)) < _CORNERS
     x = np.where(corner, rng.choice(ends, (count, size)), x)
     return np.asarray(np.clip(x.astype(np.float32), domain.low, domain.high), np.float32)
@@ -403,7 +434,7 @@ def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Genera
         return found.astype(np.float32)
     turn = min(size, 3)
     q, _ = np.linalg.qr(rng.normal(size=(count, turn, turn)))
-    q = q * np.sign(np.linalg.det(q))[:, None, None] if turn == 3 else q
+    q[:, :, 0] *= np.sign(np.linalg.det(q))[:, None]  # no reflection
     if domain.kind == "affine":
         q = q * rng.uniform(0.4, 2.5, (count, 1, turn))
     if domain.kind == "affine" and size == 4:

@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 
 NO_ANSWER = USAGE
 """The exit status of an undetermined comparison."""
+ONLY_IF = 3
+"""The exit status where shaders are the same only under conditions."""
 
 
 @click.command("diff")
@@ -55,6 +57,9 @@ NO_ANSWER = USAGE
 @RANGES
 @click.option("--strict", is_flag=True, help="Exit with 1 also if only the accuracy changes.")
 @click.option(
+    "--assume", is_flag=True, help="Exit with 0 also if they are the same only under conditions."
+)
+@click.option(
     "--stage", type=click.Choice(STAGES), help="The stage of both files, whatever their names."
 )
 @click.option("--inputs", "show_inputs", is_flag=True, help="Print the values of each input.")
@@ -69,6 +74,7 @@ def command(
     case: str | None,
     ranges: dict[str, str],
     strict: bool,
+    assume: bool,
     stage: str | None,
     show_inputs: bool,
     includes: tuple[Path, ...],
@@ -83,7 +89,8 @@ def command(
     its declaration, `uniform float distance; // range: 0..50` (or `// range: unit`). In files
     without `main`, each function is compared.
 
-    Exit code: 0 the same mathematics, 1 different, 2 undetermined, or wrong usage.
+    Exit code: 0 the same mathematics, 1 different, 2 undetermined, or wrong usage, 3 the same only
+    under conditions, which are printed with inputs that do not meet them.
 
     \b
     Examples:
@@ -115,13 +122,20 @@ def command(
         return NO_ANSWER
     to_stderr = json_file == "-"
     for answer in answers:
-        _print(answer, show_inputs or answer.same is not True, to_stderr, len(answers) > 1)
+        plain = answer.same is True and not answer.conditional
+        _print(answer, show_inputs or not plain, to_stderr, len(answers) > 1)
     if json_file is not None:
         write_json([answer.data() for answer in answers], json_file)
+    return _status(answers, strict=strict, assume=assume)
+
+
+def _status(answers: Sequence[Answer], *, strict: bool, assume: bool) -> int:
     found = {answer.same for answer in answers}
     if False in found or (strict and not all(answer.same_numerics for answer in answers)):
         return FAILED
-    return NO_ANSWER if None in found else OK
+    if None in found:
+        return NO_ANSWER
+    return ONLY_IF if not assume and any(answer.conditional for answer in answers) else OK
 
 
 @dataclass(frozen=True)

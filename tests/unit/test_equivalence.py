@@ -179,12 +179,42 @@ def test_an_assumption_that_matters_is_said() -> None:
     new = old % "dot(direction, direction)"
     answer = compared(old % "1.0", new)
     assert answer.same is True and answer.outputs[0].conditions == ("|direction| = 1",)
-    assert ", if |direction| = 1" in str(answer.outputs[0])
+    assert answer.conditional and ", only if |direction| = 1" in str(answer.outputs[0])
+    shown = answer.outputs[0]  # at inputs that refute it
+    assert abs(np.linalg.norm(shown.example["direction"]) - 1.0) > 0.01
+    assert abs(shown.gives[0][0] - shown.gives[1][0]) > 0.001
     told = compared(old.replace("direction;", "direction; // range: -1..1\n") % "1.0", new)
     assert told.same is False
     given = compared(old % "1.0", new, ranges={"direction": "-1:1"})
     assert given.same is False and given.inputs["direction"] == "-1..1 (given)"
     assert compared(old % "1.0", new, ranges={"direction": "unit"}).outputs[0].conditions == ()
+
+
+@pytest.mark.parametrize(
+    ("test", "wrong"),
+    [("id == 12345", "id == 12346"), ("id == 3 || id == -77", "id == 3"), ("x == 0.375", "false")],
+)
+def test_numbers_that_the_shader_names_are_tried(test: str, wrong: str) -> None:
+    text = "uniform int id; uniform float x; out float o; void main() { o = %s ? 2.0 : x; }"
+    assert compared(text % test, text % test).same is True
+    assert compared(text % test, text % wrong).same is False
+
+
+def test_the_cases_of_a_switch_are_tried() -> None:
+    text = "uniform int id; out int o; void main() { switch (id) { case %d: o = 1; } }"
+    assert compared(text % 4200, text % 4300).same is False
+
+
+def test_a_rotation_in_a_plane_is_no_reflection() -> None:
+    text = "uniform mat2 turn; uniform vec2 uv; out vec2 o; void main() { o = %s; }"
+    assert compared(text % "turn * uv", text % "uv * turn").same is False
+    assert compared(text % "turn * uv", text % "uv * transpose(turn)").same is True
+
+
+def test_a_range_is_read_behind_a_layout() -> None:
+    text = "#version 410 core\nlayout (location = 0) in vec3 n; // range: unit\nout vec3 o;\n"
+    text += "void main() { o = n; }"
+    assert compared(text, text).inputs["n"] == "of length 1 (declared)"
 
 
 def test_a_range_hides_what_lies_outside_of_it() -> None:
@@ -337,6 +367,7 @@ def test_the_command_answers_by_its_status(tmp_path: Path) -> None:
         "same": "o = 1.0 * x;",
         "wrong": "o = x + 0.001;",
         "lossy": "o = (x + 3.0) - 3.0;",
+        "clamped": "o = clamp(x, 0.0, 1.0);",
         "broken": "o = y;",
     }
     for name, body in texts.items():
@@ -355,6 +386,9 @@ def test_the_command_answers_by_its_status(tmp_path: Path) -> None:
     assert status == 1 and "different at 100 %" in text and "x: 2..3 (given)" in text
     assert diff("lossy")[0] == 0 and diff("lossy", "--strict")[0] == 1
     assert diff("same", "--strict")[0] == 0
+    status, text = diff("clamped")
+    assert status == 3 and ", only if 0 <= x <= 1" in text and " became " in text
+    assert diff("clamped", "--assume")[0] == 0
     status, text = diff("broken")
     assert status == 2 and text.startswith("undetermined: ") and "undeclared" in text
     for words in (["--range", "x"], ["--range", "x=5..1"], ["--range", "y=0:1"]):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import struct
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -196,6 +197,20 @@ class Program:
             for instruction in block
             if instruction.id
         }
+
+    @functools.cached_property
+    def numbers(self) -> frozenset[float]:
+        """The numbers in the program's text, and what its integers are compared with."""
+        found: set[float] = set()
+        for id_, word in self.module.constants.items():
+            type_ = self.types[self.module.values[id_].words[0]]
+            bits = struct.pack("I", word)
+            code = "f" if type_.kind == "float" else "i" if type_.signed else "I"
+            found.add(float(struct.unpack(code, bits)[0]))
+        for one in (one for f in self.functions.values() for b in f.blocks.values() for one in b):
+            if one.op == Op.Switch:
+                found.update(float(number) for number in one.operands[2::2])
+        return frozenset(found)
 
     @functools.cached_property
     def folded(self) -> frozenset[int]:
