@@ -8,8 +8,20 @@ The names are listed in __init__.pyi. Each is imported when it is first used, so
 only a part, such as the compile harness and its workers, does not wait for NumPy.
 """
 
-import lazy_loader as _lazy
+import typing as _typing
 
 __version__ = "0.1.0"
 
-__getattr__, __dir__, __all__ = _lazy.attach_stub(__name__, __file__)
+
+def __getattr__(name: str) -> _typing.Any:
+    # Reading the stub takes longer than starting Python; the commands do without, and first of all
+    # they see to it that they can be interrupted.
+    import lazy_loader
+
+    find, list_names, names = lazy_loader.attach_stub(__name__, __file__)
+    globals().update(__getattr__=find, __dir__=list_names, __all__=names)
+    return names if name == "__all__" else find(name)
+
+
+def __dir__() -> list[str]:
+    return list(__getattr__("__all__"))

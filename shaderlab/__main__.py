@@ -10,16 +10,22 @@ import signal
 import sys
 import time
 
+ONE_WISH = 1.0
+"""Interrupts within so many seconds, as of a key that is held down, count as one."""
+_raised = -ONE_WISH  # when an interrupt was raised
+
 
 def main() -> None:
     """Run the command line on `sys.argv`; never returns.
 
     Ctrl-C ends it with one line, also while modules are imported.
     """
+    global _raised
+    _raised = -ONE_WISH
     sys.unraisablehook = _resend_dropped_interrupt
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _interrupt)
     try:
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, _interrupt)
         from shaderlab.cli import main as command_line
 
         command_line()
@@ -27,23 +33,32 @@ def main() -> None:
         print("\nshaderlab: interrupted", file=sys.stderr)
         sys.exit(130)
     finally:
+        # An interrupt that ended what was executed from a string, as dataclasses are made, would
+        # end this process by a signal, whoever caught it; executing another one takes that back.
+        exec("")
         if signal.getsignal(signal.SIGINT) is _interrupt:
-            signal.signal(signal.SIGINT, signal.SIG_DFL)  # nothing is left that it could cut short
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # nothing is left that it could cut short
 
 
 def _interrupt(number: int, frame: object) -> None:
     """Raise KeyboardInterrupt, but a little later while the lock of imports is held: it would
     never be released, and other threads wait for it forever."""
+    global _raised
+    if time.monotonic() - _raised < ONE_WISH:
+        return
     if _imp.lock_held():
         _interrupt_later()
-    else:
-        raise KeyboardInterrupt
+        return
+    _raised = time.monotonic()
+    raise KeyboardInterrupt
 
 
 def _resend_dropped_interrupt(dropped: sys.UnraisableHookArgs) -> None:
     """Send an interrupt again that was raised in a callback, such as a weak reference's: Python
     drops what is raised there."""
+    global _raised
     if dropped.exc_type is KeyboardInterrupt:
+        _raised = -ONE_WISH
         _interrupt_later()
     else:
         sys.__unraisablehook__(dropped)

@@ -48,6 +48,18 @@ class CaseInfo:
     status: str = "pass"
 
 
+def describe_case(scenes: Sequence[Scene]) -> CaseInfo:
+    """What a case file holds, by all scenes of its case."""
+    case = scenes[0].case
+    return CaseInfo(
+        file=case.file,
+        id=case.id,
+        title=case.title,
+        section=case.section,
+        variants=tuple(scene.variant for scene in scenes),
+    )
+
+
 @dataclass(frozen=True, kw_only=True)
 class Job:
     """One variant to run.
@@ -106,7 +118,7 @@ class LoadCase:
     file: Path
 
     def perform(self, worker: Worker) -> CaseInfo:
-        return worker.facts(self.file)
+        return describe_case(list(worker.scenes(str(self.file)).values()))
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from shaderlab import drivers as backends
 from shaderlab.drivers import known_driver, prepare_process
 from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.jobs import CaseInfo, Request
+from shaderlab.engine.jobs import Request
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.options import RunOptions
@@ -83,18 +83,6 @@ class Worker:
     def case(self, file: str) -> Case:
         """The case of a case file. Raises CaseError."""
         return next(iter(self.scenes(file).values())).case
-
-    def facts(self, file: Path) -> CaseInfo:
-        """What is in a case file. Raises CaseError."""
-        scenes = list(self.scenes(str(file)).values())
-        case = scenes[0].case
-        return CaseInfo(
-            file=case.file,
-            id=case.id,
-            title=case.title,
-            section=case.section,
-            variants=tuple(scene.variant for scene in scenes),
-        )
 
     def keep(self, slot: str, key: Hashable, make: Callable[[], Any]) -> Any:
         """The value in `slot`, made now unless it was made for the same key."""

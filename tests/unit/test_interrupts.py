@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import _imp
+import os
 import signal
+import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -33,6 +35,54 @@ def test_an_interrupt_while_modules_are_imported_is_said(
         program.main()
     assert ended.value.code == cli.INTERRUPTED
     assert capsys.readouterr().err == "\nshaderlab: interrupted\n"
+
+
+def test_interrupts_in_a_burst_are_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also those that come while what was begun is ended, and while the process ends."""
+
+    def interrupted() -> None:
+        try:
+            signal.raise_signal(signal.SIGINT)
+            time.sleep(20)  # until the first one
+        finally:
+            for _ in range(4):
+                signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(cli, "main", interrupted)
+    with pytest.raises(SystemExit) as ended:
+        program.main()
+    signal.raise_signal(signal.SIGINT)
+    assert ended.value.code == cli.INTERRUPTED
+    assert capsys.readouterr().err == "\nshaderlab: interrupted\n"
+
+
+def test_an_interrupt_after_a_while_ends_what_an_earlier_one_did_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def interrupted_twice() -> None:
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+            time.sleep(20)
+        monkeypatch.setattr(program, "ONE_WISH", 0.0)
+        signal.raise_signal(signal.SIGINT)
+        time.sleep(20)
+
+    monkeypatch.setattr(cli, "main", interrupted_twice)
+    with pytest.raises(SystemExit) as ended:
+        program.main()
+    assert ended.value.code == cli.INTERRUPTED
+
+
+def test_the_package_is_imported_without_reading_its_stub() -> None:
+    """Before the program starts, nothing says how an interrupt ends it: that time is Python's."""
+    code = (
+        "import sys, shaderlab.__main__; print(sorted({'ast', 'lazy_loader'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-S", "-c", code], capture_output=True, text=True,
+                          env={"PYTHONPATH": os.pathsep.join(filter(None, sys.path))})  # fmt: skip
+    assert done.stdout.strip() == "[]", done.stderr
 
 
 def test_what_ignores_interrupts_goes_on_doing_so(monkeypatch: pytest.MonkeyPatch) -> None:
