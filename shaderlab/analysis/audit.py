@@ -25,8 +25,8 @@ from .hazards import Audit as Audit, Hazard as Hazard, find_dependents, reached_
 from .inputs import (
     Input,
     InputDomain,
-    declared_ranges,
     domains_of,
+    find_declared_ranges,
     inputs_of,
     interpolate_inputs,
     is_place,
@@ -363,11 +363,11 @@ def audit_program(
         raise UsageError(f"the shader does not read {name!r}", remedy=suggest(name, inputs))
     if captured:
         batches = merge_batches(captured, program, _MAX_CAPTURED)
-        examples = [e for batch in batches for e in _captured_examples(program, batch)]
+        examples = [e for batch in batches for e in _capture_examples(program, batch)]
         tried = sum(batch.count for batch in batches)
         words = dict.fromkeys(inputs, "as in the case")
     else:
-        domains = domains_of(inputs.values(), declared_ranges(program), plan.ranges)
+        domains = domains_of(inputs.values(), find_declared_ranges(program), plan.ranges)
         search = InputSearch(program, inputs, domains, plan.count)
         search.run()
         examples, tried, batches = list(search.found.values()), search.tried, [search.first]
@@ -389,7 +389,7 @@ def audit_program(
     )
 
 
-def _captured_examples(program: Program, batch: InputBatch) -> Iterator[Counterexample]:
+def _capture_examples(program: Program, batch: InputBatch) -> Iterator[Counterexample]:
     origins = np.full(batch.count, RANDOM)
     return find_counterexamples(watch_batch(program, batch), batch, origins)
 

@@ -43,8 +43,8 @@ from .inputs import (
     Input,
     InputDomain,
     add_constants,
-    declared_ranges,
     domains_of,
+    find_declared_ranges,
     inputs_of,
     learn_domains,
     sample_inputs,
@@ -120,7 +120,7 @@ def compare_programs(
         def make(domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
             return vary_inputs(captured[seed % len(captured)], domains, seed)
     else:
-        declared = {**declared_ranges(old), **declared_ranges(new)}
+        declared = {**find_declared_ranges(old), **find_declared_ranges(new)}
         domains = domains_of(inputs.values(), declared, plan.ranges)
         domains = add_constants(domains, inputs, (old, new))
 

@@ -28,7 +28,7 @@ from shaderlab.model.records import Explanation, Outcome, Step
 
 from .batches import InputBatch
 from .driver_values import driver_values
-from .inputs import declared_ranges, domains_of, inputs_of, sample_inputs, unknown_names
+from .inputs import domains_of, find_declared_ranges, inputs_of, sample_inputs, unknown_names
 from .interpreter import FLOAT32, FLOAT64, Arithmetic, Bands, Program, Stored, interpret
 from .interpreter.running import is_vector, precision_loss, row_of, width
 from .invocations import Invocations, sample_fragments
@@ -207,7 +207,7 @@ def explain_file(
     for name in unknown_names(list(ranges), inputs):
         raise UsageError(f"the shader does not read {name!r}", remedy=suggest(name, inputs))
     made_up = sample_inputs(
-        inputs, domains_of(inputs.values(), declared_ranges(program), ranges), most, 0
+        inputs, domains_of(inputs.values(), find_declared_ranges(program), ranges), most, 0
     )
     row = _widest(_as_invocations(program, made_up))
     rows = made_up.rows_with(np.array([row]), program)

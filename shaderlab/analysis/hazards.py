@@ -177,7 +177,7 @@ def fill_value(value: Any, number: float) -> Any:
     return np.full_like(value, number) if isinstance(value, np.ndarray) else value
 
 
-def written_outputs(
+def find_written_outputs(
     program: Program, batch: InputBatch, row: int, watch: Watch | None = None
 ) -> Mapping[str, Array]:
     """What an invocation writes, by output; "discard" is 1 where it is discarded."""
@@ -192,8 +192,10 @@ def find_dependents(
 ) -> dict[str, Array]:
     """The outputs that depend on an instruction's result at an invocation, as they are."""
     some, own = batch.alone(row, program)
-    plain = written_outputs(program, some, own)
-    others = [written_outputs(program, some, own, _Replacing(place, value)) for value in _VALUES]
+    plain = find_written_outputs(program, some, own)
+    others = [
+        find_written_outputs(program, some, own, _Replacing(place, value)) for value in _VALUES
+    ]
     return {name: value for name, value in plain.items() if _differs(name, others)}
 
 
@@ -211,5 +213,5 @@ def reached_by_0(
     behind a condition, such as `x != 0.0`."""
     some, own = batch.alone(row, program)
     watch = _Zeroing(place, number)
-    written_outputs(program, some, own, watch)
+    find_written_outputs(program, some, own, watch)
     return watch.reached

@@ -78,7 +78,7 @@ def _elements(lengths: tuple[int, ...], name: str) -> Iterator[str]:
         yield from _elements(lengths[1:], f"{name}[{i}]")
 
 
-def declared_ranges(program: Program) -> dict[str, str]:
+def find_declared_ranges(program: Program) -> dict[str, str]:
     """The `// range:` of each name declared in its line: "0..50", "unit"."""
     found: dict[str, str] = {}
     text = "" if program.source is None else program.source.text

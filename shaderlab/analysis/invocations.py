@@ -182,7 +182,7 @@ def case_stages(lab: SceneRunner, case: Case) -> list[tuple[Source, list[InputBa
                     for source in draw.sources:
                         if not _is_written_by_lab(source, draw):
                             one = found.setdefault(source.text, (source, []))
-                            given = _captured_batch(evaluation, (name, i), source.stage)
+                            given = _capture_batch(evaluation, (name, i), source.stage)
                             one[1].extend(g for g in given if g.count)
     return [
         (source, given)
@@ -215,7 +215,7 @@ def changed_stages(
                 ):
                     one = known.setdefault((old.text, new.text), ChangedStage(old, new))
                     one.given.extend(
-                        g for g in _captured_batch(evaluation, key, old.stage) if g.count
+                        g for g in _capture_batch(evaluation, key, old.stage) if g.count
                     )
     for change, known in zip(changes, found, strict=True):
         if not known:
@@ -238,7 +238,7 @@ def _is_written_by_lab(source: Source, draw: PreparedDraw) -> bool:
     return source.stage == "vertex" and draw.draw.mesh is None
 
 
-def _captured_batch(evaluation: Evaluation, key: PassDraw, stage: str) -> Iterator[InputBatch]:
+def _capture_batch(evaluation: Evaluation, key: PassDraw, stage: str) -> Iterator[InputBatch]:
     """What a draw gives a stage, if that can be captured."""
     bindings = evaluation.drawn.bindings[key]
     if stage == "vertex":

@@ -35,7 +35,7 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
 
     Exit code: 0 all cases load, 1 one does not, 2 wrong usage.
     """
-    found = _load_cases(targets)
+    found = load_selected(targets)
     cases = [case for case in found if case.error is None]
     if chapter is not None:
         chapters = sorted({_chapter_of(case) for case in cases})
@@ -54,7 +54,7 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
     return FAILED if errors else OK
 
 
-def _load_cases(targets: Sequence[str]) -> list[CaseInfo]:
+def load_selected(targets: Sequence[str]) -> list[CaseInfo]:
     """Load the cases of targets in worker processes, or all that ship with shaderlab in this one,
     which needs nothing to judge them by."""
     if targets:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shaderlab.engine.catalogue import imported_files, is_project_file
+from shaderlab.engine.catalogue import find_imported_files, is_project_file
 from shaderlab.engine.jobs import (
     CaseInfo,
     Executor,
@@ -154,7 +154,7 @@ class Session:
         for result in self._executor.perform(requests):
             watched, (result, files) = wanted[result.number], _split(result)
             watched.facts = make_case_info(watched.file, result)
-            own = {path for path in imported_files(watched.file) if is_project_file(path)}
+            own = {path for path in find_imported_files(watched.file) if is_project_file(path)}
             watched.files |= {watched.file, *files, *own}
         if not wanted:
             return

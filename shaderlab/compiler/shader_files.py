@@ -168,7 +168,7 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
 
 _SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)")
 _NO_SHADERS = frozenset({"__pycache__", "node_modules", "site-packages"})
-_MOST_FILES = 20_000
+MOST_FILES = 20_000
 """How many files below a shader folder are searched for names like a misspelt one."""
 _LEADS_OUT = "leads out of the shader folders"
 OUTSIDE_REMEDY = "name a file inside a shader folder, or add its folder: --include DIR"
@@ -255,7 +255,7 @@ class Roots:
     def suggest(self, name: str) -> str:
         """Return a remedy for a misspelt name: like ones of shaders that are not too deep in the
         roots, of which one may be somebody's home folder."""
-        return suggest(name, self.names(_MOST_FILES))
+        return suggest(name, self.names(MOST_FILES))
 
     def names(self, most: int | None = None) -> tuple[str, ...]:
         """Return all overridden names and all shader files below the roots, each by its shortest

@@ -114,7 +114,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
     def draw(self, only: Container[str] | None = None) -> Drawn:
         for description in self.scene.passes:
             if only is None or description.name in only:
-                self._run_pass(description)
+                self.run_pass(description)
         return Drawn(
             images=self.images,
             bindings=self.bindings,
@@ -123,7 +123,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
             sample_positions=self._sample_positions,
         )
 
-    def _run_pass(self, description: Pass) -> None:
+    def run_pass(self, description: Pass) -> None:
         """Draw one pass, then read its colour attachments, and depth or stencil if asked for."""
         draws = self.programs[description.name]
         if description.computes:
@@ -336,14 +336,14 @@ class DeviceBackend(Backend):
     def __init__(self, device: Any) -> None:
         self.device = device
         self.info = device.info
-        self._linker = self.linker_class(device)
+        self.linker = self.linker_class(device)
 
     @contextmanager
     def session(
         self, scene: Scene, programs: Programs, size: Size
     ) -> Iterator[PassSession[Any, Any]]:
         with self.in_use(), ExitStack() as stack:
-            yield self.session_class(self._linker, scene, programs, size, stack)
+            yield self.session_class(self.linker, scene, programs, size, stack)
 
     def in_use(self) -> AbstractContextManager[object]:
         """Let this thread use the device for a while."""

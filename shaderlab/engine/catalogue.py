@@ -93,7 +93,7 @@ def inspect_file(path: Path) -> str | None:
         body = list(_statements(ast.parse(source).body))
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return "" if b"shaderlab" in source else None
-    values = [value for statement in body for value in _assigned_values(statement)]
+    values = [value for statement in body for value in _find_assigned_values(statement)]
     imports_lab, takes = _imports_lab(body)
     literal = all(isinstance(value, _NO_CASES) for value in values)
     if not takes:
@@ -107,14 +107,14 @@ def inspect_file(path: Path) -> str | None:
     return ""
 
 
-def imported_files(path: Path) -> set[Path]:
+def find_imported_files(path: Path) -> set[Path]:
     """The files of a project's own modules that a file imports at module level, and of those that
     these import; a file that can't be parsed imports none."""
-    return set(_imported_modules(path))
+    return set(_find_imported_modules(path))
 
 
-def _imported_modules(path: Path) -> Mapping[Path, Sequence[ast.stmt]]:
-    """As `imported_files`, with the statements of each."""
+def _find_imported_modules(path: Path) -> Mapping[Path, Sequence[ast.stmt]]:
+    """As `find_imported_files`, with the statements of each."""
     found: dict[Path, Sequence[ast.stmt]] = {}
     waiting = [(Path(os.path.abspath(path)), _parse(path))]
     while waiting:
@@ -129,7 +129,7 @@ def _imported_modules(path: Path) -> Mapping[Path, Sequence[ast.stmt]]:
 
 def _neighbour_takes_case(path: Path) -> bool:
     """Whether a file takes `Case` by a module of its own project."""
-    return any(_imports_lab(body)[1] for body in _imported_modules(path).values())
+    return any(_imports_lab(body)[1] for body in _find_imported_modules(path).values())
 
 
 def _read(path: Path) -> bytes:
@@ -161,7 +161,7 @@ def _statements(body: Sequence[ast.stmt]) -> Iterator[ast.stmt]:
                 yield from _statements(handler.body)
 
 
-def _assigned_values(statement: ast.stmt) -> Iterator[ast.expr | None]:
+def _find_assigned_values(statement: ast.stmt) -> Iterator[ast.expr | None]:
     """What a statement gives to the name `case`; None if that is not written there."""
     match statement:
         case ast.Assign(targets=targets, value=value):

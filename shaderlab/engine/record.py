@@ -232,10 +232,10 @@ class RecordBuilder:
             not_asked=self._not_asked,
             gl_calls=self._gl_calls,
             modules=self._modules,
-            drawn=tuple(self._drawn_outputs()),
+            drawn=tuple(self._find_drawn_outputs()),
         )
 
-    def _drawn_outputs(self) -> Iterator[DrawnOutput]:
+    def _find_drawn_outputs(self) -> Iterator[DrawnOutput]:
         """Each output with the expectations that read it and fail."""
         failed = {key: ["its own shader"] for key in self._outside}
         judged = zip(self._scene.expect, self._outcomes, strict=False)

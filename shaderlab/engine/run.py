@@ -225,7 +225,7 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
                         passed=outcome.status == "pass",
                     )
         except ShaderlabError as error:  # in a picture: of values that nothing else looked at
-            judgement = _failed_judgement(expectation, error)
+            judgement = _make_failed_judgement(expectation, error)
             outcome = judgement.outcome
         formula = expectation if isinstance(expectation, Formula) else None
         failed = formula is not None and outcome.status == "fail"
@@ -396,7 +396,7 @@ def _compile_for_opengl(sources: Sequence[Source], _: Sequence[str]) -> Compiled
     return cached_compiler()(sources, ("glsl", "opengl")).only(["glsl"])
 
 
-def _failed_judgement(expectation: Expectation, error: ShaderlabError) -> Judgement:
+def _make_failed_judgement(expectation: Expectation, error: ShaderlabError) -> Judgement:
     return Judgement(
         outcome=Outcome(
             name=expectation.name,

@@ -300,7 +300,7 @@ def _signature(found: Declarations, own: GlslDeclaration) -> Signature:
         Input(one.name or f"_{number}", type_of(one.type, f"parameter {one.name}"), _direction(one))
         for number, one in enumerate(own.members)
     )
-    built_in = _built_in_inputs(found, used)
+    built_in = _find_built_in_inputs(found, used)
     globals_ = tuple(
         Input(one.name, type_of(one.type, one.name), optional=bool(one.initialiser))
         for one in _variables_to_give(needed)
@@ -333,7 +333,7 @@ def _direction(parameter: Declarator) -> Direction:
     return "inout" if "inout" in words else "out" if "out" in words else "in"
 
 
-def _built_in_inputs(found: Declarations, used: frozenset[str]) -> dict[str, Type]:
+def _find_built_in_inputs(found: Declarations, used: frozenset[str]) -> dict[str, Type]:
     """What a function reads of other stages, and of Shadertoy unless the file declares it."""
     declared = {name for one in found.all for name in one.declares}
     inputs = {n: Type(t) for n, t in _STAGE_INPUTS.items() if n in used}

@@ -114,11 +114,11 @@ def wrap_points(text: str) -> tuple[str, list[Point]]:
             return file.of(node)
         if (node.type, file.of(node)) in _REPLACED:
             return _REPLACED[node.type, file.of(node)]
-        call = _watched_call(node, file)
+        call = _watch_call(node, file)
         is_watched = bool(kind) and not _is_plain(node)
         head = f"shaderlab_{kind}({number(kind, node)}, " if is_watched else ""
         own = number(call, node) if call else None
-        below = {child.start_byte: kind for child, kind in _watched_children(node, file)}
+        below = {child.start_byte: kind for child, kind in _watch_children(node, file)}
         parts, at = [], node.start_byte
         for child in node.children:
             parts.append(file.bytes[at : child.start_byte].decode())
@@ -135,7 +135,7 @@ def wrap_points(text: str) -> tuple[str, list[Point]]:
     return render(file.root), points
 
 
-def _watched_children(node: Node, file: Syntax) -> Iterator[tuple[Node, str]]:
+def _watch_children(node: Node, file: Syntax) -> Iterator[tuple[Node, str]]:
     if node.type == "binary_expression":
         word = file.of(operator_of(node))
         left, right = field_of(node, "left"), field_of(node, "right")
@@ -155,7 +155,7 @@ def _watched_children(node: Node, file: Syntax) -> Iterator[tuple[Node, str]]:
         yield next(child for child in node.children if child.is_named), "condition"
 
 
-def _watched_call(node: Node, file: Syntax) -> str:
+def _watch_call(node: Node, file: Syntax) -> str:
     """The kind of a call of a built-in function that chooses; "" for every other node."""
     if node.type != "call_expression":
         return ""

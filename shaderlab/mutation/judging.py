@@ -288,7 +288,7 @@ def is_same_program(mutant: Sequence[Source], original: Sequence[Source]) -> boo
     modules, before = _compile_modules(mutant), _compile_modules(original)
     return modules.keys() == before.keys() and all(
         modules[stage] == before[stage]
-        or _optimise(modules[stage]) == _optimise(before[stage]) != b""
+        or optimise(modules[stage]) == optimise(before[stage]) != b""
         for stage in modules
     )
 
@@ -299,7 +299,7 @@ def _compile_modules(stages: Sequence[Source]) -> Mapping[str, bytes]:
 
 
 @functools.lru_cache(maxsize=64)
-def _optimise(module: bytes) -> bytes:
+def optimise(module: bytes) -> bytes:
     """The module after spirv-opt; nothing if that can't be run or refuses it."""
     command = find_optimiser()
     if command is None:

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.drivers.programs.bind import declared_uniforms
+from shaderlab.drivers.programs.bind import find_declared_uniforms
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.drivers.programs.stages import array_elements
 from shaderlab.drivers.programs.textures import format_of, shape_of
@@ -218,7 +218,7 @@ class _InputMaker:
             }
         }
         if not self._keeps:
-            kinds = {n: v.type for n, v in declared_uniforms(prepared.interface).items()}
+            kinds = {n: v.type for n, v in find_declared_uniforms(prepared.interface).items()}
             changes["uniforms"] = {
                 n: self._number(v, kinds.get(n, "float")) for n, v in draw.uniforms.items()
             }

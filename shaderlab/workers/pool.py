@@ -128,7 +128,7 @@ class _Worker:
             yield kind, value
             if kind == "error":
                 break
-        self._memory = self._memory or _own_memory(self._pid)
+        self._memory = self._memory or measure_memory(self._pid)
 
     def launch(self) -> None:
         """Start the process, if there is none, without waiting until it is ready.
@@ -136,7 +136,7 @@ class _Worker:
         Raises:
             ShaderlabError: none can be started.
         """
-        if self._memory and _own_memory(self._pid) - self._memory > GROWTH:
+        if self._memory and measure_memory(self._pid) - self._memory > GROWTH:
             self.end()
         with self._lock:
             if self._process is not None:
@@ -279,7 +279,7 @@ def _wait_for_end(process: int) -> bool:
     return True
 
 
-def _own_memory(process: int) -> int:
+def measure_memory(process: int) -> int:
     """Return the bytes of memory that a process shares with no file; 0 where the system has no
     /proc."""
     try:

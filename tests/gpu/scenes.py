@@ -72,5 +72,5 @@ def points_off_screen_are_dropped(lab: SceneRunner, folder: Path) -> None:
     scene = meshes(folder, (vertex, ONE), mesh, exact("level", 0.0))
     assert lab.run(scene).status == "pass"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("shaderlab.drivers.programs.stages._OFF_SCREEN", ())
+        patch.setattr("shaderlab.drivers.programs.stages.OFF_SCREEN", ())
         assert lab.run(scene).status == "fail"

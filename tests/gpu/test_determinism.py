@@ -53,6 +53,7 @@ def runs(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[
             for f, variant in zip(facts, CASES.values(), strict=True)
         ]
         return {
+            "jobs": jobs,
             "once": drawn(first, jobs, folder / "once"),
             "again": drawn(first, jobs, folder / "again"),
             "elsewhere": drawn(other, jobs[::-1], folder / "elsewhere"),
@@ -80,13 +81,11 @@ def test_a_record_says_what_its_values_depend_on(runs: Mapping[str, Any]) -> Non
         assert (record["size"], record["picture_size"]) == (32, 128)
 
 
-def test_another_size_would_be_noticed(
-    jobs: list[Job], runs: Mapping[str, Any], tmp_path: Path
-) -> None:
+def test_another_size_would_be_noticed(runs: Mapping[str, Any], tmp_path: Path) -> None:
     executor = ProcessExecutor()
     try:
         options = RunOptions(size=31, pictures=False, frames=tmp_path)
-        ((_, record),) = executor.run(jobs[2:3], options)
+        ((_, record),) = executor.run(runs["jobs"][2:3], options)
     finally:
         executor.close()
     before = runs["once"][0][record.id, record.variant]

@@ -69,7 +69,7 @@ def test_only_what_depends_on_the_size_is_drawn_again(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn: list[str] = []
-    run = PassSession._run_pass
+    run = PassSession.run_pass
 
     def noted(session: PassSession[Any, Any], description: Pass) -> None:
         drawn.append(description.name)
@@ -81,7 +81,7 @@ def test_only_what_depends_on_the_size_is_drawn_again(
             images = evaluation.drawn.images
         with lab.backend.session(scene, programs, (32, 32)) as session:
             wanted = session.draw().images
-        monkeypatch.setattr(PassSession, "_run_pass", noted)
+        monkeypatch.setattr(PassSession, "run_pass", noted)
         found = enlarge(lab.backend, scene, programs, images, 32)
     assert resized_passes(scene) == ["smooth", "lit", "more", "after"]
     assert drawn == ["table", "deep", "smooth", "lit", "more", "after"]

@@ -57,7 +57,7 @@ def test_a_case_passes_as_with_text(lab: SceneRunner, case_id: str) -> None:
     record = lab.run(scene)
     assert record.status == "pass", format_failure(record)
     assert record.driver.partition(";")[0].endswith("SPIR-V")
-    linked = lab.backend._linker._made.values()  # type: ignore[attr-defined]
+    linked = lab.backend.linker._made.values()  # type: ignore[attr-defined]
     assert linked and all(isinstance(program, SpirvProgram) for program in linked)
 
 
@@ -71,6 +71,6 @@ def test_a_captured_module_is_valid_and_whole_variables_are_captured() -> None:
 
 
 def test_a_driver_without_spirv_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(device, "_TAKES_SPIRV", "GL_ARB_no_such_thing")
+    monkeypatch.setattr(device, "SPIRV_EXTENSION", "GL_ARB_no_such_thing")
     with pytest.raises(DriverError, match=r"llvmpipe-spirv: .* takes no SPIR-V"):
         device.open_device("llvmpipe-spirv")

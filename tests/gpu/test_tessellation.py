@@ -287,7 +287,7 @@ def test_vulkan_names_what_it_leaves_out() -> None:
 def test_a_driver_without_the_stages_makes_a_case_unsupported(
     guide: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(linking._NEEDS, "tess_control", 9999)
+    monkeypatch.setitem(linking.LEAST_VERSIONS, "tess_control", 9999)
     with SceneRunner(RunOptions()) as other:
         record = other.run(load_case(guide / "sheet.py").scene("default"))
     assert record.status == "unsupported" and "has no tess_control stage" in record.message

@@ -459,7 +459,7 @@ def test_a_format_that_the_driver_lacks_names_its_extension(
     from shaderlab.drivers.opengl import textures
 
     there_is_none = (0x8E8C, "GL_ARB_no_such_thing", 999)
-    monkeypatch.setitem(textures._COMPRESSED, "bc7", there_is_none)
+    monkeypatch.setitem(textures.COMPRESSED, "bc7", there_is_none)
     passes = fullscreen(
         "plain.frag",
         textures={"image": CompressedTexture(blocks=[bytes(16)], format="bc7", size=(4, 4))},

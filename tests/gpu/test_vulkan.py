@@ -104,7 +104,7 @@ def test_a_driver_that_is_not_there_is_an_error_with_its_remedy(
 ) -> None:
     for name in ("XDG_DATA_DIRS", "XDG_CONFIG_DIRS", "PATH"):
         monkeypatch.setenv(name, str(tmp_path))
-    monkeypatch.setattr("shaderlab.drivers.vulkan.__init__._ELSEWHERE", ())
+    monkeypatch.setattr("shaderlab.drivers.vulkan.__init__.MANIFEST_FOLDERS", ())
     for driver, package in (("lavapipe", "mesa-vulkan-drivers"), ("swiftshader", "chromium")):
         with pytest.raises(DriverError, match=f"(?s)no manifest.*{driver}.*{package}"):
             manifest_of(driver)

@@ -30,10 +30,10 @@ def always_static(patch: pytest.MonkeyPatch) -> None:
 
 def always_copied(patch: pytest.MonkeyPatch) -> None:
     """Buffers are filled by glBufferData, whatever a mesh asks for."""
-    filled = buffers._fill_buffer
+    filled = buffers.fill_buffer
     patch.setattr(
         buffers,
-        "_fill_buffer",
+        "fill_buffer",
         lambda d, parts, mesh: filled(d, parts, replace(mesh, upload="data")),
     )
 
@@ -79,18 +79,18 @@ def depth_in_textures(patch: pytest.MonkeyPatch) -> None:
 
 def nothing_without_a_location(patch: pytest.MonkeyPatch) -> None:
     """A uniform without a location is not set."""
-    patch.setattr(linking, "_set_nowhere", lambda program, array: None)
+    patch.setattr(linking, "set_unlocated", lambda program, array: None)
 
 
 def as_many_buffers_as_frames(patch: pytest.MonkeyPatch) -> None:
     """Each frame of the two buffers is begun in memory of its own."""
-    run = drawing.Drawing._run_pass
+    run = drawing.Drawing.run_pass
 
     def anew(self: Any, description: Any) -> None:
         halfway = description.name.startswith("two") and description.name.endswith("half")
         run(self, replace(description, onto="") if halfway else description)
 
-    patch.setattr(drawing.Drawing, "_run_pass", anew)
+    patch.setattr(drawing.Drawing, "run_pass", anew)
 
 
 @pytest.mark.parametrize(
@@ -124,27 +124,27 @@ def test_one_filter_in_place_of_two_is_noticed(
     monkeypatch: pytest.MonkeyPatch, case_id: str, kept: int
 ) -> None:
     """Textures are minified and magnified alike."""
-    made = textures._new_sampler
+    made = textures.make_sampler
 
     def sampler(sampling: Any) -> int:
         word = sampling.filter[kept]
         magnifying = word.partition("_mipmap_")[0]
         return made(replace(sampling, filter=(word, magnifying)))
 
-    monkeypatch.setattr(textures, "_new_sampler", sampler)
+    monkeypatch.setattr(textures, "make_sampler", sampler)
     with SceneRunner() as lab:
         record = lab.run(next(judged_only(case_id).scenes()))
     assert record.status == "fail", record.message
 
 
 def test_a_wrap_mode_that_is_not_set_along_r_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    made = textures._new_sampler
+    made = textures.make_sampler
 
     def sampler(sampling: Any) -> int:
         plane = {f.name: getattr(sampling, f.name) for f in fields(Sampling)}
         return made(Sampling(**plane | {"wrap": sampling.wrap[:2]}))
 
-    monkeypatch.setattr(textures, "_new_sampler", sampler)
+    monkeypatch.setattr(textures, "make_sampler", sampler)
     with SceneRunner() as lab:
         record = lab.run(next(judged_only("texture-wrap").scenes()))
     failed = {o.name for o in record.expectations if o.status != "pass"}

@@ -50,10 +50,10 @@ def matrix(
         records = [replace(labs[0].run(made), driver_name=PATHS[0])]
         if plant is not None:
             plant(patch)
-            labs[1].backend._linker.release()  # type: ignore[attr-defined]
+            labs[1].backend.linker.release()  # type: ignore[attr-defined]
         records.append(replace(labs[1].run(made), driver_name=PATHS[1]))
         assert [r.message for r in records] == ["", ""]
-    labs[1].backend._linker.release()  # type: ignore[attr-defined]
+    labs[1].backend.linker.release()  # type: ignore[attr-defined]
     return {d.found.output: d.found for d in find_disagreements(records, frames.parent)}
 
 

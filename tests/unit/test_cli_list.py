@@ -75,7 +75,7 @@ def test_errors_are_one_block_unless_debugging(
     def fail(targets: object) -> None:
         raise error
 
-    monkeypatch.setattr(list_cases, "_load_cases", fail)
+    monkeypatch.setattr(list_cases, "load_selected", fail)
     result = call("list")
     assert result.exit_code == code
     assert result.stderr == f"shaderlab: {error}\n"

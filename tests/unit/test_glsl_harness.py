@@ -164,7 +164,7 @@ def test_a_misspelt_name_is_looked_for_near_the_top_of_a_large_folder(
         looked_at.append(path)
         return True
 
-    monkeypatch.setattr(shader_files, "_MOST_FILES", 10)
+    monkeypatch.setattr(shader_files, "MOST_FILES", 10)
     monkeypatch.setattr(Path, "is_file", is_file)
     with pytest.raises(ShaderError, match=r"no shader 'lmp\.frag'") as caught:
         Roots([tmp_path], {}).shader("lmp.frag")

@@ -46,7 +46,7 @@ def test_pieces_are_judged_as_the_whole(monkeypatch: pytest.MonkeyPatch, chunk: 
     pieces = judge_band(values, shaded, given, rules=None)
     for name in ("reference", "low", "high", "inside", "vacuous_share", "undecided_share"):
         np.testing.assert_array_equal(getattr(pieces, name), getattr(whole, name))
-    np.testing.assert_array_equal(pieces.signed_distances(), whole.signed_distances())
+    np.testing.assert_array_equal(pieces.measure_distances(), whole.measure_distances())
     assert pieces.worst() == whole.worst() or repr(pieces.worst()) == repr(whole.worst())
 
 

@@ -52,7 +52,7 @@ def test_blocks_give_what_all_at_once_gives(
         kinds = np.array(KINDS)[generator.integers(0, len(KINDS), 60)]
         seen, expected = placed(kinds, components, unit), plainly(kinds, components, unit)
         size = np.where(seen.inside, expected, INF).max(axis=1)
-        np.testing.assert_array_equal(np.abs(seen.signed_distances()), size)
+        np.testing.assert_array_equal(np.abs(seen.measure_distances()), size)
         # Whatever comes first in the order of distances is found, wherever the array begins.
         for first in (0, 1, len(expected) // 2):
             rest = placed(kinds[first * components :], components, unit)
@@ -98,4 +98,4 @@ def test_a_value_outside_outranks_all_inside() -> None:
 
 def test_signs_say_on_which_side_of_the_middle() -> None:
     kinds = np.array([(0.0, 2.0, False, v) for v in (0.5, 1.75, -9.0, 9.0)])
-    assert placed(kinds, 1).signed_distances().tolist() == [-0.5, 0.75, -INF, INF]
+    assert placed(kinds, 1).measure_distances().tolist() == [-0.5, 0.75, -INF, INF]

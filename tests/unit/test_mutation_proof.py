@@ -56,7 +56,7 @@ def test_without_an_optimiser_only_equal_modules_are_the_same(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(judging, "find_optimiser", lambda: None)
-    judging._optimise.cache_clear()
+    judging.optimise.cache_clear()
     assert same("0.5 + 0.25", "0.25 + 0.5")  # the front end folds both
     assert not same("0.5 + 0.25;", "0.75; float same = sum; sum = same;")
-    judging._optimise.cache_clear()
+    judging.optimise.cache_clear()

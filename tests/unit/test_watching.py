@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.cli.watching import OpenedFiles
-from shaderlab.engine.catalogue import imported_files
+from shaderlab.engine.catalogue import find_imported_files
 
 
 @pytest.fixture
@@ -41,5 +41,7 @@ def test_modules_of_a_project_are_followed(tmp_path: Path) -> None:
     (tmp_path / "two.py").write_text("def broken(:\n")
     (tmp_path / "sub").mkdir()
     (tmp_path / "sub" / "three.py").write_text("")
-    names = {path.relative_to(tmp_path).as_posix() for path in imported_files(tmp_path / "case.py")}
+    names = {
+        path.relative_to(tmp_path).as_posix() for path in find_imported_files(tmp_path / "case.py")
+    }
     assert names == {"case.py", "one.py", "two.py", "sub/three.py"}

@@ -48,7 +48,7 @@ def test_what_the_first_batch_needs_is_no_growth(work: str) -> None:
 
 
 def test_memory_is_that_of_the_process() -> None:
-    before = pool._own_memory(os.getpid())
+    before = pool.measure_memory(os.getpid())
     held = bytearray(64 << 20)
     held[::4096] = b"x" * len(held[::4096])
-    assert pool._own_memory(os.getpid()) - before > 48 << 20
+    assert pool.measure_memory(os.getpid()) - before > 48 << 20

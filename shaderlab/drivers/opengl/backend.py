@@ -126,7 +126,7 @@ class OpenGLBackend(DeviceBackend):
     linker_class = Linker
     session_class = OpenGLSession
     device: Device
-    _linker: Linker
+    linker: Linker
 
     def in_use(self) -> AbstractContextManager[object]:
         return self.device.in_use()
@@ -169,7 +169,7 @@ class OpenGLBackend(DeviceBackend):
 
     def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
         with self.device.in_use():
-            evaluate(self.device, self._linker, evaluation, inputs, outputs)
+            evaluate(self.device, self.linker, evaluation, inputs, outputs)
 
     def close(self) -> None:
         # What outlives the context would be deleted by its number, in the context of another lab.

@@ -80,7 +80,7 @@ def make_vertex_array(device: Device, program: Any, mesh: Mesh | None) -> Vertex
     indices = None if mesh.indices is None else context.buffer(mesh.indices)
     size = 4 if mesh.indices is None else mesh.indices.itemsize
     made = context.vertex_array(owner, [], index_buffer=indices, index_element_size=size)
-    buffers = tuple(_fill_buffer(device, parts, mesh) for parts in mesh.parts())
+    buffers = tuple(fill_buffer(device, parts, mesh) for parts in mesh.parts())
     for name, place in mesh.placements().items():
         member = program.get(name, None)
         if member is not None:  # else it is declared, but the driver found that it has no effect
@@ -116,7 +116,7 @@ def read_layout(program: Any, vao: VertexArray, mesh: Mesh) -> dict[str, Attribu
     return found
 
 
-def _fill_buffer(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> DeviceBuffer:
+def fill_buffer(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> DeviceBuffer:
     whole = b"".join(piece for _, piece in parts)
     buffer = DeviceBuffer(device)
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffer.glo)

@@ -55,7 +55,7 @@ INSTALL = (
     "mesa-libEGL mesa-dri-drivers · Arch: pacman -S mesa · or run `shaderlab doctor`"
 )
 REQUIRED_VERSION = 330
-_TAKES_SPIRV = "GL_ARB_gl_spirv"
+SPIRV_EXTENSION = "GL_ARB_gl_spirv"
 _NOTHING = "#version 330 core\nvoid main() { gl_Position = vec4(0.0); }\n"
 
 
@@ -158,9 +158,9 @@ def open_device(driver: str) -> Device:
     except Exception as error:  # moderngl raises plain Exception for whatever EGL says
         raise DriverError(f"no OpenGL 3.3 context on EGL ({error})", remedy=INSTALL) from error
     context.gc_mode = "context_gc"  # see Device.make_current
-    if driver.endswith(SPIRV) and _TAKES_SPIRV not in context.extensions:
+    if driver.endswith(SPIRV) and SPIRV_EXTENSION not in context.extensions:
         raise DriverError(
-            f"driver {driver}: {context.info['GL_RENDERER']} takes no SPIR-V ({_TAKES_SPIRV})",
+            f"driver {driver}: {context.info['GL_RENDERER']} takes no SPIR-V ({SPIRV_EXTENSION})",
             remedy="Mesa's llvmpipe does, in version 21 or newer: --driver llvmpipe-spirv",
         )
     known = context.info

@@ -30,7 +30,7 @@ from .device import GL, Device, GLError, gl_constant, gl_spirv
 
 _STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment", "compute")
 # The OpenGL version that has each stage.
-_NEEDS = {"tess_control": 400, "tess_evaluation": 400, "compute": 430}
+LEAST_VERSIONS = {"tess_control": 400, "tess_evaluation": 400, "compute": 430}
 # A driver links a program only from a stage that begins one.
 _BEGIN = ("vertex", "compute")
 _NUMPY = {"ui": np.uint32, "i": np.int32, "d": np.float64, "f": np.float32}
@@ -118,7 +118,7 @@ def set_uniforms(program: Any, values: Mapping[str, Array]) -> list[str]:
         member = program.get(name, None)
         if member is None:
             inactive.append(name)
-            _set_nowhere(program, array)
+            set_unlocated(program, array)
             continue
         matrix = member.dimension in (4, 6, 8, 9, 12, 16) and array.ndim >= 2
         data = np.ascontiguousarray(np.swapaxes(array, -1, -2) if matrix else array)
@@ -127,7 +127,7 @@ def set_uniforms(program: Any, values: Mapping[str, Array]) -> list[str]:
     return inactive
 
 
-def _set_nowhere(program: Any, array: Array) -> None:
+def set_unlocated(program: Any, array: Array) -> None:
     """Set a uniform that has no location, by the function for its type."""
     GL.glUseProgram(program.glo)
     kind = {"f": "f", "u": "ui"}.get(array.dtype.kind, "i")
@@ -195,7 +195,7 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
     compiled; all are linked where the program has a stage that begins one. Nothing stays behind in
     the context. Raises UnsupportedError: the driver has no such stage."""
     for source in sources:
-        if device.version < _NEEDS.get(source.stage, 0):
+        if device.version < LEAST_VERSIONS.get(source.stage, 0):
             raise UnsupportedError(f"this driver has no {source.stage} stage", file=source.path)
     modules: Mapping[str, bytes] = {}
     if device.takes_spirv:

@@ -55,7 +55,7 @@ _TARGETS = {
     "2DMS": "texture_2d_multisample",
 }
 # OpenGL's number, the extension that brings it, and the version that has it without.
-_COMPRESSED = {
+COMPRESSED = {
     "etc2_rgb8": (0x9274, "GL_ARB_ES3_compatibility", 430),
     "etc2_eac_rgba8": (0x9278, "GL_ARB_ES3_compatibility", 430),
     "bc1": (0x83F0, "GL_EXT_texture_compression_s3tc", 10**6),
@@ -192,7 +192,7 @@ def _pixel_buffer(texels: Array) -> Iterator[ctypes.c_void_p]:
 def upload_compressed(device: Device, blocks: Blocks) -> tuple[DeviceTexture, list[Array]]:
     """A texture of these blocks, and each level as the driver decodes it: codes (height, width, 4).
     Raises UnsupportedError: the driver lacks the format."""
-    internal, extension, version = _COMPRESSED[blocks.format]
+    internal, extension, version = COMPRESSED[blocks.format]
     if device.version < version and extension not in device.context.extensions:
         raise UnsupportedError(f"{blocks.format} textures", remedy=f"this driver lacks {extension}")
     sizes = level_sizes(*blocks.size)[: len(blocks.levels)]
@@ -313,7 +313,7 @@ class BoundTextures(SceneTextures[Any]):
         return DeviceTexels(source, texture, format, values, smaller)
 
     def new_sampler(self, source: TextureSource) -> int:
-        made = _new_sampler(source)
+        made = make_sampler(source)
         self._stack.callback(GL.glDeleteSamplers, 1, [made])
         return made
 
@@ -328,7 +328,7 @@ def _read_smaller(texture: DeviceTexture, format: str, values: Array) -> tuple[A
     )
 
 
-def _new_sampler(sampling: Sampling) -> int:
+def make_sampler(sampling: Sampling) -> int:
     name = int(GL.glGenSamplers(1))
     for call in sampler_calls(name, sampling):
         make_call(*call)

@@ -51,7 +51,7 @@ def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
     plain = {n: v for n, v in uniforms if n not in opaque and not n.startswith(PREFIX)}
     compare("uniform", draw, draw.uniforms, plain, other={"texture": samplers, "image": images})
     compare("texture", draw, draw.textures, samplers, other={"uniform": plain, "image": images})
-    known = declared_uniforms(interface)
+    known = find_declared_uniforms(interface)
     values = {**draw.uniforms, **_block_values(draw, interface)}
     exact, decimal = {}, {}
     for name, value in values.items():
@@ -67,7 +67,7 @@ def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
     )
 
 
-def declared_uniforms(interface: Interface) -> dict[str, Variable]:
+def find_declared_uniforms(interface: Interface) -> dict[str, Variable]:
     """Uniforms and members of uniform blocks by name."""
     return {**interface.uniforms, **block_members(interface)}
 

@@ -253,7 +253,7 @@ def capture_vertex(text: str, group: Sequence[VaryingPart]) -> tuple[str, dict[V
     return replace_main(text, declared, written), captured
 
 
-_OFF_SCREEN = (
+OFF_SCREEN = (
     "    if (any(greaterThan(abs(gl_Position.xyz), vec3(gl_Position.w))))",
     "        gl_Position = vec4(64.0, 64.0, 0.0, 1.0);",
 )
@@ -262,7 +262,7 @@ _OFF_SCREEN = (
 def clip_points(text: str, size: float | None) -> str:
     """Write the last stage of a program that draws points, which drops those whose middle is
     outside of the clip volume and writes a `size` in pixels, if there is one."""
-    lines = [*([] if size is None else [f"    gl_PointSize = {size!r};"]), *_OFF_SCREEN]
+    lines = [*([] if size is None else [f"    gl_PointSize = {size!r};"]), *OFF_SCREEN]
     return _wrap_emit(text, lines, []) if "EmitVertex" in text else replace_main(text, [], lines)
 
 

@@ -66,7 +66,7 @@ _INSTALL = {
         "· Arch: pacman -S chromium"
     ),
 }
-_ELSEWHERE = (
+MANIFEST_FOLDERS = (
     "/etc/vulkan/icd.d", "/usr/share/vulkan/icd.d", "/usr/lib/chromium", "/usr/lib64/chromium",
     "/usr/lib64/chromium-browser", "/opt/google/chrome",
 )  # fmt: skip
@@ -94,4 +94,4 @@ def _folders() -> Iterator[Path]:
         command = shutil.which(name)
         if command is not None:
             yield Path(command).resolve().parent
-    yield from map(Path, _ELSEWHERE)
+    yield from map(Path, MANIFEST_FOLDERS)

@@ -270,10 +270,10 @@ _USES = ("sampled", "transfer_src", "transfer_dst")
 
 @dataclass(eq=False)
 class BoundTextures(SceneTextures[RenderTarget]):
-    """What a scene's samplers read; `_linker` makes the programs that read texels."""
+    """What a scene's samplers read; `linker` makes the programs that read texels."""
 
     _resources: Resources
-    _linker: Linker
+    linker: Linker
 
     @property
     def _device(self) -> Device:
@@ -339,7 +339,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
     def _fetch_samples(self, source: Output, image: Image, target: RenderTarget) -> DeviceTexels:
         view = new_view(self._resources, target.drawn[source.name], sampled=True)
         each = [
-            fetch_texels(self._linker, view, "2DMS", number, target.size, "rgba32f")
+            fetch_texels(self.linker, view, "2DMS", number, target.size, "rgba32f")
             for number in range(target.samples)
         ]
         channels = format_of(image.format).components
@@ -380,7 +380,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         write(self._device, made, blocks.levels)
         view = self._view(made)
         first, *smaller = (
-            fetch_texels(self._linker, view, "2D", level, size, "rgba8")
+            fetch_texels(self.linker, view, "2D", level, size, "rgba8")
             for level, size in enumerate(sizes)
         )
         return DeviceTexels(source, view, "rgba8", first, tuple(smaller))

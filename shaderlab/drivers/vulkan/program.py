@@ -122,7 +122,7 @@ def find_bindings(modules: Mapping[str, bytes]) -> dict[str, Binding]:
     found: dict[str, Binding] = {}
     for data in modules.values():
         module = parse(data)
-        for name, id_, storage in _bound_variables(module):
+        for name, id_, storage in _find_bound_variables(module):
             if module.number(id_, Decoration.DescriptorSet):
                 raise UnsupportedError(f"{name}: descriptor sets but the first")
             lengths, _ = unwrap(module, module.variables[id_][0])
@@ -135,7 +135,7 @@ def find_bindings(modules: Mapping[str, bytes]) -> dict[str, Binding]:
     return found
 
 
-def _bound_variables(module: Module) -> Iterator[tuple[str, int, int]]:
+def _find_bound_variables(module: Module) -> Iterator[tuple[str, int, int]]:
     for storage in (StorageClass.UniformConstant, StorageClass.Uniform, StorageClass.StorageBuffer):
         for id_ in own_variables(module, storage):
             yield interface_name(module, id_), id_, storage

@@ -285,7 +285,7 @@ class VulkanBackend(DeviceBackend):
     linker_class = Linker
     session_class = VulkanSession
     device: Device
-    _linker: Linker
+    linker: Linker
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
         """Check that the device has each capability of the program's modules: it has no compiler
@@ -315,7 +315,7 @@ class VulkanBackend(DeviceBackend):
     ) -> Array:
         """Draw one pass: (words, height, width)."""
         texts = {"vertex": COVERING, "fragment": adapt_fragment(source.text)}
-        program = self._linker.link(texts, [source])
+        program = self.linker.link(texts, [source])
         colors = dict.fromkeys(program.outputs, _WORD)
         with (
             Resources(self.device) as own,
@@ -333,7 +333,7 @@ class VulkanBackend(DeviceBackend):
             return np.stack([target.read(locations[at]).values[..., 0] for at in sorted(locations)])
 
     def _textures(self, own: Resources, evaluation: Evaluation) -> dict[str, BoundImage]:
-        textures = BoundTextures(Path(evaluation.folder), {}, {}, own, self._linker)
+        textures = BoundTextures(Path(evaluation.folder), {}, {}, own, self.linker)
         found = {}
         for name, (kind, source) in evaluation.textures.items():
             variable = Variable(name=name, type=kind)
@@ -342,7 +342,7 @@ class VulkanBackend(DeviceBackend):
         return found
 
     def close(self) -> None:
-        self._linker.release()
+        self.linker.release()
         self.device.close()
 
 

@@ -146,7 +146,7 @@ def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
     return {
         "measured": lay_out(banded.measured, 0),
         "reference": lay_out(reference, 0),
-        "distance": lay_out(banded.signed_distances(), np.nan),
+        "distance": lay_out(banded.measure_distances(), np.nan),
         "covered": covered,
         "exact": lay_out(banded.reference, np.nan),
         "low": lay_out(banded.low, np.nan),

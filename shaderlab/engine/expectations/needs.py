@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from shaderlab.drivers import Session
 from shaderlab.drivers.programs import storage
-from shaderlab.drivers.programs.bind import convert_inputs, convert_value, declared_uniforms
+from shaderlab.drivers.programs.bind import convert_inputs, convert_value, find_declared_uniforms
 from shaderlab.drivers.programs.prepare import PreparedDraw
 from shaderlab.drivers.programs.stages import array_elements, changes_inputs, may_drop_fragments
 from shaderlab.engine.expectations.base import Context, OutputExpectation
@@ -185,7 +185,7 @@ def _replace_uniforms(
     bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]
 ) -> Bindings:
     exact, decimal = dict(bindings.uniforms), dict(bindings.decimal)
-    known = declared_uniforms(draw.interface)
+    known = find_declared_uniforms(draw.interface)
     for name, value in values.items():
         exact[name], decimal[name] = convert_value(known[name], value)
     return replace(bindings, uniforms=exact, decimal=decimal)

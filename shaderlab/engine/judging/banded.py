@@ -67,7 +67,7 @@ class BoundedValues:
             self._widths(self.low[at], self.high[at], self.measured[at], self.inside[at])[0]
         )
 
-    def signed_distances(self) -> Floats:
+    def measure_distances(self) -> Floats:
         """Of each row's components the largest distance, as (count,): negative below the middle,
         at most 1 in size inside, infinite outside."""
         signed = np.empty(len(self.measured))

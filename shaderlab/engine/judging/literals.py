@@ -114,7 +114,7 @@ def _convert_global(names: dict[str, Any], name: str, value: Any, rules: Rules) 
     literals."""
     if type(value) is not float:
         return _convert(value, rules)
-    expression = _assigned_expression(names.get("__file__") or "", name)
+    expression = _find_assigned_expression(names.get("__file__") or "", name)
     if expression is not None:
         own: dict[str, Any] = {"__builtins__": {}}
         for used in expression.co_names:
@@ -152,7 +152,7 @@ def _parse(file: str) -> ast.Module:
 
 
 @functools.lru_cache(maxsize=1024)
-def _assigned_expression(file: str, name: str) -> CodeType | None:
+def _find_assigned_expression(file: str, name: str) -> CodeType | None:
     for statement in _parse(file).body:
         if isinstance(statement, ast.Assign):
             targets: list[ast.expr] = statement.targets
@@ -180,7 +180,7 @@ def _unfold(code: CodeType) -> CodeType | None:
         decorators = getattr(statement, "decorator_list", [])
         first = min(node.lineno for node in (statement, *decorators))
         if first <= code.co_firstlineno <= (statement.end_lineno or first):
-            return _unfolded_functions(code.co_filename, number).get(_identity(code))
+            return _unfold_functions(code.co_filename, number).get(_identity(code))
     return None
 
 
@@ -196,7 +196,7 @@ def _has_floats(constants: Iterable[Any]) -> bool:
 
 
 @functools.lru_cache(maxsize=1024)
-def _unfolded_functions(file: str, number: int) -> dict[Any, CodeType]:
+def _unfold_functions(file: str, number: int) -> dict[Any, CodeType]:
     """The unfolded code of all functions of a file's statement, by their identities."""
     body = _parse(file).body
     # Calls of what is imported are compiled in a way of their own.

@@ -103,7 +103,7 @@ def to_display(
         levels = np.rint(np.clip(scaled, 0, 1) * 255).astype(np.uint8)
         caption = f"integers as levels from {low:.9g} to {high:.9g}"
         return Display(_as_rgb(levels), low, high, caption)
-    return _clipped(pixels)
+    return _clip(pixels)
 
 
 def distance_picture(
@@ -198,7 +198,7 @@ def _copy_channels(pixels: NDArray[Any], into: NDArray[Any]) -> None:
         into[:, :, channel] = pixels[:, :, channel]
 
 
-def _clipped(pixels: NDArray[Any]) -> Display:
+def _clip(pixels: NDArray[Any]) -> Display:
     wanted = np.float32 if pixels.dtype == np.float16 else pixels.dtype  # processors add no halves
     shown = np.empty((*pixels.shape[:2], min(pixels.shape[2], 3)), wanted)
     _copy_channels(pixels, shown)
