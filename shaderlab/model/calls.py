@@ -16,8 +16,8 @@ from .checked import Checked
 from .state import check_choice
 
 OBJECTS = (
-    "buffer", "framebuffer", "program_pipeline", "query", "renderbuffer", "sampler", "texture",
-    "transform_feedback", "vertex_array",
+    "buffer", "fragment_shader", "framebuffer", "program", "program_pipeline", "query",
+    "renderbuffer", "sampler", "texture", "transform_feedback", "vertex_array", "vertex_shader",
 )  # fmt: skip
 
 GL_ERRORS = {

@@ -115,7 +115,7 @@ Texts = Callable[[Program], Mapping[str, str]]
 _ARRAYS: Mapping[str, type[np.generic]] = {
     "GLint": np.int32, "GLsizei": np.int32, "GLuint": np.uint32, "GLenum": np.uint32,
     "GLfloat": np.float32, "GLdouble": np.float64, "GLboolean": np.uint8, "GLubyte": np.uint8,
-    "GLint64": np.int64, "GLuint64": np.uint64, "GLintptr": np.int64, "GLsizeiptr": np.int64,
+    "GLchar": np.int8, "GLint64": np.int64, "GLuint64": np.uint64, "GLintptr": np.int64, "GLsizeiptr": np.int64,
 }  # fmt: skip
 _READS_BYTES = ("glGetBufferSubData", "glGetTexImage", "glReadPixels")
 _ROOM = 4096  # numbers that a call may write
@@ -211,7 +211,12 @@ class _Maker:
         return _convert_argument(call, argument, kind)
 
     def _object(self, wanted: Object) -> int:
-        if wanted not in self._objects:
+        if wanted.kind == "program":
+            self._objects.setdefault(wanted, GL.glCreateProgram())
+        elif wanted.kind.endswith("_shader"):
+            kind = constant(f"GL_{wanted.kind.upper()}")
+            self._objects.setdefault(wanted, GL.glCreateShader(kind))
+        elif wanted not in self._objects:
             name = np.zeros(1, np.uint32)
             prototype(f"glGen{_pluralise(wanted.kind)}")(1, name)
             self._objects[wanted] = int(name[0])
