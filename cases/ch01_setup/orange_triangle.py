@@ -22,6 +22,7 @@ from shaderlab import (
     computed,
     coverage,
     formula,
+    measure,
     mesh_pass,
     value,
 )
@@ -29,11 +30,19 @@ from shaderlab.glslmath import vec4
 from shaderlab.reference.transforms import signed_area
 
 CORNERS = np.array([(-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), (0.0, 0.5, 0.0)])
+CLEAR = (0.2, 0.3, 0.3, 1.0)
 
 
 def orange():
     """Full red, half green, a fifth of blue."""
     return vec4(1.0, 0.5, 0.2, 1.0)
+
+
+def off_paper(FragColor):
+    """How far what lies beside the triangle is from the colour that it was cleared to."""
+    beside = np.ones(FragColor.shape[:2], bool)
+    beside[360:540, 180:540] = False
+    return np.abs(FragColor[beside] / 255.0 - CLEAR).max()
 
 
 case = Case(
@@ -44,11 +53,12 @@ case = Case(
         "ch01_setup/orange_triangle.vert",
         "ch01_setup/orange_triangle.frag",
         Mesh(attributes={"aPos": CORNERS}),
-        target=Target(size=(720, 720), colors={"FragColor": "rgba8"}, clear=(0.2, 0.3, 0.3, 1.0)),
+        target=Target(size=(720, 720), colors={"FragColor": "rgba8"}, clear=CLEAR),
     ),
     expect=[
         coverage(32400, name="pixels covered"),
         formula("FragColor", orange, name="every pixel is orange"),
+        measure("the clear colour around it", off_paper, at_most=0.500001 / 255.0),  # half a step
         value("FragColor", at=Pixel(360, 400), equals=(1.0, 0.5, 0.2, 1.0), digits=6),
         computed(
             "share of the window",

@@ -13,13 +13,18 @@ exist, no main, types that differ, and the correct program, the only one that dr
 The table has every message, with file and line, in glslang's words and in the driver's.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from shaderlab import Case, Mesh, Pass, State, boundaries, compile_fails, formula, mesh_pass
+from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.glslmath import abs, dot, max, min, swizzle, vec2, vec3, where
 
+from ..scenes.api import answers
 from ..scenes.figures import each_draw
 from ..scenes.laws import device_place, opaque, unchanged
+from ..scenes.objects import compiled, linked
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import cell, enlarged, panel, square
 
@@ -111,6 +116,55 @@ def fails(stage, file, line, message, name):
     return compile_fails(shaders, (broken, line, message), driver=(broken, line), name=name)
 
 
+VERT, FRAG, LINKED = Object("vertex_shader"), Object("fragment_shader"), Object("program")
+HEAD = "#version 330 core\n"
+GIVES = HEAD + "out vec3 hue;\nvoid main() { hue = vec3(1.0); gl_Position = vec4(hue, 1.0); }\n"
+TAKES = HEAD + "in vec3 hue;\nout vec4 color;\nvoid main() { color = vec4(hue, 1.0); }\n"
+
+
+def asked(what, shader=VERT):
+    """What glGetShaderiv answers, or for a program glGetProgramiv."""
+    kind = "Program" if shader == LINKED else "Shader"
+    return call(f"glGet{kind}iv", shader, f"GL_{what}")
+
+
+MISSPELT = compiled(VERT, GIVES.replace("gl_Position", "gl_Positon"))
+VEC2 = TAKES.replace("in vec3", "in vec2").replace("hue,", "hue, 0.0,")
+RIGHT, MISMATCHED = (linked(LINKED, {VERT: GIVES, FRAG: text}) for text in (TAKES, VEC2))
+DELETED = (call("glDeleteShader", VERT),)
+STATUSES = {
+    "a shader that is right: GL_COMPILE_STATUS": (
+        asked("COMPILE_STATUS"), "GL_TRUE", compiled(VERT, GIVES)
+    ),
+    "gl_Positon: GL_COMPILE_STATUS": (asked("COMPILE_STATUS"), "GL_FALSE", MISSPELT),
+    "a program that is right: GL_LINK_STATUS": (
+        asked("LINK_STATUS", LINKED), "GL_TRUE", RIGHT
+    ),
+    "types that differ: GL_LINK_STATUS": (asked("LINK_STATUS", LINKED), "GL_FALSE", MISMATCHED),
+    "glDeleteShader after linking marks the shader": (
+        asked("DELETE_STATUS"), "GL_TRUE", RIGHT, DELETED
+    ),
+    "… which lives until it is detached": (
+        call("glIsShader", VERT), "GL_FALSE", RIGHT, DELETED,
+        (call("glDetachShader", LINKED, VERT),),
+    ),
+    "… and the program stays linked": (
+        asked("LINK_STATUS", LINKED), "GL_TRUE", RIGHT, DELETED
+    ),
+    "without an error the shader's log is empty": (
+        asked("INFO_LOG_LENGTH"), 0, compiled(VERT, GIVES)
+    ),
+}  # fmt: skip
+# How long a log is, and its first character: every driver has its own words.
+LOGS = {
+    "the shader's log has a text": (asked("INFO_LOG_LENGTH"), 2, MISSPELT),
+    "glGetShaderInfoLog writes it": (call("glGetShaderInfoLog", VERT, 512, None), 32, MISSPELT),
+    "the program's log has a text": (asked("INFO_LOG_LENGTH", LINKED), 2, MISMATCHED),
+    "glGetProgramInfoLog writes it": (
+        call("glGetProgramInfoLog", LINKED, 512, None), 32, MISMATCHED
+    ),
+}  # fmt: skip
+
 case = Case(
     title="Compiling and linking",
     section="2.2.4",
@@ -122,6 +176,8 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         *(fails(*refused) for refused in REFUSED),
+        *answers(STATUSES),
+        *(replace(check, at_least=True) for check in answers(LOGS)),
         enlarged_check(),
         *each_draw("small.FragColor", opaque(lit_lamps), {k: f"panel {k + 1}" for k in range(8)}),
         boundaries("small.FragColor", opaque(lit_lamps), draw=0, name="a panel's edges"),

@@ -13,13 +13,19 @@ from pathlib import Path
 import numpy as np
 
 from shaderlab import Case, Target, Texture, formula, fullscreen, measure, reading
+from shaderlab.engine.expectations.gl_call import call
 
+from ..scenes.api import answers
 from ..scenes.figures import figures
 from ..scenes.laws import sampled
+from ..scenes.objects import rows_of_nine_bytes
 
 FOLDER = Path(__file__).parent / "image_file"
 WIDTH, HEIGHT = 40, 30
 NEAREST = {"filter": ("nearest", "nearest")}
+
+
+TEXELS = call("glGetTexImage", "GL_TEXTURE_2D", 0, "GL_RGB", "GL_UNSIGNED_BYTE")
 
 
 def bytes_unlike(FragColor):
@@ -72,6 +78,20 @@ case = Case(
             ],
             equals=0,
             digits=0,
+        ),
+        *answers(
+            {
+                "rows of nine bytes, GL_UNPACK_ALIGNMENT 1": (
+                    TEXELS,
+                    (*range(1, 10), *range(10, 19)),
+                    rows_of_nine_bytes(1),
+                ),
+                "the default, 4: three bytes are skipped": (
+                    TEXELS,
+                    (*range(1, 10), *range(13, 22)),
+                    rows_of_nine_bytes(),
+                ),
+            }
         ),
         *figures(
             "texels.FragColor",

@@ -21,6 +21,7 @@ from shaderlab import (
     exact,
     formula,
     mesh_pass,
+    query,
 )
 from shaderlab.glslmath import swizzle, vec4, where
 from shaderlab.reference.transforms import signed_area
@@ -78,6 +79,8 @@ case = Case(
         exact("cull-back-cw.FragColor", Output("indexed.FragColor"), name="clockwise is the front"),
         formula("indexed.FragColor", two_triangles, name="one colour a triangle"),
         exact("indexed.FragColor", Output("plain.FragColor"), name="same as six vertices"),
+        query("vertex_shader_invocations", equals=4, pass_name="indexed", name="shaded vertices"),
+        query("vertex_shader_invocations", equals=6, pass_name="plain", name="… without indices"),
         coverage(0, pass_name="cull-back", name="culled when counter-clockwise is front"),
         coverage(129600, pass_name="cull-back-cw", name="kept when clockwise is front"),
         computed(

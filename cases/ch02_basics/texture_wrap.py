@@ -136,6 +136,16 @@ case = Case(
             cut_through,
             {k: f"three dimensions, {wrap}, {word}" for k, (word, wrap) in enumerate(FIELDS)},
         ),
+        *(
+            gl_call(
+                "glGetTexParameteriv",
+                *("GL_TEXTURE_3D", f"GL_TEXTURE_WRAP_{axis}"),
+                before=VOLUME,
+                returns="GL_REPEAT",
+                name=f"along {axis.lower()} a new texture repeats",
+            )
+            for axis in "STR"
+        ),
         gl_call(
             "glTexImage2D",
             *("GL_TEXTURE_3D", 0, "GL_RGBA8", 1, 1, 0, "GL_RGBA", "GL_UNSIGNED_BYTE", None),

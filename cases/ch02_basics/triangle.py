@@ -13,12 +13,15 @@ left and right of the middle, two below it and two above.
 import numpy as np
 
 from shaderlab import Case, Mesh, boundaries, coverage, formula
+from shaderlab.engine.expectations.gl_call import call
 from shaderlab.glslmath import abs, fract, min, swizzle, vec3, vec4, where
 from shaderlab.reference.transforms import signed_area
 
+from ..scenes.api import answers
 from ..scenes.draws import drawn
 from ..scenes.figures import figure, results
 from ..scenes.laws import device_place
+from ..scenes.objects import buffers_bound
 from ..scenes.panels import panel, picture, square
 
 CORNERS = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.0, 0.5, 0.0)])
@@ -60,6 +63,16 @@ def flat(aPos):
     return swizzle(aPos, "xy")
 
 
+# One buffer for each target, each of another size, all of them bound at the same time.
+TARGETS = {"GL_ARRAY_BUFFER": 5, "GL_UNIFORM_BUFFER": 6, "GL_COPY_READ_BUFFER": 7}
+
+
+def own_size(target, size):
+    """The size of the buffer that is bound there, and what it must be."""
+    size_of = call("glGetBufferParameteriv", target, "GL_BUFFER_SIZE")
+    return size_of, size, buffers_bound(TARGETS)
+
+
 AREA = signed_area(CORNERS)
 PLACE = (0.25, -0.75, 0.5)
 
@@ -84,6 +97,7 @@ case = Case(
         formula("place", flat),
         formula("FragColor", orange),
         figure("gl_Position", "a corner somewhere", {"aPos": PLACE}, (*PLACE, 1.0)),
+        *answers({f"{word} has its own buffer": own_size(word, n) for word, n in TARGETS.items()}),
         *results({"signed area": (AREA, 0.5, "positive: counter-clockwise")}),
         *results({"share of the window": (AREA / 4.0, 0.125, "64800 of 518400 pixels")}, digits=4),
     ],

@@ -14,7 +14,19 @@ variant all of them have moved.
 
 import numpy as np
 
-from shaderlab import Case, Variant, boundaries, exact, formula, fullscreen, gl_calls
+from shaderlab import (
+    Case,
+    Mesh,
+    Target,
+    Variant,
+    boundaries,
+    exact,
+    formula,
+    fullscreen,
+    gl_call,
+    gl_calls,
+    mesh_pass,
+)
 from shaderlab.engine.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import (
     abs,
@@ -196,6 +208,19 @@ def arrives(sent):
     ]
 
 
+CORNERS = np.array([(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (0.0, 1.0, 0.0)])
+
+
+def shrunk(aPos, level):
+    """The vertex stage scales by the level."""
+    return vec4(aPos * level, 1.0)
+
+
+def shaded(level):
+    """The fragment stage shows the same number as a grey."""
+    return vec4(vec3(level), 1.0)
+
+
 WINDOW = {"place": rectangle((0.0, 0.0), (4.0, 2.0))}
 PICTURE = panel("ch02_basics/uniform_types_picture.frag", WINDOW, FIRST)
 
@@ -206,6 +231,14 @@ case = Case(
     r"\text{glUniformMatrix}\{2,3,4\}[\times\{2,3,4\}]fv",
     passes=(
         *enlarged([PICTURE], (112, 56), 9),
+        *mesh_pass(
+            "ch02_basics/shared_uniform.vert",
+            "ch02_basics/shared_uniform.frag",
+            Mesh(attributes={"aPos": CORNERS}),
+            uniforms={"level": 0.375},
+            name="shared",
+            target=Target(size=(16, 16)),
+        ),
         *fullscreen("ch02_basics/uniform_types.frag", domain={}, uniforms=FIRST),
     ),
     picture="picture.FragColor",
@@ -222,6 +255,21 @@ case = Case(
                 ),
             }
         ),
+        gl_call(
+            "glGetUniformLocation",
+            *(SENT, "f"),
+            at_least=0,
+            name="f has a location before its program is used",
+        ),
+        gl_call(
+            "glGetProgramiv",
+            *(Program("shared"), "GL_ACTIVE_UNIFORMS"),
+            returns=1,
+            name="a uniform of both stages is one uniform",
+        ),
+        gl_calls("glUniform1fv", times=1, pass_name="shared", name="… and is set once"),
+        formula("shared.gl_Position", shrunk, name="the vertex stage gets it"),
+        formula("shared.FragColor", shaded, name="the fragment stage gets it"),
         *answers(
             {
                 "what was sent stays with the program": (

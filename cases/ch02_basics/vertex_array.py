@@ -26,7 +26,12 @@ from shaderlab import (
     query,
     value,
 )
+from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.glslmath import mix, swizzle, vec3, vec4
+
+from ..scenes.api import answers, errors, in_use, pixel
+from ..scenes.laws import device_place
+from ..scenes.objects import array_of_point
 
 TRIANGLE = Mesh(attributes={"aPos": np.array([(-0.5, -0.5, 0), (0.5, -0.5, 0), (0, 0.5, 0)])})
 PAPER = (0.93, 0.93, 0.92, 1.0)
@@ -41,11 +46,6 @@ def drawn(name, bound):
         vertex_array=bound,
     )
     return Pass(name=name, target=Target(size=(720, 720), clear=PAPER), draws=(draw,))
-
-
-def as_it_is(aPos):
-    """Corners are device coordinates already."""
-    return vec4(aPos, 1.0)
 
 
 def above_the_foot(aPos):
@@ -65,6 +65,14 @@ def off_paper(FragColor):
     return np.abs(FragColor[beside] - PAPER).max()
 
 
+LOW, HIGH = (94, 126, 124), (201, 164, 92)  # the colours at a quarter and at three quarters
+INDICES = call("glGetBufferParameteriv", "GL_ELEMENT_ARRAY_BUFFER", "GL_BUFFER_SIZE")
+ARRAY = Object("vertex_array", "low")
+IS_ARRAY, AGAIN = call("glIsVertexArray", ARRAY), (call("glBindVertexArray", ARRAY),)
+BOTH = *array_of_point("low", (0, -0.25, 0)), *array_of_point("higher", (0, 0.25, 0))
+DELETED, USED = (call("glDeleteVertexArrays", 1, (ARRAY,)),), (*in_use(), *BOTH)
+DRAW = call("glDrawArrays", "GL_POINTS", 0, 1)
+
 case = Case(
     title="The vertex array",
     section="2.2.2",
@@ -83,9 +91,19 @@ case = Case(
             at_most=2.0**-24,
         ),
         query("vertices_submitted", equals=3, name="bound: three vertices"),
-        formula("gl_Position", as_it_is),
+        formula("gl_Position", device_place),
         formula("height", above_the_foot),
         formula("FragColor", sunset),
+        *answers(
+            {
+                "the array bound last is drawn": pixel(HIGH, BOTH),
+                "bound again, the first is drawn": pixel(LOW, BOTH, AGAIN),
+                "each array has its own index buffer": (INDICES, 6, BOTH),
+                "bound again, the first has its own": (INDICES, 3, BOTH, AGAIN),
+                "a deleted array is none": (IS_ARRAY, "GL_FALSE", BOTH, DELETED),
+            }
+        ),
+        *errors({"deleted, it draws nothing": (DRAW, "invalid_operation", USED, AGAIN, DELETED)}),
         value("FragColor", at={"height": 0.5}, equals=(0.58, 0.57, 0.425, 1.0), digits=6),
     ],
 )

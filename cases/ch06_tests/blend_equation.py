@@ -9,8 +9,10 @@ overlap is the figure above; elsewhere the paper shows through, and its alpha si
 it was opaque before. Drawn over red with every α from 0 to 1, each pixel obeys the same equation.
 """
 
+from dataclasses import replace
+
 from shaderlab import Blend, Case, Pass, Pixel, Ramp, Target, across, exact, formula
-from shaderlab.glslmath import distance, mix, smoothstep, vec2, vec3, vec4
+from shaderlab.glslmath import distance, mix, smoothstep, swizzle, vec2, vec3, vec4
 from shaderlab.reference.blending import over
 
 from ..scenes.drawing import chessboard
@@ -19,20 +21,26 @@ from ..scenes.panels import panel, square
 
 RED, GREEN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 OVER = Blend(source="src_alpha", destination="one_minus_src_alpha")
+SEPARATE = replace(OVER, source_alpha="one", destination_alpha="zero")
 SQUARE = {"place": square()}
 # Centre, colour and alpha.
 DISCS = (((-0.25, 0.15), RED, 1.0), ((0.25, -0.15), GREEN, 0.6))
 
 
-def green_over_red(name, alpha, **target):
+def green_over_red(name, alpha, blend=OVER, **target):
     """A green layer, blended onto opaque red."""
-    layer = panel("ch06_tests/blend_equation.frag", {"alpha": alpha}, {"color": GREEN}, blend=OVER)
+    layer = panel("ch06_tests/blend_equation.frag", {"alpha": alpha}, {"color": GREEN}, blend=blend)
     return Pass(name=name, target=Target(clear=(*RED, 1.0), **target), draws=(layer,))
 
 
 def blended(color, alpha):
     """Equation 6.1 for a layer over opaque red."""
     return over(vec4(color, alpha), vec4(*RED, 1.0))
+
+
+def blended_apart(color, alpha):
+    """The colour as before; alpha by factors of its own, 1 and 0, is the source's."""
+    return vec4(swizzle(blended(color, alpha), "rgb"), alpha)
 
 
 def disc(centre, color, alpha):
@@ -71,6 +79,7 @@ case = Case(
         *LAYERS,
         green_over_red("ramp", across(0.0, 1.0)),
         green_over_red("float", Ramp(0.6), size=(16, 16)),
+        green_over_red("separate", across(0.0, 1.0), SEPARATE),
         green_over_red("bytes", Ramp(0.6), size=(16, 16), colors={"FragColor": "rgba8"}),
     ),
     picture="picture.FragColor",
@@ -82,6 +91,7 @@ case = Case(
             )
         ),
         formula("ramp.FragColor", blended, name="every alpha"),
+        formula("separate.FragColor", blended_apart, name="alpha by its own factors"),
         formula("float.FragColor", blended, name="green 0.6 over red, every pixel"),
         figure(
             "picture.FragColor",

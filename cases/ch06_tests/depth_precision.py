@@ -14,12 +14,15 @@ the buffer itself: strips of it that run from 2 % before a distance to 2 % behin
 import numpy as np
 
 from shaderlab import Case, Depth, Erratum, across, assets, formula, measure, reading, up
+from shaderlab.engine.expectations.gl_call import call
 from shaderlab.glslmath import abs, floor, min, mix, mod, mul, pow, swizzle, vec3, vec4, where
 from shaderlab.reference.depth import depth_step, window_depth
 from shaderlab.reference.transforms import perspective
 
+from ..scenes.api import answers
 from ..scenes.draws import tested
 from ..scenes.figures import each_draw, figure, figures, results
+from ..scenes.objects import depth_alone
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import cell, enlarged, panel, picture
 
@@ -130,6 +133,15 @@ def largest_error(depth, F):
 
 
 FIXED = "steps of 16 bits are even: depth is a whole number of them"
+
+
+KIND = call(
+    "glGetFramebufferAttachmentParameteriv",
+    *("GL_FRAMEBUFFER", "GL_DEPTH_ATTACHMENT", "GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE"),
+)
+KINDS = {"16": "UNSIGNED_NORMALIZED", "24": "UNSIGNED_NORMALIZED", "32F": "FLOAT"}
+CODE = call("glReadPixels", 0, 0, 1, 1, "GL_DEPTH_COMPONENT", "GL_UNSIGNED_SHORT")
+THIRD = (call("glClearDepth", 1.0 / 3.0), call("glClear", "GL_DEPTH_BUFFER_BIT"))
 GREY, DARK = (0.75, 0.75, 0.75, 1.0), (0.10, 0.13, 0.20, 1.0)
 HALFWAY = {"aPos": (0.5, 0.0, 0.0), "middle": 10.0, "slope": 4.0}
 AT_TWO = {"decade": 0.30102999566398, "near": 1.0}
@@ -148,6 +160,26 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         enlarged_check("judged"),
+        *answers(
+            {
+                f"depth of {bits} bits is GL_{kind}": (
+                    KIND,
+                    f"GL_{kind}",
+                    depth_alone(f"GL_DEPTH_COMPONENT{bits}"),
+                )
+                for bits, kind in KINDS.items()
+            }
+        ),
+        *answers(
+            {
+                "16 bits: ⅓ is the code 21845 of 65535": (
+                    CODE,
+                    (21845 & 0xFF, 21845 >> 8),
+                    depth_alone("GL_DEPTH_COMPONENT16"),
+                    THIRD,
+                ),
+            }
+        ),
         *each_draw("judged.depth", charted, enumerate(NEARS), "F with {}"),
         *each_draw("judged.FragColor", painted, enumerate(("lower", "upper")), "the {} chart"),
         *figures(

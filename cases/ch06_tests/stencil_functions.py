@@ -13,9 +13,12 @@ is a triangle and EQUAL the diagonal.
 import numpy as np
 
 from shaderlab import Case, Cell, Erratum, Stencil, exact
+from shaderlab.engine.expectations.gl_call import call
 from shaderlab.reference.depth_stencil import FUNCTIONS, stencil_passes
 
-from ..scenes.panels import panel, picture
+from ..scenes.api import answers
+from ..scenes.objects import depth_alone
+from ..scenes.panels import cell, panel, picture
 from ..scenes.tables import edges_check, shown, shown_check
 
 VALUES = range(4)  # references, stored values and masks: all there are in two bits
@@ -25,9 +28,9 @@ COLUMNS, ROWS = len(FUNCS) * len(VALUES), len(VALUES) * len(VALUES)
 FORMATS = {"colors": {"total": "r32f"}, "depth": "depth24_stencil8", "clear_stencil": 0xFF}
 
 
-def strip(verdict, stencil, cell):
+def strip(verdict, stencil, at):
     """A draw over a strip of fields that writes `verdict` where the stencil test passes."""
-    return panel("ch06_tests/count.frag", {}, {"worth": verdict}, stencil=stencil, cell=cell)
+    return panel("ch06_tests/count.frag", {}, {"worth": verdict}, stencil=stencil, cell=at)
 
 
 # First every column gets its stored value, and a red field; then each function, mask and
@@ -59,10 +62,24 @@ def passes(column, row):
     return stencil_passes(FUNCS[block], reference, stored_value, mask)
 
 
-truth = np.array([[[passes(c, r)] for c in range(COLUMNS)] for r in range(ROWS)], np.float32)
+# A buffer of zeros, in it a frame of ones: the middle of 9 × 9 pixels without its own middle.
+frame = [
+    strip(0.0, Stencil(reference=1, depth_pass="replace"), cell(4, 3, 3)),
+    strip(0.0, Stencil(reference=0, depth_pass="replace"), cell(40, 9, 9)),
+    strip(1.0, Stencil(func="equal", reference=1), cell(0, 1, 1)),
+]
+hollow = np.zeros((9, 9), np.float32)
+hollow[3:6, 3:6], hollow[4, 4] = 1.0, 0.0
+STENCIL = call("glReadPixels", 0, 0, 1, 1, "GL_STENCIL_INDEX", "GL_UNSIGNED_BYTE")
+ATTACHED = depth_alone("GL_DEPTH24_STENCIL8", "GL_DEPTH_STENCIL_ATTACHMENT")
 
-# With the mask 0 alone: what passes does not depend on reference and stored value any more.
-mask_zero = {func: stencil_passes(func, 3, 1, 0) for func in FUNCS}
+
+def cleared(value):
+    """The stencil buffer is cleared to a value."""
+    return call("glClearStencil", value), call("glClear", "GL_STENCIL_BUFFER_BIT")
+
+
+truth = np.array([[[passes(c, r)] for c in range(COLUMNS)] for r in range(ROWS)], np.float32)
 
 case = Case(
     title="The stencil functions",
@@ -71,11 +88,19 @@ case = Case(
     r"(\mathit{stored} \mathbin{\&} \mathit{mask})",
     passes=(
         picture((*stored, *tests), (COLUMNS, ROWS), "table", **FORMATS),
+        picture(frame, (9, 9), "hollow", **FORMATS | {"clear_stencil": 0}),
         shown("verdicts", "table.total", (COLUMNS, ROWS), (24, 24), group=(4.0, 4.0)),
     ),
     picture="picture.FragColor",
     expect=[
         exact("table.total", truth, name="8 functions × 4 references × 4 stored × 4 masks"),
+        exact("hollow.total", hollow, name="a hollow rectangle: only where a 1 is stored"),
+        *answers(
+            {
+                "glClear stores glClearStencil's value": (STENCIL, 5, ATTACHED, cleared(5)),
+                "… the last one": (STENCIL, 0, ATTACHED, cleared(5), cleared(0)),
+            }
+        ),
         shown_check("verdicts"),
         edges_check("verdicts"),
     ],

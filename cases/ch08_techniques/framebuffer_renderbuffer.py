@@ -17,7 +17,7 @@ from shaderlab import Case, Depth, assets, exact, formula
 from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.glslmath import swizzle, vec4
 
-from ..scenes.api import answers, errors, limits, sent
+from ..scenes.api import ONE_PIXEL, PIXEL, answers, errors, limits, sent
 from ..scenes.draws import drawn
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell, picture
@@ -95,6 +95,16 @@ BOUND = (*BIND, call("glBindRenderbuffer", "GL_RENDERBUFFER", RENDERBUFFER))
 AS_TEXTURE = ("GL_FRAMEBUFFER", DEPTH, "GL_TEXTURE_2D", RENDERBUFFER, 0)
 STORAGE = call("glRenderbufferStorage", "GL_RENDERBUFFER", "GL_RGBA8", 64, 64)
 NOT_SAMPLED = "no unit takes a renderbuffer: it can't be sampled"
+
+
+def cleared(*color):
+    """Calls that fill the bound framebuffer with a colour."""
+    return call("glClearColor", *color), call("glClear", "GL_COLOR_BUFFER_BIT")
+
+
+FILLED = (*ONE_PIXEL, *cleared(0.2, 0.4, 0.6, 1.0))
+NOT_DRAWN = (call("glDrawBuffer", "GL_NONE"), *cleared(1.0, 1.0, 1.0, 1.0))
+BYTES = (51, 102, 153, 255)
 HALVES = np.concatenate([half(True), half(False)], axis=1)
 
 case = Case(
@@ -150,6 +160,13 @@ case = Case(
             "INCOMPLETE_ATTACHMENT",
             renderbuffer("a", COLOR, "GL_DEPTH_COMPONENT24"),
         ),
+        *answers(
+            {
+                "glReadPixels reads a renderbuffer": (PIXEL, BYTES, FILLED),
+                "glDrawBuffer(GL_NONE): nothing is drawn": (PIXEL, BYTES, FILLED, NOT_DRAWN),
+            }
+        ),
+        *errors({"glReadBuffer(GL_NONE): nothing is read": (PIXEL, REFUSED, FILLED, NO_COLOR)}),
         *errors({"storage with renderbuffer 0 bound: 0x0502": (STORAGE, REFUSED)}),
     ],
 )

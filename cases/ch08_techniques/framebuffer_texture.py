@@ -12,10 +12,12 @@ window of its own size, texel on pixel, the texture is the scene bit for bit.
 import numpy as np
 
 from shaderlab import Case, Output, assets, exact, formula, fullscreen
+from shaderlab.engine.expectations.gl_call import call
 from shaderlab.glslmath import min, swizzle, vec4, where
 from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.transforms import clip_position, device_position, translate
 
+from ..scenes.api import ONE_PIXEL, answers
 from ..scenes.cameras import camera, turned
 from ..scenes.draws import tested
 from ..scenes.figures import figures, results
@@ -42,6 +44,8 @@ def farthest_corner():
     return np.abs(np.array(device)[:, :2]).max()
 
 
+BACK = (call("glBindFramebuffer", "GL_FRAMEBUFFER", 0),)
+IS_BOUND = call("glGetIntegerv", "GL_DRAW_FRAMEBUFFER_BINDING")
 DARK = (0.07, 0.07, 0.09, 1.0)
 
 
@@ -95,6 +99,7 @@ case = Case(
             },
             reference=shown,
         ),
+        *answers({"back to framebuffer 0": (IS_BOUND, 0, ONE_PIXEL, BACK)}),
         *results({"no screen is cut off: farthest corner": (farthest_corner, 0.9362)}, digits=4),
         *photograph_checks(),
     ],

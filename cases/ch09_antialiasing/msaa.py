@@ -20,7 +20,9 @@ from shaderlab import (
     Case,
     Mesh,
     Output,
+    State,
     Target,
+    exact,
     formula,
     fullscreen,
     gl_call,
@@ -51,7 +53,7 @@ SHAPES = [spoke(k) for k in range(SPOKES)]
 WHEEL = Mesh(attributes={"aPos": np.array(SHAPES).reshape(-1, 2)}, indices=np.arange(3 * SPOKES))
 
 
-def drawn(name, samples):
+def drawn(name, samples, **state):
     """The wheel with so many samples a pixel."""
     return mesh_pass(
         "ch09_antialiasing/shape.vert",
@@ -60,6 +62,7 @@ def drawn(name, samples):
         uniforms={"size": tuple(map(float, SIZE))},
         target=Target(size=SIZE, samples=samples, colors={"lit": "r32f"}),
         name=name,
+        state=State(**state),
     )
 
 
@@ -114,6 +117,7 @@ case = Case(
         *drawn("one", 0),
         *drawn("two", 2),
         *drawn("four", 4),
+        *drawn("off", 4, multisample=False),
         *fullscreen(
             "ch09_antialiasing/msaa.frag",
             name="picture",
@@ -163,6 +167,14 @@ case = Case(
                 name=f"{asked} samples are asked for: so many, or more",
             )
             for asked in (1, 2, 3, 4)
+        ),
+        exact("off.lit", Output("one.lit"), name="GL_MULTISAMPLE off: no antialiasing"),
+        gl_call(
+            "glRenderbufferStorageMultisample",
+            *("GL_RENDERBUFFER", 1 << 16, "GL_RGBA8", 64, 64),
+            before=(call("glBindRenderbuffer", "GL_RENDERBUFFER", Object("renderbuffer")),),
+            raises="invalid_operation",
+            name="more samples than there are: 0x0502",
         ),
         gl_call("glGetIntegerv", "GL_MAX_SAMPLES", at_least=4, name="every driver offers four"),
         measure(

@@ -87,6 +87,11 @@ INDEXED = (
 
 THIRD = (*INDEXED, call("glDrawElements", "GL_POINTS", 1, "GL_UNSIGNED_BYTE", 3))
 CYAN = (0, 255, 255, 255)
+REMOVED = {
+    "glBegin": ("GL_TRIANGLES",), "glEnd": (), "glArrayElement": (0,),
+    "glVertexPointer": (3, "GL_FLOAT", 0, None), "glColorPointer": (3, "GL_FLOAT", 0, None),
+    "glEnableClientState": ("GL_VERTEX_ARRAY",),
+}  # fmt: skip
 GONE = "glIndexPointer is gone from OpenGL's core"
 
 case = Case(
@@ -130,6 +135,14 @@ case = Case(
         *errors(
             {
                 GONE: (call("glIndexPointer", "GL_INT", 0, None), "invalid_operation"),
+                **{
+                    f"{name} is gone from OpenGL's core": (call(name, *given), "invalid_operation")
+                    for name, given in REMOVED.items()
+                },
+                "glEnable(GL_TEXTURE_2D) is gone as well": (
+                    call("glEnable", "GL_TEXTURE_2D"),
+                    "invalid_enum",
+                ),
                 **{
                     f"indices of GL_{kind}": (
                         call("glDrawElements", "GL_POINTS", 7, f"GL_{kind}", 0),

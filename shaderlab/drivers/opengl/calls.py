@@ -115,7 +115,8 @@ Texts = Callable[[Program], Mapping[str, str]]
 _ARRAYS: Mapping[str, type[np.generic]] = {
     "GLint": np.int32, "GLsizei": np.int32, "GLuint": np.uint32, "GLenum": np.uint32,
     "GLfloat": np.float32, "GLdouble": np.float64, "GLboolean": np.uint8, "GLubyte": np.uint8,
-    "GLchar": np.int8, "GLint64": np.int64, "GLuint64": np.uint64, "GLintptr": np.int64, "GLsizeiptr": np.int64,
+    "GLint64": np.int64, "GLuint64": np.uint64, "GLintptr": np.int64, "GLsizeiptr": np.int64,
+    "GLchar": np.int8,
 }  # fmt: skip
 _READS_BYTES = ("glGetBufferSubData", "glGetTexImage", "glReadPixels")
 _ROOM = 4096  # numbers that a call may write
