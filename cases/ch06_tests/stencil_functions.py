@@ -36,11 +36,7 @@ def strip(verdict, stencil, at):
 # First every column gets its stored value, and a red field; then each function, mask and
 # reference draws one row of its block in green, over all four stored values at once.
 stored = [
-    strip(
-        0.0,
-        Stencil(reference=column % len(VALUES), depth_pass="replace"),
-        Cell(column=column, row=0, columns=COLUMNS, rows=1),
-    )
+    strip(0.0, Stencil(reference=column % len(VALUES), depth_pass="replace"), cell(column, COLUMNS))
     for column in range(COLUMNS)
 ]
 tests = [
@@ -68,8 +64,7 @@ frame = [
     strip(0.0, Stencil(reference=0, depth_pass="replace"), cell(40, 9, 9)),
     strip(1.0, Stencil(func="equal", reference=1), cell(0, 1, 1)),
 ]
-hollow = np.zeros((9, 9), np.float32)
-hollow[3:6, 3:6], hollow[4, 4] = 1.0, 0.0
+hollow = np.pad(np.pad([[0.0]], 1, constant_values=1.0), 3).astype(np.float32)
 STENCIL = call("glReadPixels", 0, 0, 1, 1, "GL_STENCIL_INDEX", "GL_UNSIGNED_BYTE")
 ATTACHED = depth_alone("GL_DEPTH24_STENCIL8", "GL_DEPTH_STENCIL_ATTACHMENT")
 
