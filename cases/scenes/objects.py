@@ -20,7 +20,7 @@ def array_of_point(label: str, place: Sequence[float]) -> Calls:
         call("glBindVertexArray", Object("vertex_array", label)),
         call("glBindBuffer", vertices, Object("buffer", f"{label} vertices")),
         call("glBindBuffer", indices, Object("buffer", f"{label} indices")),
-        call("glBufferData", vertices, 12, np.float32(place).tobytes(), "GL_STATIC_DRAW"),
+        call("glBufferData", vertices, 12, np.array(place, np.float32).tobytes(), "GL_STATIC_DRAW"),
         call("glBufferData", indices, len(label), label.encode(), "GL_STATIC_DRAW"),
         call("glVertexAttribPointer", 0, 3, "GL_FLOAT", "GL_FALSE", 0, 0),
         call("glEnableVertexAttribArray", 0),
