@@ -23,7 +23,7 @@ from importlib.machinery import ModuleSpec
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CaseError, ShaderlabError, UsageError, suggest
@@ -32,6 +32,7 @@ from shaderlab.files import read_regular, search_folder
 if TYPE_CHECKING:
     from shaderlab.compiler.sources import Shaders
     from shaderlab.model.case import Case
+    from shaderlab.model.records import Place
 
 TREE_FILE = "cases.toml"
 _SKIPPED_FOLDERS = frozenset({"__pycache__", "node_modules", "site-packages", "build", "dist"})
@@ -253,22 +254,53 @@ def chapter_title(file: str | Path, section: str) -> str:
         CaseError: the cases.toml is wrong.
     """
     number = section.split(".")[0].strip()
-    return _chapters(tree_of(Path(file)) / TREE_FILE).get(number, "") if number else ""
+    chapters: Mapping[str, str] = _course(tree_of(Path(file)) / TREE_FILE).get("chapters", {})
+    return chapters.get(number, "")
+
+
+def place_of(file: str | Path, id: str, section: str) -> Place:
+    """Where a lesson stands in its course, as the cases.toml of its tree says.
+
+    Raises:
+        CaseError: the cases.toml is wrong.
+    """
+    from shaderlab.model.records import Place  # late, as for all commands that read cases
+
+    tree = tree_of(Path(file)) / TREE_FILE
+    course = _course(tree)
+    try:
+        title, title_zh = course.get("sections", {}).get(section, ("", ""))
+        place = Place(section_title=title, section_title_zh=title_zh, text=course.get("text", ""))
+        return replace(place, **_path(tree).get(id, {}))
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise CaseError(f"[sections] or [[path]] is wrong: {error}", file=tree) from error
 
 
 @functools.cache
-def _chapters(file: Path) -> Mapping[str, str]:
+def _path(file: Path) -> Mapping[str, Mapping[str, Any]]:
+    """What [[path]] says of each lesson, and of the stage of the path that it is in."""
+    found: dict[str, Mapping[str, Any]] = {}
+    for number, stage in enumerate(_course(file).get("path", ()), 1):
+        titles = {f"stage_{name}": text for name, text in stage.items() if name != "lessons"}
+        for id, lesson in stage["lessons"].items():
+            known = {**lesson, "assumes": tuple(lesson.get("assumes", ()))}
+            found[id] = {"order": len(found) + 1, "stage": number, **titles, **known}
+    return found
+
+
+@functools.cache
+def _course(file: Path) -> Mapping[str, Any]:
     import tomllib  # few trees of cases have chapters
 
     try:
         found = tomllib.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
     except (OSError, ValueError) as error:
         raise CaseError(f"this is no TOML file: {error}", file=file) from error
-    chapters: dict[str, str] = found.pop("chapters", {})
-    wrong = found or not isinstance(chapters, dict)
+    chapters = found.get("chapters", {})
+    wrong = set(found) - {"text", "chapters", "sections", "path"} or not isinstance(chapters, dict)
     if wrong or not all(n.isdigit() and isinstance(title, str) for n, title in chapters.items()):
-        raise CaseError('write [chapters] alone, with lines such as 5 = "Lamps"', file=file)
-    return chapters
+        raise CaseError('write [chapters] with lines such as 5 = "Lamps"', file=file)
+    return found
 
 
 def files_below(folder: Path) -> Iterator[Path]:
@@ -378,6 +410,7 @@ def load_case(path: Path) -> Case:
         lesson=(module.__doc__ or "").strip(),
     )
     chapter_title(path, loaded.section)
+    place_of(path, loaded.id, loaded.section)
     try:
         list(loaded.scenes())
     except CaseError as error:

@@ -170,7 +170,10 @@ def make_failed_record(
 ) -> Record:
     """The record of a job whose process did not live to write one: how it ended, the last step that
     it was about to do, and the renderer it ran on."""
-    from shaderlab.engine.catalogue import chapter_title  # not before the first worker is started
+    from shaderlab.engine.catalogue import (  # not before the first worker is started
+        chapter_title,
+        place_of,
+    )
     from shaderlab.model.records import Record
 
     lines = [message]
@@ -184,6 +187,7 @@ def make_failed_record(
         title=job.title,
         section=job.section,
         chapter=chapter_title(job.file, job.section),
+        place=place_of(job.file, job.id, job.section),
         lesson="",
         formula="",
         file=job.file,

@@ -51,7 +51,7 @@ from shaderlab.model.records import (
 )
 from shaderlab.model.scene import Ramp, UniformBuffer
 
-from .catalogue import chapter_title
+from .catalogue import chapter_title, place_of
 from .judging.banded import format_value
 from .pictures import PictureFiles, PictureWriter, digest_values
 
@@ -201,6 +201,7 @@ class RecordBuilder:
             title=case.title,
             section=case.section,
             chapter=chapter_title(case.file, case.section),
+            place=place_of(case.file, case.id, case.section),
             lesson=case.lesson,
             formula=case.math,
             file=display_path(case.file),

@@ -410,10 +410,30 @@ class ModulesRecord:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Place:
+    """Where a lesson stands: `order` on its course's path, from 1, and the path's `stage`, each
+    with its titles and why it comes next; ids of the lessons that it `assumes`; the name of its
+    section; and the text that sections and errata are of. What the tree does not say is empty."""
+
+    order: int = 0
+    title_zh: str = ""
+    because: str = ""
+    assumes: tuple[str, ...] = ()
+    stage: int = 0
+    stage_title: str = ""
+    stage_title_zh: str = ""
+    stage_because: str = ""
+    section_title: str = ""
+    section_title_zh: str = ""
+    text: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Record:
     """One variant of one case, run and judged. `id` and `variant` name it within a run.
 
-    `chapter` is the title of the one that `section` lies in, "" where the case's tree has none.
+    `chapter` is the title of the one that `section` lies in, "" where the case's tree has none;
+    `place` is where the case stands in its course.
 
     `images` maps "picture" (and what else there is) to files relative to the run's folder,
     `captions` the same names to how they are to be read. `passes` are in the order they ran.
@@ -461,6 +481,7 @@ class Record:
     size: int = 0
     picture_size: int = 0
     chapter: str = ""
+    place: Place = Place()
     unread: tuple[str, ...] = ()
     not_asked: tuple[str, ...] = ()
     gl_calls: tuple[CallsRecord, ...] = ()

@@ -48,7 +48,10 @@ class CaseGroup:
 
     @property
     def chapter(self) -> tuple[int, str]:
-        """Number and title of the chapter it lies in; (0, OWN) for a case of one's own."""
+        """Number and title of its stage of the course's path, or else of the chapter it lies in;
+        (0, OWN) for a case of one's own."""
+        if self.first.place.order:
+            return self.first.place.stage, self.first.place.stage_title
         head = re.match(r"\s*(\d{1,4})", self.first.section)
         return (int(head.group(1)), self.first.chapter) if head and self.first.chapter else (0, OWN)
 
@@ -93,7 +96,7 @@ def worst_status(statuses: Iterable[Status]) -> Status:
 
 
 def group_cases(records: Sequence[Record]) -> list[CaseGroup]:
-    """Return a group for each case id, ordered by chapter and section.
+    """Return a group for each case id, ordered by the course's path, or by chapter and section.
 
     Equal sections stay in the order they ran; cases outside the course come last.
     """
@@ -104,10 +107,10 @@ def group_cases(records: Sequence[Record]) -> list[CaseGroup]:
     return sorted(groups, key=_place)
 
 
-def _place(group: CaseGroup) -> tuple[bool, tuple[int, str], list[int]]:
+def _place(group: CaseGroup) -> tuple[bool, tuple[int, str], int, list[int]]:
     first_section = group.first.section.split(",")[0]
     numbers = [int(n) for n in re.findall(r"\d{1,9}", first_section)]
-    return group.chapter == (0, OWN), group.chapter, numbers
+    return group.chapter == (0, OWN), group.chapter, group.first.place.order, numbers
 
 
 def count_totals(run: Run, cases: Sequence[CaseGroup]) -> Totals:

@@ -326,6 +326,10 @@ class Page:
     mutants: Mutants | None
 
     @cached_property
+    def by_id(self) -> dict[str, CaseView]:
+        return {case.group.id: case for case in self.cases}
+
+    @cached_property
     def notes(self) -> list[str]:
         """What to know before anything else: files in shaders' places, another size."""
         return list(format_conditions(self.run))

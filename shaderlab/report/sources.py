@@ -282,6 +282,9 @@ def collect_words(records: Iterable[Record]) -> str:
 
 def _texts(record: Record) -> Iterator[str]:
     yield from (record.id, record.title, record.section, record.chapter, record.file)
+    place = record.place
+    yield from (place.title_zh, place.stage_title, place.stage_title_zh, place.section_title)
+    yield place.section_title_zh
     yield from (record.variant, record.lesson, record.message, *record.notices, *record.inputs)
     for outcome in record.expectations:
         yield from (outcome.name, outcome.kind, outcome.message)

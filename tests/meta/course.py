@@ -6,10 +6,12 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shaderlab.engine.catalogue import TREE_FILE, data_folder
 from tests.catalogue import shipped
 
 if TYPE_CHECKING:
@@ -29,93 +31,10 @@ all of this; [expectations](expectations.md) explains the kinds.
 _SHOWN = 5  # names of a kind
 
 SECTIONS: Mapping[str, str] = {
-    "1.1": "A development environment",
-    "1.2.1": "Building GLFW, and getting GLAD",
-    "1.2.2": "A first window, a first triangle",
-    "2.1.2": "Right-handed and left-handed",
-    "2.2.2": "Primitives, attributes, vertex arrays",
-    "2.2.4": "Compiling and linking",
-    "2.2.5": "What is outside is clipped",
-    "2.2.7": "Indices",
-    "2.3.2": "Types and swizzles",
-    "2.3.4": "Uniforms",
-    "2.3.5": "Shaders from files",
-    "2.4.1": "Where a texture begins",
-    "2.4.2": "Wrapping, in two and three dimensions",
-    "2.4.3": "Filters",
-    "2.4.4": "Mipmaps",
-    "2.4.5": "Compression",
-    "2.4.6": "Textures from images, several at once",
-    "3.1": "Translation",
-    "3.2": "Rotation",
-    "3.3": "Scale",
-    "3.4": "Model, view, projection",
-    "3.5": "The order of transforms",
-    "3.6": "Euler angles",
-    "3.7": "Quaternions",
-    "4.1": "The five spaces",
-    "4.2": "GLM",
-    "4.3": "The camera",
-    "4.4": "Projections, by an angle or by six planes",
-    "4.5": "The viewport",
-    "5.1": "Colours",
-    "5.2.1": "Ambient light",
-    "5.2.2": "Diffuse light",
-    "5.2.3": "Specular light",
-    "5.3": "Materials",
-    "5.3.3": "Lights as structs",
-    "5.4": "Lighting maps",
-    "5.5.1": "Directional light",
-    "5.5.2": "Point light and attenuation",
-    "5.5.3": "Spotlight",
-    "5.6": "Many lights",
-    "5.7.1": "Phong against Blinn",
-    "5.7.2": "The halfway vector",
-    "5.8": "Gamma",
-    "5.9.1": "Shadow maps",
-    "5.9.2": "Shadows of a point light",
-    "5.9.3": "Cascaded shadows",
-    "5.10": "Normal maps",
-    "5.11": "High dynamic range",
-    "5.12": "Deferred shading",
-    "5.13": "Physically based rendering",
-    "6": "The tests' default states",
-    "6.1.1": "The stencil test",
-    "6.1.2": "Outlines",
-    "6.2": "Depth",
-    "6.2.1": "The depth test",
-    "6.2.2": "The precision of depth",
-    "6.2.3": "Z-fighting",
-    "6.3": "Transparency and its order",
-    "6.3.1": "Discarded fragments",
-    "6.3.2": "Blending",
-    "7.1": "Several textures",
-    "7.2": "Light maps",
-    "7.4": "Cube maps",
-    "7.4.1": "A cube of six images",
-    "7.4.2": "The sky box's view",
-    "8.1": "Face culling",
-    "8.2": "Framebuffers",
-    "8.2.3": "Post-processing",
-    "8.3": "Batched attributes",
-    "8.4": "Uniform buffers",
-    "8.5": "Batching",
-    "8.6": "Geometry shaders",
-    "8.7": "Reduced resolution",
-    "9.1": "Samples in a pixel",
-    "9.2": "Multisample antialiasing",
-    "9.3": "Multisampling off the screen",
-    "10": "Buffers: usage, mapping, pixels, indices, deletion",
-    "11.1": "Creating a window",
-    "11.2": "Double buffering",
-    "11.3": "Steps of time",
-    "11.4": "Where a window begins",
-    "11.5": "An ellipsoid",
-    "12": "Models",
-    "13": "Sky box",
-    "13.2": "Installing what a sky box needs",
-    "14": "Point clouds",
-    "14.1": "A library for point clouds",
+    number: title
+    for number, (title, _) in tomllib.loads(
+        (data_folder("cases") / TREE_FILE).read_text(encoding="utf-8")
+    )["sections"].items()
 }
 """Sections of the notes with something to prove, and what each is about."""
 

@@ -14,6 +14,7 @@ from shaderlab.engine.catalogue import (
     inspect_file,
     is_case_file,
     load_case,
+    place_of,
     shipped_cases,
     tree_of,
 )
@@ -163,14 +164,32 @@ def test_chapters_have_the_titles_that_their_tree_gives_them(tmp_path: Path) -> 
     assert chapter_title(next(shipped_cases()), "5.5.2") == "Lighting"
 
 
+def test_a_tree_says_where_its_lessons_stand(tmp_path: Path) -> None:
+    (tmp_path / "cases.toml").write_text(
+        'text = "a book"\n[sections]\n"5.1" = ["Lamps", "灯"]\n[[path]]\ntitle = "Light"\n'
+        '[path.lessons]\nlamp = {title_zh = "灯"}\nfog = {assumes = ["lamp"], because = "of x"}\n'
+    )
+    fog = place_of(tmp_path / "fog.py", "fog", "6")
+    assert (fog.order, fog.stage, fog.stage_title, fog.assumes) == (2, 1, "Light", ("lamp",))
+    lamp = place_of(tmp_path / "lamp.py", "lamp", "5.1")
+    assert (lamp.title_zh, lamp.section_title_zh, lamp.text) == ("灯", "灯", "a book")
+    assert place_of(tmp_path / "else.py", "else", "7").order == 0
+
+
+def test_a_misspelt_word_of_a_path_is_an_error(tmp_path: Path) -> None:
+    (tmp_path / "cases.toml").write_text('[[path]]\n[path.lessons]\nlamp = {becuase = "x"}\n')
+    with pytest.raises(CaseError, match="becuase"):
+        place_of(tmp_path / "lamp.py", "lamp", "5.1")
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
         ("[chapters", "no TOML file"),
-        ("[chapter]\n5 = 'Lamps'", "write [chapters] alone"),
-        ("chapters = 5", "write [chapters] alone"),
-        ("[chapters]\nfive = 'Lamps'", "write [chapters] alone"),
-        ("[chapters]\n5 = 6", "write [chapters] alone"),
+        ("[chapter]\n5 = 'Lamps'", "write [chapters] with"),
+        ("chapters = 5", "write [chapters] with"),
+        ("[chapters]\nfive = 'Lamps'", "write [chapters] with"),
+        ("[chapters]\n5 = 6", "write [chapters] with"),
     ],
 )
 def test_a_wrong_file_of_a_tree_is_an_error_with_its_name(

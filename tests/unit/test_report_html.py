@@ -12,6 +12,7 @@ from shaderlab.model import pictures
 from shaderlab.model.records import (
     Diagnostic,
     ErratumNote,
+    Place,
     ProgramRecord,
     Record,
     SourceText,
@@ -167,6 +168,31 @@ def test_errata_are_listed_once_and_linked(tmp_path: Path) -> None:
     assert "1 place, each" in page.words()
     front = page.source[page.source.index('id="errata"') : page.source.index('class="chapter"')]
     assert front.count("it compares 0") == 1 and 'href="#case-a"' in front
+
+
+def test_a_course_is_a_path_with_reasons_in_two_languages(tmp_path: Path) -> None:
+    note = ErratumNote(section="5.1", says="it is off", truth="it is on", proof="F(7)")
+    first = {"stage": 1, "stage_title": "Lamps", "stage_title_zh": "灯", "text": "a book"}
+    fog = Place(**first, order=2, title_zh="雾", assumes=("lamp",), because="light is scattered")
+    sky = Place(order=3, stage=2, stage_title="Skies", stage_because="it is above", title_zh="天空")
+    page = Page(
+        write(
+            run(
+                record("sky", place=sky, section="1"),
+                record("fog", place=fog, section="2"),
+                record("lamp", place=Place(**first, order=1), section="3", errata=(note,)),
+            ),
+            tmp_path,
+        )
+    )
+    words = page.words()
+    assert re.findall(r'<article class="case"[^>]*by="case-([a-z]+)"', page.source) == [
+        "lamp", "fog", "sky",
+    ]  # fmt: skip
+    assert "Lamps 灯" in words and "Skies next, because it is above" in words
+    assert "Next: Title of fog, because light is scattered." in words
+    assert "Assumes Title of lamp." in words and "Errata in a book" in words
+    assert "天空" in page.source[page.source.index('id="search"') :]
 
 
 def test_formulas_become_mathml_and_bad_ones_stay_readable(tmp_path: Path) -> None:

@@ -163,6 +163,21 @@ async function reveal() {
 }
 addEventListener("hashchange", reveal);
 if (location.hash) reveal();
+// Chinese names beside the English ones, or none; a browser may forbid to keep which.
+const chinese = document.getElementById("zh");
+if (chinese) {
+  const show = (on) => {
+    chinese.setAttribute("aria-pressed", on);
+    document.documentElement.classList.toggle("no-zh", !on);
+  };
+  chinese.hidden = false;
+  try { show(localStorage.getItem("zh") !== "false"); } catch { show(true); }
+  chinese.addEventListener("click", () => {
+    const on = chinese.getAttribute("aria-pressed") === "false";
+    show(on);
+    try { localStorage.setItem("zh", on); } catch { /* for this page, then */ }
+  });
+}
 // On a case's own page its chapter is marked in the line of chapters, which may be longer than wide.
 const marked = document.querySelector(".way [aria-current]");
 if (marked) marked.closest("ol").scrollLeft = marked.offsetLeft - marked.closest("ol").offsetLeft;
