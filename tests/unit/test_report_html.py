@@ -190,8 +190,8 @@ def test_a_course_is_a_path_with_reasons_in_two_languages(tmp_path: Path) -> Non
         "lamp", "fog", "sky",
     ]  # fmt: skip
     assert "Lamps 灯" in words and "Skies next, because it is above" in words
-    assert "Next: Title of fog, because light is scattered." in words
-    assert "Assumes Title of lamp." in words and "Errata in a book" in words
+    assert "Next: Attenuation , because light is scattered." in words
+    assert "Assumes Attenuation ." in words and "Errata in a book" in words
     assert "天空" in page.source[page.source.index('id="search"') :]
 
 
