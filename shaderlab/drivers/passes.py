@@ -11,6 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Literal, TypeVar
 
+import numpy as np
+
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import (
@@ -24,7 +26,7 @@ from shaderlab.model.frame import (
     leading,
 )
 from shaderlab.model.phases import phase
-from shaderlab.model.scene import Pass, Target
+from shaderlab.model.scene import Draw, Pass, Target
 
 from . import Answers, Backend, Drawn, Session, Size
 from .programs import bind, captures
@@ -38,7 +40,7 @@ from .programs.prepare import (
     output_types,
     pass_colors,
 )
-from .programs.stages import VaryingPart
+from .programs.stages import NUMBER, VaryingPart
 from .programs.textures import components_of
 from .resources import Attachments, ProgramCache, SceneTextures
 
@@ -49,6 +51,10 @@ LinkerKind = TypeVar("LinkerKind", bound=ProgramCache[Any])
 class PassSession(Session, Generic[TargetKind, LinkerKind]):
     """A session that draws its scene pass by pass, targets that do not say in `size` (width,
     height); `linker` makes the programs, `stack` releases device memory in the end."""
+
+    shares_captures = (
+        False  # whether draws of a pass are captured together, told apart by a uniform
+    )
 
     _textures: SceneTextures[Any]  # what the scene's samplers read; a driver makes it
 
@@ -68,6 +74,8 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
         self._sample_positions: dict[str, Array] = {}
+        self._plain: dict[PassDraw, Draw] = {}
+        self._together: dict[str, list[captures.SharedCapture]] = {}
 
     # What a driver does by its API.
 
@@ -231,18 +239,28 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         name, colors = description.name, dict(target.colors or {})
         with self.new_target(target, colors, self.extent(description)) as made:
             for index, (draw, text) in enumerate(zip(self.programs[name], texts, strict=True)):
-                stages = {**draw.texts, "fragment": text}
-                plain = replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4)
-                changed = replace(draw.draw, state=plain)
-                rewritten = replace(draw, draw=changed, rewritten=stages)
-                self.render(rewritten, self.bindings[name, index], made)
+                key, stages = (name, index), {**draw.texts, "fragment": text}
+                if key not in self._plain:
+                    state = replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4)
+                    self._plain[key] = replace(draw.draw, state=state)
+                bindings = self.bindings[key]
+                if NUMBER in text:
+                    number = {NUMBER: np.array([index + 1.0], np.float32)}
+                    bindings = replace(bindings, uniforms={**bindings.uniforms, **number})
+                self.render(replace(draw, draw=self._plain[key], rewritten=stages), bindings, made)
             return {name: made.read(name).values for name in colors}
 
     # Captures and probes.
 
     def capture_fragments(self, key: PassDraw) -> Fragments:
         draws, redraw = self._redraw_of(key[0])
-        return captures.capture_fragments(draws, key[1], redraw)
+        known = self._together.get(key[0], [])
+        shared = next((each for each in known if key[1] in each.pieces), None)
+        if shared is None and self.shares_captures:
+            shared = captures.capture_together(draws, key[1], redraw)
+            # Only those of one pass are kept: they are as large as pictures.
+            self._together = {key[0]: known if shared is None else [*known, shared]}
+        return captures.capture_fragments(draws, key[1], redraw, shared)
 
     def _redraw_of(self, name: str) -> tuple[Sequence[PreparedDraw], captures.Redraw]:
         """Return a pass's draws, and what redraws them without blending into other attachments."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -44,10 +44,9 @@ def gl_constant(word: str) -> int:
     return int(getattr(GL, f"GL_{word.upper()}"))
 
 
-def make_call(name: str, *given: Any) -> None:
-    """Make a call that `drivers.gl_state` describes."""
-    function = getattr(GL, f"gl{name}")
-    function(*(gl_constant(each) if isinstance(each, str) else each for each in given))
+def resolve_call(name: str, *given: Any) -> tuple[str, Sequence[Any]]:
+    """Name the function and the arguments of a call that `drivers.gl_state` describes."""
+    return f"gl{name}", [gl_constant(each) if isinstance(each, str) else each for each in given]
 
 
 INSTALL = (

@@ -66,6 +66,10 @@ class Drawing(PassSession[RenderTarget, Linker]):
     def finish(self) -> None:
         self.device.context.finish()
 
+    @property
+    def shares_captures(self) -> bool:  # type: ignore[override]
+        return not self.device.takes_spirv
+
     def compute(self, key: PassDraw, draw: PreparedDraw) -> None:
         storage.require_supported(draw.draw, draw.interface)
         with phase("draw", describe_draw(key, draw)):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from functools import lru_cache
 from typing import Any
 
 import moderngl
@@ -17,7 +18,7 @@ from shaderlab.model.state import State
 from ..gl_state import state_calls
 from ..programs.textures import COLOR, DEPTH
 from ..resources import COVERING, UNREADABLE, Attachments, multisampled_error
-from .device import GL, GL_1_0, Device, gl_constant, make_call
+from .device import GL, GL_1_0, Device, gl_constant, resolve_call
 from .textures import DeviceTexture, address, depth_storage, tightly_packed
 
 
@@ -26,20 +27,36 @@ def apply_state(state: State, size: tuple[int, int], version: int) -> None:
 
     `version` is the context's OpenGL version: 450 for 4.5.
     """
+    try:
+        calls = _list_calls(state, size, version)
+    except TypeError:  # rectangles may be lists, which no cache takes
+        calls = _list_calls.__wrapped__(state, size, version)
+    for name, given in calls:
+        getattr(GL, name)(*given)
+
+
+@lru_cache(maxsize=512)
+def _list_calls(
+    state: State, size: tuple[int, int], version: int
+) -> Sequence[tuple[str, Sequence[Any]]]:
+    """List the calls that set a state: functions and their arguments."""
     switches = {
         "polygon_offset_line": state.polygon_offset is not None,
         "framebuffer_srgb": state.srgb,
         "program_point_size": isinstance(state.point_size, str),
         "multisample": state.multisample,
     }
+    calls: list[tuple[Any, ...]] = []
     if version >= 400:
         switches["sample_shading"] = state.sample_shading is not None
-        GL.glMinSampleShading(state.sample_shading or 0.0)
+        calls.append(("MinSampleShading", state.sample_shading or 0.0))
     elif state.sample_shading is not None:
         raise UnsupportedError("shading each sample (sample_shading): it takes OpenGL 4.0")
-    for call in state_calls(state, size, switches):
-        make_call(*call)
-    GL.glPointSize(state.point_size if isinstance(state.point_size, int | float) else 1.0)
+    calls += state_calls(state, size, switches)
+    calls.append(
+        ("PointSize", state.point_size if isinstance(state.point_size, int | float) else 1.0)
+    )
+    return [resolve_call(*call) for call in calls]
 
 
 class RenderTarget(Attachments):

@@ -43,7 +43,7 @@ from ..programs.textures import (
 )
 from ..resources import DeviceTexels, SceneTextures
 from .buffers import write_mapped
-from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, gl_constant, make_call
+from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, gl_constant, resolve_call
 from .linking import uniform_location
 
 # The binding points, as OpenGL has their names, by what GLSL's samplers end in.
@@ -331,7 +331,8 @@ def _read_smaller(texture: DeviceTexture, format: str, values: Array) -> tuple[A
 def make_sampler(sampling: Sampling) -> int:
     name = int(GL.glGenSamplers(1))
     for call in sampler_calls(name, sampling):
-        make_call(*call)
+        function, given = resolve_call(*call)
+        getattr(GL, function)(*given)
     border = np.array(sampling.border, np.float32)
     GL.glSamplerParameterfv(name, GL.GL_TEXTURE_BORDER_COLOR, border)
     return name

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -111,9 +111,81 @@ Redraw = Callable[[Sequence[str], Mapping[str, str]], Mapping[str, Array]]
 formats by name; gives what they hold."""
 
 
-def capture_fragments(draws: Sequence[PreparedDraw], index: int, redraw: Redraw) -> Fragments:
+@dataclass(frozen=True)
+class SharedCapture:
+    """What one redraw of a pass left of several draws: attachments, and by draw those of them that
+    hold the pieces of its inputs."""
+
+    images: Mapping[str, Array]
+    pieces: Mapping[int, Mapping[VaryingPart, str]]
+
+    def fragments(self, index: int) -> Fragments:
+        """Return what one of the draws got."""
+        coord, seen = self.images[stages.COORD], self.images[stages.NUMBERED][..., 0] == index + 1
+        covered = seen & (coord[..., 3] > 0.0)
+        others = np.zeros_like(coord)
+        others[..., 3] = np.where(coord[..., 3] != 0.0, -1.0, 0.0)
+        values = {
+            piece: leading(self.images[name], textures.components_of(piece.type))
+            for piece, name in self.pieces[index].items()
+        }
+        return Fragments(
+            covered=covered,
+            frag_coord=np.where(covered[..., None], coord, others),
+            inputs=join_parts(values),
+        )
+
+
+def capture_together(
+    draws: Sequence[PreparedDraw], index: int, redraw: Redraw
+) -> SharedCapture | None:
+    """Capture a draw, and with it all others of its pass whose inputs fit into the same
+    attachments; None where it can only be captured by itself."""
+    together: dict[int, Sequence[VaryingPart]] = {}
+    types: list[str] = []  # of the attachments
+    for other in (index, *(n for n in range(len(draws)) if n != index)):
+        parts = _fitting_parts(draws[other])
+        own = [stages.attachment_type(piece) for piece in parts or ()]
+        if parts is not None and own[: len(types)] == types[: len(own)]:
+            types = max(types, own, key=len)
+            together[other] = parts
+    if index not in together or len(together) < 2:
+        return None
+    made = [
+        stages.capture_fragment(draw.text("fragment") or "", together[number], numbered=True)
+        if number in together
+        else (_write_blank(draw), {})
+        for number, draw in enumerate(draws)
+    ]
+    colors = {stages.COORD: "rgba32f", stages.NUMBERED: "r32f"}
+    colors |= {f"{stages.PREFIX}out{n}": textures.output_format(t) for n, t in enumerate(types)}
+    try:
+        images = redraw([text for text, _ in made], colors)
+    except (ShaderError, UnsupportedError):  # another one may be what the driver refuses
+        return None
+    return SharedCapture(images, {number: made[number][1] for number in together})
+
+
+def _fitting_parts(draw: PreparedDraw) -> Sequence[VaryingPart] | None:
+    """The pieces of all inputs of a draw; None if they, a place and a number do not fit beside its
+    outputs."""
+    try:
+        parts = stages.fragment_input_parts(
+            draw.text("fragment") or "", draw.interface.varyings.values()
+        )
+    except UnsupportedError:
+        return None
+    return parts if len(draw.interface.outputs) + len(parts) + 2 <= stages.MOST_OUTPUTS else None
+
+
+def capture_fragments(
+    draws: Sequence[PreparedDraw],
+    index: int,
+    redraw: Redraw,
+    shared: SharedCapture | None = None,
+) -> Fragments:
     """Return what the fragment shader of one of a pass's draws got, at each pixel that the draw was
-    the last to write.
+    the last to write; `shared` is what was captured of it together with others.
 
     The pass's other draws run as well and wipe out what they cover, so `covered` is what is seen
     of the draw in the end. A shader that may keep fragments out is captured a second time keeping
@@ -123,7 +195,7 @@ def capture_fragments(draws: Sequence[PreparedDraw], index: int, redraw: Redraw)
         UnsupportedError: the fragment shader has so many outputs that none can be added, and they
             are declared in a way that leaves none out.
     """
-    found = _capture(draws, index, redraw)
+    found = _capture(draws, index, redraw) if shared is None else shared.fragments(index)
     text = draws[index].text("fragment") or ""
     if not (stages.may_discard(text) or stages.writes_depth(text)):
         return found

@@ -169,6 +169,7 @@ def join_parts(parts: Mapping[VaryingPart, Array]) -> dict[str, Array]:
 
 PREFIX = "shaderlab_"
 COORD = PREFIX + "coord"
+NUMBER, NUMBERED = PREFIX + "draw", PREFIX + "drawn"
 VERSION = re.compile(r"^[ \t]*#[ \t]*version[^\n]*", re.MULTILINE)
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)[^\n]*\n?", re.MULTILINE)
 MOST_OUTPUTS = 8
@@ -219,13 +220,15 @@ def capture_fragment(
     *,
     keep_all: bool = False,
     calls: bool = False,
+    numbered: bool = False,
 ) -> tuple[str, dict[VaryingPart, str]]:
     """Write a fragment shader, unchanged but for a new ending that writes what it got: gl_FragCoord
     to shaderlab_coord, and each piece of `group` to an output of the type `attachment_type`.
 
     The author's main is called where it may drop fragments, so that `discard` and depth writes
     happen as before, and with `calls`. With `keep_all` it is not: every fragment is kept, with the
-    depth that it comes with. Outputs that are `unwanted` become plain variables, to make room.
+    depth that it comes with. Outputs that are `unwanted` become plain variables, to make room. If
+    `numbered`, the uniform NUMBER, the draw's number, goes to the output NUMBERED.
     """
     captured = {piece: f"{PREFIX}out{i}" for i, piece in enumerate(group)}
     shader = GlslDeclarations(text)
@@ -235,6 +238,9 @@ def capture_fragment(
     declared += [f"out {attachment_type(piece)} {name};" for piece, name in captured.items()]
     written = [f"    {COORD} = gl_FragCoord;"]
     written += [f"    {name} = {_attachment_value(p, shader)};" for p, name in captured.items()]
+    if numbered:
+        declared += [f"uniform float {NUMBER};", f"out float {NUMBERED};"]
+        written.append(f"    {NUMBERED} = {NUMBER};")
     if keep_all and writes_depth(text):  # what names it has to write it
         written.append("    gl_FragDepth = gl_FragCoord.z;")
     return replace_main(text, declared, written, calls=calls), captured
