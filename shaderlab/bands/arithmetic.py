@@ -84,11 +84,15 @@ def add(a: BandT, b: BandT) -> BandT:
 
     # Operands of one sign, once settled, are further from zero than any rearrangement can err.
     low, high = lo - step, hi + step
-    positive = (low < 0.0) & (a.lo >= 0.0) & (b.lo >= 0.0)
+    positive = low < 0.0
+    if np.count_nonzero(positive):
+        positive &= np.minimum(a.lo, b.lo) >= 0.0
     if np.count_nonzero(positive):
         positive &= (a_lo + b_lo >= step) | (hi >= terms.abs_sum * UNCANCELLED)
         low = np.where(positive, 0.0, low)
-    negative = (high > 0.0) & (a.hi <= 0.0) & (b.hi <= 0.0)
+    negative = np.maximum(a.hi, b.hi) <= 0.0
+    if np.count_nonzero(negative):
+        negative &= high > 0.0
     if np.count_nonzero(negative):
         negative &= (a_hi + b_hi <= -step) | (-lo >= terms.abs_sum * UNCANCELLED)
         high = np.where(negative, 0.0, high)
@@ -109,10 +113,14 @@ def _move_out_by_terms(
     if steps != 1:
         step = steps * step
     low, high = lo - step, hi + step
-    positive = (low < 0.0) & (lo >= 0.0)
+    positive = low < 0.0
+    if np.count_nonzero(positive):
+        positive &= lo >= 0.0
     if np.count_nonzero(positive):
         low = np.where(positive & terms.safe() & (hi >= least), 0.0, low)
-    negative = (high > 0.0) & (hi <= 0.0)
+    negative = hi <= 0.0
+    if np.count_nonzero(negative):
+        negative &= high > 0.0
     if np.count_nonzero(negative):
         high = np.where(negative & terms.safe() & (-lo >= least), 0.0, high)
     return low, high

@@ -85,9 +85,12 @@ def ulp(x: Float64Array) -> Float64Array:
     >>> [float(u * 2**24) for u in ulp(np.array([1.0, 1.5, 2.0, 3.0]))]
     [1.0, 2.0, 2.0, 4.0]
     """
-    size = np.asarray(np.abs(x))
-    np.maximum(size, SMALLEST_DENORMAL, out=size)
-    np.minimum(size, LARGEST, out=size)
+    return _ulp_of(np.minimum(np.abs(x), LARGEST))
+
+
+def _ulp_of(size: Float64Array) -> Float64Array:
+    """`ulp` of absolute values up to LARGEST."""
+    size = np.asarray(np.maximum(size, SMALLEST_DENORMAL))
     # One less than a power of two's bits lies in the octave below: no special case is left.
     bits = size.view(np.int64)
     bits -= 1
@@ -108,7 +111,8 @@ def round_outward(lo: Float64Array, hi: Float64Array, flush: bool) -> Ends:
         high, exact = low, True
     else:
         high, exact = _to_single(hi, _UPWARD), False
-    if flush:
+    # Where all is positive and none is small, as colours mostly are, one look is enough.
+    if flush and not (low.size and np.minimum.reduce(low, axis=None) >= SMALLEST_NORMAL):
         low_denormal = _is_denormal(low, 0)
         high_denormal = _is_denormal(high, _SIGN)
         if np.count_nonzero(low_denormal):
@@ -167,8 +171,15 @@ def widen_by_ulps(
     """Bounds moved out by some ULP; a bound does not move past zero, and zero stays zero."""
     more_lo = out_lo = _error_at(lo, ulps_lo)
     more_hi = out_hi = out_lo
-    if lo is not hi or ulps_lo is not ulps_hi:
+    same = lo is hi and ulps_lo is ulps_hi
+    if not same:
         out_hi = _error_at(hi, ulps_hi)
+    if lo.size and np.minimum.reduce(lo, axis=None) >= SMALLEST_DENORMAL:
+        # All of the below, where everything is far above zero compared with its own error.
+        if not same:
+            more_lo = np.minimum(np.maximum(out_lo, out_hi), out_lo + out_lo)
+        return np.maximum(lo - more_lo, 0.0), hi + out_hi
+    if not same:
         # An ULP doubles past a power of two: a value above `lo`, just past one, may err further
         # below than `lo` itself.
         most = np.maximum(out_lo, out_hi)
@@ -180,9 +191,12 @@ def widen_by_ulps(
 
 
 def _error_at(x: Float64Array, ulps: Float64Array | float) -> Float64Array:
-    error: Float64Array = FLOAT64_ERROR * np.minimum(np.abs(x), LARGEST)
-    error += ulps * ulp(x)
-    return error
+    size = np.minimum(np.abs(x), LARGEST)
+    step = _ulp_of(size)
+    step *= ulps
+    size *= FLOAT64_ERROR
+    size += step
+    return size
 
 
 def shortest(value: Any) -> str:
