@@ -104,7 +104,7 @@ def find_misfit(value: Any, hint: Any, place: str) -> Misfit | None:
         elements = _elements(value, kind, inner, place)
         if elements is None:
             return wrong
-        misfits = (find_misfit(*element) for element in islice(elements, MOST_ELEMENTS))
+        misfits = (find_misfit(*element) for element in elements)
         return next((each for each in misfits if each), None)
     fits = True
     if kind is typing.Literal:
@@ -150,20 +150,23 @@ def _parts(hint: Any) -> tuple[Any, tuple[Any, ...]]:
 def _elements(
     value: Any, kind: Any, inner: Sequence[Any], place: str
 ) -> Iterable[tuple[Any, Any, str]] | None:
-    """The elements of a sequence or mapping with their types and places; None if it is none."""
+    """The first elements of a sequence or mapping with their types and places, but for those that
+    plainly have their type; None if it is none."""
     if kind is collections.abc.Mapping:
         if not isinstance(value, Mapping):
             return None
         key, item = inner
         keys = ((each, key, f"a key of {place}") for each in value)
-        return chain(keys, ((each, item, f"{place}[{k!r}]") for k, each in value.items()))
+        items = ((each, item, f"{place}[{k!r}]") for k, each in value.items())
+        return islice(chain(keys, items), MOST_ELEMENTS)
     array = isinstance(value, np.ndarray) and value.ndim > 0
     if not (array or isinstance(value, Sequence)) or isinstance(value, str | bytes):
         return None
     hints = inner if kind is tuple and Ellipsis not in inner else [inner[0]] * len(value)
     if len(hints) != len(value):
         return None
-    return ((value[k], each, f"{place}[{k}]") for k, each in enumerate(hints))
+    first = zip(range(MOST_ELEMENTS), value, hints, strict=False)
+    return ((one, each, f"{place}[{k}]") for k, one, each in first if type(one) is not each)
 
 
 def _is_array(value: Any) -> bool:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import gc
 import importlib
 import mmap
 import os
@@ -124,6 +125,7 @@ def main() -> None:
     work = _load_work(name)
     if isinstance(work, type):
         work = work(channel)
+    gc.freeze()  # what is imported stays: no later collection has to look at it
     channel.send("ready", None)
     requests = parent.makefile("rb")
     with contextlib.suppress(EOFError, ConnectionError):

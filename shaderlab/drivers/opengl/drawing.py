@@ -48,6 +48,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
         self._textures = BoundTextures(self.folder, self.images, self.targets, self.device, stack)
         self._blocks = UniformBuffers(self.device, stack)
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
+        self._locations: dict[tuple[int, tuple[str, ...]], Mapping[str, int]] = {}
 
     def draw(self, only: Container[str] | None = None) -> Drawn:
         recorder = self.device.recorder
@@ -131,7 +132,10 @@ class Drawing(PassSession[RenderTarget, Linker]):
         program = self._link(draw)
         self.use(program, draw, bindings, only_active=draw.rewritten is not None)
         vao = self._vertex_array(program, draw.draw.mesh)
-        target.bind(output_locations(program, target.colors))
+        key = id(program), tuple(target.colors)  # the program is kept with its vertex array
+        if key not in self._locations:
+            self._locations[key] = output_locations(program, target.colors)
+        target.bind(self._locations[key])
         apply_state(draw.draw.state, target.size, self.device.version)
         return program, vao
 
