@@ -135,8 +135,9 @@ def test_what_is_undefined_is_counted() -> None:
     assert g.normalize(g.vec3(x)).vacuous[0].all()
 
 
-def test_a_frame_is_judged_in_milliseconds() -> None:
-    """Processor time, generous: measured .7 ms and 15 ms."""
+def test_a_band_costs_some_times_what_its_formula_does() -> None:
+    """Compared with the same formulas in float64, which take as long as the machine lets them:
+    measured 23 and 6 times as long."""
     inputs = [Band.exact(x) for x in scene()]
     d = Band.exact(distances())
 
@@ -148,8 +149,10 @@ def test_a_frame_is_judged_in_milliseconds() -> None:
             times.append(time.process_time() - start)
         return min(times)
 
-    assert best(lambda: attenuation(d, 1.0, 0.09, 0.032)) < 0.006
-    assert best(lambda: blinn_phong(*inputs)) < 0.080
+    plain = distances()
+    limit = 100 * best(lambda: attenuation(plain, 1.0, 0.09, 0.032))
+    assert best(lambda: attenuation(d, 1.0, 0.09, 0.032)) < limit
+    assert best(lambda: blinn_phong(*inputs)) < 30 * best(lambda: blinn_phong(*scene()))
 
 
 def test_smoothstep_beyond_its_edges_is_exact() -> None:
