@@ -119,7 +119,7 @@ def sampled(image, TexCoords):
 def shown(k, kind):
     """A field of the picture: a part of the emblem in one format."""
     domain, textures = (
-        {"TexCoords": square(0.171, 0.831)},
+        {"TexCoords": square(0.003, 0.996)},
         {"image": texture(kind, assets.emblem(96))},
     )
     return panel("ch02_basics/textured.frag", domain, textures=textures, cell=cell(k, 3, 2))

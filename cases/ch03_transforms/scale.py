@@ -23,7 +23,7 @@ from ..scenes.glm import scaled_by_glm
 from ..scenes.laws import projected
 from ..scenes.props import letter_f, tile
 
-CAMERA = camera((1.5, 2.3, 5.6), (0.15, 0.75, 0.0), 34.0, 4.0 / 3.0)
+CAMERA = camera((1.5, 2.3, 5.6), (0.15, 0.85, 0.0), 27.0, 4.0 / 3.0)
 GHOST = solids.repainted(letter_f(), (0.62, 0.66, 0.70), 0.85)
 SCALES = {
     "one half": (0.5, 0.5, 0.5),

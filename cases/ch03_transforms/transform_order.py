@@ -45,7 +45,7 @@ ORDERS = {
     "S·R·T": (-4.0, 2.0, 3.0),
 }
 POINT = np.array([1.0, 0.0, 0.0, 1.0])
-CAMERA = camera((1.2, 6.0, 16.0), (-0.8, 1.1, 0.8), 26.5, 16.0 / 9.0, near=1.0, far=40.0)
+CAMERA = camera((1.2, 6.0, 16.0), (-0.8, 1.35, 0.8), 19.6, 8.0 / 3.0, near=1.0, far=40.0)
 LETTER = assets.joined(
     letter_f(),
     solids.rod((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), solids.INK, 0.04),
@@ -100,7 +100,7 @@ case = Case(
     section="3.5",
     math=r"T\,R\,S\,p = T\,(R\,(S\,p)) \ne S\,R\,T\,p, \qquad p = (1, 0, 0),\ S = (2, 1, 1),\ "
     r"R = 90^\circ_z,\ T = (1, 2, 3)",
-    passes=stage.gallery(panel, ORDERS, 2, (960, 810)),
+    passes=stage.gallery(panel, ORDERS, 2, (960, 540)),
     picture="picture.FragColor",
     expect=[
         *stage.checks(),

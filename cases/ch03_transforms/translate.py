@@ -24,7 +24,7 @@ from ..scenes.panels import cell
 from ..scenes.props import letter_f, tile
 
 OFFSET = (1.35, 0.55, -0.4)
-CAMERA = camera((1.0, 2.5, 5.1), (0.2, 0.4, 0.0), 48.0, 4.0 / 3.0)
+CAMERA = camera((1.0, 2.5, 5.1), (0.35, 0.62, 0.0), 32.5, 4.0 / 3.0)
 STILL = (
     tile(1.9, 0.475),
     solids.repainted(letter_f(), (0.62, 0.66, 0.70), 0.85),

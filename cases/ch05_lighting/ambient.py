@@ -21,7 +21,7 @@ from ..scenes.laws import opaque
 from ..scenes.panels import cell
 
 CORAL, TEAL, STONE, WHITE = lit.CORAL, (0.16, 0.55, 0.6), (0.55, 0.57, 0.62), lit.WHITE
-CAMERA = camera((0.0, 2.1, 5.2), (0.0, 0.6, 0.0), 25.0, 3.0, near=2.0, far=200.0)
+CAMERA = camera((0.0, 2.1, 5.2), (0.0, 0.75, 0.0), 20.5, 3.0, near=2.0, far=200.0)
 UPRIGHT = translate((-0.55, 0.66, -0.5)) @ turned(76.0, (1.0, 0.0, 0.25))
 # A hair above the floor, so that nowhere both are equally near.
 TURNED = translate((0.75, 0.451, -0.1)) @ turned(33.0)

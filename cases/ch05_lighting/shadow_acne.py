@@ -22,7 +22,7 @@ from ..scenes.panels import cell
 from ..scenes.shadow_stage import BOXES, EYE, LIGHT_SPACE, MODEL, SHADOW, SUN, reads
 from ..scenes.shadow_truth import against_rays, wrongly_bright, wrongly_dark
 
-CAMERA = tuple(camera(EYE, (0.0, 0.4, 0.1), 36.0, far=60.0).values())
+CAMERA = tuple(camera(EYE, (-0.42, 0.45, 0.0), 34.5, far=60.0).values())
 SIZES = (256, 512, 1024, 2048)
 # The least bias, and the one at grazing light, in depth of the map: 0.001 is 8 mm of 8 m.
 BIASES = {"none": (0.0, 0.0), "constant": (0.0012, 0.0), "slope": (0.0012, 0.012)}

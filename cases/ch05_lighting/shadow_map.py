@@ -29,7 +29,7 @@ from ..scenes.shadow_truth import against_rays, told_wrongly
 LIGHT_PROJECTION = orthographic(-10.0, 10.0, -10.0, 10.0, 1.0, 7.5)
 LIGHT_SPACE = LIGHT_PROJECTION @ LIGHT_VIEW
 AS_PRINTED = LIGHT_PROJECTION @ look_at(SUN, (0.0, 0.0, 0.0), up=(1.0, 1.0, 1.0))
-CAMERA = camera(EYE, (0.0, 0.4, 0.1), 42.0, far=60.0)
+CAMERA = camera(EYE, (-0.42, 0.45, 0.0), 34.5, far=60.0)
 # A wider look, past the edges of the map.
 FROM_ABOVE = camera((0.0, 46.0, 0.1), (0.0, 0.0, 0.0), 58.0, far=90.0)
 BIAS = {"leastBias": 0.004, "mostBias": 0.02}

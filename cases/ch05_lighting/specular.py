@@ -25,7 +25,7 @@ from ..scenes.panels import cell
 
 EYE = (0.0, 1.9, 5.6)
 LIGHT = {"lightColor": (1.0, 0.96, 0.90), "lightPos": (-1.8, 3.4, 2.4), "viewPos": EYE}
-CAMERA = camera(EYE, (0.0, 0.68, 0.0), 21.5, 3.0)
+CAMERA = camera(EYE, (0.0, 0.72, 0.0), 18.3, 3.0)
 LEANING = translate((0.85, 0.72, -0.3)) @ turned(58.0, (1.0, -0.25, 0.3))
 RING, BALL = assets.torus(0.74, 0.27), assets.sphere(0.62, segments=64, rings=32)
 

@@ -10,7 +10,8 @@ and front.
 Look at: a ball and a cube that are wrapped in the same six charts, each face in a colour of its
 own, with figures that count along s and then along t; as t runs down, they stand on their heads. On
 the ball the fields shrink towards the corners of the cube: texels there stand for a smaller part of
-the sphere.
+the sphere. On the right the cube is unfolded, as seen from inside: −X, +Z, +X and −Z in a row, +Y
+above +Z and −Y below it.
 """
 
 from dataclasses import replace
@@ -18,16 +19,17 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, CubeTexture, State, assets, measure
+from shaderlab import Case, Cell, CubeTexture, assets, measure
 from shaderlab.glslmath import dot, max, normalize, swizzle, vec4
 from shaderlab.glslmath.sampling import textureLod
 from shaderlab.reference.cube_maps import face_coordinates
-from shaderlab.reference.transforms import look_at, perspective, rotate, translate
+from shaderlab.reference.transforms import look_at, perspective, rotate
 
 from ..scenes import stage
 from ..scenes.cameras import directions
 from ..scenes.draws import tested
 from ..scenes.figures import each_draw, figures
+from ..scenes.laws import sampled
 from ..scenes.lit import vertex_stage_checks
 from ..scenes.panels import cell, panel, picture
 
@@ -94,25 +96,36 @@ def stretched(faces, direction, stretch):
 
 
 VIEW = look_at((1.6, 1.9, 5.2), (0.0, 0.0, 0.0))
-PROJECTION = perspective(radians(33.0), 2.0, 0.1, 100.0)
+PROJECTION = perspective(radians(30.0), 1.0, 0.1, 100.0)
+# Where the unfolded cube's faces are, among cells of 16 columns and 5 rows.
+CROSS = {"−X": (11, 2), "+Z": (12, 2), "+X": (13, 2), "−Z": (14, 2), "+Y": (12, 3), "−Y": (12, 1)}
 
 
 def wrapped(geometry, model):
     """A solid around the origin, coloured by the direction of each of its points."""
-    view = VIEW @ translate((-1.45 if model is BALL else 1.45, 0, 0))
-    uniforms = {"view": view, "projection": PROJECTION, "normalMatrix": model[:3, :3]}
+    uniforms = {"view": VIEW, "projection": PROJECTION, "normalMatrix": model[:3, :3]}
     return tested(
         ("ch07_maps/placed.vert", "ch07_maps/cubemap_ball.frag"),
         geometry,
         {"model": model, "light": LIGHT, **uniforms},
         only=("aPos", "aNormal"),
         textures={"faces": CHARTS},
+        cell=cell(0 if model is BALL else 1, 3),
     )
+
+
+def unfolded(name, column, row):
+    """A face of the cross, which fills its cell."""
+    along = directions(*VIEWS[name])
+    shader, place = "ch13_skybox/skybox.frag", Cell(column=column, row=row, columns=16, rows=5)
+    return panel(shader, {"TexCoords": along}, textures={"skybox": CHARTS}, cell=place)
 
 
 # The ball is turned, which nothing shows: colours go by directions in the world.
 BALL, BOX = rotate(radians(25.0), (1.0, 2.0, 0.5)), np.diag([0.999, 0.999, 0.999, 1.0])
 SOLIDS = [wrapped(assets.sphere(1.15, 96, 48), BALL), wrapped(assets.cube(1.7), BOX)]
+FACES = [unfolded(name, *place) for name, place in CROSS.items()]
+SIDES = dict(enumerate(CROSS, len(SOLIDS)))
 
 
 def share_of_faces(texels, table):
@@ -157,10 +170,13 @@ case = Case(
     passes=(
         # Both solids are convex: without a depth test, too, it is enough to leave out far sides.
         *stage.photographed(
-            SOLIDS,
-            (1024, 512),
+            [*SOLIDS, *FACES],
+            (1280, 400),
             clear=(0.93, 0.93, 0.92, 1.0),
-            reordered=[replace(solid, state=State(cull="back")) for solid in SOLIDS],
+            reordered=[
+                *FACES,
+                *(replace(s, state=replace(s.state, depth=None, cull="back")) for s in SOLIDS),
+            ],
         ),
         picture((looking(k, name) for k, name in enumerate(NAMES)), (120, 80), "main"),
         picture(
@@ -190,6 +206,9 @@ case = Case(
             at_least=1.0,
         ),
         *each_draw("judged.FragColor", painted, {0: "the ball's colours", 1: "the cube's colours"}),
+        *each_draw(
+            "judged.FragColor", sampled("skybox"), dict(enumerate(CROSS, 2)), "unfolded, {}"
+        ),
         *vertex_stage_checks(pass_name="judged", draw=0),
         *figures(
             "main.byHand",

@@ -6,8 +6,8 @@ be drawn any number of times with different uniforms, and its buffers stay uncha
 deletes what the constructor created: a deleted name is free, a bound buffer is unbound, and a
 program in use is deleted once another one is used.
 
-Look at: sixteen rosettes of one mesh, each drawn with an offset of its own. The vertex array is
-described once: stride and offsets are the same behind the last draw as behind the first.
+Look at: sixteen rosettes of one mesh, each drawn with an offset and a size of its own. The vertex
+array is described once: stride and offsets are the same behind the last draw as behind the first.
 """
 
 from shaderlab import (
@@ -34,14 +34,16 @@ SIDE = 4
 ROSETTE = rosette(layout="interleaved")
 PLACES = [((2 * k + 1) / SIDE - 1.0, (2 * j + 1) / SIDE - 1.0) for j in range(SIDE)
           for k in range(SIDE)]  # fmt: skip
+# The first and the last are as large as their cells, those between them smaller and smaller.
+SIZES = [(1.0 - 0.04 * (k % (len(PLACES) - 1))) / SIDE for k in range(len(PLACES))]
 
 
 def window(name, meshes):
-    """All sixteen a quarter as large as the window, each of the mesh that is its turn."""
+    """All sixteen, each with an offset and a size of its own, and of the mesh that is its turn."""
     shaders = ("ch10_buffers/mesh_class.vert", "ch10_buffers/rosette.frag")
     draws = (
-        drawn(shaders, mesh, {"offset": place, "size": 1.0 / SIDE})
-        for mesh, place in zip(meshes, PLACES, strict=True)
+        drawn(shaders, mesh, {"offset": place, "size": size})
+        for mesh, place, size in zip(meshes, PLACES, SIZES, strict=True)
     )
     return picture(draws, (512, 512), name, clear=PAPER)
 

@@ -42,8 +42,8 @@ from ..scenes.sky import skies
 
 PROJECTION = perspective(radians(50.0), 1.0, 0.1, 100.0)
 # The camera looks the same way from both places.
-TURN = look_at((0.0, 0.0, 0.0), (0.10, 0.13, -1.0))
-HERE, THERE = TURN @ translate((0.0, -0.8, -5.0)), TURN @ translate((-1.5, -1.3, -3.4))
+TURN = look_at((0.0, 0.0, 0.0), (0.10, 0.04, -1.0))
+HERE, THERE = TURN @ translate((0.1, -0.8, -6.0)), TURN @ translate((1.0, -2.0, -5.6))
 MORNING, NOISE = skies(seed=13)
 BOX = Mesh(**assets.cube(2.0)).only("aPos")
 CRATE = Texture(image=assets.crate, filter=("linear", "linear"))
