@@ -209,6 +209,9 @@ def vary_arguments(call: TracedCall) -> Iterator[tuple[str, int | str]]:
             for step in steps:
                 if int(number) + step >= 0:
                     yield parameter, int(number) + step
+    if call.function.startswith("glClearBuffer"):
+        cleared = set(call.arguments["value"].strip("[]").split())
+        yield from (("value", number) for number in (0, 1) if cleared != {str(number)})
 
 
 def _number_calls(trace: Sequence[TracedCall]) -> list[int]:

@@ -97,6 +97,10 @@ FATES: Mapping[str, tuple[CallEdit, str, str]] = {
     "a binding that the next one replaces": (
         DropCall(function="glBindVertexArray", number=1), "equivalent", "the same state",
     ),
+    "cleared to white": (
+        ChangeCall(function="glClearBufferfv", number=0, parameter="value", value=1),
+        "killed", "FragColor",
+    ),
     "fewer bytes than were written": (
         ChangeCall(function="glBufferSubData", number=0, parameter="offset", value=-4),
         "killed", "FragColor",
@@ -154,6 +158,7 @@ def test_mutants_of_a_case(lab: SceneRunner, case: Case) -> None:
     assert set(kinds) == {"argument", "call dropped", "call repeated", "calls reordered"}
     told = [str(mutant) for mutant in mutants]
     assert any("glDepthFunc(GL_GREATER) → func = GL_LESS" in text for text in told), told
+    assert any("[0 0 0 0]) → value = 1" in text for text in told), told
     assert not any("glGet" in text or "glLinkProgram(program" in text for text in told)
     edits = [mutant.edit for mutant in mutants]
     assert len(set(edits)) == len(edits)

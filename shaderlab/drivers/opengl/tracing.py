@@ -148,6 +148,8 @@ class CallRecorder:
             new: Any = constant(edit.value) if isinstance(edit.value, str) else edit.value
             if isinstance(arguments[place], ctypes.c_void_p):
                 new = ctypes.c_void_p(new)
+            elif isinstance(arguments[place], np.ndarray):
+                new = np.full_like(arguments[place], new)
             return made(*arguments[:place], new, *arguments[place + 1 :])
         later = partial(made, *_copy_arguments(edit.function, arguments))
         if isinstance(edit, RepeatCall):
