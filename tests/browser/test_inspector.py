@@ -162,11 +162,3 @@ def test_channels_and_exposure_change_what_is_drawn(fresh: Any) -> None:
 def test_a_nan_is_marked(page: Any) -> None:
     at = ((BROKEN[0] + 0.5) / WIDTH, (HEIGHT - BROKEN[1] - 0.5) / HEIGHT)
     assert texel(page, *at)[:3] == (255, 0, 255)
-
-
-def test_the_histogram_counts_what_is_outside(page: Any, lamp: Sample) -> None:
-    label = page.locator(f"{CHECK} [data-part=histogram]").get_attribute("aria-label")
-    outside = int(lamp.arrays["outside"].sum())
-    inside = int(lamp.arrays["covered"].sum()) * 4 - outside
-    assert label == f"{inside} values by position in the band, {outside} outside it"
-    assert page.locator(f"{CHECK} .bar.is-outside").count() >= 1

@@ -194,7 +194,6 @@ class Inspector {
       picture.image = new OffscreenCanvas(image.width, image.height);
       picture.image.getContext("2d").putImageData(image, 0, 0);
     }
-    drawHistogram(this.part("histogram"), this.values, this.look.channel);
     this.redraw();
   }
 
