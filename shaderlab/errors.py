@@ -12,6 +12,19 @@ from functools import partial
 from pathlib import Path
 
 
+def make_visible(text: str) -> str:
+    """Return a text with names for characters that can't be seen, which could steer a terminal.
+
+    >>> make_visible("a\\x1b[31m\\u202eb")
+    'a[U+001B][31m[U+202E]b'
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        char if char.isprintable() or char in "\n\t" else f"[U+{ord(char):04X}]" for char in text
+    )
+
+
 class ShaderlabError(Exception):
     """Base of all errors of the lab.
 
@@ -37,11 +50,11 @@ class ShaderlabError(Exception):
         super().__init__(str(self))
 
     def __str__(self) -> str:
-        place = "" if self.file is None else self.file
+        place = "" if self.file is None else self.file.replace("\n", "[U+000A]")
         if place and self.line is not None:
             place += f":{self.line}"
         text = f"{place}: {self.message}" if place else self.message
-        return f"{text}\n  → {self.remedy}" if self.remedy else text
+        return make_visible(f"{text}\n  → {self.remedy}" if self.remedy else text)
 
     def __reduce__(self) -> tuple[object, ...]:
         # Keyword-only arguments do not survive the default pickling; errors cross processes.

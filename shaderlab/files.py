@@ -13,7 +13,7 @@ from itertools import islice
 from pathlib import Path
 from typing import BinaryIO, cast
 
-from shaderlab.errors import ShaderlabError
+from shaderlab.errors import ShaderlabError, UsageError, make_visible
 
 # Most pieces of a page are a word, some a picture.
 _PIECES_PER_WRITE = 32
@@ -99,6 +99,35 @@ def read_regular(path: str | Path, size: int = -1) -> bytes:
     """The bytes of a regular file, at most `size` of them. Raises OSError, as `open_regular`."""
     with open(open_regular(path), "rb") as file:
         return file.read(size)
+
+
+REPORT_MARK = ".shaderlab"
+"""An empty file in each folder of a report, whose files may be replaced."""
+_REPORT_FOLDERS = ("cases", "images", "page", "spirv")
+
+
+def claim_folder(folder: Path) -> None:
+    """Make a folder for a report, or take one that is empty or has one already.
+
+    Raises:
+        UsageError: it has files of others, or a link by which a report would be written elsewhere.
+        OSError: it can't be made.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    if any(folder.iterdir()) and not (folder / REPORT_MARK).exists():
+        raise UsageError(
+            "this folder has files that are no report's, and a report might replace them",
+            file=folder,
+            remedy="name an empty folder, or a new one",
+        )
+    for path in (folder / name for name in (*_REPORT_FOLDERS, "records.jsonl", "mutants.json")):
+        is_folder = path.name in _REPORT_FOLDERS
+        if path.is_symlink() or (path.exists() and path.is_dir() != is_folder):
+            what = "folder" if is_folder else "file"
+            raise UsageError(
+                f"a report has a {what} of its own here", file=path, remedy="remove what is there"
+            )
+    (folder / REPORT_MARK).touch()
 
 
 def open_memory_file() -> BinaryIO:
@@ -213,7 +242,7 @@ def write_text(path: str | Path, text: str | Iterable[str]) -> None:
 def display_path(path: str | Path, line: int | None = None) -> str:
     """A path, or `path:line`, as people read it: relative if it is below the working directory.
 
-    A relative path stays as it is.
+    A relative path stays as it is, but for characters that can't be seen.
     """
     shown = str(path)
     if os.path.isabs(shown):
@@ -223,6 +252,7 @@ def display_path(path: str | Path, line: int | None = None) -> str:
             relative = os.pardir
         if not relative.startswith(os.pardir):
             shown = relative
+    shown = make_visible(shown).replace("\n", "[U+000A]")
     return shown if line is None else f"{shown}:{line}"
 
 

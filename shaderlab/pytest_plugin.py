@@ -28,7 +28,7 @@ import pytest
 from shaderlab.engine.catalogue import inspect_file
 from shaderlab.engine.jobs import WORDS
 from shaderlab.errors import ShaderlabError
-from shaderlab.files import display_path
+from shaderlab.files import claim_folder, display_path
 from shaderlab.model.options import CALL_LIMITS, Limits
 from shaderlab.report.text import format_failure, format_label, has_failed
 
@@ -152,7 +152,10 @@ def pytest_configure(config: pytest.Config) -> None:
     if folder is not None:
         config.pluginmanager.register(Recorder(attach_record))
         if not hasattr(config, "workerinput"):  # of pytest-xdist, whose first process writes it
-            folder.mkdir(parents=True, exist_ok=True)
+            try:
+                claim_folder(folder)
+            except (OSError, ShaderlabError) as error:
+                raise pytest.UsageError(f"--shaderlab-report: {error}") from error
             writer = ReportWriter(folder, lambda: get_prefetcher(config).executor.about())
             config.pluginmanager.register(writer)
     if config.getini("shaderlab_timeout") or config.getini("shaderlab_memory"):

@@ -23,7 +23,7 @@ from shaderlab.model.frame import Array
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Agreement, Disagreement, DrawnOutput, DriverResult, Record, Run
 from shaderlab.report.comparison import AGREEMENTS, compare_drivers
-from shaderlab.report.text import format_label, make_printable
+from shaderlab.report.text import clean, format_label
 
 FRAMES = "drawn"
 """The folder in the run's own that holds what each driver drew, until that is compared."""
@@ -273,7 +273,7 @@ def show_drivers(run: Run, console: Console) -> None:
     shown = make_table("case", "variants", *names, right={"variants"}, whole={"case", *names})
     for case_id, count, cells in table.by_case():
         texts = (Text(cell, _STYLES.get(cell[0], "")) for cell in cells)
-        shown.add_row(Text(make_printable(case_id)), Text(str(count)), *texts)
+        shown.add_row(Text(clean(case_id)), Text(str(count)), *texts)
     console.print()
     console.print(shown)
     console.print()
@@ -283,12 +283,10 @@ def show_drivers(run: Run, console: Console) -> None:
     for result, labels in _group_alike(run.drivers):
         style = "yellow" if result.status == "unsupported" else "red"
         head = f"{result.status} on {result.driver}: {', '.join(labels)}"
-        console.print(
-            make_printable("\n  ".join([head, *result.message.splitlines()])), style=style
-        )
+        console.print(clean("\n  ".join([head, *result.message.splitlines()])), style=style)
     outside = [each for each in table.differences if each.verdict == "outside"]
     for each in outside[:_MOST_LINES]:
-        console.print(make_printable(_line(each)))
+        console.print(clean(_line(each)))
     if len(outside) > _MOST_LINES:
         console.print(f"… and {len(outside) - _MOST_LINES} more")
 

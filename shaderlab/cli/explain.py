@@ -169,7 +169,7 @@ def show(explained: Explanation, where: str | None = None) -> None:
     from rich.console import Console
 
     from shaderlab.cli.showing import make_table
-    from shaderlab.report.text import make_printable
+    from shaderlab.report.text import clean
 
     console = Console(file=sys.stdout, highlight=False, markup=False, soft_wrap=True)
     if not console.is_terminal:
@@ -182,8 +182,8 @@ def show(explained: Explanation, where: str | None = None) -> None:
     for step in explained.steps:
         at = step.component
         table.add_row(
-            make_printable(f"{Path(step.file).name}:{step.line}"),
-            make_printable("  " * len(step.calls) + step.label),
+            clean(f"{Path(step.file).name}:{step.line}"),
+            clean("  " * len(step.calls) + step.label),
             f"{step.value[at]:.9g}" + ("" if step.by_driver else " (float32)"),
             f"{step.exact[at]:.9g}",
             _format_band(step.low[at], step.high[at]),

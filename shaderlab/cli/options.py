@@ -21,7 +21,7 @@ import click
 from shaderlab.cli import FAILED, OK, USAGE
 from shaderlab.engine.jobs import WORDS, check_driver
 from shaderlab.errors import ShaderlabError, UsageError, suggest
-from shaderlab.files import replace_file, write_named
+from shaderlab.files import REPORT_MARK, claim_folder, read_regular, replace_file, write_named
 from shaderlab.model.options import Limits
 from shaderlab.report.formats import FINDING_FORMATS, FORMATS, Format
 
@@ -234,6 +234,7 @@ def make_run_folder(parent: Path = REPORTS) -> Path:
         folder = parent / (stamp if number == 1 else f"{stamp}-{number}")
         try:
             folder.mkdir(parents=True)
+            (folder / REPORT_MARK).touch()
         except FileExistsError:
             if not parent.is_dir():
                 raise UsageError("this is not a folder", file=parent) from None
@@ -248,11 +249,10 @@ def make_report_folder(folder: Path) -> Path:
     """Make the folder of `--report`, which may exist already.
 
     Raises:
-        UsageError: it can't be made, or has a page that is no report.
+        UsageError: it can't be made, or has files of others.
     """
-    require_no_foreign_page(folder)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        claim_folder(folder)
     except OSError as error:
         raise _unwritable_error(folder, error, "name another folder") from error
     mark_named(folder)
@@ -378,10 +378,34 @@ def write_output(text: str, file: str, *, append: bool = False) -> None:
         return
     if append:  # what is there may lack the end of its last line
         text = f"\n{text}"
+    else:
+        require_output_of_kind(Path(file), text)
     try:
         write_named(file, text.encode("utf-8", errors="replace"), append=append)
     except OSError as error:
         raise _unwritable_error(Path(file), error) from error
+
+
+def require_output_of_kind(path: Path, text: str) -> None:
+    """Raise UsageError where a text would replace a file that is not of its kind, such as a shader
+    that was named by mistake, or the record of a run."""
+    try:
+        there = read_regular(path, 200).decode("utf-8", "replace")
+    except OSError:  # nothing, a terminal, or what can't be written either
+        return
+    old, new = map(_kind, (there, text))
+    own = path.name == "run.json" and (path.parent / REPORT_MARK).exists()
+    if own or (there and not old.startswith(new) and not new.startswith(old)):
+        raise UsageError(
+            "this file is no earlier output of this kind, and would be replaced",
+            file=path,
+            remedy="name another file, or remove this one",
+        )
+
+
+def _kind(text: str) -> str:
+    found = _KIND.match("".join(text[:200].split()).replace("[]", "[{"))
+    return found[1] if found else ""
 
 
 def _unwritable_error(path: Path, error: OSError, remedy: str | None = None) -> UsageError:
@@ -392,7 +416,8 @@ KEEP = 20
 """How many runs stay where the project does not say."""
 NAMED = ".named"
 _STAMP = re.compile(r"\d{8}-\d{6}(-\d+)?")
-_OWN_FILES = (FILE_NAME, "run.json", "mutants.json")
+# How an output begins, by which another one of its kind is known; white space does not count.
+_KIND = re.compile(r'(?:<\?xml.*?\?>)?(##|<!doctypehtml><htmllang="en"data-root|\W*\w*)')
 
 
 def mark_named(folder: Path) -> None:
@@ -400,17 +425,6 @@ def mark_named(folder: Path) -> None:
     if _STAMP.fullmatch(folder.name):
         with contextlib.suppress(OSError):
             (folder / NAMED).touch()
-
-
-def require_no_foreign_page(folder: Path) -> None:
-    """Raise UsageError where a report would replace an index.html that is none."""
-    page = folder / "index.html"
-    if page.exists() and not any((folder / name).exists() for name in _OWN_FILES):
-        raise UsageError(
-            "this page is not a shaderlab report, and a report would replace it",
-            file=page,
-            remedy="name another folder with --report, or remove the page",
-        )
 
 
 def remove_old_runs(parent: Path, keep: int) -> int:

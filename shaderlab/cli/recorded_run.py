@@ -37,7 +37,7 @@ from shaderlab.cli.selecting import find_unused
 from shaderlab.engine.jobs import Job
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import display_path, open_regular
+from shaderlab.files import display_path, open_regular, write_text
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import CodeCoverage, Record, Run
 
@@ -73,6 +73,7 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
 
     def __init__(self, folder: Path, plan: RunPlan | None) -> None:
         path = self._path = folder / FILE_NAME
+        self._synced = time.monotonic()
         self.problem: ShaderlabError | None = None
         try:
             descriptor = open_regular(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
@@ -85,6 +86,7 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
                 whole = path.read_bytes().rfind(b"\n") + 1
                 self._file.truncate(whole)  # a line that was cut short
             else:
+                _retire_page(folder)
                 self._file.truncate(0)
                 self.add(plan)
         except BaseException:
@@ -92,6 +94,7 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
             raise
 
     def __exit__(self, *_: object) -> None:
+        self._sync()
         self._file.close()
 
     def add(self, value: RunPlan | Record) -> None:
@@ -102,9 +105,36 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
         try:
             while line and self.problem is None:
                 line = line[self._file.write(line) or 0 :]
+            if time.monotonic() > self._synced + SYNC_SECONDS:
+                self._sync()
         except OSError as error:
             problem = f"{error.strerror}: records are no longer written here"
             self.problem = ShaderlabError(problem, file=self._path)
+
+    def _sync(self) -> None:
+        with contextlib.suppress(OSError):  # what is no disk has nothing to write
+            os.fsync(self._file.fileno())
+        self._synced = time.monotonic()
+
+
+SYNC_SECONDS = 1.0
+"""How much of a run a power cut may cost. Each sync takes some milliseconds."""
+_UNFINISHED = """<!doctype html>
+<meta charset="utf-8">
+<title>Unfinished run</title>
+<p>This run has not finished. If it was stopped: <code>shaderlab run --resume</code> and this folder
+"""
+
+
+def _retire_page(folder: Path) -> None:
+    """Replace the page of an earlier run in a folder, which must not pass for the one that begins
+    now."""
+    page = folder / "index.html"
+    (folder / "run.json").unlink(missing_ok=True)
+    if page.exists():
+        page.unlink()
+        with contextlib.suppress(ShaderlabError):  # on a full disk there is no page
+            write_text(page, _UNFINISHED)
 
 
 def _lock(file: IO[bytes], folder: Path) -> None:
@@ -142,7 +172,7 @@ def read_journal(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
         raise UsageError("this run never began", file=path, remedy="start it again")
     try:
         first = json.loads(lines[0])
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise UsageError(
             "the first line, which holds the plan of the run, is damaged",
             file=path,
@@ -155,7 +185,7 @@ def read_journal(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
     for number, line in enumerate(lines[1:], 2):
         try:
             records.append(store.parse(json.loads(line), Record))
-        except (ValueError, ShaderlabError):
+        except (ValueError, RecursionError, ShaderlabError):
             damaged.append(number)
     return plan, records, damaged
 

@@ -12,6 +12,7 @@ from shaderlab.cli.options import (
     mark_named,
     output_options,
     report_problems,
+    require_output_of_kind,
     uses_stdout,
     write_outputs,
 )
@@ -70,6 +71,7 @@ def command(
         problems.append(error)
     if single_file is not None:
         try:
+            require_output_of_kind(Path(single_file), html.SINGLE_BEGINS)
             html.write_single(run, folder, single_file)
         except ShaderlabError as error:
             problems.append(error)

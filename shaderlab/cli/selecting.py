@@ -25,6 +25,7 @@ from shaderlab.engine.catalogue import (
 )
 from shaderlab.engine.jobs import CaseInfo, Job, make_jobs
 from shaderlab.errors import CaseError, UsageError, suggest
+from shaderlab.files import display_path
 
 if TYPE_CHECKING:
     from shaderlab.model.options import RunOptions
@@ -192,7 +193,7 @@ def make_ids_distinct(cases: Sequence[CaseInfo]) -> list[CaseInfo]:
 
 
 def _report_skipped(file: Path, reason: str) -> None:
-    click.echo(f"shaderlab: not a case: {file}: {reason}", err=True)
+    click.echo(f"shaderlab: not a case: {display_path(file)}: {reason}", err=True)
 
 
 Replacements = Mapping[str, Path]
@@ -260,8 +261,6 @@ def find_unused(replacements: Replacements, records: Sequence[Record]) -> list[U
     """
     if not replacements or not all(record.programs for record in records):
         return []
-    from shaderlab.files import display_path
-
     used = {file for record in records for program in record.programs for file in program.files}
     names = sorted({posixpath.basename(file.replace("\\", "/")) for file in used})
     return [

@@ -27,6 +27,7 @@ from shaderlab.files import display_path
 from shaderlab.model.records import Outcome, Record, Run
 from shaderlab.report.text import (
     MARKS,
+    clean,
     duration,
     format_conditions,
     format_coverage,
@@ -37,7 +38,6 @@ from shaderlab.report.text import (
     format_tally,
     format_unread,
     has_failed,
-    make_printable,
     share,
 )
 
@@ -116,7 +116,7 @@ def _cells(name: str, group: Sequence[Record], variants: str, tells: bool) -> Se
     # Texts, not strings: a name is no markup, and parsing markup takes half of a table's time.
     return (
         Text(MARKS[status], STYLES.get(status, "red")),
-        *(Text(make_printable(cell)) for cell in plain),
+        *(Text(clean(cell)) for cell in plain),
         _format_compiled(group),
         *([Text(_format_informative(outcomes))] if tells else []),
     )

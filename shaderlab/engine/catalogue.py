@@ -294,7 +294,7 @@ def _course(file: Path) -> Mapping[str, Any]:
 
     try:
         found = tomllib.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise CaseError(f"this is no TOML file: {error}", file=file) from error
     chapters = found.get("chapters", {})
     wrong = set(found) - {"text", "chapters", "sections", "path"} or not isinstance(chapters, dict)

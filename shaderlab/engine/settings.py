@@ -118,7 +118,7 @@ def _read_table(file: Path) -> Mapping[str, Any] | None:
         if TABLE not in text:
             return None
         table = tomllib.loads(text).get("tool", {}).get(TABLE)
-    except (OSError, ValueError, AttributeError) as error:
+    except (OSError, ValueError, AttributeError, RecursionError) as error:
         raise UsageError(f"this is no TOML file: {error}", file=file) from error
     if table is not None and not isinstance(table, dict):
         raise UsageError(f"tool.{TABLE} is no table", file=file, remedy=f"write [tool.{TABLE}]")

@@ -61,7 +61,7 @@ def load(folder: str | Path) -> Run:
         raise _damaged(path, error) from error
     try:
         data = json.loads(text)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise _damaged(path, error) from error
     return parse(data, Run, path)
 

@@ -12,9 +12,9 @@ from shaderlab.files import read_regular
 from shaderlab.model.records import Diagnostic, Outcome, Record, Run, Severity, Verdict
 from shaderlab.report.grouping import PASSABLE, STATUS_WORDS
 from shaderlab.report.text import (
+    clean,
     format_label,
     format_outcome,
-    make_printable,
     plural,
 )
 
@@ -146,7 +146,7 @@ def _outcome_finding(record: Record, outcome: Outcome) -> Finding:
     if explained is not None and explained.file and explained.line:
         related.insert(0, (file, line))
         file, line = explained.file, explained.line
-    details = "\n".join(map(make_printable, format_outcome(outcome)))
+    details = "\n".join(map(clean, format_outcome(outcome)))
     name = f"{outcome.name} of {format_label(record.id, record.variant)}"
     return Finding(
         rule=outcome.kind,
@@ -168,7 +168,7 @@ def _ending_finding(record: Record, name: str) -> Finding:
         rule=record.status if record.status != "fail" else "case",
         file=file,
         line=line or _find_case_line(file),
-        message=make_printable(f"{name}: {details or STATUS_WORDS[record.status]}"),
+        message=clean(f"{name}: {details or STATUS_WORDS[record.status]}"),
         subject=record.id,
     )
 

@@ -22,6 +22,7 @@ from shaderlab.report.sources import collect_words
 
 FILE_NAME = "index.html"
 AGAINST_NAME = "against.html"
+SINGLE_BEGINS = '<!doctype html><html lang="en" data-root='
 
 
 def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None) -> Path:

@@ -104,7 +104,7 @@ def load_mutants(folder: Path) -> dict[str, Mutants]:
         return {case["id"]: _mutants(case) for case in cases}
     except FileNotFoundError:
         return {}
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise ShaderlabError(
             f"these are no results of shaderlab mutate ({type(error).__name__}: {error})",
             file=path,

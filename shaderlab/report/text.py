@@ -28,7 +28,7 @@ from shaderlab.model.records import (
 # C0 and C1 controls (but tab and line ends), lone surrogates, and XML's two non-characters.
 _UNPRINTABLE = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 # Characters that reorder or hide what is around them, so that code reads as it does not run.
-_HIDING = re.compile(r"[\u200b\u200e\u200f\u202a-\u202e\u2060-\u2069\ufeff]")
+_HIDING = re.compile(r"[\u200b\u200e\u200f\u2028-\u202e\u2060-\u2069\ufeff]")
 DEFAULT_VARIANT = "default"
 MARKS: Mapping[Status, str] = {
     "pass": "✓",
@@ -38,7 +38,6 @@ MARKS: Mapping[Status, str] = {
     "timeout": "✗",
     "unsupported": "–",
 }
-_CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 MOST_ROWS = 12
 MOST_DIAGNOSTICS = 10
 
@@ -171,7 +170,7 @@ class Anchors:
 
 def format_label(case_id: str, variant: str) -> str:
     """Return the name of a variant: `attenuation[50]`, or `gamma` for a case without variants."""
-    return case_id if variant == DEFAULT_VARIANT else f"{case_id}[{variant}]"
+    return clean(case_id if variant == DEFAULT_VARIANT else f"{case_id}[{variant}]")
 
 
 def has_failed(record: Record) -> bool:
@@ -182,11 +181,6 @@ def has_failed(record: Record) -> bool:
 def format_diagnostic(found: Diagnostic) -> str:
     """`file:line: error: message`, the form that editors jump from."""
     return f"{display_path(found.file, found.line)}: {found.severity}: {found.message}"
-
-
-def make_printable(text: str) -> str:
-    """Return the text without characters that could steer a terminal."""
-    return _CONTROLS.sub("\ufffd", text)
 
 
 def format_failure(record: Record) -> list[str]:
@@ -203,7 +197,7 @@ def format_failure(record: Record) -> list[str]:
         if outcome.status != "pass":
             lines += ["", f"  {MARKS[outcome.status]} {outcome.name} ({outcome.kind})"]
             lines += [f"    {line}" for line in format_outcome(outcome)]
-    return [make_printable(line) for line in lines]
+    return [clean(line) for line in lines]
 
 
 def _is_repeated_below(record: Record) -> bool:
@@ -292,26 +286,26 @@ def format_unread(records: Iterable[Record]) -> Iterator[str]:
         if record.unread:
             found.setdefault(record.id, {}).update(dict.fromkeys(record.unread))
     for case_id, outputs in found.items():
-        yield make_printable(f"{case_id}: no check reads {', '.join(outputs)}")
+        yield clean(f"{case_id}: no check reads {', '.join(outputs)}")
 
 
 def format_coverage(found: CodeCoverage) -> Iterator[str]:
     """Yield how much of a case's shaders is exercised, then a line for each gap."""
     if found.message:
-        yield make_printable(f"coverage of {found.id}: not measured, {found.message}")
+        yield clean(f"coverage of {found.id}: not measured, {found.message}")
         return
     seen = found.items - len(found.gaps)
-    yield make_printable(f"coverage of {found.id}: {seen} of {found.items}")
+    yield clean(f"coverage of {found.id}: {seen} of {found.items}")
     for gap in found.gaps:
-        yield make_printable(f"{gap.file}:{gap.line}: {gap.text} {gap.what}")
+        yield clean(f"{gap.file}:{gap.line}: {gap.text} {gap.what}")
 
 
 def format_gl_calls(record: Record) -> Iterator[str]:
     """Yield a record's calls of OpenGL, below a line for each pass and draw."""
     for part in record.gl_calls:
         what = "its target" if part.draw is None else f"draw {part.draw}"
-        yield make_printable(f"{record.id}[{record.variant}], pass {part.pass_name!r}, {what}:")
-        yield from (make_printable(f"  {call}") for call in part.calls)
+        yield clean(f"{record.id}[{record.variant}], pass {part.pass_name!r}, {what}:")
+        yield from (clean(f"  {call}") for call in part.calls)
 
 
 def format_conditions(run: Run) -> Iterator[str]:
@@ -320,7 +314,7 @@ def format_conditions(run: Run) -> Iterator[str]:
     That is a file in a shader's place, and another size where something failed.
     """
     for name, file in run.replaced.items():
-        yield make_printable(f"{file} was judged in place of {name}")
+        yield clean(f"{file} was judged in place of {name}")
     usual = RunOptions.size
     sizes = {record.size for record in run.records if has_failed(record)} - {0, usual}
     for size in sorted(sizes):

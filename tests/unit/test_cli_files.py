@@ -13,6 +13,7 @@ from shaderlab.cli.options import (
     make_run_folder,
     point_latest,
     write_json,
+    write_output,
 )
 from shaderlab.errors import UsageError
 
@@ -60,7 +61,21 @@ def test_what_cannot_be_written_is_wrong_usage(tmp_path: Path) -> None:
 
 def test_json_replaces_the_file_whole(tmp_path: Path) -> None:
     file = tmp_path / "out.json"
-    file.write_text("x" * 10_000)
+    file.write_text('[{"a": "' + "x" * 10_000)
     write_json([{"a": "½"}], str(file))
     assert json.loads(file.read_text(encoding="utf-8")) == [{"a": "½"}]
     assert [path.name for path in tmp_path.iterdir()] == ["out.json"]
+
+
+@pytest.mark.parametrize("there", ["#version 330 core\n", "[project]\n", "my thesis", "\0\0"])
+def test_an_output_replaces_no_file_of_another_kind(tmp_path: Path, there: str) -> None:
+    """A shader or a case that is named as an output by mistake stays."""
+    file = tmp_path / "out"
+    for text in ('{"cases": []}', "[]", "<?xml?>\n<testsuites>", "## passed", "<!doctype html>"):
+        file.write_text(there)
+        with pytest.raises(UsageError, match="would be replaced"):
+            write_output(text, str(file))
+        assert file.read_text() == there
+        file.write_text("")
+        for _ in range(2):
+            write_output(text, str(file))

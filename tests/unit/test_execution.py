@@ -15,6 +15,7 @@ from shaderlab.cli.options import FILE_NAME
 from shaderlab.cli.recorded_run import Journal, RunPlan, read_journal
 from shaderlab.engine.jobs import Job, ProcessExecutor, make_failed_record
 from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.model import store
 from shaderlab.model.options import RunOptions
 from shaderlab.model.phases import PhaseTimer, phase
 from shaderlab.model.records import Record
@@ -152,3 +153,33 @@ def test_without_anyone_watching_nothing_is_counted() -> None:
     with phase("draw", "unheard"):
         pass
     assert PhaseTimer().timings() == {}
+
+
+def test_a_run_that_begins_leaves_no_page_of_an_earlier_one(tmp_path: Path) -> None:
+    for name in ("index.html", "run.json"):
+        (tmp_path / name).write_text("1 passed")
+    with Journal(tmp_path, PLAN):
+        assert "has not finished" in (tmp_path / "index.html").read_text()
+        assert not (tmp_path / "run.json").exists()
+
+
+def test_a_power_cut_costs_the_last_second(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    synced: list[int] = []
+    monkeypatch.setattr("os.fsync", lambda _: synced.append((tmp_path / FILE_NAME).stat().st_size))
+    clock = iter(range(100))
+    monkeypatch.setattr("time.monotonic", lambda: next(clock) * 0.7)
+    with Journal(tmp_path, PLAN) as journal:
+        for _ in range(4):
+            journal.add(PLAN)
+        assert len(synced) >= 2
+    assert synced[-1] == (tmp_path / FILE_NAME).stat().st_size
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, '{"a":' * 100_000, "[" * 9999 + "]" * 9999])
+def test_deep_json_is_damage_by_its_name(tmp_path: Path, text: str) -> None:
+    (tmp_path / FILE_NAME).write_text(text + "\n")
+    (tmp_path / "run.json").write_text(text)
+    for read in (read_journal, store.load):
+        with pytest.raises(ShaderlabError) as raised:
+            read(tmp_path)
+        assert str(tmp_path) in str(raised.value) and raised.value.remedy

@@ -14,6 +14,7 @@ from click.testing import CliRunner
 from shaderlab.cli import cli
 from shaderlab.cli.options import make_report_folder, mark_named, remove_old_runs
 from shaderlab.errors import UsageError
+from shaderlab.files import REPORT_MARK
 
 
 def run(parent: Path, name: str, age: int) -> Path:
@@ -38,6 +39,7 @@ def test_the_last_runs_stay(tmp_path: Path) -> None:
 def test_what_was_named_or_is_not_a_run_of_the_labs_is_never_removed(tmp_path: Path) -> None:
     old = [run(tmp_path, f"2025010{n}-000000", 100 + n) for n in range(1, 6)]
     mark_named(old[0])
+    (old[1] / REPORT_MARK).touch()
     make_report_folder(old[1])
     (old[2] / "records.jsonl").unlink()
     run(tmp_path, "before-the-change", 200)
@@ -53,13 +55,24 @@ def test_what_was_named_or_is_not_a_run_of_the_labs_is_never_removed(tmp_path: P
     assert remove_old_runs(tmp_path, 1) == 1 and not old[3].exists()
 
 
-def test_a_page_of_anothers_is_not_replaced(tmp_path: Path) -> None:
-    (tmp_path / "index.html").write_text("mine")
-    with pytest.raises(UsageError, match="not a shaderlab report") as caught:
-        make_report_folder(tmp_path)
-    assert caught.value.file == str(tmp_path / "index.html")
-    (tmp_path / "run.json").write_text("{}")
-    assert make_report_folder(tmp_path) == tmp_path
+@pytest.mark.parametrize("name", ["index.html", "run.json", "page/style.css", "thesis.txt"])
+def test_a_folder_with_files_of_others_takes_no_report(tmp_path: Path, name: str) -> None:
+    file = tmp_path / "site" / name
+    file.parent.mkdir(parents=True)
+    file.write_text("mine")
+    with pytest.raises(UsageError, match="no report's"):
+        make_report_folder(tmp_path / "site")
+    assert [path for path in (tmp_path / "site").rglob("*") if path.is_file()] == [file]
+
+
+@pytest.mark.parametrize("name", ["images", "page", "records.jsonl"])
+def test_a_report_is_not_written_through_links(tmp_path: Path, name: str) -> None:
+    folder = make_report_folder(tmp_path / "run")
+    assert make_report_folder(folder) == folder
+    (folder / name).symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(UsageError, match="of its own here"):
+        make_report_folder(folder)
+    assert not (tmp_path / "elsewhere").exists()
 
 
 def test_a_run_removes_what_the_project_does_not_keep(

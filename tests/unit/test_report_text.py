@@ -24,7 +24,7 @@ def test_hidden_characters_are_made_visible_and_all_others_stay() -> None:
     assert all(clean(c) == f"[U+{ord(c):04X}]" for c in changed)
     codes = {ord(c) for c in changed}
     marks = {0x200B, 0x200E, 0x200F, 0xFEFF}
-    assert codes == marks | set(range(0x202A, 0x202F)) | set(range(0x2060, 0x206A))
+    assert codes == marks | set(range(0x2028, 0x202F)) | set(range(0x2060, 0x206A))
 
 
 def test_other_values_are_written_out_first() -> None:
