@@ -169,6 +169,10 @@ QUERIES: Mapping[str, str] = {
 OPENGL_QUERIES = ("locations", "gl_errors", "trace", "call")
 
 
+STORAGE_OF_PROBES = 7
+"""The binding of what the lab counts in a buffer: the last that every driver has."""
+
+
 class Backend(ABC):
     """An open device.
 
@@ -216,8 +220,8 @@ class Backend(ABC):
         """Raise UnsupportedError where there are no compute passes."""
         raise UnsupportedError("compute passes run on OpenGL drivers only")
 
-    def storage(self, count: int) -> AbstractContextManager[Callable[[], Array]]:
-        """A storage buffer of `count` zeros (uint32), bound as binding 0 of all that is drawn
+    def storage(self, count: int, binding: int = 0) -> AbstractContextManager[Callable[[], Array]]:
+        """A storage buffer of `count` zeros (uint32), bound as this binding of all that is drawn
         meanwhile; gives a function that reads it, (count,).
 
         Raises:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
@@ -41,6 +42,7 @@ from .expectations.gl_call import CallTrace
 from .pictures import PictureFiles, PictureWriter, enlarge, save_frames
 from .record import RecordBuilder, format_error
 
+_LOOP = re.compile(r"\b(?:for|while)\s*\(")
 _NO_TEXTS: Mapping[str, str | Path] = {}
 
 
@@ -103,6 +105,7 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
             picture_error = self._draw_pictures(evaluation, record, pictures)
             unanswered = self.judge_all(evaluation, record, pictures, check)
             checked = None if check is None else check.judgement()
+        self._require_loops_to_end(scene, programs)
         record.set_unanswered(unanswered)
         if check is not None and checked is not None:
             record.set_self_check(*checked, check.outside, always=bool(self.options.modules))
@@ -129,6 +132,14 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
         picture_size = 0 if self.options.picture_folder is None else self.options.picture_size
         record.set_device(self.driver, self.options.size, picture_size)
         return programs
+
+    def _require_loops_to_end(self, scene: Scene, programs: Programs) -> None:
+        """Raise ShaderError for a loop that goes on until llvmpipe cuts it."""
+        texts = (s.code for draws in programs.values() for d in draws for s in d.authored)
+        if "llvmpipe" in self.driver["renderer"] and any(map(_LOOP.search, texts)):
+            from .loops import require_loops_to_end  # few scenes have loops
+
+            require_loops_to_end(self, scene, programs)
 
     def _record_drawn(self, evaluation: Evaluation, record: RecordBuilder) -> SceneCheck | None:
         """Record what drawing gave besides the pictures; returns the self-check to be made.

@@ -151,7 +151,7 @@ class OpenGLBackend(DeviceBackend):
             raise UnsupportedError("compute passes: this driver has no compute shaders")
 
     @contextmanager
-    def storage(self, count: int) -> Iterator[Callable[[], Array]]:
+    def storage(self, count: int, binding: int = 0) -> Iterator[Callable[[], Array]]:
         for name in ("GL_ARB_shader_storage_buffer_object", "GL_ARB_shader_image_load_store"):
             if name not in self.device.context.extensions:
                 raise UnsupportedError(f"storage buffers: this driver lacks {name}")
@@ -162,7 +162,7 @@ class OpenGLBackend(DeviceBackend):
             return np.frombuffer(buffer.read(), np.uint32)
 
         try:
-            buffer.bind_to_storage_buffer(0)
+            buffer.bind_to_storage_buffer(binding)
             yield read
         finally:
             buffer.release()
