@@ -114,7 +114,7 @@ def claim_folder(folder: Path) -> None:
         OSError: it can't be made.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    if any(folder.iterdir()) and not (folder / REPORT_MARK).exists():
+    if any(folder.iterdir()) and not _holds_report(folder):
         raise UsageError(
             "this folder has files that are no report's, and a report might replace them",
             file=folder,
@@ -128,6 +128,13 @@ def claim_folder(folder: Path) -> None:
                 f"a report has a {what} of its own here", file=path, remedy="remove what is there"
             )
     (folder / REPORT_MARK).touch()
+
+
+def _holds_report(folder: Path) -> bool:
+    journal = b""  # a copy of a folder may lack hidden files
+    with suppress(OSError):
+        journal = read_regular(folder / "records.jsonl", 12)
+    return (folder / REPORT_MARK).exists() or journal == b'{"started":"'
 
 
 def open_memory_file() -> BinaryIO:

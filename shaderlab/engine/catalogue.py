@@ -396,7 +396,7 @@ def load_case(path: Path) -> Case:
         )
     module = _import(path)
     case = getattr(module, "case", None)
-    if type(case) is not Case:  # isinstance() believes what an object says of its class
+    if not issubclass(type(case), Case):  # isinstance() believes what an object says of itself
         what = f"its `case` is of type {type(case).__name__}, not a Case"
         raise CaseError(
             "the file defines no case" if case is None else what,
