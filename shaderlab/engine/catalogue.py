@@ -396,25 +396,26 @@ def load_case(path: Path) -> Case:
         )
     module = _import(path)
     case = getattr(module, "case", None)
-    if not issubclass(type(case), Case):  # isinstance() believes what an object says of itself
+    # isinstance() alone believes what an object says of its class.
+    if not isinstance(case, Case) or not issubclass(type(case), Case):
         what = f"its `case` is of type {type(case).__name__}, not a Case"
         raise CaseError(
             "the file defines no case" if case is None else what,
             file=path,
             remedy="assign one: case = Case(title=…, …)",
         )
-    loaded = replace(
-        case,
-        id=path.stem.replace("_", "-"),
-        file=str(path),
-        lesson=(module.__doc__ or "").strip(),
-    )
-    chapter_title(path, loaded.section)
-    place_of(path, loaded.id, loaded.section)
+    lesson = (module.__doc__ or "").strip()
     try:
-        list(loaded.scenes())
-    except CaseError as error:
-        raise CaseError(error.message, file=path, remedy=error.remedy) from error
+        loaded = replace(case, id=path.stem.replace("_", "-"), file=str(path), lesson=lesson)
+        chapter_title(path, loaded.section)
+        place_of(path, loaded.id, loaded.section)
+        if not list(loaded.scenes()):
+            raise CaseError("the case has no variant to run", remedy="see its class")
+    except ShaderlabError as error:
+        file = error.file or path
+        raise CaseError(error.message, file=file, line=error.line, remedy=error.remedy) from error
+    except Exception as error:
+        raise CaseError(_text(error), file=path, remedy="see the class of `case`") from error
     return loaded
 
 
