@@ -8,6 +8,9 @@ both axes. Each pixel whose centre lies inside the triangle gets the fragment sh
 Look at: the number of pixels. The triangle's area is ¼ and the window's is 2 × 2, so it covers 1/16
 of the window: 32400 of 720 × 720 pixels. Also look at the two reasons why this shader does not
 compile as it stands in the notes. Both look like slips of a conversion to another file format.
+
+Try: in `ch01_setup/orange_triangle.frag` write `0.8, 0.2` for `0.5, 0.2`: the triangle turns
+yellow, and the check of its colour fails.
 """
 
 import numpy as np

@@ -5,6 +5,9 @@ the emblem that is painted on it; over red and blue it gives (0.8, 0, 0.2).
 
 Look at: the sun, which is only faintly there, and how it takes the place of the wood in the curve
 over the weight, in a straight line from one texture to the other.
+
+Try: in `ch02_basics/texture_mix.frag` write `texture(texture2, TexCoords), 1.0 - mixValue` for
+`texture(texture2, TexCoords), mixValue`: the emblem covers the crate.
 """
 
 import numpy as np

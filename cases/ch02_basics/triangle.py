@@ -8,6 +8,9 @@ a centre on an edge belongs to one side only.
 
 Look at: the paper, whose lines are a quarter apart. The corners lie on its crossings, two lines
 left and right of the middle, two below it and two above.
+
+Try: in `ch02_basics/triangle.vert` write `aPos.z, 2.0` for `aPos.z, 1.0`: each corner is divided by
+2, and a quarter of the pixels is left.
 """
 
 import numpy as np

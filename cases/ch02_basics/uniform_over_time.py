@@ -5,6 +5,9 @@ fits a colour's range from 0 to 1. The program sends `ourColor` before each draw
 exactly as it was sent. A sine computed in the shader itself need only be within 2⁻¹¹.
 
 Look at: the bead, which is filled with the uniform of that moment, riding on the curve.
+
+Try: in `ch02_basics/uniform_over_time.frag` write `sin(2.0 * time) / 2.0` for `sin(time) / 2.0`:
+the green that the shader computes swings twice as fast as the one that is sent.
 """
 
 from math import pi, sin

@@ -8,6 +8,9 @@ become small.
 
 Look at: the grid's lines. They are parallel on the quad and meet in the distance. The picture shows
 a larger quad from the same place; the three matrices are those of the notes.
+
+Try: in `ch03_transforms/mvp.vert` write `model * (view` for `view * (model`: the quad turns around
+the camera, not around itself.
 """
 
 from math import radians

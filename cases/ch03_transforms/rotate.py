@@ -9,6 +9,9 @@ Look at: the letters, from pale to bright in three equal steps around the black 
 x and y above, around z below, and by 120° around (1, 1, 1). Point your right thumb along the arrow,
 and the fingers curl as the letters go. A third of a turn around (1, 1, 1) brings x to y, y to z and
 z to x.
+
+Try: in `ch03_transforms/rotate.vert` write `0.0 * outerProduct(u, u)` for `(1.0 - cos(angle)) *
+outerProduct(u, u)`: letters shrink along their axis, which the third term prevents.
 """
 
 from math import radians

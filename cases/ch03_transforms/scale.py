@@ -8,6 +8,9 @@ translation in the last column is not scaled, because it is added afterwards.
 Look at: the four letters, each in front of a pale one that is not scaled. Above: one half in every
 direction, then (1, 2, 3). Below: (2, ½, 1), then (−1, 1, 1), which no turn could make: the letter
 reads backwards.
+
+Try: in `ch03_transforms/scale.vert` write `aNormal * factors` for `aNormal / factors`: light falls
+on the stretched letters as if on others.
 """
 
 from numpy.linalg import det

@@ -8,6 +8,9 @@ angles: unless s is normalised, it is too short and the picture too narrow.
 Look at: the camera on the left and its axes, red to its right, green up, blue backwards, and the
 pyramid of what it sees. On the right is what it does see: red letters stay to the right of blue
 ones, wherever the camera goes.
+
+Try: in `lib/look_at.glsl` write `cross(forward, up);` for `normalize(cross(forward, up));`: what
+the camera sees shrinks by one or two hundredths.
 """
 
 import numpy as np

@@ -8,6 +8,9 @@ Look at: the same ring, box and ball at the strengths 0.1, 0.4 and 1, from below
 brighter, and stay paper cut-outs all the same: only outlines tell the ball from a disc, and where a
 thing stands before another of the same colour they melt into one. Shape begins with the diffuse
 part.
+
+Try: in `ch05_lighting/ambient.frag` write `ambient + objectColor` for `ambient * objectColor`:
+light that is added makes colours paler, where a dim lamp should make them darker.
 """
 
 from shaderlab import Case, assets, formula

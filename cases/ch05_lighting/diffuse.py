@@ -10,6 +10,9 @@ Look at: the normals, drawn as thin rods. Upper left is a ball as its mesh has i
 are the same ball squeezed flat. Upper right it kept the round ball's normals, lower left they went
 where points go, and in both the rods lean over and the light falls as on some other body. Only
 lower right do they stand upright, and the flat top, which faces the lamp, is the bright part.
+
+Try: in `ch05_lighting/diffuse.frag` write `diffuseFactor(-normalize(Normal), lightDir)` for
+`diffuseFactor(normalize(Normal), lightDir)`: the lit and the dark sides change places.
 """
 
 from math import acos, degrees

@@ -8,6 +8,10 @@ minus lights the world from below.
 Look at: nine balls on a plaza in a low sun, and how alike they are. The line between light and
 shade lies at the same place on each of them, and the tiles are equally bright from corner to
 corner. (There are no shadows on the ground yet: each point is lit as if it were alone.)
+
+Try: in `ch05_lighting/directional_light.frag` write `CalcDirLight(DirLight(-light.direction,
+light.ambient, light.diffuse, light.specular), surface), 1.0` for `CalcDirLight(light, surface),
+1.0`: the world is lit from below.
 """
 
 from shaderlab import Case, formula

@@ -11,6 +11,9 @@ dots, so their light is right on any display, whatever its curve. The middle str
 matches them; the outer ones are raw numbers, and too dark. Half of the dots white is a grey of 188,
 not of 128. (A picture made smaller mixes numbers instead of light, and then the outer stripes seem
 to match: the very mistake that this case is about.)
+
+Try: in `lib/gamma.glsl` write `pow(linear, 1.0 / 2.2)` for `1.055 * pow(linear, 1.0 / 2.4) -
+0.055`: the power in place of the exact curve is too near for an eye, but not for the checks.
 """
 
 import numpy as np

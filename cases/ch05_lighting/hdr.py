@@ -8,6 +8,9 @@ all of them: Reinhard's x / (1 + x), or 1 − exp(−x·e) with an adjustable ex
 Look at: one corridor, drawn once, shown four times. Upper left it is clipped, and its end is a flat
 white hole. Upper right Reinhard's curve shows the bricks there. Below is the exponential curve, on
 the left with an exposure of 0.25 for the far end, on the right with 4 for what is near.
+
+Try: in `lib/tone.glsl` write `min(light, 1.0)` for `light / (1.0 + light)`: Reinhard's picture
+clips like the one beside it.
 """
 
 import numpy as np

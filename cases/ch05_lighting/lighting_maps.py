@@ -8,6 +8,9 @@ struct, bound to units 0 and 1.
 Look at: the lantern's highlight on each chest. On the left it lies on the iron bands and the rivets
 only, and stops where the wood begins, in the middle of one flat face. The chest on the right has no
 specular map: its highlight lies on wood and iron alike, as if everything were under glass.
+
+Try: in `ch05_lighting/lighting_maps.frag` write `vec3(1.0)` for `texture(material.specular,
+TexCoords).rgb`: wood and floor shine as if under glass.
 """
 
 from dataclasses import replace

@@ -8,6 +8,9 @@ struct keeps the four together, and each of its members is a uniform: `material.
 Look at: six balls of the same shape under the same lamp. Lacquer and rubber share a colour and
 differ in highlight alone; copper's highlight is copper, jade's is white. None of them can reflect
 the room: for that, the light has to be more than one lamp.
+
+Try: in `ch05_lighting/material.frag` write `spec * material.diffuse` for `spec *
+material.specular`: all highlights take the colour of the body, as on metal.
 """
 
 from shaderlab import Case, Mesh, assets

@@ -8,6 +8,9 @@ do these checks.
 
 Look at: how the colours meet. Each bulb tints the balls that face it, between two of them both
 colours mix, and the spot's white circle washes them out. In the corners only the moon is left.
+
+Try: in `ch05_lighting/multiple_lights.frag` write `directional + points` for `directional + points
++ spot`: the spot's white circle is gone, and the single lamps no longer add up to the picture.
 """
 
 from math import cos, radians

@@ -8,6 +8,9 @@ a fraction of the distance as well, since texels grow with it.
 
 Look at: the courtyard at night with a lamp in its middle. The shadows run away from it on all
 sides, and nothing shows where one face of the cube ends and the next begins.
+
+Try: in `ch05_lighting/point_shadow.frag` write `float bias = 0.0 *` for `float bias = current *`:
+stripes cover everything that the lamp lights.
 """
 
 from dataclasses import replace

@@ -10,6 +10,9 @@ plane. Ambient light comes from everywhere; a shadow does not take it away.
 Look at: the courtyard, its box that hangs in the air and throws a shadow on nothing it touches, and
 below it the shadow map itself among the passes. The sun stands on the right. Shadows are as light
 as the ambient term makes them, never black.
+
+Try: in `ch05_lighting/shadow_map.frag` write `vec4((1.0 - shadow) * (ambient +` for `vec4((ambient
++ (1.0 - shadow) *`: shadows become black: the ambient light is shadowed, too.
 """
 
 import numpy as np

@@ -10,6 +10,9 @@ has no highlight, even if the formula's cosine is large.
 Look at: the same ring and ball three times. Above is what ambient and diffuse light show: chalk. In
 the middle is the specular part alone, a few points of light on black. Below is the sum, and the
 chalk has become glazed clay.
+
+Try: in `ch05_lighting/specular.frag` write `viewDir, 4.0 * shininess);` for `viewDir, shininess);`:
+highlights become half as wide.
 """
 
 import numpy as np

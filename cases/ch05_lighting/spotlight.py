@@ -7,6 +7,9 @@ radians it is a number that looks like one and belongs to another cone.
 
 Look at: the beam from the side, in dusty air. Amber lines are the inner cone, blue lines the outer
 one, and on the grey arc, one unit from the lamp, lie the points of the table.
+
+Try: in `lib/spotlight.glsl` write `spotRatio(light, fragPos)` for `clamp(spotRatio(light, fragPos),
+0.0, 1.0)`: the beam is too bright in its middle, and negative outside of the outer cone.
 """
 
 from math import cos, radians, sin, tan

@@ -7,6 +7,9 @@ part remains; without it, there would be a hole in the picture.
 
 Look at: the sharp ellipse that the cone cuts out of the ground, and its edge on the balls. Within a
 single pixel full light becomes none: that is why lamps got a second, outer cone.
+
+Try: in `ch05_lighting/spotlight_hard.frag` write `theta < light.cutOff` for `theta > light.cutOff`:
+the cone is dark, and everything else is lit.
 """
 
 from math import cos, radians

@@ -8,6 +8,9 @@ needs no blending and no drawing order.
 Look at: the same leaves twice, the nearest drawn first. On the left nothing is discarded, and each
 rectangle's corners cover the leaves behind it; on the right fragments below 0.1 are, and one leaf
 shows behind the other although it was drawn later.
+
+Try: in `ch06_tests/leaf.frag` write `alpha < 0.9` for `alpha < threshold`: both sides are cut out
+now, with a harder edge.
 """
 
 from shaderlab import Case, Depth, Output, Pixel, across, coverage, exact, formula

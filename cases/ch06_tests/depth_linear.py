@@ -7,6 +7,9 @@ no precision: the distance is as exact as the stored F, to one step of the depth
 Look at: one railway twice, as grey from 0 to 1. On the left is gl_FragCoord.z as it is: almost
 white from the first sleeper on, because with n = 0.1 all that is farther away than 2 has an F above
 0.95. On the right is z / f, even from black at the camera to white at the far plane.
+
+Try: in `ch06_tests/depth_linear.frag` write `linear / (0.5 * far) :` for `linear / far :`: the
+right railway is white from halfway to the far plane on.
 """
 
 from dataclasses import replace

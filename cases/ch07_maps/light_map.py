@@ -8,6 +8,9 @@ that a few texels with GL_LINEAR are enough.
 
 Look at: the bricks as they are on the left, the light map alone in the middle, of 24 × 24 texels,
 and their product on the right: the colour of each lamp, and the dark between them.
+
+Try: in `ch07_maps/light_map.frag` write `color + light` for `color * light`: light that is added
+washes the bricks out.
 """
 
 import numpy as np

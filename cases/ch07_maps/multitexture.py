@@ -7,6 +7,9 @@ surfaces repeat several times over the wall, while one mask covers it once and m
 
 Look at: one wall of bricks and plaster that came off in places. Every brick and every stain returns
 every half a wall, but the hole in the plaster does not: the mask is stretched over all.
+
+Try: in `ch07_maps/multitexture.frag` write `texture(plaster, TexCoords), 1.0 - weight` for
+`texture(plaster, TexCoords), weight`: bricks and plaster change places.
 """
 
 import numpy as np

@@ -7,6 +7,9 @@ by ½ (sin t + 1), between 0 and 1, so that triangles keep their shape and only 
 
 Look at: the strip of times. At t = −π/2 the ball is whole; at t = 0 its triangles have moved by ½,
 at t = π/2 by 1. No triangle has turned or grown.
+
+Try: in `ch08_techniques/geometry_explode.geom` write `sin(time)` for `(sin(time) + 1.0)`: at t =
+−π/2 the triangles have moved inwards.
 """
 
 from dataclasses import replace

@@ -8,6 +8,9 @@ Triangles come in and lines go out, so primitives of both kinds need not agree.
 
 Look at: the box, which has three normals at each corner because its faces do not share vertices,
 and the ring, which has one. Lines go from yellow at the surface to red.
+
+Try: in `ch08_techniques/geometry_normals.geom` write `float(end) * -gs_in[i].normal` for
+`float(end) * gs_in[i].normal`: the lines grow inwards, where the solids hide them.
 """
 
 import numpy as np

@@ -5,6 +5,9 @@ to the last bit: 1 − c is rounded where c is small, and what was lost does not
 
 Look at: the negative. The sky, nearly white, is nearly black, the coral ball light blue, and
 shadows are bright.
+
+Try: in `ch08_techniques/post_inversion.frag` write `texture(screenTexture, TexCoords).gbr` for `1.0
+- texture(screenTexture, TexCoords).rgb`: the colours change places, and light and dark do not.
 """
 
 from shaderlab import Case, Output, Texture, assets, coverage, formula, measure, value

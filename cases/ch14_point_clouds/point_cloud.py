@@ -9,6 +9,9 @@ header may claim anything, so the lab checks it against the file's size.
 
 Look at: the galaxy, 1500 stars of one file. The near arm's are the larger ones. The same cloud is
 there in three encodings, and all three draw the same picture, to the bit.
+
+Try: in `ch14_point_clouds/point_cloud.vert` write `pointScale` for `pointScale / gl_Position.w`:
+all stars are of one size, and the galaxy looks flat.
 """
 
 from functools import cache

@@ -104,3 +104,24 @@ def test_every_shader_says_its_version_and_has_one_main() -> None:
         text = path.read_text(encoding="utf-8")
         assert text.startswith(("#version 330 core\n", "#version 4")), path
         assert len(re.findall(r"\bvoid main\(", text)) == 1, path
+
+
+def test_what_a_lesson_suggests_to_try_can_be_done() -> None:
+    """The edit is in a shader that the case uses, at one place; `watch` draws it once saved."""
+    root = data_folder("shaders")
+    shaders, tried = Shaders([root]), 0
+    for case in cases():
+        found = re.search(r"^Try: in (.*)", case.lesson, re.M | re.S)
+        if found is None:
+            continue
+        tried += 1
+        text = " ".join(found[0].split())
+        edit = re.match(r"Try: in `([^`]+)` write `([^`]+)` for `([^`]+)`: .+\.$", text)
+        assert edit is not None, case.id
+        file, new, old = edit.groups()
+        names = {n for scene in case.scenes() for p in scene.passes for d in p.draws
+                 for n in d.shaders}  # fmt: skip
+        used = {Path(path).resolve() for name in names for path, _ in shaders.load(name).parts}
+        assert (root / file).resolve() in used, case.id
+        assert (root / file).read_text(encoding="utf-8").count(old) == 1 and new != old, case.id
+    assert tried >= 34
