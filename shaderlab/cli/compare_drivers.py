@@ -3,11 +3,9 @@ which driver lies outside the reference's band."""
 
 from __future__ import annotations
 
-import hashlib
-import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -17,8 +15,6 @@ from rich.text import Text
 
 from shaderlab.cli.recorded_run import RecordedRun, RunPlan
 from shaderlab.cli.showing import make_table
-from shaderlab.errors import AssetError
-from shaderlab.model import pictures
 from shaderlab.model.frame import Array
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Agreement, Disagreement, DrawnOutput, DriverResult, Record, Run
@@ -41,15 +37,10 @@ def add_comparison(recorded: RecordedRun, options: RunOptions) -> RecordedRun:
     """Return the run with its drivers compared by the frames that they stored."""
     frames = options.frames
     assert frames is not None
-    apart = []
-    for difference in find_disagreements(recorded.records, frames):
-        found = difference.found
-        if options.pictures and difference.shades is not None:
-            found = replace(found, image=write_picture(recorded.folder, found, difference.shades))
-        apart.append(found)
+    apart = tuple(find_disagreements(recorded.records, frames))
     shutil.rmtree(frames, ignore_errors=True)
     drivers = tuple(summarise_results(recorded.records, apart))
-    return replace(recorded, run=replace(recorded.run, drivers=drivers, disagreements=tuple(apart)))
+    return replace(recorded, run=replace(recorded.run, drivers=drivers, disagreements=apart))
 
 
 _ORDER: tuple[Agreement, ...] = ("equal", "within", "outside")
@@ -108,15 +99,7 @@ def _format_reason(record: Record) -> str:
     return "\n".join(lines)
 
 
-@dataclass(frozen=True)
-class Difference:
-    """A disagreement, and its picture's shades; None where the outputs are equal."""
-
-    found: Disagreement
-    shades: Array | None = None
-
-
-def find_disagreements(records: Sequence[Record], frames: Path) -> Iterator[Difference]:
+def find_disagreements(records: Sequence[Record], frames: Path) -> Iterator[Disagreement]:
     """Each output of each scene, compared between every two drivers.
 
     Arrays are read only where digests differ; without them nothing is said of an output.
@@ -145,7 +128,7 @@ def _compare_outputs(
     other: DrawnOutput,
     frames: Path,
     arrays: dict[str, Mapping[str, Array]],
-) -> Iterator[Difference]:
+) -> Iterator[Disagreement]:
     from shaderlab.engine.pictures import load_frames
 
     steps = None
@@ -176,11 +159,10 @@ def _compare_outputs(
         verdict="outside" if outside else "within" if differing else "equal",
         outside=outside,
     )
-    if steps is None or not differing:
-        yield Difference(found)
-        return
-    row, column = np.unravel_index(int(steps.argmax()), steps.shape)
-    yield Difference(replace(found, pixel=(int(column), int(row))), shade_distances(steps))
+    if steps is not None and differing:
+        row, column = np.unravel_index(int(steps.argmax()), steps.shape)
+        found = replace(found, pixel=(int(column), int(row)))
+    yield found
 
 
 def pixel_distances(a: Array, b: Array) -> Array:
@@ -208,55 +190,6 @@ def _to_ordered_integers(values: Array, kind: type) -> Array:
     """Floats as integers that count them in order: neighbours are 1 apart, both zeros are 0."""
     bits = np.ascontiguousarray(values).view(kind).astype(np.int64)
     return np.where(bits < 0, np.int64(np.iinfo(kind).min) - bits, bits)
-
-
-_LARGEST_STEP = 2.0**24
-_SIDE = 320
-_BAND = np.array([[255, 255, 255], [198, 219, 239], [107, 174, 214], [33, 113, 181], [8, 48, 107]])
-_OUTSIDE = np.array([[255, 255, 255], [252, 187, 161], [251, 106, 74], [203, 24, 29], [103, 0, 13]])
-
-
-def shade_distances(apart: Array) -> Array:
-    """How dark each pixel of a picture is, 0 (equal) to 4, uint8 (height, width).
-
-    On a logarithmic scale to 2^24 units in the last place; of a large output each square of pixels
-    gets the shade of the one that is furthest apart.
-
-    Args:
-        apart: by how much each pixel differs, (height, width).
-    """
-    apart = _shrink(apart, -(-max(apart.shape) // _SIDE))
-    share = np.minimum(
-        np.log2(1.0 + np.minimum(apart, _LARGEST_STEP)) / np.log2(1.0 + _LARGEST_STEP), 1.0
-    )
-    found: Array = np.where(apart > 0, 1 + np.minimum(share * 4.0, 3.0).astype(int), 0)
-    return found.astype(np.uint8)
-
-
-def write_picture(folder: Path, found: Disagreement, shades: Array) -> str:
-    """Write a picture into a run's folder; returns its path in there, "" where it can't be written.
-
-    Equal pixels are white; blue are those where both lie in their bands, red where a driver leaves
-    one.
-    """
-    table = _OUTSIDE if found.verdict == "outside" else _BAND
-    words = "\0".join((found.id, found.variant, found.output, *found.drivers))
-    name = hashlib.blake2s(os.fsencode(words), digest_size=8).hexdigest()
-    relative = f"images/apart-{name}.png"
-    path = folder / relative
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        pictures.save_png(path, shades, min_side=1, palette=table.astype(np.uint8))
-    except (AssetError, OSError):
-        return ""
-    return relative
-
-
-def _shrink(apart: Array, factor: int) -> Array:
-    """The largest value of each square of `factor` × `factor`; those at the ends are smaller."""
-    rows, columns = (range(0, length, factor) for length in apart.shape)
-    found: Array = np.maximum.reduceat(np.maximum.reduceat(apart, rows, axis=0), columns, axis=1)
-    return found
 
 
 _STYLES = {"✓": "green", "–": "yellow", "✗": "red"}

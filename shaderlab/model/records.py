@@ -525,8 +525,8 @@ class Disagreement:
     distance of two values, in units in the last place (steps of 1 for integers).
 
     `verdict` is "equal" to the bit, "within" where both are in their bands, "outside" where a
-    driver leaves one; `outside` names those drivers. `pixel` is where most differs, `image` a
-    picture of where and by how much, relative to the run's folder."""
+    driver leaves one; `outside` names those drivers. `pixel` is where they differ most, as
+    column and row."""
 
     id: str
     variant: str
@@ -538,7 +538,6 @@ class Disagreement:
     verdict: Agreement = "equal"
     outside: tuple[str, ...] = ()
     pixel: tuple[int, int] | None = None
-    image: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -315,7 +315,7 @@ def matrix(made: Any, clean: Record, folder: Path, plant: Plant | None) -> dict[
             patch.setattr(SceneRunner, "backend", _planted(plant, patch))
         records.append(drawn(PATHS[1], made, folder))
         assert [r.message for r in records] == ["", ""]
-    return {d.found.output: d.found for d in find_disagreements(records, folder)}
+    return {d.output: d for d in find_disagreements(records, folder)}
 
 
 def _planted(plant: Plant, patch: pytest.MonkeyPatch) -> Any:

@@ -54,7 +54,7 @@ def matrix(
         records.append(replace(labs[1].run(made), driver_name=PATHS[1]))
         assert [r.message for r in records] == ["", ""]
     labs[1].backend.linker.release()  # type: ignore[attr-defined]
-    return {d.found.output: d.found for d in find_disagreements(records, frames.parent)}
+    return {d.output: d for d in find_disagreements(records, frames.parent)}
 
 
 def function(owner: str, name: str, make: Callable[[Any], Any]) -> Plant:
