@@ -29,6 +29,8 @@ CORNERS = np.array([(1.0, 1.0), (1.0, 0.0), (0.0, 0.0), (0.0, 1.0)])
 TINTS = np.array([(1.0, 0.45, 0.4), (0.45, 1.0, 0.45), (0.45, 0.6, 1.0), (1.0, 1.0, 0.4)])
 # 48 of 56 pixels: corners are on every driver's grid, in the small picture and in the large one.
 SIZE = (6 / 7, 12 / 7, 1.0)
+# Five texels a pixel: pixels lie in the middles of texels, where all drivers read the same one.
+CRATE = assets.crate(240)
 NOISE = np.random.default_rng(246).random((8, 8, 4))
 
 
@@ -61,8 +63,8 @@ case = Case(
     passes=(
         *enlarged(
             (
-                textured(square(TINTS * 0.0 + 1.0, SIZE, (-0.5, 0, 0)), assets.crate),
-                textured(square(TINTS, SIZE, (0.5, 0, 0)), assets.crate),
+                textured(square(TINTS * 0.0 + 1.0, SIZE, (-0.5, 0, 0)), CRATE),
+                textured(square(TINTS, SIZE, (0.5, 0, 0)), CRATE),
             ),
             (112, 56),
             9,

@@ -140,6 +140,7 @@ KIND = call(
     *("GL_FRAMEBUFFER", "GL_DEPTH_ATTACHMENT", "GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE"),
 )
 KINDS = {"16": "UNSIGNED_NORMALIZED", "24": "UNSIGNED_NORMALIZED", "32F": "FLOAT"}
+BITS = call("glGetRenderbufferParameteriv", "GL_RENDERBUFFER", "GL_RENDERBUFFER_DEPTH_SIZE")
 CODE = call("glReadPixels", 0, 0, 1, 1, "GL_DEPTH_COMPONENT", "GL_UNSIGNED_SHORT")
 THIRD = (call("glClearDepth", 1.0 / 3.0), call("glClear", "GL_DEPTH_BUFFER_BIT"))
 GREY, DARK = (0.75, 0.75, 0.75, 1.0), (0.10, 0.13, 0.20, 1.0)
@@ -160,6 +161,16 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         enlarged_check("judged"),
+        *answers(
+            {
+                f"{bits} bits are kept": (
+                    BITS,
+                    int(bits[:2]),
+                    depth_alone(f"GL_DEPTH_COMPONENT{bits}"),
+                )
+                for bits in KINDS
+            }
+        ),
         *answers(
             {
                 f"depth of {bits} bits is GL_{kind}": (

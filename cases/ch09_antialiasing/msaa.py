@@ -20,9 +20,7 @@ from shaderlab import (
     Case,
     Mesh,
     Output,
-    State,
     Target,
-    exact,
     formula,
     fullscreen,
     gl_call,
@@ -30,7 +28,7 @@ from shaderlab import (
     mesh_pass,
     reading,
 )
-from shaderlab.engine.expectations.gl_call import Object, call
+from shaderlab.engine.expectations.gl_call import Location, Object, Program, call
 from shaderlab.reference.coverage import area_coverage
 
 from ..scenes.laws import pixel_place
@@ -53,7 +51,7 @@ SHAPES = [spoke(k) for k in range(SPOKES)]
 WHEEL = Mesh(attributes={"aPos": np.array(SHAPES).reshape(-1, 2)}, indices=np.arange(3 * SPOKES))
 
 
-def drawn(name, samples, **state):
+def drawn(name, samples):
     """The wheel with so many samples a pixel."""
     return mesh_pass(
         "ch09_antialiasing/shape.vert",
@@ -62,8 +60,38 @@ def drawn(name, samples, **state):
         uniforms={"size": tuple(map(float, SIZE))},
         target=Target(size=SIZE, samples=samples, colors={"lit": "r32f"}),
         name=name,
-        state=State(**state),
     )
+
+
+SWITCH = {
+    word: (call(f"gl{c}able", "GL_MULTISAMPLE"),) for word, c in (("on", "En"), ("off", "Dis"))
+}
+FRAMES = {"drawn": 4, "resolved": 0}
+
+
+def point_at_the_edge(program):
+    """Calls that make a framebuffer of one pixel and four samples, and one to resolve it to. The
+    program's point, a pixel wide, covers the samples from 0.3 to the right."""
+    for name, samples in FRAMES.items():
+        buffer = ("GL_RENDERBUFFER", Object("renderbuffer", name))
+        yield call("glBindFramebuffer", "GL_FRAMEBUFFER", Object("framebuffer", name))
+        yield call("glBindRenderbuffer", *buffer)
+        yield call("glRenderbufferStorageMultisample", buffer[0], samples, "GL_RGBA8", 1, 1)
+        yield call("glFramebufferRenderbuffer", "GL_FRAMEBUFFER", "GL_COLOR_ATTACHMENT0", *buffer)
+    yield call("glBindFramebuffer", "GL_FRAMEBUFFER", Object("framebuffer", "drawn"))
+    yield call("glViewport", 0, 0, 1, 1)
+    yield call("glUniform2f", Location("size", program), 1.0, 1.0)
+    yield call("glBindVertexArray", Object("vertex_array"))
+    yield call("glVertexAttrib2f", 0, 0.8, 0.5)
+
+
+RESOLVED = (
+    call("glDrawArrays", "GL_POINTS", 0, 1),
+    call("glBindFramebuffer", "GL_READ_FRAMEBUFFER", Object("framebuffer", "drawn")),
+    call("glBindFramebuffer", "GL_DRAW_FRAMEBUFFER", Object("framebuffer", "resolved")),
+    call("glBlitFramebuffer", *(0, 0, 1, 1) * 2, "GL_COLOR_BUFFER_BIT", "GL_NEAREST"),
+    call("glBindFramebuffer", "GL_READ_FRAMEBUFFER", Object("framebuffer", "resolved")),
+)
 
 
 @cache
@@ -117,7 +145,6 @@ case = Case(
         *drawn("one", 0),
         *drawn("two", 2),
         *drawn("four", 4),
-        *drawn("off", 4, multisample=False),
         *fullscreen(
             "ch09_antialiasing/msaa.frag",
             name="picture",
@@ -168,7 +195,16 @@ case = Case(
             )
             for asked in (1, 2, 3, 4)
         ),
-        exact("off.lit", Output("one.lit"), name="GL_MULTISAMPLE off: no antialiasing"),
+        *(
+            gl_call(
+                "glReadPixels",
+                *(0, 0, 1, 1, "GL_RED", "GL_UNSIGNED_BYTE"),
+                before=(*point_at_the_edge(Program("four")), *SWITCH[switch], *RESOLVED),
+                returns=level,
+                name=f"GL_MULTISAMPLE {switch}: a point over {share}",
+            )
+            for switch, level, share in (("off", 255, "a pixel or none"), ("on", 191, "¾ of one"))
+        ),
         gl_call(
             "glRenderbufferStorageMultisample",
             *("GL_RENDERBUFFER", 1 << 16, "GL_RGBA8", 64, 64),
