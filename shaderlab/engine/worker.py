@@ -20,6 +20,7 @@ from shaderlab.model.case import Case, Scene
 from shaderlab.model.options import RunOptions
 
 if TYPE_CHECKING:
+    from shaderlab.workers.process_state import ProcessState
     from shaderlab.workers.worker import Channel
 
 
@@ -37,6 +38,8 @@ class Worker:
         self._driver = ""
         self._scenes: dict[str, Mapping[str, Scene]] = {}
         self._kept: dict[str, tuple[Hashable, Any]] = {}
+        self._file = ""  # that was used last
+        self._state: ProcessState | None = None
 
     @staticmethod
     def preload() -> None:
@@ -67,18 +70,35 @@ class Worker:
             self._lab = None
         if self._lab is None:
             self._driver = known_driver(options.driver)
+            self._require_unchanged()
             if self._channel is not None:
                 prepare_process(options.driver)  # a worker is the lab's alone
             self._lab = SceneRunner(options, self.note)
+            self._state = None
         elif options != self._lab.options:
             self._lab.configure(options)
         return self._lab
 
     def scenes(self, file: str) -> Mapping[str, Scene]:
         """The scenes of a case file by variant. Raises CaseError."""
+        if file != self._file:
+            self._require_unchanged()
+            self._file = file
         if file not in self._scenes:
             self._scenes[file] = {s.variant: s for s in load_case(Path(file)).scenes()}
         return self._scenes[file]
+
+    def _require_unchanged(self) -> None:
+        """End a worker process in which a case has changed what others depend on: the parent starts
+        a fresh one and asks that."""
+        if self._channel is None:
+            return
+        from shaderlab.workers.process_state import ProcessState
+
+        if self._state is None:
+            self._state = ProcessState()
+        elif self._state.has_changed():
+            os._exit(1)
 
     def case(self, file: str) -> Case:
         """The case of a case file. Raises CaseError."""

@@ -1,0 +1,93 @@
+"""What imported code may have changed for everything else that runs in its process."""
+
+from __future__ import annotations
+
+import _thread
+import builtins
+import contextlib
+import gc
+import locale
+import os
+import pickle
+import random
+import resource
+import signal
+import sys
+import warnings
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+_LIMITS = [value for name, value in vars(resource).items() if name.startswith("RLIMIT_")]
+
+
+_SHARED = {"builtins", "math", "numpy", "os", "pathlib", "pickle", "random", "shaderlab", "time"}
+"""Packages whose functions count: what the lab computes with, and what formulas are made of."""
+
+
+class ProcessState:
+    """The state of this process at one time: its folder, environment, search path, signals, limits,
+    threads and child processes; the settings of Python, NumPy and arithmetic; and the functions of
+    shared modules that are imported by then."""
+
+    def __init__(self) -> None:
+        self._settings = _read_settings()
+        self._functions = {
+            name: (vars(module), _functions_of(module))
+            for name, module in sys.modules.items()
+            if name.partition(".")[0] in _SHARED
+        }
+
+    def has_changed(self) -> bool:
+        """Whether anything is another than at that time; what modules have besides is not."""
+        try:
+            if _read_settings() != self._settings:
+                return True
+            for name, (names, functions) in self._functions.items():
+                if vars(sys.modules[name]) is not names:
+                    return True
+                for key, value in functions:  # thousands: `all` would take three times as long
+                    if names[key] is not value:
+                        return True
+        except Exception:  # what would tell is broken itself, or something is gone
+            return True
+        return False
+
+
+def _functions_of(module: ModuleType) -> list[tuple[str, Any]]:
+    """The functions and classes of a module, but for those by which it is imported lazily."""
+    named = vars(module).items()
+    return [(k, v) for k, v in named if callable(v) and not k.startswith("__")]
+
+
+def _read_settings() -> list[Any]:
+    mask = os.umask(0o077)
+    os.umask(mask)
+    one, tiny = float("1.0"), float("5e-324")  # in words, so that no compiler computes with them
+    return [
+        os.getcwd(),
+        {k: v for k, v in os.environ.items() if k != "OpenImageIO_ROOT"},  # set by importing it
+        mask,
+        [resource.getrlimit(limit) for limit in _LIMITS],
+        [signal.getsignal(number) for number in signal.valid_signals()],
+        signal.pthread_sigmask(signal.SIG_BLOCK, ()),
+        _thread._count(),
+        _has_children(),
+        [sys.path[:], sys.meta_path[:], sys.path_hooks[:], sys.stdout, sys.stderr],
+        [sys.getrecursionlimit(), sys.gettrace(), sys.getprofile(), sys.excepthook, gc.isenabled()],
+        list(vars(builtins)),
+        warnings.filters[:],
+        locale.setlocale(locale.LC_ALL),
+        [np.geterr(), np.geterrcall(), np.get_printoptions()],
+        [random.getstate(), pickle.dumps(np.random.get_state())],
+        # Where rounding goes, and whether small numbers become 0.
+        [one + 1e-20, one - 1e-20, -one - 1e-20, tiny * one],
+    ]
+
+
+def _has_children() -> bool:
+    with contextlib.suppress(ChildProcessError):
+        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOWAIT | os.WNOHANG)
+        return True
+    return False

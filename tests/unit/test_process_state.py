@@ -1,0 +1,104 @@
+"""What a case file does to its process is not there for the next file."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from pathlib import Path
+
+import pytest
+
+from shaderlab.engine.jobs import ProcessExecutor
+from shaderlab.workers.process_state import ProcessState
+
+SPOILERS = {
+    "folder": "os.mkdir('gone'); os.chdir('gone'); os.rmdir('../gone')",
+    "open": "builtins.open = None",
+    "a name less": "del builtins.sorted",
+    "search path": "sys.path.clear()",
+    "search path's object": "sys.path = []",
+    "hooks": "sys.meta_path.insert(0, sys.meta_path[0])",
+    "environment": "os.environ['LANG'] = 'xx'",
+    "environment emptied": "os.environ.clear()",
+    "locale": "locale.setlocale(locale.LC_ALL, 'C.UTF-8' if 'C' == locale.setlocale(0) else 'C')",
+    "signal": "signal.signal(signal.SIGALRM, signal.SIG_IGN)",
+    "blocked signal": "signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGALRM])",
+    "warnings": "warnings.simplefilter('error')",
+    "errstate": "np.seterr(all='raise')",
+    "print options": "np.set_printoptions(precision=2)",
+    "random": "random.random()",
+    "NumPy's random": "np.random.seed(1)",
+    "rounding": "ctypes.CDLL(None).fesetround(0x800)",
+    "umask": "os.umask(0o777)",
+    "limit": "resource.setrlimit(resource.RLIMIT_NOFILE, (20, 20))",
+    "thread": "threading.Thread(target=time.sleep, args=[600], daemon=True).start()",
+    "child": "subprocess.Popen(['sleep', '600'])",
+    "math": "math.sin = math.cos",
+    "NumPy": "np.sqrt = np.cbrt",
+    "NumPy deep inside": "np.linalg._linalg.norm = None",
+    "another NumPy": "sys.modules['numpy'] = math",
+    "recursion": "sys.setrecursionlimit(5000)",
+    "standard error": "sys.stderr = None",
+    "trace": "sys.settrace(lambda *_: None)",
+}
+IMPORTS = """
+import builtins, ctypes, locale, math, os, random, resource, signal, subprocess, sys
+import threading, time, warnings
+import numpy as np
+"""
+
+
+def changed_by(code: str, folder: Path) -> bool:
+    """Whether the state of a copy of this process has changed after this code."""
+    process = os.fork()
+    if process == 0:
+        status = 2
+        try:
+            os.setpgid(0, 0)
+            os.chdir(folder)
+            names: dict[str, object] = {}
+            exec(IMPORTS, names)
+            state = ProcessState()
+            exec(code, names)
+            status = int(state.has_changed())
+        finally:
+            os._exit(status)
+    _, status = os.waitpid(process, 0)
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process, 9)  # its children
+    assert os.waitstatus_to_exitcode(status) < 2
+    return bool(status)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="copies of this process are forked")
+def test_each_spoiler_is_noticed(tmp_path: Path) -> None:
+    assert [name for name, code in SPOILERS.items() if not changed_by(code, tmp_path)] == []
+
+
+@pytest.mark.parametrize(
+    "code",
+    ["import colorsys", "x = np.float32(0.1) * np.arange(9)", "np.random.default_rng(1).random()",
+     "with np.errstate(all='ignore'): np.log(0.0)", "sum(map(math.sqrt, range(9)))"],
+)  # fmt: skip
+def test_what_cases_do_is_no_change(code: str, tmp_path: Path) -> None:
+    assert not changed_by(code, tmp_path)
+
+
+WORST = ["folder", "open", "search path", "environment emptied", "NumPy", "math", "errstate"]
+
+
+@pytest.mark.parametrize("names", ["asz", "zsa"])
+def test_the_next_file_is_loaded_in_a_fresh_process(
+    names: str, case_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(case_folder)
+    good = Path("lamp.py").read_text()
+    unspoilt = "import math, sys, numpy, os\nassert math.cos(0) == numpy.sqrt(1) and os.environ\n"
+    for name in names:
+        Path(f"{name}.py").write_text(f"{good}\n{unspoilt}")
+    Path("s.py").write_text(good + IMPORTS + "\n".join(SPOILERS[name] for name in WORST))
+    files = [Path(f"{name}.py") for name in names]
+    with contextlib.closing(ProcessExecutor(early=False)) as executor:
+        found = executor.load(files)
+    good_ones = [info for info in found if info.id != "s"]
+    assert [(info.status, info.error) for info in good_ones] == [("pass", None)] * 2
