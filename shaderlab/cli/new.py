@@ -22,9 +22,8 @@ from shaderlab.errors import UsageError
     help="The test file; by default tests/test_NAME.py in the project, or test_NAME.py here.",
 )
 def command(shader: Path, output: Path | None) -> int:
-    """Write a passing test file for SHADER: for each function, its arguments with likely ranges,
-    one
-    law that holds there, and one figure to fill in. An existing file is left alone.
+    """Write a passing test file for SHADER: for each function, arguments in likely ranges and a
+    law that holds there. An existing file is left alone.
 
     Exit code: 0 written, 2 the file exists, or the shader has no function.
     """
