@@ -144,6 +144,7 @@ case = Case(
     math=r"(-1)^{s} \cdot 2^{e - 127} \cdot \left(1 + \tfrac{f}{2^{23}}\right)",
     passes=passes(TRUTHS, REALS, INTEGERS, NATURALS),
     picture="picture.FragColor",
+    rows=("bool", "float", "int", "uint"),
     expect=[
         exact("bits.bit", bits(), name="the bits of all sixteen words"),
         formula("small.FragColor", painted, name="the bits on show"),

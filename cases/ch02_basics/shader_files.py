@@ -97,6 +97,7 @@ case = Case(
     math=r"\text{text} = \text{UTF-8}^{-1}(\text{bytes})",
     passes=(*drawn("plain"), *drawn("bom"), *drawn("crlf"), *enlarged([BYTES], SIZE, 3)),
     picture="picture.FragColor",
+    rows=SHOWN,
     expect=[
         exact("plain.FragColor", (0.25, 0.5, 0.75, 1.0), name="a plain file"),
         exact("bom.FragColor", PLAIN, name="a byte order mark is skipped"),

@@ -136,6 +136,7 @@ case = Case(
         *line_of("linear"),
     ),
     picture="picture.FragColor",
+    columns=("NEAREST", "LINEAR"),
     expect=[
         formula("judged.FragColor", sampled, draw=0, name="NEAREST, every pixel"),
         formula(

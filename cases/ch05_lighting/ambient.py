@@ -57,6 +57,7 @@ case = Case(
     math=r"C = k_a \, L \odot O",
     passes=lit.photographed(ROWS, clear=(0.0, 0.0, 0.0, 1.0)),
     picture="picture.FragColor",
+    rows=("strength 1", "0.4", "0.1"),
     expect=[
         *lit.vertex_stage_checks(draw=1),
         *each_draw("FragColor", COLOR, {1: "ring at 0.1", 6: "box at 0.4", 8: "floor at 1"}),

@@ -75,6 +75,7 @@ case = Case(
         clear=(0.01, 0.012, 0.016, 1.0),
     ),
     picture="picture.FragColor",
+    rows=("ambient and diffuse", "specular", "all of them"),
     expect=[
         *lit.vertex_stage_checks(),
         *each_draw("spec", specular_factor, {k: f"lobe, {name}" for k, name in NAMES.items()}),

@@ -95,5 +95,7 @@ case = Case(
     passes=passes("add"),
     variants=[variant(equation) for equation in EQUATIONS],
     picture="picture.FragColor",
+    columns=[name.upper() for name in NAMES],
+    rows=[name.upper() for name in reversed(NAMES)],
     expect=[shown_check("fields"), edges_check("fields")],
 )

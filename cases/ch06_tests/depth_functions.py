@@ -43,6 +43,8 @@ case = Case(
         shown("verdicts", "table.total", SIZE, (72, 72), group=SIZE),
     ),
     picture="picture.FragColor",
+    columns=[name.upper() for name in FUNCTIONS],
+    rows=("farther", "equal", "nearer"),
     expect=[
         exact("table.total", truth, name="8 functions × nearer, equal, farther"),
         shown_check("verdicts"),

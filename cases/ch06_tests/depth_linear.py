@@ -88,6 +88,7 @@ case = Case(
         halves(RAILWAY), (1000, 500), clear=WHITE, reordered=halves(BACKWARDS)
     ),
     picture="picture.FragColor",
+    columns=("depth, as stored", "distance"),
     expect=[
         *stage.checks("linear", "travelled", props=False, light=False),
         *each_draw("judged.linear", linear, SIDES, "distance out of depth, {}"),

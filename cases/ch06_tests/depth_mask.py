@@ -70,6 +70,8 @@ case = Case(
         all_figures(),
     ),
     picture="picture.FragColor",
+    columns=[*(name.upper() for name in FUNCTIONS), "test off"],
+    rows=[f"{d}, mask {m}" for m in ("open", "closed") for d in (75, 50, 25)],
     expect=[
         shown_check("numbers"),
         shown_check("numbers", "figures", "figures that the table has not"),

@@ -88,6 +88,7 @@ case = Case(
             draws=(*two_frames(0, True), *two_frames(1, False)),
         )
     ],
+    columns=("depth cleared", "depth left over"),
     expect=[
         exact("FragColor", second_frame(PAPER, FAR, PAPER), name="the second frame, twice"),
         exact("depth", second_frame((1.0,), 0.75, (0.25,)), name="the depth that is left"),

@@ -87,6 +87,8 @@ case = Case(
         shown("verdicts", "table.total", (COLUMNS, ROWS), (24, 24), group=(4.0, 4.0)),
     ),
     picture="picture.FragColor",
+    columns=[name.upper() for name in FUNCS],
+    rows=[f"mask {mask}" for mask in reversed(VALUES)],
     expect=[
         exact("table.total", truth, name="8 functions × 4 references × 4 stored × 4 masks"),
         exact("hollow.total", hollow, name="a hollow rectangle: only where a 1 is stored"),

@@ -101,5 +101,7 @@ case = Case(
         Variant("write mask 0x3C", passes=table(0x3C), expect=holds(0x3C)),
     ],
     picture="picture.FragColor",
+    columns=("stencil test fails", "depth test fails", "both pass"),
+    rows=[name.upper() for name in reversed(NAMES)],
     expect=[shown_check("numbers")],
 )

@@ -119,6 +119,8 @@ case = Case(
         whole("cube, tested", CUBE, depth=Depth()),
     ),
     picture="table.FragColor",
+    columns=("none", "FRONT", "BACK", "both"),
+    rows=[f"{w}, front is {f}" for w in ("clockwise", "counter-clockwise") for f in ("CW", "CCW")],
     expect=[
         exact("table.FragColor", TRUTH, name="winding × front face × culled face"),
         formula("table.gl_Position", whole_field, draw=0, name="the ground of a field"),

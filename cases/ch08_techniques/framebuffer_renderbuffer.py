@@ -114,6 +114,7 @@ case = Case(
     r"\forall i, j: \text{samples}_i = \text{samples}_j",
     passes=(window("tested", "depth24_stencil8"), window("24 bits", "depth24")),
     picture="tested.FragColor",
+    columns=("with a depth renderbuffer", "without"),
     expect=[
         exact("tested.FragColor", HALVES, name="with and without the depth test"),
         exact("24 bits.FragColor", HALVES, name="depth alone does as well as depth and stencil"),

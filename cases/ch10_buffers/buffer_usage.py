@@ -61,6 +61,8 @@ case = Case(
         *(alone(usage) for usage in USAGES),
     ),
     picture="picture.FragColor",
+    columns=[name.upper() for name in WHO],
+    rows=[name.upper() for name in reversed(OFTEN)],
     expect=[
         *rosette_checks("stream_draw"),
         *each_draw(

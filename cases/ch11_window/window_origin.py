@@ -86,6 +86,7 @@ case = Case(
         *enlarged([of_window(0, "lower"), of_window(1, "upper")], (160, 60), 7),
     ),
     picture="picture.FragColor",
+    columns=("origin below", "origin above"),
     expect=[
         exact("lower.place", FROM_BELOW, name="every centre, from the lower left"),
         exact("upper.place", FROM_ABOVE, name="every centre, from the upper left"),

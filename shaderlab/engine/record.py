@@ -224,6 +224,8 @@ class RecordBuilder:
             notices=tuple(self._notices),
             images=self.picture.files,
             captions=self.picture.captions,
+            columns=tuple(case.columns),
+            rows=tuple(case.rows),
             passes=self.passes,
             buffers=self._buffers,
             driver=self._driver,

@@ -60,6 +60,8 @@ class Case(Checked):
         errata: where that text is wrong.
         math: the formula in LaTeX, for the report.
         picture: the output that is the case's picture; the last pass's first one by default.
+        columns, rows: what the picture's columns and rows are, from the left and from above, where
+            it is a table: the page writes them beside it.
         targets: what its programs are compiled for: "glsl", "opengl", "vulkan" or "vulkan-strict";
             by default what the project says, or else the first three.
 
@@ -74,6 +76,8 @@ class Case(Checked):
     errata: Sequence[Erratum] = ()
     math: str = ""
     picture: str = ""
+    columns: Sequence[str] = ()
+    rows: Sequence[str] = ()
     targets: Sequence[str] = ()
     id: str = ""
     file: str = ""

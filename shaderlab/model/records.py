@@ -436,7 +436,8 @@ class Record:
     `place` is where the case stands in its course.
 
     `images` maps "picture" (and what else there is) to files relative to the run's folder,
-    `captions` the same names to how they are to be read. `passes` are in the order they ran.
+    `captions` the same names to how they are to be read; `columns` and `rows` name those of a
+    picture that is a table. `passes` are in the order they ran.
     `buffers` are those of uniform blocks, and of meshes that say how they lie in memory.
     `unread` are the outputs that no expectation reads (`unread_outputs` in
     shaderlab/engine/expectations/base.py): whatever is drawn there, the record passes.
@@ -475,6 +476,8 @@ class Record:
     notices: tuple[str, ...] = ()
     images: Mapping[str, str] = field(default_factory=dict)
     captions: Mapping[str, str] = field(default_factory=dict)
+    columns: tuple[str, ...] = ()
+    rows: tuple[str, ...] = ()
     passes: tuple[PassRecord, ...] = ()
     buffers: tuple[BufferRecord, ...] = ()
     driver: str = ""
