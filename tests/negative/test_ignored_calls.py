@@ -10,12 +10,14 @@ import pytest
 
 from shaderlab.drivers.opengl import (
     buffers,
+    calls,
     drawing,
     linking,
     target,
     textures,
 )
 from shaderlab.drivers.opengl.device import gl_constant
+from shaderlab.engine.expectations.gl_call import GlCall
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.textures import Sampling
 from tests.catalogue import judged_only, shipped
@@ -116,6 +118,33 @@ def test_a_call_that_is_left_out_is_noticed(
         record = lab.run(scene)
     failed = {o.kind for o in record.expectations if o.status != "pass"}
     assert record.status == "fail" and failed == {"GL calls"}, (record.message, failed)
+
+
+@pytest.mark.parametrize(
+    ("case_id", "function"),
+    [
+        ("image-file", "glPixelStorei"),
+        ("compile-and-link", "glDeleteShader"),
+        ("points-and-elements", "glBegin"),
+        ("framebuffer-renderbuffer", "glDrawBuffer"),
+        ("depth-precision", "glClearDepth"),
+    ],
+)
+def test_a_call_that_opengl_ignores_is_noticed(
+    monkeypatch: pytest.MonkeyPatch, case_id: str, function: str
+) -> None:
+    """A driver that takes a call and does nothing."""
+    scene = next(shipped()[case_id].scenes())
+    asked = tuple(e for e in scene.expect if isinstance(e, GlCall))
+    invoke = calls._Maker._invoke
+
+    def ignored(self: Any, call: Any, *given: Any) -> Any:
+        return None if call.function == function else invoke(self, call, *given)
+
+    monkeypatch.setattr(calls._Maker, "_invoke", ignored)
+    with SceneRunner() as lab:
+        record = lab.run(replace(scene, expect=asked))
+    assert record.status == "fail", record.message
 
 
 @pytest.mark.parametrize("kept", [0, 1])
