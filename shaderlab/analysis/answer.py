@@ -53,7 +53,8 @@ class OutputAnswer:
         judged: on how many inputs it was compared.
         different: on how many of them it is another one.
         apart: how far, at most; infinite where only one program draws, or has a number.
-        why: "value", "coverage", "definedness"; "missing" where a program has no such output.
+        why: "value", "coverage", "definedness"; "missing" where a program has no such output;
+            "interface" where no output but a declaration differs, which is the name then.
         example: inputs at which it differs, and what both give there; if it is the same under
             conditions, inputs that do not meet them.
         place: the first line of the new program that differs there, "file:line" or "".
@@ -75,13 +76,15 @@ class OutputAnswer:
     @property
     def same(self) -> bool | None:
         """Whether it is the same mathematics; None where nothing could be compared."""
-        if self.different or self.why == "missing":
+        if self.different or self.why in ("missing", "interface"):
             return False
         return True if self.judged else None
 
     def __str__(self) -> str:
         if self.why == "missing":
             return f"{self.name}: only one of the two shaders writes it"
+        if self.why == "interface":
+            return f"interface: {self.name}"
         if self.same is None:
             return f"{self.name}: nothing to compare: it is undefined or mere noise for all inputs"
         if self.same:

@@ -16,7 +16,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from shaderlab.errors import UsageError, suggest
 from shaderlab.model.frame import Array, Bindings, Texels
 
 from .batches import InputBatch, join_batches, merge_batches, run_batch
@@ -26,13 +25,11 @@ from .inputs import (
     Input,
     InputDomain,
     domains_of,
-    find_declared_ranges,
     inputs_of,
     interpolate_inputs,
     is_place,
     keep_in_order,
     sample_inputs,
-    unknown_names,
 )
 from .interpreter import Program
 from .portability import Spread, find_spreads, widest_spreads
@@ -359,15 +356,19 @@ def audit_program(
     """
     plan = plan or Plan()
     inputs = inputs_of(program)
-    for name in unknown_names(list(plan.ranges), inputs):
-        raise UsageError(f"the shader does not read {name!r}", remedy=suggest(name, inputs))
     if captured:
         batches = merge_batches(captured, program, _MAX_CAPTURED)
-        examples = [e for batch in batches for e in _capture_examples(program, batch)]
+        examples = [
+            example
+            for batch in batches
+            for example in find_counterexamples(
+                watch_batch(program, batch), batch, np.full(batch.count, RANDOM)
+            )
+        ]
         tried = sum(batch.count for batch in batches)
         words = dict.fromkeys(inputs, "as in the case")
     else:
-        domains = domains_of(inputs.values(), find_declared_ranges(program), plan.ranges)
+        domains = domains_of(inputs, [program], plan.ranges)
         search = InputSearch(program, inputs, domains, plan.count)
         search.run()
         examples, tried, batches = list(search.found.values()), search.tried, [search.first]
@@ -387,11 +388,6 @@ def audit_program(
         inputs=words,
         spreads=tuple(widest_spreads(spreads)),
     )
-
-
-def _capture_examples(program: Program, batch: InputBatch) -> Iterator[Counterexample]:
-    origins = np.full(batch.count, RANDOM)
-    return find_counterexamples(watch_batch(program, batch), batch, origins)
 
 
 def _hazards(

@@ -20,7 +20,15 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.compiler.spirv import Op
+from shaderlab.compiler.diagnostics import find_declaration
+from shaderlab.compiler.spirv import (
+    Decoration,
+    ExecutionMode,
+    Op,
+    interface_name,
+    type_name,
+    unwrap,
+)
 from shaderlab.engine.expectations.base import Context, DrawExpectation
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.errors import CaseError, NotInterpretedError, UsageError, suggest
@@ -44,16 +52,19 @@ from .inputs import (
     InputDomain,
     add_constants,
     domains_of,
-    find_declared_ranges,
     inputs_of,
     learn_domains,
     sample_inputs,
-    unknown_names,
     vary_inputs,
 )
 from .interpreter import Program, load
 from .noise import Compared, PerturbedFloat, Ran, compare, confirm, run
 
+_PIXELS = (ExecutionMode.PixelCenterInteger, ExecutionMode.OriginUpperLeft)
+_INTERPOLATED = (Decoration.NoPerspective, Decoration.Flat, Decoration.Centroid, Decoration.Sample)
+_NUMBERED = (Decoration.Location, Decoration.Binding)
+_LAYOUT = (Decoration.Offset, Decoration.RowMajor, Decoration.MatrixStride)
+_FIXED = {"std140", "std430"}  # the layouts of blocks that don't depend on the driver
 _BITS = range(Op.ShiftRightLogical, Op.BitCount + 1)
 _ENDS = 1e-6  # what stored values may differ by where a step is called the same
 
@@ -106,8 +117,6 @@ def compare_programs(
         raise UsageError(f"a {old.stage} shader can't be compared with a {new.stage} shader")
     mine, theirs = inputs_of(old), inputs_of(new)
     inputs = {**mine, **theirs}
-    for name in unknown_names(list(plan.ranges), inputs):
-        raise UsageError(f"no shader reads {name!r}", remedy=suggest(name, inputs))
     for name in mine.keys() & theirs.keys():
         if mine[name].type != theirs[name].type:
             raise UsageError(
@@ -120,9 +129,7 @@ def compare_programs(
         def make(domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
             return vary_inputs(captured[seed % len(captured)], domains, seed)
     else:
-        declared = {**find_declared_ranges(old), **find_declared_ranges(new)}
-        domains = domains_of(inputs.values(), declared, plan.ranges)
-        domains = add_constants(domains, inputs, (old, new))
+        domains = domains_of(inputs, (old, new), plan.ranges)
 
         def make(domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
             return sample_inputs(inputs, domains, plan.count, seed)
@@ -131,7 +138,7 @@ def compare_programs(
     return Answer(
         old=_file(old),
         new=_file(new),
-        outputs=tuple(comparison.outputs(captured)),
+        outputs=(*comparison.outputs(captured), *_compare_interfaces(old, new)),
         notes=tuple(_notes(mine, theirs)),
         inputs={
             name: f"{domain} ({domain.source})"
@@ -146,6 +153,37 @@ def _notes(mine: Mapping[str, Input], theirs: Mapping[str, Input]) -> Iterator[s
         only = [name for name in some if name not in others]
         if only:
             yield f"only {which} reads {', '.join(only)}"
+
+
+def _compare_interfaces(old: Program, new: Program) -> Iterator[OutputAnswer]:
+    """An answer on each declaration of both that the application or a stage meets otherwise."""
+    mine, theirs = (dict(_interface(program)) for program in (old, new))
+    for name, words in mine.items():
+        if theirs.get(name, words) != words:
+            became = f"{name}: {words or 'default'} became {theirs[name] or 'default'}"
+            yield OutputAnswer(name=became, why="interface")
+
+
+def _interface(program: Program) -> Iterator[tuple[str, str]]:
+    """How variables and blocks' members lie and are interpolated, as far as the text says so."""
+    module = program.module
+    yield "pixels", ", ".join(mode.name for mode in _PIXELS if mode in module.modes)
+    if program.source is None:
+        return
+    for id_, (pointee, _) in module.variables.items():
+        name, element = interface_name(module, id_), unwrap(module, pointee)[1]
+        declared = find_declaration(program.source, module.names.get(id_, "") or name)
+        said = declared.qualifiers if declared is not None else frozenset()
+        kinds = [*_INTERPOLATED, *(kind for kind in _NUMBERED if kind.name.lower() in said)]
+        yield name, _format_decorations(module.decorations.get(id_, {}), kinds)
+        for i, of in enumerate(module.types[element].words if said & _FIXED else ()):
+            laid = _format_decorations(module.member(element, i), _LAYOUT)
+            own = module.member_names.get((element, i), "")
+            yield f"{name}.{own}", f"{type_name(module, of)}, {laid}"
+
+
+def _format_decorations(given: Mapping[int, Sequence[int]], kinds: Iterable[Decoration]) -> str:
+    return ", ".join(" ".join([k.name, *map(str, given[k])]) for k in kinds if k in given)
 
 
 def _file(program: Program) -> str:
@@ -175,7 +213,7 @@ class _Comparison:
                 break
         else:
             if not captured and self.plan.rounds:
-                domains = add_constants(self.domains, self.inputs, self.programs, beyond=True)
+                domains = add_constants(self.domains, self.inputs, self.programs)
                 # A loop as long as such a number says may be too long to run.
                 with contextlib.suppress(NotInterpretedError):
                     sets.append(self._run(self.make(domains, self.plan.rounds + 1)))

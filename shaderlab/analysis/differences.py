@@ -120,7 +120,10 @@ def compare_accuracy(
     with np.errstate(all="ignore"):
         floor = _SMALL * np.nanmax(np.abs(values), axis=0, initial=0.0)
         ulp = np.spacing(np.maximum(np.abs(values), floor).astype(np.float32)).astype(np.float64)
-        old, new = (_off(band, values, size) / ulp for band in bands)
+        old, new = (  # how far a device may be from the value
+            np.maximum(band.hi[..., :size] - values, values - band.lo[..., :size]) / ulp
+            for band in bands
+        )
         known = np.isfinite(old) & np.isfinite(new)
         if not known.any():
             return None
@@ -133,12 +136,6 @@ def compare_accuracy(
         differ = _wider if worse >= better else _narrower
         step, _, _ = first_difference(programs, batch, row, Bands(), differ)
     return worse, better, row, step
-
-
-def _off(band: Band, values: Array, size: int) -> Array:
-    """How far a device may be from the value, (count, size)."""
-    off: Array = np.maximum(band.hi[..., :size] - values, values - band.lo[..., :size])
-    return off
 
 
 def _wider(old: Any, new: Any) -> bool:

@@ -21,14 +21,14 @@ from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import CapturedFragments, subject_of
 from shaderlab.engine.judging.banded import format_value
 from shaderlab.engine.judging.references import Inputs, evaluate
-from shaderlab.errors import ShaderlabError, UsageError, suggest
+from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.frame import Array, PassDraw
 from shaderlab.model.records import Explanation, Outcome, Step
 
 from .batches import InputBatch
 from .driver_values import driver_values
-from .inputs import domains_of, find_declared_ranges, inputs_of, sample_inputs, unknown_names
+from .inputs import domains_of, inputs_of, sample_inputs
 from .interpreter import FLOAT32, FLOAT64, Arithmetic, Bands, Program, Stored, interpret
 from .interpreter.running import is_vector, precision_loss, row_of, width
 from .invocations import Invocations, sample_fragments
@@ -130,7 +130,7 @@ def steps_at(
     )
     steps = []
     for key, event in bands.at(row).items():
-        if not _is_plain(event.value) or key not in single or key not in exact:
+        if getattr(event.value, "ndim", 0) != 2 or key not in single or key not in exact:
             continue
         value, known = _bounds(single[key].value, row)[0], event in driver
         if known:
@@ -139,10 +139,6 @@ def steps_at(
         if (is_vector(event.value) and not event.is_argument) or (known and not step.inside):
             steps.append(step)
     return tuple(steps)
-
-
-def _is_plain(value: Any) -> bool:
-    return is_vector(value) or (isinstance(value, Integer | TriBool) and value.ndim == 2)
 
 
 def _bounds(value: Any, row: int) -> tuple[Any, Any]:
@@ -204,11 +200,7 @@ def explain_file(
         UsageError: a range is wrong.
     """
     inputs = inputs_of(program)
-    for name in unknown_names(list(ranges), inputs):
-        raise UsageError(f"the shader does not read {name!r}", remedy=suggest(name, inputs))
-    made_up = sample_inputs(
-        inputs, domains_of(inputs.values(), find_declared_ranges(program), ranges), most, 0
-    )
+    made_up = sample_inputs(inputs, domains_of(inputs, [program], ranges), most, 0)
     row = _widest(_as_invocations(program, made_up))
     rows = made_up.rows_with(np.array([row]), program)
     some = _as_invocations(program, made_up.part(rows))

@@ -12,7 +12,7 @@ import numpy as np
 
 from shaderlab.compiler.reflection import is_used, leaves, used_paths
 from shaderlab.compiler.spirv import StorageClass, type_name, unwrap
-from shaderlab.errors import NotInterpretedError, UsageError
+from shaderlab.errors import NotInterpretedError, UsageError, suggest
 from shaderlab.model.frame import Array, Bindings, Texels
 
 from .batches import InputBatch, quads_of
@@ -200,21 +200,19 @@ _BUILT_IN = {
 
 
 def domains_of(
-    inputs: Iterable[Input], declared: Mapping[str, str], ranges: Mapping[str, str]
+    inputs: Mapping[str, Input], programs: Sequence[Program], ranges: Mapping[str, str]
 ) -> dict[str, InputDomain]:
-    """The role of each input, by name.
-
-    Args:
-        inputs: what the programs read.
-        declared: "a..b", "a:b" or "unit" by a variable's own name, from comments.
-        ranges: the same by whole name, of all elements of an array or of one; these win.
+    """The role of each input, by name: of `ranges` ("a..b", "a:b" or "unit" by whole name, of all
+    elements of an array or of one), else of a comment, else as the name and the type suggest.
 
     Raises:
-        UsageError: what is given is no range.
+        UsageError: what is given is no range, or of what no program reads.
     """
-    inputs = list(inputs)
+    for name in unknown_names(list(ranges), inputs):
+        raise UsageError(f"the shader does not read {name!r}", remedy=suggest(name, inputs))
+    declared = {name: text for one in programs for name, text in find_declared_ranges(one).items()}
     found = {}
-    for one in inputs:
+    for one in inputs.values():
         plain = re.sub(r"\[\d+\]", "", one.name)
         said = ranges.get(one.name, ranges.get(plain, ""))
         comment = declared.get(plain.rpartition(".")[2], "")
@@ -223,7 +221,7 @@ def domains_of(
             found[one.name] = replace(domain, source="given" if said else "declared")
         else:
             found[one.name] = _assume_domain(one)
-    for one in inputs:
+    for one in inputs.values():
         lower = lower_partner(one.name, found)
         if lower and found[one.name].kind == found[lower].kind == "number":
             found[one.name] = replace(found[one.name], above=lower)
@@ -231,20 +229,16 @@ def domains_of(
 
 
 def add_constants(
-    domains: Mapping[str, InputDomain],
-    inputs: Mapping[str, Input],
-    programs: Sequence[Program],
-    *,
-    beyond: bool = False,
+    domains: Mapping[str, InputDomain], inputs: Mapping[str, Input], programs: Sequence[Program]
 ) -> dict[str, InputDomain]:
-    """The domains of numbers with the programs' own constants to try; with `beyond` those beyond
-    the assumed range of an integer, too: `id == 12345` is true for no other."""
+    """The domains of numbers with the programs' own constants to try; of an integer those beyond
+    its assumed range, too: `id == 12345` is true for no other."""
     constants = sorted({number for program in programs for number in program.numbers})
     found = dict(domains)
     for name, domain in domains.items():
         if domain.kind == "number" and name in inputs and "mat" not in inputs[name].type:
-            whole = inputs[name].whole and domain.source == "assumed" and name[:3] != "gl_"
-            low, high = (-_WHOLE, _WHOLE - 1.0) if whole and beyond else (domain.low, domain.high)
+            beyond = inputs[name].whole and domain.source == "assumed" and name[:3] != "gl_"
+            low, high = (-_WHOLE, _WHOLE - 1.0) if beyond else (domain.low, domain.high)
             own = tuple(number for number in constants if low <= number <= high)
             found[name] = replace(domain, constants=own)
     return found

@@ -70,7 +70,7 @@ class PerturbedFloat(Numbers):
     def _perturb_rounded(self, value: Any, salt: str) -> Any:
         if not self.copies or type(value) is not np.ndarray:
             return value
-        return self._perturb(value, _needs_rounding(value), _OPERATION, salt)
+        return self._perturb(value, (value.view(np.int64) & _BEYOND) != 0, _OPERATION, salt)
 
     def _perturb(self, value: Array, rounded: Array, size: float, salt: str) -> Array:
         """The value with an error in each block but the first where it was rounded, from -1 to -.5
@@ -88,12 +88,6 @@ class PerturbedFloat(Numbers):
         found = value.copy()
         np.multiply(exact, factors, out=found[block:], where=rounded[block:])
         return found if block == self.count else np.repeat(found, self.count, axis=0)
-
-
-def _needs_rounding(values: Array) -> Flags:
-    """Where numbers have more bits than a float32."""
-    found: Flags = (values.view(np.int64) & _BEYOND) != 0
-    return found
 
 
 def _place(salt: str, number: float) -> int:

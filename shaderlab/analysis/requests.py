@@ -175,7 +175,6 @@ class ExplainFile:
 
     def perform(self, worker: Worker) -> tuple[Explanation, Mapping[str, tuple[float, ...]]]:
         from shaderlab.analysis.explain import explain_file
-        from shaderlab.analysis.interpreter import load
 
         worker.note("compiling")
         with in_file(self.shader.file.path):

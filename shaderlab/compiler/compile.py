@@ -293,7 +293,7 @@ def keep_literals(source: Source) -> Source:
     starts = list(_START.finditer(source.code))
     at = starts[-1].end() if starts else 0
     rest = _CONSTANT.sub("", _NUMBER.sub(name, source.code[at:]))
-    if not names:
+    if not names or source.version[0] < SETTINGS["opengl"].minimum:
         return source
     line = source.code.count("\n", 0, at) + 1
     declared = ", ".join(f"{name} = {number}" for number, name in names.items())

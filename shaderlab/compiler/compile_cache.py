@@ -26,7 +26,7 @@ from shaderlab.files import cache_root, open_regular, write_bytes
 from shaderlab.model.records import Diagnostic, Verdict
 
 from .compile import Compile, Compiled, compile_program, keep_literals, order_stages
-from .glslang import SETTINGS, files, link
+from .glslang import files, link
 from .reflection import Block, Interface, Member, Variable
 from .sources import Source
 
@@ -164,15 +164,15 @@ def compile_with_lines(source: Source) -> Compiled:
 
 
 def _compile_with_lines(source: Source) -> Compiled:
-    if source.version[0] >= SETTINGS["opengl"].minimum:
-        linked = link([keep_literals(source)], "opengl", lines=True)
-        if linked.ok:
-            return Compiled((), {"opengl": linked.modules}, (source,))
-    compiled = compile_program([source], ("opengl", "vulkan"))
+    # First as it is: no other text of what would crash the compiler, or is no valid module.
+    compiled = compile_program([source], ("opengl",))
+    if not compiled.ok:
+        compiled = compile_program([source], ("opengl", "vulkan"))
     for target in compiled.spirv:
-        linked = link([source], target, lines=True)
-        if linked.ok:
-            return replace(compiled, spirv={target: linked.modules})
+        for text in (keep_literals(source), source):
+            linked = link([text], target, lines=True)
+            if linked.ok:
+                return replace(compiled, spirv={target: linked.modules})
     return replace(compiled, spirv={})
 
 

@@ -105,7 +105,7 @@ class Decoration(IntEnum):
     RelaxedPrecision, SpecId, Block, BufferBlock, RowMajor = range(5)
     ArrayStride, MatrixStride = 6, 7
     BuiltIn = 11
-    NoPerspective, Flat, Patch = 13, 14, 15
+    NoPerspective, Flat, Patch, Centroid, Sample = range(13, 18)
     NonWritable = 24
     Location = 30
     Binding, DescriptorSet, Offset, XfbBuffer, XfbStride = range(33, 38)
@@ -123,6 +123,7 @@ class StorageClass(IntEnum):
 class ExecutionMode(IntEnum):
     """The execution modes that are read or added."""
 
+    PixelCenterInteger, OriginUpperLeft = 6, 7
     Xfb = 11
     LocalSize = 17
     OutputVertices = 26

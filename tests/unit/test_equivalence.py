@@ -217,6 +217,30 @@ def test_a_range_is_read_behind_a_layout() -> None:
     assert compared(text, text).inputs["n"] == "of length 1 (declared)"
 
 
+@pytest.mark.parametrize(
+    ("declared", "other", "words"),
+    [
+        ("layout (std140) uniform B { float a; vec4 b; };",
+         "layout (std140) uniform B { vec4 b; float a; };", "Offset 16"),
+        ("layout (std140) uniform B { mat4 m; float a; vec4 b; };",
+         "layout (std140, row_major) uniform B { mat4 m; float a; vec4 b; };", "RowMajor"),
+        ("uniform float a; noperspective in vec4 b;", "uniform float a; in vec4 b;", "NoPersp"),
+        ("uniform float a; uniform vec4 b; layout (origin_upper_left) in vec4 gl_FragCoord;",
+         "uniform float a; uniform vec4 b;", "pixels: OriginUpperLeft"),
+        ("uniform float a; uniform vec4 b; layout (location = 1) out vec4 o;",
+         "uniform float a; uniform vec4 b; layout (location = 2) out vec4 o;", "Location 1 became"),
+        ("uniform B { float a; vec4 b; };", "uniform B { vec4 b; float a; };", ""),
+        ("uniform float a; uniform vec4 b;", "uniform vec4 b; uniform float a;", ""),
+    ],
+)  # fmt: skip
+def test_interfaces_are_compared(declared: str, other: str, words: str) -> None:
+    rest = "void main() { o = a * b + gl_FragCoord; }"
+    texts = (one if "out vec4 o" in one else f"{one} out vec4 o;" for one in (declared, other))
+    answer = compared(*(f"#version 450 core\n{text} {rest}" for text in texts))
+    found = "".join(str(one) for one in answer.outputs if one.why == "interface")
+    assert answer.same is (not words) and words in found and bool(found) == bool(words)
+
+
 def test_a_range_hides_what_lies_outside_of_it() -> None:
     old = "uniform float k; out float o; void main() { o = k; }"
     new = old.replace("o = k", "o = min(k, 3.0)")
@@ -248,7 +272,7 @@ def test_inputs_and_outputs_are_matched_by_name() -> None:
     assert other.notes == ("only OLD reads x", "only NEW reads y")
     with pytest.raises(UsageError, match="x is float in one, vec2 in the other"):
         compared(old, "in vec2 x; out float o; void main() { o = x.x; }")
-    with pytest.raises(UsageError, match="no shader reads 'z'"):
+    with pytest.raises(UsageError, match="does not read 'z'"):
         compared(old, old, ranges={"z": "0..1"})
     with pytest.raises(UsageError, match="'1' is no range"):
         compared(old, old, ranges={"x": "1"})

@@ -15,7 +15,7 @@ import numpy as np
 
 from shaderlab.bands import Integer, TriBool
 from shaderlab.compiler.reflection import leaves
-from shaderlab.compiler.spirv import Decoration, StorageClass, unwrap
+from shaderlab.compiler.spirv import Decoration, StorageClass, interface_name as shared_name
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array, Bindings
 
@@ -87,15 +87,8 @@ def _is_missing(value: Value) -> bool:
 def interface_name(program: Program, id_: int) -> str:
     """What a variable's parts are called by: a block's own name, which counts only where it has
     an instance name; else the variable's."""
-    module = program.module
     name = program.name(id_)
-    if id_ not in module.variables:
-        return name
-    element = unwrap(module, module.variables[id_][0])[1]
-    kinds = (Decoration.Block, Decoration.BufferBlock)
-    if all(module.decorated(element, kind) is None for kind in kinds):
-        return name
-    return module.names.get(element, "") if name else ""
+    return shared_name(program.module, id_) if name and id_ in program.module.variables else name
 
 
 @dataclass(frozen=True, eq=False)
