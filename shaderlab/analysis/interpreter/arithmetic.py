@@ -17,7 +17,7 @@ import numpy as np
 from shaderlab import glslmath
 from shaderlab.bands import Band, Integer, Rules
 from shaderlab.bands.arithmetic import scale
-from shaderlab.bands.rounding import is_power_of_two, shortest
+from shaderlab.bands.rounding import is_power_of_two
 
 Floats = Any
 """Values of an arithmetic: it takes + - * / and comparisons, and has a shape."""
@@ -44,11 +44,6 @@ class Numbers:
     def literal(self, value: float) -> Floats:
         """A number that the author wrote, (1, 1)."""
         return np.full((1, 1), value, self.dtype)
-
-    def constant(self, value: float) -> Floats:
-        """A float32 of the module, (1, 1), that the compiler took from the text or computed."""
-        # The shortest decimal number with this float32 is the one that was written.
-        return self.literal(float(shortest(value)))
 
     def undefined(self) -> Floats:
         """A float that nothing was stored to, (1, 1)."""
@@ -159,10 +154,6 @@ _FUNCTIONS: Mapping[str, Callable[..., Any]] = {
 which rounds; other functions are those of `glslmath`, in float64, rounded once."""
 
 
-# A float32 that needs more digits was computed by the compiler: another one may round otherwise.
-_DIGITS, _COMPUTED = 8, 3.0
-
-
 @dataclass(frozen=True)
 class Bands:
     """The `Arithmetic` of `shaderlab.bands`, under some precision rules."""
@@ -175,17 +166,6 @@ class Bands:
     def literal(self, value: float) -> Floats:
         """The hull of the decimal number's neighbours, as in a reference."""
         return Band.literal(np.full((1, 1), value), self.rules)
-
-    def constant(self, value: float) -> Floats:
-        """As `literal`; 3 ULP around a float32 with so many digits that the compiler must have
-        computed it of others."""
-        shown = np.format_float_scientific(np.float32(value), trim="-")
-        digits = shown.split("e")[0].replace(".", "").replace("-", "")
-        if len(digits) < _DIGITS or value == round(value):
-            return self.literal(float(shown))
-        give = _COMPUTED * float(np.spacing(np.abs(np.float32(value))))
-        middle = np.full((1, 1), float(value))
-        return Band.between(middle - give, middle + give, self.rules)
 
     def undefined(self) -> Floats:
         return Band.exact(np.full((1, 1), np.nan), self.rules)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Band, Integer, TriBool
-from shaderlab.bands.rounding import ulp
+from shaderlab.bands.rounding import shortest, ulp
 from shaderlab.compiler.compile import literal_of
 from shaderlab.compiler.spirv import Op, StorageClass
 from shaderlab.errors import FormulaError
@@ -134,9 +134,9 @@ def value(run: Run, id_: int) -> Value:
         word = np.array([[words[2]]], np.uint32)
         if type_.kind == "float":
             written = literal_of(program.name(id_))
-            if written is not None:
-                return run.arithmetic.literal(written)
-            return run.arithmetic.constant(float(word.view(np.float32)[0, 0]))
+            if written is None:  # the fewest digits that give this float32
+                written = float(shortest(word.view(np.float32)[0, 0]))
+            return run.arithmetic.literal(written)
         number = word.view(np.int32) if type_.signed else word
         return Integer(number, unsigned=not type_.signed, rules=run.arithmetic.rules)
     if op in _COMPOSITE:
