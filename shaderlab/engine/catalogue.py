@@ -303,21 +303,23 @@ def _course(file: Path) -> Mapping[str, Any]:
     return found
 
 
-def files_below(folder: Path) -> Iterator[Path]:
-    """All files below `folder`, sorted, except in hidden folders and build products.
+def files_below(folder: Path, above: Sequence[tuple[int, int]] = ()) -> Iterator[Path]:
+    """All files below `folder`, sorted, except in hidden folders and build products. A link to one
+    of the folders that it is in, which are `above`, leads nowhere.
 
     Raises:
         UsageError: `folder` is not a folder that can be read.
     """
     try:
-        entries = sorted(folder.iterdir())
+        entries, there = sorted(folder.iterdir()), folder.stat()
     except OSError as error:
         raise UsageError(f"can't read this folder: {error.strerror}", file=folder) from error
-    for entry in entries:
+    place = there.st_dev, there.st_ino
+    for entry in entries if place not in above else ():
         if not entry.is_dir():
             yield entry
         elif not entry.name.startswith(".") and entry.name not in _SKIPPED_FOLDERS:
-            yield from files_below(entry)
+            yield from files_below(entry, [*above, place])
 
 
 def sort_key(section: str, case_id: str) -> tuple[list[int], str]:

@@ -67,6 +67,9 @@ class ItemResult:
     seconds: float = 0.0
 
 
+_Batch = list[tuple[int, Any]]
+
+
 @dataclass(eq=False)
 class _Run:
     """The results of one `run`: None stands for the end of a batch, an exception for that of the
@@ -306,21 +309,14 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
     """
 
     def __init__(
-        self,
-        work: str,
-        *,
-        limits: Limits | None = None,
-        jobs: int = 1,
-        batch: int = BATCH,
+        self, work: str, *, limits: Limits | None = None, jobs: int = 1, batch: int = BATCH
     ) -> None:
         self.jobs = max(jobs, 1)
         path = os.pathsep.join(sort_search_path(sys.path))
         environment = {**_ONE_THREAD, **os.environ, "PYTHONPATH": path}
         self._make = functools.partial(_Worker, work, limits or Limits(), Path.cwd(), environment)
         self._batch = max(batch, 1)
-        self._queue: queue.SimpleQueue[tuple[_Run, list[tuple[int, Any]]] | None] = (
-            queue.SimpleQueue()
-        )
+        self._queue: queue.SimpleQueue[tuple[_Run, _Batch] | None] = queue.SimpleQueue()
         self._lock = threading.Lock()  # for all below
         self._closed = False
         self._unfinished = 0  # batches, but for empty ones
@@ -369,7 +365,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         finally:
             run.closed = True
 
-    def _submit(self, run: _Run, batch: list[tuple[int, Any]]) -> bool:
+    def _submit(self, run: _Run, batch: _Batch) -> bool:
         """Queue a batch, for a new worker if all are busy; return False if the pool is closed."""
         with self._lock:
             if self._closed:

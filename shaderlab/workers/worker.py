@@ -122,7 +122,9 @@ def main() -> None:
     parent = socket.socket(fileno=socket_number)
     channel = Channel(parent, seconds, steps)
     os.register_at_fork(after_in_child=channel.detach_copy)
-    work = _load_work(name)
+    module, _, attribute = name.partition(":")
+    work: Any = getattr(importlib.import_module(module), attribute)
+    getattr(work, "preload", lambda: None)()  # imports what it will need
     if isinstance(work, type):
         work = work(channel)
     gc.freeze()  # what is imported stays: no later collection has to look at it
@@ -131,14 +133,6 @@ def main() -> None:
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
             channel.answer(work, pickle.load(requests))
-
-
-def _load_work(name: str) -> Any:
-    """Import the work called "module:name" and what its `preload` says that it will need."""
-    module, _, attribute = name.partition(":")
-    work = getattr(importlib.import_module(module), attribute)
-    getattr(work, "preload", lambda: None)()
-    return work
 
 
 def die_with_parent(parent: int) -> None:

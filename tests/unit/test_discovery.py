@@ -11,6 +11,7 @@ from shaderlab.engine.catalogue import (
     case_files,
     chapter_title,
     data_folder,
+    files_below,
     inspect_file,
     is_case_file,
     load_case,
@@ -242,3 +243,12 @@ def test_a_file_that_can_be_no_case_fails_by_its_name(
     with pytest.raises(CaseError) as raised:
         load_case(file)
     assert raised.value.file == str(file) and raised.value.remedy
+
+
+def test_links_to_folders_above_lead_nowhere(tmp_path: Path) -> None:
+    """Two of them in each other's sight are followed once, not two to the fortieth times."""
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "file").touch()
+    for name in ("up", "also"):
+        (tmp_path / "a" / name).symlink_to(tmp_path)
+    assert list(files_below(tmp_path)) == [tmp_path / "a" / "file"]
