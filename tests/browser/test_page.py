@@ -140,7 +140,7 @@ def test_chapters_and_neighbours_are_one_click_away(visit: Visit, lamp: Sample) 
     assert_at_the_top(page, "#case-lamp")
     page.locator("article", has=page.locator("#case-lamp")).locator("a[rel=next]").click()
     assert_at_the_top(page, "#case-blend")
-    way.locator("a", has_text="Lighting").click()
+    way.locator("a[href$=chapter-5]").click()
     assert_at_the_top(page, "#chapter-5")
 
 
@@ -149,7 +149,7 @@ def test_a_cases_page_knows_its_chapter_and_its_neighbours(visit: Visit, lamp: S
     assert page.locator(".way [aria-current]").inner_text() == "Lighting"
     page.locator("a[rel=next]").first.click()
     assert page.url == lamp.case("blend").as_uri()
-    page.locator(".way a", has_text="Lighting").click()
+    page.locator(".way a[href$=chapter-5]").click()
     assert page.url == lamp.page.as_uri() + "#chapter-5"
 
 
