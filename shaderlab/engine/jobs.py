@@ -170,10 +170,8 @@ def make_failed_record(
 ) -> Record:
     """The record of a job whose process did not live to write one: how it ended, the last step that
     it was about to do, and the renderer it ran on."""
-    from shaderlab.engine.catalogue import (  # not before the first worker is started
-        chapter_title,
-        place_of,
-    )
+    # Not before the first worker is started.
+    from shaderlab.engine.catalogue import chapter_title, place_of
     from shaderlab.model.records import Record
 
     lines = [message]

@@ -170,13 +170,12 @@ if (chinese) {
     chinese.setAttribute("aria-pressed", on);
     document.documentElement.classList.toggle("no-zh", !on);
   };
+  try { show(localStorage.zh !== "false"); } catch { show(true); }
   chinese.hidden = false;
-  try { show(localStorage.getItem("zh") !== "false"); } catch { show(true); }
-  chinese.addEventListener("click", () => {
-    const on = chinese.getAttribute("aria-pressed") === "false";
-    show(on);
-    try { localStorage.setItem("zh", on); } catch { /* for this page, then */ }
-  });
+  chinese.onclick = () => {
+    show(document.documentElement.matches(".no-zh"));
+    try { localStorage.zh = chinese.getAttribute("aria-pressed"); } catch { /* this page, then */ }
+  };
 }
 // On a case's own page its chapter is marked in the line of chapters, which may be longer than wide.
 const marked = document.querySelector(".way [aria-current]");
