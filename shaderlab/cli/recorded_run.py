@@ -37,7 +37,7 @@ from shaderlab.cli.selecting import find_unused
 from shaderlab.engine.jobs import Job
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import display_path, open_regular, write_text
+from shaderlab.files import display_path, open_regular
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import CodeCoverage, Record, Run
 
@@ -86,7 +86,7 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
                 whole = path.read_bytes().rfind(b"\n") + 1
                 self._file.truncate(whole)  # a line that was cut short
             else:
-                _retire_page(folder)
+                _remove_page(folder)
                 self._file.truncate(0)
                 self.add(plan)
         except BaseException:
@@ -119,22 +119,12 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
 
 SYNC_SECONDS = 1.0
 """How much of a run a power cut may cost. Each sync takes some milliseconds."""
-_UNFINISHED = """<!doctype html>
-<meta charset="utf-8">
-<title>Unfinished run</title>
-<p>This run has not finished. If it was stopped: <code>shaderlab run --resume</code> and this folder
-"""
 
 
-def _retire_page(folder: Path) -> None:
-    """Replace the page of an earlier run in a folder, which must not pass for the one that begins
-    now."""
-    page = folder / "index.html"
-    (folder / "run.json").unlink(missing_ok=True)
-    if page.exists():
-        page.unlink()
-        with contextlib.suppress(ShaderlabError):  # on a full disk there is no page
-            write_text(page, _UNFINISHED)
+def _remove_page(folder: Path) -> None:
+    """Remove the page of an earlier run, which must not pass for the one that begins now."""
+    for name in ("run.json", "index.html", "against.html"):
+        (folder / name).unlink(missing_ok=True)
 
 
 def _lock(file: IO[bytes], folder: Path) -> None:
