@@ -52,9 +52,8 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
     """A session that draws its scene pass by pass, targets that do not say in `size` (width,
     height); `linker` makes the programs, `stack` releases device memory in the end."""
 
-    shares_captures = (
-        False  # whether draws of a pass are captured together, told apart by a uniform
-    )
+    shares_captures = False
+    """Whether draws of a pass are captured together, told apart by a uniform."""
 
     _textures: SceneTextures[Any]  # what the scene's samplers read; a driver makes it
 

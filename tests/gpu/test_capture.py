@@ -414,3 +414,69 @@ def test_a_driver_with_another_idea_of_places_is_found_out(
     expected = "pass" if off == (0.0, 0.0) else "fail"
     assert outcome.status == expected, outcome.message
     assert ("the driver is wrong: gl_FragCoord is (" in outcome.message) == (expected == "fail")
+
+
+def test_draws_of_a_pass_are_captured_together_as_each_by_itself(
+    lab: SceneRunner, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    vert = write(
+        folder, "half.vert",
+        "in vec3 aPos; uniform float shift; out vec3 at; out vec2 uv;\n"
+        "void main() { at = aPos + shift; uv = aPos.xy; gl_Position = aPos.xyzz;\n"
+        "    gl_Position.x += shift; gl_Position.w = 1.0; }\n",
+    )  # fmt: skip
+    fragments = [
+        write(folder, "first.frag", "in vec3 at; out vec4 o; void main() { o = vec4(at, 1.0); }"),
+        write(
+            folder, "second.frag",
+            "in vec3 at; in vec2 uv; out vec4 o;\n"
+            "void main() { if (uv.y > 0.5) discard; o = vec4(at.xy, uv); }",
+        ),
+        write(folder, "bare.frag", "out vec4 o; void main() { o = vec4(0.5); }"),
+    ]  # fmt: skip
+    draws = [
+        Draw(vertex=vert, fragment=fragment, mesh=QUAD, uniforms={"shift": shift})
+        for fragment, shift in zip(fragments, (-0.25, 0.5, 1.75), strict=True)
+    ]
+    captured, redrawn = PassSession.capture_fragments, PassSession.redraw_with_texts
+    redraws: list[bool] = []
+
+    def count_redraws(self: Any, *given: Any) -> Any:
+        redraws.append(self.shares_captures)
+        return redrawn(self, *given)
+
+    def compare(self: Any, key: PassDraw) -> Fragments:
+        found = captured(self, key)
+        monkeypatch.setattr(self, "shares_captures", False)
+        monkeypatch.setattr(self, "_together", {})
+        alone = captured(self, key)
+        monkeypatch.undo()
+        patch()
+        for one, other in ((found, alone), (found.undiscarded, alone.undiscarded)):
+            if one is not None and other is not None:
+                np.testing.assert_array_equal(one.frag_coord, other.frag_coord)
+                np.testing.assert_array_equal(one.covered, other.covered)
+                for name, values in one.inputs.items():
+                    np.testing.assert_array_equal(
+                        values[one.covered], other.inputs[name][one.covered]
+                    )
+        assert found.covered.any()
+        return found
+
+    def patch() -> None:
+        monkeypatch.setattr(PassSession, "capture_fragments", compare)
+        monkeypatch.setattr(PassSession, "redraw_with_texts", count_redraws)
+
+    patch()
+    record = run(
+        lab, folder, (Pass(draws=draws),),
+        formula("o", lambda at: vec4(at, 1.0), draw=0),
+        formula("o", lambda at, uv: vec4(at[..., :2], uv), draw=1,
+                discards=lambda uv: uv[..., 1:2] > 0.5),
+        formula("o", lambda frag_coord: 0.5, draw=2),
+    )  # fmt: skip
+    assert [o.status for o in record.expectations] == ["pass"] * 3, [
+        o.message for o in record.expectations
+    ]
+    # All three at once, and the second keeping what it discards.
+    assert sum(redraws) == 2, redraws

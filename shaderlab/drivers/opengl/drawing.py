@@ -48,6 +48,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
         self._textures = BoundTextures(self.folder, self.images, self.targets, self.device, stack)
         self._blocks = UniformBuffers(self.device, stack)
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
+        self.shares_captures = not self.device.takes_spirv
         self._locations: dict[tuple[int, tuple[str, ...]], Mapping[str, int]] = {}
 
     def draw(self, only: Container[str] | None = None) -> Drawn:
@@ -66,10 +67,6 @@ class Drawing(PassSession[RenderTarget, Linker]):
 
     def finish(self) -> None:
         self.device.context.finish()
-
-    @property
-    def shares_captures(self) -> bool:  # type: ignore[override]
-        return not self.device.takes_spirv
 
     def compute(self, key: PassDraw, draw: PreparedDraw) -> None:
         storage.require_supported(draw.draw, draw.interface)

@@ -121,19 +121,15 @@ class SharedCapture:
 
     def fragments(self, index: int) -> Fragments:
         """Return what one of the draws got."""
-        coord, seen = self.images[stages.COORD], self.images[stages.NUMBERED][..., 0] == index + 1
-        covered = seen & (coord[..., 3] > 0.0)
-        others = np.zeros_like(coord)
-        others[..., 3] = np.where(coord[..., 3] != 0.0, -1.0, 0.0)
+        coord, number = self.images[stages.COORD], self.images[stages.NUMBERED][..., 0]
+        covered = (coord[..., 3] > 0.0) & (number == index + 1)
+        others = np.where(coord[..., 3:] != 0.0, np.array([0, 0, 0, -1], np.float32), np.float32(0))
         values = {
             piece: leading(self.images[name], textures.components_of(piece.type))
             for piece, name in self.pieces[index].items()
         }
-        return Fragments(
-            covered=covered,
-            frag_coord=np.where(covered[..., None], coord, others),
-            inputs=join_parts(values),
-        )
+        place = np.where(covered[..., None], coord, others)
+        return Fragments(covered=covered, frag_coord=place, inputs=join_parts(values))
 
 
 def capture_together(
@@ -179,10 +175,7 @@ def _fitting_parts(draw: PreparedDraw) -> Sequence[VaryingPart] | None:
 
 
 def capture_fragments(
-    draws: Sequence[PreparedDraw],
-    index: int,
-    redraw: Redraw,
-    shared: SharedCapture | None = None,
+    draws: Sequence[PreparedDraw], index: int, redraw: Redraw, shared: SharedCapture | None = None
 ) -> Fragments:
     """Return what the fragment shader of one of a pass's draws got, at each pixel that the draw was
     the last to write; `shared` is what was captured of it together with others.
