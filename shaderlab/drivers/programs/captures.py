@@ -139,39 +139,27 @@ def capture_together(
     attachments; None where it can only be captured by itself."""
     together: dict[int, Sequence[VaryingPart]] = {}
     types: list[str] = []  # of the attachments
-    for other in (index, *(n for n in range(len(draws)) if n != index)):
-        parts = _fitting_parts(draws[other])
-        own = [stages.attachment_type(piece) for piece in parts or ()]
-        if parts is not None and own[: len(types)] == types[: len(own)]:
-            types = max(types, own, key=len)
-            together[other] = parts
-    if index not in together or len(together) < 2:
-        return None
-    made = [
-        stages.capture_fragment(draw.text("fragment") or "", together[number], numbered=True)
-        if number in together
-        else (_write_blank(draw), {})
-        for number, draw in enumerate(draws)
-    ]
-    colors = {stages.COORD: "rgba32f", stages.NUMBERED: "r32f"}
-    colors |= {f"{stages.PREFIX}out{n}": textures.output_format(t) for n, t in enumerate(types)}
     try:
-        images = redraw([text for text, _ in made], colors)
+        for number in sorted(range(len(draws)), key=lambda each: each != index):
+            text, interface = draws[number].text("fragment") or "", draws[number].interface
+            parts = stages.fragment_input_parts(text, interface.varyings.values())
+            own = [stages.attachment_type(piece) for piece in parts]
+            fits = len(interface.outputs) + len(own) + 2 <= stages.MOST_OUTPUTS
+            if fits and own[: len(types)] == types[: len(own)]:
+                types = max(types, own, key=len)
+                together[number] = parts
+        if index not in together or len(together) < 2:
+            return None
+        texts, pieces = [_write_blank(draw) for draw in draws], {}
+        for number, inputs in together.items():
+            texts[number], pieces[number] = stages.capture_fragment(
+                draws[number].text("fragment") or "", inputs, numbered=True
+            )
+        colors = {stages.COORD: "rgba32f", stages.NUMBERED: "r32f"}
+        colors |= {f"{stages.PREFIX}out{n}": textures.output_format(t) for n, t in enumerate(types)}
+        return SharedCapture(redraw(texts, colors), pieces)
     except (ShaderError, UnsupportedError):  # another one may be what the driver refuses
         return None
-    return SharedCapture(images, {number: made[number][1] for number in together})
-
-
-def _fitting_parts(draw: PreparedDraw) -> Sequence[VaryingPart] | None:
-    """The pieces of all inputs of a draw; None if they, a place and a number do not fit beside its
-    outputs."""
-    try:
-        parts = stages.fragment_input_parts(
-            draw.text("fragment") or "", draw.interface.varyings.values()
-        )
-    except UnsupportedError:
-        return None
-    return parts if len(draw.interface.outputs) + len(parts) + 2 <= stages.MOST_OUTPUTS else None
 
 
 def capture_fragments(
