@@ -119,15 +119,11 @@ def _special_values(
         (a, b)
         for a, b in itertools.combinations(continuous, 2)
         if inputs[a].type == inputs[b].type and domains[a].kind == domains[b].kind
-        if domains[b].kind == "unit" or _contains(domains[a], domains[b])
+        if domains[b].kind == "unit"
+        or domains[a].low <= domains[b].low <= domains[b].high <= domains[a].high
     ]
     for a, b in pairs[:_MAX_PAIRS]:
         yield {a: b}
-
-
-def _contains(a: InputDomain, b: InputDomain) -> bool:
-    """Whether every value of `b` is one of `a`."""
-    return a.low <= b.low and b.high <= a.high
 
 
 def is_continuous(one: Input, domain: InputDomain) -> bool:

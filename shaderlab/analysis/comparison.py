@@ -368,15 +368,10 @@ class _Comparison:
             for n in relaxed
             if n in self.inputs and self.inputs[n].whole and domains[n].source == "assumed"
         }
-        if whole and any(map(_works_on_bits, self.programs)):
+        if whole and any(program.line_of(op) for program in self.programs for op in _BITS):
             # A loop over such a number may be too long to run: no condition then.
             with contextlib.suppress(NotInterpretedError):
                 yield self._run(self.make({**domains, **whole}, self.plan.rounds))
-
-
-def _works_on_bits(program: Program) -> bool:
-    """Whether it shifts integers, or does anything else with their bits, as hashes do."""
-    return any(map(program.line_of, _BITS))
 
 
 def _is_unwritten(sets: Sequence[_Set], name: str) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 
 from shaderlab.bands import Integer, TriBool
 from shaderlab.compiler.spirv import ExecutionMode, Op, StorageClass
-from shaderlab.model.frame import Array, Texels
+from shaderlab.model.frame import Array
 
 from .batches import InputBatch, flatten_outputs, quads_of, run_batch
 from .checks import Place
@@ -217,14 +217,10 @@ class _Divergent:
         alive = np.bincount(self.quads, here | ~run.killed, count)
         split = here & ((present < alive)[self.quads])
         if split.any():
-            mipmapped = not sampled or _has_mipmaps(run.value(at.operands[0]))
+            mipmapped = not sampled or len(set(run.value(at.operands[0]).filter)) > 1
             place = Place(at.id, tuple(run.calls), KIND)
             self.found.setdefault(place, (int(split.argmax()), at, mipmapped))
         return result
-
-
-def _has_mipmaps(texels: Texels) -> bool:
-    return texels.filter[0] != texels.filter[1]
 
 
 def divergent(

@@ -160,7 +160,7 @@ class Syntax:
         """The whole file, without what the grammar does not know of declarations."""
         known = self.bytes
         for pattern in _UNKNOWN:
-            known = pattern.sub(_blank, known)
+            known = pattern.sub(lambda found: re.sub(rb"[^\n]", b" ", found[0]), known)
         return self._parser.parse(known).root_node
 
     @cached_property
@@ -326,10 +326,6 @@ class Syntax:
 
 _BODIES = ("compound_statement", "field_declaration_list")
 _BRANCHES = ("preproc_if", "preproc_ifdef", "preproc_elif", "preproc_elifdef", "preproc_else")
-
-
-def _blank(match: re.Match[bytes]) -> bytes:
-    return re.sub(rb"[^\n]", b" ", match.group())
 
 
 def _has_body(struct: Node) -> bool:

@@ -184,13 +184,9 @@ Arithmetic = Numbers | Bands
 
 def _add(a: Any, b: Any) -> Any:
     """a + b. Nothing is added to the zero that a loop's sum begins with."""
-    if _is_zero(a) and b.shape[-1] == a.shape[-1]:
-        return b
+    if len(a.lo) == 1 and a.terms is None and b.shape[-1] == a.shape[-1]:
+        return a + b if a.lo.any() or a.hi.any() else b
     return a + b
-
-
-def _is_zero(value: Any) -> bool:
-    return value.shape[0] == 1 and value.terms is None and not (value.lo.any() or value.hi.any())
 
 
 def _multiply(a: Any, b: Any) -> Any:

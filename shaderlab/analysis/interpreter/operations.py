@@ -137,10 +137,6 @@ def _make(a: Band, b: Band, lo: Any, hi: Any, mag: Any, count: int, unit: float)
     return a.derive_exact(lo, hi, b, terms=terms), unit
 
 
-def _negate(a: Band, unit: float) -> Found:
-    return negate(a), unit
-
-
 def _mod(x: Band, y: Band, of_x: float, of_y: float) -> Found:
     """x - y·⌊x/y⌋, whose terms are those of x and one product."""
     turns = glslmath.floor(x.without_terms() / y)
@@ -159,7 +155,7 @@ _EXACT: Mapping[str, Callable[..., Found]] = {
     "add": _add,
     "subtract": _subtract,
     "multiply": _multiply,
-    "negate": _negate,
+    "negate": lambda a, unit: (negate(a), unit),
     "mod": _mod,
     "fract": _fract,
 }

@@ -171,7 +171,11 @@ class Emission:
         """Keep what the outputs hold, which are undefined from here on."""
         if any((flags & state.mask).any() for flags in run.undecided.values()):
             raise run.program.not_interpreted("EmitVertex behind an open branch", at.line)
-        held = dict(_outputs(run, state))
+        variables = run.program.variables.items()
+        outputs = {id_: type_ for id_, (type_, of) in variables if of == StorageClass.Output}
+        unset = {id_: undefined(type_, run.arithmetic) for id_, type_ in outputs.items()}
+        stored = {id_: state.memory.get(id_) for id_ in outputs}
+        held = unset | {id_: value for id_, value in stored.items() if value is not None}
         for number in np.unique(self.emitted[state.mask]):
             here = state.mask & (self.emitted == number)
             if number == len(self.vertices):
@@ -182,9 +186,7 @@ class Emission:
             self.vertices[number] = {id_: select(own, held[id_], before[id_]) for id_ in held}
             self.strip_of[number] = np.where(here, self.strips, self.strip_of[number])
         self.emitted = self.emitted + state.mask
-        for id_ in held:
-            type_, _ = run.program.variables[id_]
-            state.memory[id_] = undefined(type_, run.arithmetic)
+        state.memory |= unset
 
     def end(self, state: PathState) -> None:
         """Begin another strip."""
@@ -192,10 +194,11 @@ class Emission:
 
     def memories(self, run: Run) -> Iterator[dict[int, Value]]:
         """What each vertex' outputs hold by id, 0 of the invocations that emitted fewer."""
+        types = run.program.variables
         for number, vertex in enumerate(self.vertices):
             there = TriBool.of((self.emitted > number)[:, None])
             yield {
-                id_: select(there, broadcast(value, run.count), _nothing(run, id_))
+                id_: select(there, broadcast(value, run.count), null(types[id_][0], run.arithmetic))
                 for id_, value in vertex.items()
             }
 
@@ -208,17 +211,6 @@ class Emission:
             "EmitVertex()": Integer(self.emitted[:, None], rules=rules),
             "EndPrimitive()": tuple(Integer(strip[:, None], rules=rules) for strip in strips),
         }
-
-
-def _outputs(run: Run, state: PathState) -> Iterator[tuple[int, Value]]:
-    for id_, (type_, storage) in run.program.variables.items():
-        if storage == StorageClass.Output:
-            value = state.memory.get(id_)
-            yield id_, undefined(type_, run.arithmetic) if value is None else value
-
-
-def _nothing(run: Run, id_: int) -> Value:
-    return null(run.program.variables[id_][0], run.arithmetic)
 
 
 MAX_LOOP_ITERATIONS = 4096
