@@ -7,6 +7,7 @@ say that they are short.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -27,14 +28,16 @@ if TYPE_CHECKING:
     from shaderlab.model.case import Scene
 
 _MOST_TURNS = 65_000
+_SHORT = 4096  # turns of all loops with constant bounds, inside one another
 _LOOPS = ("for_statement", "while_statement", "do_statement")
-_CONSTANT = re.compile(r"\bconst\s+u?int\s+(\w+)\s*=\s*(\d+u?)\s*;")
-_NAME = re.compile(r"\b[A-Za-z_]\w*")
-_SHORT = re.compile(  # whose counter nothing else changes
-    r"for\s*\(\s*u?int\s+(\w+)\s*=\s*\d+u?\s*;\s*\1\s*<=?\s*\d\d?u?(?:\s*-\s*1)?\s*;"
-    r"\s*(?:\+\+\s*\1|\1\s*\+\+)\s*\)(?!.*(?:\b\1\s*(?:[^\w\s=!<>]?=(?!=)|<<=|>>=|\+\+|--)"
-    r"|(?:\+\+|--)\s*\1\b))", re.DOTALL,
-)  # fmt: skip
+_BOUND = r"(-?\w+)\s*(?:([-+])\s*(\d+)\s*)?"
+_COUNTING = re.compile(
+    rf"for\s*\(\s*u?int\s+(\w+)\s*=\s*{_BOUND};\s*\1\s*([<>])=?\s*{_BOUND};"
+    r"\s*(?:(\+\+|--)\s*\1|\1\s*(?:(\+\+|--)|([-+])=\s*[1-9]\d*))\s*\)"
+)
+_CONSTANT = re.compile(
+    r"(?:\bconst\s+u?int\s+(\w+)\s*=|#\s*define\s+(\w+))\s+(-?\d+)u?\s*(?:;|$)", re.MULTILINE
+)
 
 
 def require_loops_to_end(lab: SceneRunner, scene: Scene, programs: Programs) -> None:
@@ -117,10 +120,28 @@ def _declarations() -> Iterator[str]:
 
 
 def all_are_short(text: str, loops: list[str]) -> bool:
-    """Whether these loops of a text, inside one another perhaps, take less than 10,000 turns, by
-    two-digit constants."""
-    values = dict(_CONSTANT.findall(strip_comments(text)))
-    return len(loops) <= 2 and all(
-        _SHORT.match(_NAME.sub(lambda name: values.get(name[0], name[0]), strip_comments(loop)))
-        for loop in loops
-    )
+    """Whether constants bound all of these loops of a text, inside one another perhaps."""
+    text = strip_comments(text)
+    values = {a or b: int(value) for a, b, value in _CONSTANT.findall(text)}
+    return math.prod(_bound(strip_comments(loop), values) for loop in loops) <= _SHORT
+
+
+def _bound(loop: str, values: dict[str, int]) -> float:
+    """How many turns a loop takes at most; infinite where that is not plain to see."""
+    head = _COUNTING.match(loop)
+    if head is None:
+        return math.inf
+    name, step = head[1], r"(?:\+\+|--)"
+    first, last = (_value(head.group(n, n + 1, n + 2), values) for n in (2, 6))
+    rises = (head[9] or head[10] or head[11])[0] == "+"
+    changes = rf"\b{name}\s*(?:(?:[-+*/%&|^]|<<|>>)?=(?!=)|{step})|{step}\s*{name}\b"
+    if rises != (head[5] == "<") or re.search(changes, loop[head.end() :]):
+        return math.inf
+    return max(1.0, abs(last - first) + 1)
+
+
+def _value(parts: tuple[str, ...], values: dict[str, int]) -> float:
+    word, sign, offset = parts
+    bare = word.rstrip("uU")
+    value = int(bare) if bare.lstrip("-").isdecimal() else values.get(word, math.inf)
+    return value + int(f"{sign}{offset}") if sign else value
