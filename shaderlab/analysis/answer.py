@@ -97,7 +97,8 @@ class OutputAnswer:
             text += f"; {numerics}" if numerics else ""
             return text + self._example() if self.conditions else text
         share = 100.0 * self.different / self.judged
-        text = f"{self.name}: different at {_percent(share)} % of {self.judged:,} inputs"
+        percent = f"{share:.0f}" if share >= 1.0 else f"{share:.2g}"
+        text = f"{self.name}: different at {percent} % of {self.judged:,} inputs"
         if self.why == "value":
             text += f", by up to {_number(self.apart)}"
         text += _WHY.get(self.why, "")
@@ -217,7 +218,3 @@ def _vector(values: tuple[float, ...]) -> str:
 
 def _number(value: float) -> str:
     return f"{value:,.0f}" if value >= 10.0 else f"{value:.2g}"
-
-
-def _percent(share: float) -> str:
-    return f"{share:.0f}" if share >= 1.0 else f"{share:.2g}"

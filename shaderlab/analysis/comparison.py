@@ -309,7 +309,9 @@ class _Comparison:
     def _numerics(self, one: _Set, name: str, other: str) -> Numerics | None:
         """How the accuracy changes, on some of the first inputs."""
         some = one.batch.part(np.arange(min(one.batch.count, MOST)))
-        old, new = self._bands(some)
+        if not self._in_bands:
+            self._in_bands = tuple(bands_of(program, some) for program in self.programs)
+        old, new = self._in_bands
         if old is None or new is None or name not in old or other not in new:
             return None
         values = one.old.outputs[name][0, : some.count]
@@ -323,11 +325,6 @@ class _Comparison:
             near=some.example(row, self.inputs),
             place="" if step is None else _format_place(self.programs[1], step.line),
         )
-
-    def _bands(self, batch: InputBatch) -> tuple[Mapping[str, Any] | None, ...]:
-        if not self._in_bands:
-            self._in_bands = tuple(bands_of(program, batch) for program in self.programs)
-        return self._in_bands
 
     def _add_conditions(self, answer: OutputAnswer, name: str, other: str) -> OutputAnswer:
         """The answer with what it holds under: assumptions about inputs without which the output is

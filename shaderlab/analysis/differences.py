@@ -133,7 +133,7 @@ def compare_accuracy(
     row = int((wider if worse >= better else narrower).argmax())
     step = None
     if worse or better:
-        differ = _wider if worse >= better else _narrower
+        differ = _wider if worse >= better else lambda old, new: _wider(new, old)
         step, _, _ = first_difference(programs, batch, row, Bands(), differ)
     return worse, better, row, step
 
@@ -145,10 +145,6 @@ def _wider(old: Any, new: Any) -> bool:
         before, after = old.hi - old.lo, new.hi - new.lo
         size = np.maximum(np.abs(new.lo), np.abs(new.hi)).astype(np.float32)
         return bool((after > _RATIO * before + 0.5 * np.spacing(size)).any())
-
-
-def _narrower(old: Any, new: Any) -> bool:
-    return _wider(new, old)
 
 
 Differ = Callable[[Any, Any], bool]

@@ -250,7 +250,10 @@ def locate_failure(
     numbers, result = _reference_at(evaluation, formula, outcome.worst.pixel)
     own = normalize_name(formula.own_name(evaluation.scene))
     numbers.setdefault(own, []).append(result)
-    for name, steps in _group_by_name(explained).items():
+    by_name: dict[str, list[Step]] = {}
+    for step in explained.steps:
+        by_name.setdefault(normalize_name(step.name), []).append(step)
+    for name, steps in by_name.items():
         known = numbers.get(name)
         # A name may be stored to several times, and a reference may have any of the values.
         if known and not any(_agrees(step, values) for step in steps for values in known):
@@ -262,14 +265,6 @@ def locate_failure(
         verdict="the driver follows the shader, and every value that has a name in the reference "
         "agrees with it",
     )
-
-
-def _group_by_name(explained: Explanation) -> dict[str, list[Step]]:
-    """The steps that store to each name, in the order of their first ones."""
-    found: dict[str, list[Step]] = {}
-    for step in explained.steps:
-        found.setdefault(normalize_name(step.name), []).append(step)
-    return found
 
 
 def _add_verdict(

@@ -92,12 +92,7 @@ class PerturbedFloat(Numbers):
 
 def _place(salt: str, number: float) -> int:
     """Where in the pool an operation's errors begin."""
-    return zlib.crc32(_DOUBLE.pack(number), _seed(salt)) % _POOL
-
-
-@cache
-def _seed(salt: str) -> int:
-    return zlib.crc32(salt.encode())
+    return zlib.crc32(_DOUBLE.pack(number), zlib.crc32(salt.encode())) % _POOL
 
 
 def _factors(shape: tuple[int, ...], size: float, start: int) -> Array:

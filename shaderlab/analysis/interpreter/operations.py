@@ -164,10 +164,6 @@ _EXACT: Mapping[str, Callable[..., Found]] = {
 _NOTHING = 0xFFFFFFFF
 
 
-def _construct(run: Run, at: Instruction, state: PathState) -> Any:
-    return compose(run.program.types[at.type], run.values(at.operands))
-
-
 def _extract(run: Run, at: Instruction, state: PathState) -> Any:
     value = run.value(at.operands[0])
     for index in at.operands[1:]:
@@ -205,7 +201,9 @@ COMPOSITES: Mapping[int, Handler] = {
     Op.VectorExtractDynamic: _extract_dynamic,
     Op.VectorInsertDynamic: _insert_dynamic,
     Op.VectorShuffle: _shuffle,
-    Op.CompositeConstruct: _construct,
+    Op.CompositeConstruct: lambda run, at, state: compose(
+        run.program.types[at.type], run.values(at.operands)
+    ),
     Op.CompositeExtract: _extract,
     Op.CompositeInsert: _insert,
     Op.Transpose: call_function("transpose"),
