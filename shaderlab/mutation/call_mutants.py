@@ -3,7 +3,6 @@ one repeated for each draw, two in the other order; and whether other calls came
 
 from __future__ import annotations
 
-import random
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -15,7 +14,7 @@ from shaderlab.engine.run import SceneRunner
 from shaderlab.model.calls import CallEdit, ChangeCall, DropCall, PostponeCall, RepeatCall
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.frame import TracedCall
-from shaderlab.mutation.mutants import Effect, Mutant, MutantResult, select_scenes
+from shaderlab.mutation.mutants import Effect, Mutant, MutantResult, sample_alike, select_scenes
 
 MOST_ALIKE = 2
 """Of calls that differ in the numbers of their objects alone, so many are tried."""
@@ -167,16 +166,17 @@ def mutate_calls(
             )
             key = (kind, *map(_without_numbers, (str(call), after)))
             alike.setdefault(key, []).append(mutant)
-    chosen: list[CallMutant] = []
-    for key, same in alike.items():
-        chosen += random.Random(f"{seed}{key}").sample(same, min(MOST_ALIKE, len(same)))
-    return chosen
+    return [m for same in sample_alike(alike, MOST_ALIKE, seed) for m in same]
 
 
 def _edits(trace: Sequence[TracedCall]) -> Iterator[tuple[TracedCall, str, str, CallEdit]]:
     """Each call that can be made otherwise: the mistake's name, what is there instead, the edit."""
-    numbers = _number_calls(trace)
-    effective = [(c, n) for c, n in zip(trace, numbers, strict=True) if c.effective]
+    counts: Counter[str] = Counter()
+    effective = []
+    for call in trace:
+        if call.effective:
+            effective.append((call, counts[call.function]))
+        counts[call.function] += 1
     later = _draws_left(effective)
     for (call, number), draws in zip(effective, later, strict=True):
         name = call.function
@@ -212,15 +212,6 @@ def vary_arguments(call: TracedCall) -> Iterator[tuple[str, int | str]]:
     if call.function.startswith("glClearBuffer"):
         cleared = set(call.arguments["value"].strip("[]").split())
         yield from (("value", number) for number in (0, 1) if cleared != {str(number)})
-
-
-def _number_calls(trace: Sequence[TracedCall]) -> list[int]:
-    counts: Counter[str] = Counter()
-    found = []
-    for call in trace:
-        found.append(counts[call.function])
-        counts[call.function] += 1
-    return found
 
 
 def _draws_left(calls: Sequence[tuple[TracedCall, int]]) -> list[int]:

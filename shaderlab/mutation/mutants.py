@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import random
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from shaderlab.files import display_path
 from shaderlab.model.calls import CallEdit
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.scene import Pass
 
+T = TypeVar("T")
 STATE = "state"
 """The operator of mutants of fixed-function state."""
 
@@ -70,6 +72,12 @@ class Mutant(ABC):
 def select_scenes(case: Case, variants: Collection[str] = ()) -> list[Scene]:
     """Return the case's scenes: those of the named `variants`, or all."""
     return [s for s in case.scenes() if not variants or s.variant in variants]
+
+
+def sample_alike(alike: Mapping[Any, list[T]], most: int, seed: int) -> Iterator[list[T]]:
+    """Yield so many of each list at most, the same ones for a seed."""
+    for key, same in alike.items():
+        yield random.Random(f"{seed}{key}").sample(same, min(most, len(same)))
 
 
 def with_readers(scene: Scene, passes: Collection[str]) -> set[str]:

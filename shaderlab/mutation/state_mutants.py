@@ -4,7 +4,6 @@ off, a depth range or an offset the other way round, a test forgotten."""
 
 from __future__ import annotations
 
-import random
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -12,7 +11,7 @@ from typing import Any
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.frame import PassDraw
 from shaderlab.model.state import Blend, State, Stencil
-from shaderlab.mutation.mutants import STATE, Effect, Mutant, select_scenes
+from shaderlab.mutation.mutants import STATE, Effect, Mutant, sample_alike, select_scenes
 
 MOST_ALIKE = 4
 """Of many draws with the same change, so many are tried."""
@@ -90,11 +89,8 @@ def mutate_state(case: Case, seed: int = 0, variants: Collection[str] = ()) -> l
                 same = alike.setdefault((name, path, old, new), [])
                 if mutant not in same:
                     same.append(mutant)
-    chosen: list[StateMutant] = []
-    for key, same in alike.items():
-        some = random.Random(f"{seed}{key}").sample(same, min(MOST_ALIKE, len(same)))
-        chosen += sorted(some, key=lambda m: m.draws[0][1])
-    return chosen
+    some = sample_alike(alike, MOST_ALIKE, seed)
+    return [m for same in some for m in sorted(same, key=lambda m: m.draws[0][1])]
 
 
 def _states(case: Case, variants: Collection[str]) -> list[tuple[State, tuple[PassDraw, ...]]]:
