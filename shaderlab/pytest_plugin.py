@@ -1,10 +1,8 @@
 """`pytest my_cases/`: each variant of each case file is an item; a failure shows what `run` does.
 
-Case files are imported and run by worker processes: a case that crashes or hangs is a failed test,
-or a file that can't be collected, and the session goes on. While an item is reported, the workers
-run those that come after it, up to the next test of another kind: none of them begins a variant
-while a Python test runs. `shaderlab_jobs = 1` and pytest-xdist, whose processes have a worker each,
-run nothing ahead.
+A worker process imports and runs case files: a case that crashes or hangs is a failed test,
+or a file that can't be collected, and the session goes on. Each variant runs when its turn comes;
+with pytest-xdist (`-n auto`) each of its processes has a worker.
 
 `shaderlab_timeout`, `shaderlab_memory` and `shaderlab_jobs` in pytest's configuration go before
 `[tool.shaderlab]`; SHADERLAB_JOBS goes before all, and 0 runs everything in pytest's own process,
@@ -26,14 +24,13 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 
 from shaderlab.engine.catalogue import inspect_file
-from shaderlab.engine.jobs import WORDS
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import claim_folder, display_path
-from shaderlab.model.options import CALL_LIMITS, Limits
+from shaderlab.model.options import CALL_LIMITS, Limits, RunOptions
 from shaderlab.report.text import format_failure, format_label, has_failed
 
 if TYPE_CHECKING:
-    from shaderlab.engine.jobs import DriverInfo, Job, Prefetcher
+    from shaderlab.engine.jobs import DriverInfo, Executor, Job
     from shaderlab.engine.settings import Settings
     from shaderlab.functions.library import Notes
     from shaderlab.model.records import Record, Status
@@ -41,7 +38,7 @@ if TYPE_CHECKING:
 RECORD_ATTRIBUTE = "shaderlab_record"
 """A report's attribute with the record as plain data: pytest-xdist sends it on."""
 _TESTS = re.compile(rb"^\s*(?:async\s+)?def test|^\s*class \w*Test|^Test", re.MULTILINE)
-_PREFETCHER: pytest.StashKey[Prefetcher] = pytest.StashKey()
+_EXECUTOR: pytest.StashKey[Executor] = pytest.StashKey()
 _NOTES: pytest.StashKey[Notes] = pytest.StashKey()
 
 
@@ -59,7 +56,7 @@ class CaseFile(pytest.File):
     def collect(self) -> Iterator[CaseItem]:
         from shaderlab.engine.jobs import make_jobs
 
-        (facts,) = get_prefetcher(self.config).executor.load([self.path])
+        (facts,) = get_executor(self.config).load([self.path])
         if facts.error is not None:
             raise facts.error
         for job in make_jobs(facts):
@@ -88,7 +85,7 @@ class CaseItem(pytest.Item):
 
     def runtest(self) -> None:
         self.record = None
-        record = get_prefetcher(self.config).record(self.job, lambda: find_following(self))
+        ((_, record),) = get_executor(self.config).run([self.job], make_options(self.config))
         self.record = record
         if record.status == "unsupported":
             pytest.skip(record.message or "this driver lacks what the case needs")
@@ -110,40 +107,29 @@ class CaseItem(pytest.Item):
         return self.path, 0, self.name
 
 
-def get_prefetcher(config: pytest.Config) -> Prefetcher:
+def get_executor(config: pytest.Config) -> Executor:
     """Return what runs this process's cases, made when it is first needed."""
-    prefetcher = config.stash.get(_PREFETCHER, None)
-    if prefetcher is None:
+    executor = config.stash.get(_EXECUTOR, None)
+    if executor is None:
         from shaderlab.analysis import CHECKING_WORK
-        from shaderlab.engine.jobs import InProcessExecutor, Prefetcher, ProcessExecutor
-        from shaderlab.model.options import RunOptions
+        from shaderlab.engine.jobs import InProcessExecutor, ProcessExecutor
 
-        workers, settings = _workers(config), _settings(config)
-        limits = _limits(config)
+        driver = _settings(config).driver
         executor = (
-            InProcessExecutor(settings.driver, CHECKING_WORK)
-            if workers == 0
-            else ProcessExecutor(settings.driver, limits, workers, early=False, work=CHECKING_WORK)
+            InProcessExecutor(driver, CHECKING_WORK)
+            if _runs_in_process(config)
+            else ProcessExecutor(driver, _limits(config), 1, early=False, work=CHECKING_WORK)
         )
-        folder = _report_folder(config)
-        options = RunOptions(
-            pictures=folder is not None, folder=folder, driver=settings.driver, limits=limits
-        )
-        prefetcher = Prefetcher(executor, options, ahead=workers not in (0, 1))
-        config.stash[_PREFETCHER] = prefetcher
-    return prefetcher
+        config.stash[_EXECUTOR] = executor
+    return executor
 
 
-def find_following(item: CaseItem) -> Iterator[Job]:
-    """Yield the jobs of the items after this one that are going to run, up to another test."""
-    items = item.session.items  # selected, and in their order
-    start = items.index(item) + 1 if item in items else len(items)
-    for number in range(start, len(items)):
-        other = items[number]
-        if not isinstance(other, CaseItem):
-            return
-        if other.get_closest_marker("skip") is None:
-            yield other.job
+def make_options(config: pytest.Config) -> RunOptions:
+    """How the session's variants are run."""
+    folder, driver = _report_folder(config), _settings(config).driver
+    return RunOptions(
+        pictures=folder is not None, folder=folder, driver=driver, limits=_limits(config)
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -156,7 +142,7 @@ def pytest_configure(config: pytest.Config) -> None:
                 claim_folder(folder)
             except (OSError, ShaderlabError) as error:
                 raise pytest.UsageError(f"--shaderlab-report: {error}") from error
-            writer = ReportWriter(folder, lambda: get_prefetcher(config).executor.about())
+            writer = ReportWriter(folder, lambda: get_executor(config).about())
             config.pluginmanager.register(writer)
     if config.getini("shaderlab_timeout") or config.getini("shaderlab_memory"):
         CALL_LIMITS.set(_limits(config))
@@ -171,7 +157,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     parser.addini("shaderlab_timeout", "seconds that one variant may take; else 30", default="")
     parser.addini("shaderlab_memory", "gigabytes of it; 0 for any amount; else 4", default="")
-    parser.addini("shaderlab_jobs", f"worker processes; 0 for none; else {WORDS}", default="")
+    parser.addini("shaderlab_jobs", "0 runs cases in pytest's own process", default="")
 
 
 def _report_folder(config: pytest.Config) -> Path | None:
@@ -179,18 +165,14 @@ def _report_folder(config: pytest.Config) -> Path | None:
     return Path(config.invocation_params.dir, folder) if folder else None
 
 
-def _workers(config: pytest.Config) -> int | None:
-    """How many workers there are; None for as many as the items are worth."""
+def _runs_in_process(config: pytest.Config) -> bool:
+    """Whether cases run in this process; else in a worker."""
     name, text = "SHADERLAB_JOBS", os.environ.get("SHADERLAB_JOBS", "")
     if not text:
         name, text = "shaderlab_jobs", config.getini("shaderlab_jobs")
     if text and not text.isdecimal():
         raise pytest.UsageError(f"{name} is {text!r}: give it a whole number, 0 for no workers")
-    if text and int(text) == 0:
-        return 0
-    if hasattr(config, "workerinput"):  # of pytest-xdist, which has as many processes as is right
-        return 1
-    return int(text) if text else None
+    return bool(text) and int(text) == 0
 
 
 def _settings(config: pytest.Config) -> Settings:
@@ -254,19 +236,11 @@ def _has_tests(file: Path, parent: pytest.Collector) -> bool:
     return named and _TESTS.search(file.read_bytes()) is not None
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Leave the machine to tests of another kind, also where items before them were passed over."""
-    prefetcher = item.config.stash.get(_PREFETCHER, None)
-    if prefetcher is not None and not isinstance(item, CaseItem):
-        prefetcher.stop()
-
-
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """What a variant took is its own time, wherever and whenever it ran."""
+    """What a variant took is its own time, without that of its worker's start."""
     report = yield
     if call.when == "call" and isinstance(item, CaseItem) and item.record is not None:
         report.duration = item.record.seconds or report.duration
@@ -275,10 +249,10 @@ def pytest_runtest_makereport(
 
 def pytest_unconfigure(config: pytest.Config) -> None:
     """End the workers, whatever they are doing."""
-    prefetcher = config.stash.get(_PREFETCHER, None)
-    if prefetcher is not None:
-        prefetcher.close()
-        del config.stash[_PREFETCHER]
+    executor = config.stash.get(_EXECUTOR, None)
+    if executor is not None:
+        executor.close()
+        del config.stash[_EXECUTOR]
 
 
 class Recorder:

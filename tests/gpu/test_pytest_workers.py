@@ -1,8 +1,5 @@
-"""Under pytest workers run items ahead: two at once, each record at its own item, nothing else's
-tests disturbed, and no more run than is asked for.
-
-Cases tell of themselves in files: what waits for another's file passes only if both run at once.
-"""
+"""Under pytest a worker runs items: each when its turn comes, each record at its own item, and no
+more run than is asked for."""
 
 from __future__ import annotations
 
@@ -21,9 +18,6 @@ from shaderlab.engine.jobs import ProcessExecutor, make_jobs
 from shaderlab.model.options import RunOptions
 from tests.gpu import faulty
 
-WAIT = "while not os.path.exists('{file}'): __import__('time').sleep(0.01)"
-# A worker that waits in vain ends itself, as in `faulty.HANG`.
-IN_VAIN = "signal.setitimer(signal.ITIMER_REAL, 1.0)"
 TELL = "open('{file}', 'a').write('once ')"
 PID = "open('{told}/pids', 'a').write(str(os.getpid()) + ' ')"
 OUTCOMES = ("-rA", "--tb=no", "-o", "shaderlab_jobs=2")
@@ -58,29 +52,6 @@ class Cases:
 def cases(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> Cases:
     monkeypatch.delenv("SHADERLAB_JOBS", raising=False)
     return Cases(pytester)
-
-
-def meeting(cases: Cases, before: str = "pass") -> list[Path]:
-    """Two cases of which the first goes on only when the second is there."""
-    wait = WAIT.format(file="{told}/second")
-    return [cases.add("first", f"{before}\n        {wait}"), cases.add("second")]
-
-
-def test_two_items_run_at_once(cases: Cases) -> None:
-    files = meeting(cases)
-    cases.run(*files, "-o", "shaderlab_jobs=2").assert_outcomes(passed=2)
-
-
-@pytest.mark.parametrize("how", ["shaderlab_jobs=1", "xdist", "default"])
-def test_where_nothing_is_run_ahead_they_do_not_meet(cases: Cases, how: str) -> None:
-    """Two variants are not worth a second worker; and xdist has as many processes as it wants."""
-    args = {"shaderlab_jobs=1": ("-o", how), "xdist": ("-n1", "-o", "shaderlab_jobs=2")}.get(
-        how, ()
-    )
-    files = meeting(cases, IN_VAIN)
-    result = cases.run(*files, *args, "-o", "shaderlab_timeout=60")
-    result.assert_outcomes(passed=1, failed=1)
-    result.stdout.fnmatch_lines(["*first · T", "*timeout: took longer than 60 s"])
 
 
 def test_with_one_worker_nothing_is_begun_before_its_turn(cases: Cases) -> None:
@@ -153,90 +124,30 @@ def test_what_is_left_out_turned_round_or_run_twice(cases: Cases) -> None:
     result.assert_outcomes(passed=3, failed=1, skipped=2, deselected=1)
     assert outcomes(result) == {"early": "P", "twice": "P", "wrong": "F"}
     count = cases.count()
-    # The second time of `twice` begins anew what comes after it, which may have been under way.
-    assert count.pop("passed_over", 0) in (0, 1, 2)
-    assert count.pop("early") in (1, 2)
-    assert count == {"twice": 2, "wrong": 1}
-
-
-def test_stopping_does_not_wait_for_what_is_under_way(cases: Cases) -> None:
-    files = [cases.add("wrong", WAIT.format(file="{told}/hangs"), wrong=True)]
-    files.append(cases.add("hangs", "__import__('time').sleep(900)"))
-    files += [cases.add(name) for name in "pqrst"]
-    began = time.monotonic()
-    result = cases.run("-x", *files, "-o", "shaderlab_jobs=2", "-o", "shaderlab_timeout=900")
-    result.assert_outcomes(failed=1)
-    assert time.monotonic() - began < 300.0
+    assert count == {"twice": 2, "wrong": 1, "early": 1}
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes as Linux shows them")
 def test_an_interrupt_ends_everything_at_once(cases: Cases) -> None:
-    files = [cases.add(name, f"{PID}; __import__('time').sleep(600)") for name in "ab"]
+    files = [cases.add("a", f"{PID}; __import__('time').sleep(600)")]
     command = [sys.executable, "-m", "pytest", *map(str, files), *OUTCOMES]
     session = subprocess.Popen(
         [*command, "-o", "shaderlab_timeout=600"], cwd=cases.pytester.path, stdout=subprocess.PIPE,
         text=True, env=faulty.surroundings(), preexec_fn=faulty.restore_interrupts,
     )  # fmt: skip
     pids = cases.told / "pids"
-    while not pids.exists() or pids.read_text().count(" ") < 2:
+    while not pids.exists() or not pids.read_text().endswith(" "):
         assert session.poll() is None
         time.sleep(0.01)
     session.send_signal(signal.SIGINT)
     said, _ = session.communicate(timeout=120.0)
     assert session.returncode == pytest.ExitCode.INTERRUPTED and "KeyboardInterrupt" in said
     workers = [Path("/proc", pid) for pid in pids.read_text().split()]
-    assert len(workers) == 2
+    assert len(workers) == 1
     end = time.monotonic() + 60.0  # a process that was killed takes a moment to end
     while any(worker.exists() for worker in workers):
         assert time.monotonic() < end
         time.sleep(0.01)
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
-def test_nothing_is_begun_while_another_test_runs(cases: Cases) -> None:
-    """That test may fork, or change the process's folder and environment."""
-    before = [cases.add(name) for name in "ab"]
-    between = cases.pytester.makepyfile(
-        test_between=f"""
-        import os, time
-        def test_between(tmp_path, monkeypatch):
-            seen = sorted(os.listdir({str(cases.told)!r}))
-            monkeypatch.chdir(tmp_path)
-            monkeypatch.setattr(os, "environ", {{}})
-            child = os.fork()
-            if child == 0:
-                os._exit(0)
-            assert os.waitpid(child, 0)[1] == 0
-            time.sleep(0.5)
-            assert seen == sorted(os.listdir({str(cases.told)!r})) == ["a", "b"]
-        """
-    )
-    after = [cases.add(name) for name in "cd"]
-    result = cases.run(*before, between, *after, *OUTCOMES)
-    result.assert_outcomes(passed=5)
-    assert cases.count() == dict.fromkeys("abcd", 1)
-
-
-def test_an_item_that_is_not_run_leaves_nothing_to_run_beside_another_test(cases: Cases) -> None:
-    """`a` goes on when `b` is under way, and `b` when the other test has begun: `c` to `h` then
-    wait for a worker, and are not wanted any more."""
-    cases.pytester.makeconftest(
-        "import pytest\ndef pytest_runtest_setup(item):\n"
-        "    if item.name in 'bcdefgh': pytest.skip('not today')"
-    )
-    files = [cases.add("a", WAIT.format(file="{told}/c"))]
-    files += [cases.add(name, WAIT.format(file="{told}/between")) for name in "bcdefgh"]
-    between = cases.pytester.makepyfile(
-        test_between=f"""
-        import time
-        def test_between():
-            open({str(cases.told / "between")!r}, "w").close()
-            time.sleep(1.0)
-        """
-    )
-    result = cases.run(*files, between, "-o", "shaderlab_jobs=3")
-    result.assert_outcomes(passed=2, skipped=7)
-    assert set(cases.count()) <= set("abcd") | {"between"}
 
 
 def test_under_xdist_each_variant_is_run_once(cases: Cases) -> None:
@@ -248,7 +159,6 @@ def test_under_xdist_each_variant_is_run_once(cases: Cases) -> None:
 
 
 def test_durations_are_the_variants_own(cases: Cases) -> None:
-    """`sleepy` has been done for long when pytest comes to it."""
     cases.add("hangs", faulty.HANG)
     sleepy = cases.add("sleepy", "__import__('time').sleep(0.5)")
     cases.run(*OUTCOMES, "-o", "shaderlab_timeout=60", "--junitxml=found.xml")
@@ -274,8 +184,6 @@ def test_a_number_of_workers_that_is_none_is_said(
 def test_the_environment_goes_before_the_configuration(
     cases: Cases, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("SHADERLAB_JOBS", "2")
-    cases.run(*meeting(cases), "-o", "shaderlab_jobs=0").assert_outcomes(passed=2)
     pids = cases.told / "pid"
     alone = cases.add("alone", f"open('{pids}', 'w').write(str(os.getpid()))")
     for jobs, here in (("0", True), ("1", False)):
