@@ -21,12 +21,14 @@ from shaderlab import (
     exact,
     formula,
     mesh_pass,
-    query,
 )
+from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.glslmath import swizzle, vec4, where
 from shaderlab.reference.transforms import signed_area
 
+from ..scenes.api import answers, in_use
 from ..scenes.laws import device_place
+from ..scenes.objects import shader_runs_counted
 
 CORNERS = np.array([(0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, 0.5, 0.0)])
 INDICES = np.array([0, 1, 3, 1, 2, 3])
@@ -60,6 +62,14 @@ def two_triangles(place):
     return where(above, vec4(1.0, 0.625, 0.25, 1.0), vec4(0.25, 0.625, 0.625, 1.0))
 
 
+RUNS = call("glGetQueryObjectuiv", Object("query"), "GL_QUERY_RESULT")
+ARRAYS = (call("glDrawArrays", "GL_TRIANGLES", 0, 6),)
+ELEMENTS = (
+    call("glBindBuffer", "GL_ELEMENT_ARRAY_BUFFER", Object("buffer")),
+    call("glBufferData", "GL_ELEMENT_ARRAY_BUFFER", 6, bytes(INDICES.tolist()), "GL_STATIC_DRAW"),
+    call("glDrawElements", "GL_TRIANGLES", 6, "GL_UNSIGNED_BYTE", 0),
+)
+
 case = Case(
     title="An indexed quad",
     section="2.2.7",
@@ -79,8 +89,17 @@ case = Case(
         exact("cull-back-cw.FragColor", Output("indexed.FragColor"), name="clockwise is the front"),
         formula("indexed.FragColor", two_triangles, name="one colour a triangle"),
         exact("indexed.FragColor", Output("plain.FragColor"), name="same as six vertices"),
-        query("vertex_shader_invocations", equals=4, pass_name="indexed", name="shaded vertices"),
-        query("vertex_shader_invocations", equals=6, pass_name="plain", name="… without indices"),
+        *answers(
+            {
+                "the vertex shader runs four times": (
+                    RUNS,
+                    4,
+                    in_use(),
+                    shader_runs_counted(ELEMENTS),
+                )
+            }
+        ),
+        *answers({"… six times without indices": (RUNS, 6, in_use(), shader_runs_counted(ARRAYS))}),
         coverage(0, pass_name="cull-back", name="culled when counter-clockwise is front"),
         coverage(129600, pass_name="cull-back-cw", name="kept when clockwise is front"),
         computed(

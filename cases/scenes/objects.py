@@ -73,3 +73,9 @@ def linked(program: Object, texts: Mapping[Object, str]) -> Calls:
         *(call("glAttachShader", program, shader) for shader in texts),
         call("glLinkProgram", program),
     )
+
+
+def shader_runs_counted(steps: Calls) -> Calls:
+    """Calls during which a query counts the runs of the vertex shader."""
+    begin = call("glBeginQuery", "GL_VERTEX_SHADER_INVOCATIONS", Object("query"))
+    return begin, *steps, call("glEndQuery", "GL_VERTEX_SHADER_INVOCATIONS")
