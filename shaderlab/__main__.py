@@ -10,9 +10,9 @@ import signal
 import sys
 import time
 
-ONE_WISH = 1.0
+REPEAT_SECONDS = 1.0
 """Interrupts within so many seconds, as of a key that is held down, count as one."""
-_raised = -ONE_WISH  # when an interrupt was raised
+_raised = -REPEAT_SECONDS  # when an interrupt was raised
 
 
 def main() -> None:
@@ -21,7 +21,7 @@ def main() -> None:
     Ctrl-C ends it with one line, also while modules are imported.
     """
     global _raised
-    _raised = -ONE_WISH
+    _raised = -REPEAT_SECONDS
     sys.unraisablehook = _resend_dropped_interrupt
     try:
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
@@ -44,7 +44,7 @@ def _interrupt(number: int, frame: object) -> None:
     """Raise KeyboardInterrupt, but a little later while the lock of imports is held: it would
     never be released, and other threads wait for it forever."""
     global _raised
-    if time.monotonic() - _raised < ONE_WISH:
+    if time.monotonic() - _raised < REPEAT_SECONDS:
         return
     if _imp.lock_held():
         _interrupt_later()
@@ -58,7 +58,7 @@ def _resend_dropped_interrupt(dropped: sys.UnraisableHookArgs) -> None:
     drops what is raised there."""
     global _raised
     if dropped.exc_type is KeyboardInterrupt:
-        _raised = -ONE_WISH
+        _raised = -REPEAT_SECONDS
         _interrupt_later()
     else:
         sys.__unraisablehook__(dropped)

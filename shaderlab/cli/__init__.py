@@ -34,7 +34,6 @@ COMMANDS = {
     "mutate": ("mutate", "Plant mistakes in shaders; report which ones go unnoticed."),
     "report": ("reporting", "Rebuild the pages of a run."),
     "init": ("init", "Add settings, a CI workflow and a .gitignore line to a repository."),
-    "new": ("new", "Write first tests for the functions of a shader."),
     "doctor": ("doctor", "Check the installation, and say how to get what is missing."),
 }
 

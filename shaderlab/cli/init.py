@@ -83,7 +83,7 @@ def command() -> int:
     else:
         _write(_WORKFLOW_FILE, _WORKFLOW.format(shaders=" ".join(folders)))
     _add_ignore_line()
-    click.echo("\nnext: write a test (docs/guide/tutorial.md), or begin with: shaderlab new FILE")
+    click.echo("\nnext: write a test (docs/guide/tutorial.md)")
     return OK
 
 

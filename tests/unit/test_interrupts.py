@@ -65,7 +65,7 @@ def test_an_interrupt_after_a_while_ends_what_an_earlier_one_did_not(
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
             time.sleep(20)
-        monkeypatch.setattr(program, "ONE_WISH", 0.0)
+        monkeypatch.setattr(program, "REPEAT_SECONDS", 0.0)
         signal.raise_signal(signal.SIGINT)
         time.sleep(20)
 
