@@ -10,8 +10,8 @@ import click
 from shaderlab.cli import FAILED, OK
 from shaderlab.cli.options import JSON, make_executor, write_json
 from shaderlab.cli.selecting import find_files, make_ids_distinct
-from shaderlab.engine.catalogue import load_case, shipped_cases, sort_key
-from shaderlab.engine.jobs import CaseInfo, describe_case
+from shaderlab.engine.catalogue import shipped_cases, sort_key
+from shaderlab.engine.jobs import CaseInfo
 from shaderlab.errors import UsageError, suggest
 from shaderlab.model.options import Limits
 
@@ -56,12 +56,11 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
 
 def load_selected(targets: Sequence[str]) -> list[CaseInfo]:
     """Load the cases of targets in worker processes, or all that ship with shaderlab in this one,
-    which needs nothing to judge them by."""
-    if targets:
-        with contextlib.closing(make_executor(None, Limits(), None, early=False)) as executor:
-            found = make_ids_distinct(executor.load(find_files(targets)))
-    else:
-        found = [describe_case(list(load_case(file).scenes())) for file in shipped_cases()]
+    which is quicker."""
+    files = find_files(targets) if targets else list(shipped_cases())
+    workers = None if targets else 0
+    with contextlib.closing(make_executor(None, Limits(), workers, early=False)) as executor:
+        found = make_ids_distinct(executor.load(files))
     return sorted(found, key=lambda case: sort_key(case.section, case.id))
 
 
