@@ -22,7 +22,6 @@ from .engine.expectations.gl_call import gl_call as gl_call, gl_calls as gl_call
 from .engine.expectations.laws import (
     bounded as bounded,
     even as even,
-    mean_of as mean_of,
     monotone as monotone,
     odd as odd,
     symmetric as symmetric,

@@ -15,7 +15,6 @@ from shaderlab import (
     bounded,
     energy_conserving,
     fullscreen,
-    mean_of,
     monotone,
     symmetric,
 )
@@ -64,7 +63,6 @@ CHECKS: list[tuple[Law, dict[str, float]]] = [
     (bounded("attenuation", 0.0, 1.0, over="x", values=DISTANCES), {"slip": 0.1}),
     (symmetric("product", over=("a", "b"), values=PAIRS), {"slip": 0.001}),
     (energy_conserving("brdf", over="lightDir"), {"gain": 1.01}),
-    (mean_of("noise", 0.5, over="x", values=range(1, 4097)), {"slip": 0.05}),
     (bounded("attenuation", 0.0, 1.0, over="slip", values=(0.0, 0.0)), {}),
 ]
 

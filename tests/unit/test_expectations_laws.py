@@ -16,7 +16,6 @@ from shaderlab import (
     even,
     fullscreen,
     glsl,
-    mean_of,
     monotone,
     odd,
     symmetric,
@@ -154,30 +153,12 @@ def test_a_quadrature_too_rough_to_judge_fails() -> None:
     assert outcome.status == "fail" and "too large to judge" in outcome.message
 
 
-def test_the_mean_of_many_samples() -> None:
-    rng = np.random.default_rng(3)
-    noise = {float(k): v for k, v in enumerate(rng.random(4096))}
-
-    def shader(offset: float) -> Callable[..., Any]:
-        return lambda x: np.array([[noise[float(k)] + offset] for k in x[:, 0]])
-
-    check = mean_of("y", 0.5, over="x", values=range(4096), significance=1e-4)
-    fair = judged(check, shader(0.0))
-    assert fair.status == "pass" and "n = 4096" in fair.rows[0].measured
-    biased = judged(check, shader(0.03))
-    assert biased.status == "fail" and "p = " in biased.rows[0].note
-    constant = judged(check, lambda x: np.full_like(x, 0.5))
-    assert constant.status == "pass", "no spread, and exactly the mean"
-    assert judged(check, lambda x: np.full_like(x, 0.5001)).status == "fail"
-
-
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_what_is_not_finite_keeps_no_law(bad: float) -> None:
     for check in (
         monotone("y", over="x", values=XS),
         bounded("y", -9.0, 9.0, over="x", values=XS),
         even("y", over="x", values=XS),
-        mean_of("y", 0.0, over="x", values=XS),
     ):
         outcome = judged(check, lambda x: np.where(x == XS[7], bad, x))
         assert outcome.status == "fail" and "not finite" in outcome.message
@@ -195,8 +176,6 @@ def test_what_is_not_finite_keeps_no_law(bad: float) -> None:
         lambda: even("y", over="x", values=(1.0,), ulp=-1),
         lambda: energy_conserving("y", over="light", polar=3),
         lambda: energy_conserving("y", over="light", normal=(0.0, 0.0, 0.0)),
-        lambda: mean_of("y", 0.0, over="x", values=range(29)),
-        lambda: mean_of("y", 0.0, over="x", values=range(30), significance=0.0),
     ],
 )
 def test_a_law_that_could_not_be_judged_is_refused(wrong: Callable[[], OutputLaw]) -> None:

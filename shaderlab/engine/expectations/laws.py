@@ -8,7 +8,6 @@ gathered into one draw; a uniform costs a draw for each of its values.
 from __future__ import annotations
 
 import functools
-import math
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
@@ -265,70 +264,4 @@ class Symmetric(Even):
         }
 
 
-@dataclass(frozen=True)
-class MeanOf(OutputLaw):
-    """The mean of `output` over many samples is `equals`: a two-sided z-test, for each component.
-
-    A shader whose true mean is `equals` fails at `significance` in 1/significance choices of
-    samples; the samples are given, so the same shader always gets the same verdict.
-
-    Args:
-        output: what is judged.
-        equals: the expected mean, a number or one for each component.
-        over: the input that the samples are taken over (a seed, a coordinate).
-        values: one for each sample, at least 30 for the normal distribution to be a fair guess.
-        significance: the test's level α, in 0…1.
-        at: other inputs.
-    """
-
-    kind = "mean"
-
-    output: str
-    equals: Figure
-    _: KW_ONLY
-    over: str
-    values: Sequence[UniformValue]
-    significance: float = 1e-3
-
-    @property
-    def default_name(self) -> str:
-        return f"mean of {self.output}"
-
-    def __post_init__(self) -> None:
-        if len(self.values) < 30 or not 0.0 < self.significance < 1.0:
-            raise CaseError("mean_of: needs 30 samples or more, and a significance between 0 and 1")
-
-    @property
-    def steps(self) -> Sequence[Mapping[str, Any]]:
-        return [{self.over: value} for value in self.values]
-
-    def judge_runs(self, measured: Array, samples: Samples) -> Judgement:
-        count = len(measured)
-        expected = np.broadcast_to(np.asarray(self.equals, np.float64), measured.shape[1:])
-        mean = measured.mean(axis=0)
-        error = measured.std(axis=0, ddof=1) / math.sqrt(count)
-        difference = mean - expected
-        with np.errstate(all="ignore"):
-            z = np.where(difference == 0.0, 0.0, difference / error)
-        chance = np.array([math.erfc(abs(value) / math.sqrt(2.0)) for value in z])
-        rows = [
-            Row(
-                label="mean" if measured.shape[1] == 1 else f"mean of {'xyzw'[k]}",
-                expected=format_value(expected[k]),
-                measured=f"{mean[k]:.6g} ± {error[k]:.2g} (n = {count})",
-                ok=bool(chance[k] >= self.significance),
-                note=f"z = {z[k]:.2f}, p = {chance[k]:.2g}, α = {self.significance:g}",
-            )
-            for k in range(measured.shape[1])
-        ]
-        c = int(np.argmin(chance))
-        message = ""
-        if chance[c] < self.significance:
-            message = (
-                f"a mean of {mean[c]:.6g} or further off has a probability of {chance[c]:.2g} "
-                f"in {count} samples"
-            )
-        return self.judge_rows(rows, message, judged=measured.size)
-
-
-bounded, monotone, even, odd, symmetric, mean_of = Bounded, Monotone, Even, Odd, Symmetric, MeanOf
+bounded, monotone, even, odd, symmetric = Bounded, Monotone, Even, Odd, Symmetric
