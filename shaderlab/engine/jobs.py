@@ -47,18 +47,6 @@ class CaseInfo:
     status: str = "pass"
 
 
-def describe_case(scenes: Sequence[Scene]) -> CaseInfo:
-    """What a case file holds, by all scenes of its case."""
-    case = scenes[0].case
-    return CaseInfo(
-        file=case.file,
-        id=case.id,
-        title=case.title,
-        section=case.section,
-        variants=tuple(scene.variant for scene in scenes),
-    )
-
-
 @dataclass(frozen=True, kw_only=True)
 class Job:
     """One variant to run.
@@ -117,7 +105,15 @@ class LoadCase:
     file: Path
 
     def perform(self, worker: Worker) -> CaseInfo:
-        return describe_case(list(worker.scenes(str(self.file)).values()))
+        scenes = list(worker.scenes(str(self.file)).values())
+        case = scenes[0].case
+        return CaseInfo(
+            file=case.file,
+            id=case.id,
+            title=case.title,
+            section=case.section,
+            variants=tuple(scene.variant for scene in scenes),
+        )
 
 
 @dataclass(frozen=True)
