@@ -8,7 +8,6 @@ which stands for a `Literal`.
 from __future__ import annotations
 
 import ast
-import copy
 import dis
 import functools
 import inspect
@@ -164,7 +163,7 @@ def _find_assigned_expression(file: str, name: str) -> CodeType | None:
         if value is None or not any(isinstance(t, ast.Name) and t.id == name for t in targets):
             continue
         if all(isinstance(node, _ARITHMETIC) for node in ast.walk(value)):
-            expression = _NameFloats().visit(copy.deepcopy(value))
+            expression = _NameFloats().visit(value)
             return compile(ast.Expression(expression), file, "eval")
     return None
 
@@ -204,7 +203,7 @@ def _unfold_functions(file: str, number: int) -> dict[Any, CodeType]:
         s for s in body[:number] if isinstance(s, ast.Import | ast.ImportFrom | ast.If | ast.Try)
     ]
     original = _compile([*imports, body[number]], file)
-    unfolded = _compile([*imports, _NameFloats().visit(copy.deepcopy(body[number]))], file)
+    unfolded = _compile([*imports, _NameFloats().visit(body[number])], file)
     pairs = zip(_code_objects(original), _code_objects(unfolded), strict=True)
     return {_identity(before): after for before, after in pairs}
 
