@@ -18,11 +18,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from benchmarks.shipped import load_cases
 from shaderlab.analysis.audit import Audit, audit_program
 from shaderlab.analysis.interpreter import load
 from shaderlab.analysis.invocations import case_stages, program_of
 from shaderlab.compiler import Shaders
-from shaderlab.engine.catalogue import data_folder, load_cases, shipped_cases
+from shaderlab.engine.catalogue import data_folder
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import RunOptions
@@ -177,7 +178,7 @@ def _planted(stage: str) -> None:
 def _catalogue(made_up: bool) -> None:
     programs, alarms, seconds = 0, 0, 0.0
     with SceneRunner(RunOptions()) as lab:
-        for case in load_cases(shipped_cases()).values():
+        for case in load_cases().values():
             try:
                 for source, given in case_stages(lab, case):
                     if not given:

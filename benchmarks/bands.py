@@ -25,10 +25,10 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.shipped import load_cases
 from shaderlab import glslmath
 from shaderlab.bands import Band, Rules
 from shaderlab.bands.bounds import contains
-from shaderlab.engine.catalogue import load_cases, shipped_cases
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import subject_of
 from shaderlab.engine.judging.references import Inputs, evaluate
@@ -183,7 +183,7 @@ def operations() -> None:
 def jobs(side: int, only: Collection[str] = ()) -> Iterator[Job]:
     """Every formula of the shipped cases, with what the driver gives its shader at this size."""
     with SceneRunner(RunOptions(size=side)) as lab:
-        for case in load_cases(shipped_cases()).values():
+        for case in load_cases().values():
             if only and case.id not in only:
                 continue
             for scene in case.scenes():

@@ -17,10 +17,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from benchmarks.rewrites import Rewrite, rewrites
+from benchmarks.shipped import load_cases
 from shaderlab.analysis.answer import Answer
 from shaderlab.analysis.comparison import Plan, compare_programs
 from shaderlab.analysis.invocations import changed_stages, program_of
-from shaderlab.engine.catalogue import load_cases, shipped_cases
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.case import Case
@@ -65,7 +65,7 @@ def main() -> None:
     conditional = 0
     seconds: dict[Rewrite, float] = {}
     with SceneRunner(RunOptions()) as lab:
-        for id_, case in load_cases(shipped_cases()).items():
+        for id_, case in load_cases().items():
             of_case = [rewrite for rewrite in wanted if rewrite.case == id_]
             for rewrite, answers, spent in compared(lab, case, of_case, plan) if of_case else ():
                 kind = wanted[rewrite]

@@ -15,8 +15,8 @@ import statistics
 import time
 from collections.abc import Mapping, Sequence
 
+from benchmarks.shipped import load_cases
 from shaderlab.drivers import DRIVERS
-from shaderlab.engine.catalogue import load_cases, shipped_cases
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import RunOptions
@@ -31,7 +31,7 @@ Cost = tuple[float, float]
 
 def costs(driver: str, size: int, names: Sequence[str]) -> tuple[float, Mapping[str, Cost]]:
     """Seconds to open a driver, and for each case that passes all and those of drawing."""
-    known, found = load_cases(shipped_cases()), {}
+    known, found = load_cases(), {}
     with SceneRunner(RunOptions(size=size, driver=driver, pictures=False)) as lab:
         started = time.perf_counter()
         assert lab.backend

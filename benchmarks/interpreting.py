@@ -28,6 +28,7 @@ import numpy as np
 
 from benchmarks.adversary_device import Device
 from benchmarks.erring_arithmetic import Erring, outside
+from benchmarks.shipped import load_cases
 from shaderlab.analysis.interpreter import FLOAT32, FLOAT64, Bands, Interpreted, interpret
 from shaderlab.analysis.invocations import (
     Invocations,
@@ -37,7 +38,6 @@ from shaderlab.analysis.invocations import (
 )
 from shaderlab.analysis.self_check import shows_what_is_written
 from shaderlab.bands import Band, Integer, Rules
-from shaderlab.engine.catalogue import load_cases, shipped_cases
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import CapturedVertices, subject_of
@@ -98,7 +98,7 @@ def main(words: list[str] | None = None) -> int:
 def surveys(given: argparse.Namespace) -> Iterator[Survey]:
     """Each program of the cases once, and once more for each formula that reads it anew."""
     with SceneRunner(RunOptions(size=64, driver=given.driver)) as lab:
-        for case in load_cases(shipped_cases()).values():
+        for case in load_cases().values():
             if given.cases and case.id not in given.cases:
                 continue
             seen: set[Any] = set()

@@ -14,7 +14,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from shaderlab.engine.catalogue import data_folder, load_cases, shipped_cases
+from benchmarks.shipped import load_cases
+from shaderlab.engine.catalogue import data_folder
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Case
 from shaderlab.model.options import RunOptions
@@ -65,7 +66,7 @@ def noticed(lab: SceneRunner, case: Case, rewrite: Rewrite) -> str:
 
 def surprises(lab: SceneRunner, kind: str) -> Iterator[tuple[Rewrite, str]]:
     """Right rewrites that fail, with what fails, or wrong ones that do not."""
-    cases = load_cases(shipped_cases())
+    cases = load_cases()
     for rewrite in rewrites(kind):
         found = noticed(lab, cases[rewrite.case], rewrite)
         if bool(found) == (kind == "right"):

@@ -31,6 +31,7 @@ DIALECTS = REPOSITORY / "tests" / "dialects"
 EXPLAINED = {
     "does not support the compatibility profile": "prints this error, and goes on",
     "compiled with": "Samplers in uniform structs are lifted out",
+    "compiled as GLSL ES 3.10": "ES 1.00 and 3.00 are compiled as ES 3.10",
     "a text that would crash the compiler": "A text that would crash the compiler is refused",
 }
 

@@ -18,7 +18,7 @@ import argparse
 import sys
 from collections import Counter
 
-from shaderlab.engine.catalogue import load_cases, shipped_cases
+from benchmarks.shipped import load_cases
 from shaderlab.engine.run import SceneRunner
 from shaderlab.mutation import mutate_case
 from shaderlab.mutation.judging import Judge
@@ -30,7 +30,7 @@ def main(words: list[str] | None = None) -> int:
     options.add_argument("cases", nargs="*", help="ids of cases; all by default")
     given = options.parse_args(words)
     counts: dict[str, Counter[str]] = {}
-    catalogue = load_cases(shipped_cases())
+    catalogue = load_cases()
     with SceneRunner() as lab:
         for case in [catalogue[name] for name in given.cases] or catalogue.values():
             judge = Judge(lab, case)

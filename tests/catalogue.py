@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING
 
-from shaderlab.engine.catalogue import load_cases, shipped_cases
+from benchmarks.shipped import load_cases
 
 if TYPE_CHECKING:
     from shaderlab.model.case import Case
@@ -18,7 +18,7 @@ FOR_PEOPLE = {"scene", "picture"}
 @cache
 def shipped() -> Mapping[str, Case]:
     """The cases by id. Cases can't be changed, so tests may share them."""
-    return load_cases(shipped_cases())
+    return load_cases()
 
 
 @cache

@@ -41,7 +41,6 @@ def examine() -> tuple[Check, ...]:
         *_check_packages(),
         _check_images(),
         *_check_compilers(),
-        _check_compile_cache(),
         *_check_data(),
         *_check_driver(),
         *_check_further_drivers(),
@@ -123,20 +122,6 @@ def _check_compilers() -> Iterator[Check]:
         return
     for name, version in found.items():
         yield Check(name=name, found=version)
-
-
-def _check_compile_cache() -> Check:
-    """Where the compile cache is, and how large."""
-    from shaderlab.compiler.compile_cache import Store, cache_folder
-    from shaderlab.files import CACHE_VARIABLE
-
-    folder = cache_folder()
-    if folder is None:
-        found = f"no cache: {CACHE_VARIABLE} is empty, or there is no home folder"
-    else:
-        entries, size = Store(folder).usage()
-        found = f"{entries} files, {size / 1e6:.1f} MB in {folder}"
-    return Check(name="compiled programs", found=found, necessary=False)
 
 
 def _check_data() -> Iterator[Check]:

@@ -25,7 +25,7 @@ from shaderlab.cli.options import (
     resolve_shader,
     write_json,
 )
-from shaderlab.compiler.shader_files import EXTENSIONS
+from shaderlab.compiler.shader_files import is_shader
 from shaderlab.errors import UsageError, suggest
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Explanation, Step
@@ -66,7 +66,7 @@ class ExplainArguments:
     @property
     def is_shader(self) -> bool:
         """Whether a shader file was named, and not a case."""
-        return Path(self.target).suffix in EXTENSIONS
+        return is_shader(self.target)
 
 
 @click.command("explain")

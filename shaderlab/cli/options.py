@@ -197,7 +197,7 @@ def has_functions_only(shader: ShaderOfFile, stage: str | None) -> bool:
     if stage is not None or path.suffix in EXTENSIONS or not path.is_file():
         return False
     text = path.read_text(encoding="utf-8", errors="replace")
-    return not re.search(r"#pragma\s+shader_stage|\bvoid\s+main\s*\(", text)
+    return not re.search(r"#pragma\s+shader_stage|\bvoid\s+main(?:Image)?\s*\(", text)
 
 
 def resolve_shaders(

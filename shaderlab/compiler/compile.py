@@ -14,7 +14,6 @@ from shaderlab.files import display_path
 from shaderlab.model.records import Diagnostic, Verdict
 
 from .diagnostics import (
-    VERSION,
     check_version,
     describe_invalid,
     find_crash,
@@ -22,10 +21,11 @@ from .diagnostics import (
     parse_link_log,
     parse_stage_log,
 )
+from .dialects import raise_version
 from .glslang import ALL_TARGETS, SETTINGS, TARGETS, Linked, link, validate
 from .module_edits import find_unwritten_inputs, match_locations
 from .reflection import Interface, reflect
-from .shader_files import STAGES
+from .shader_files import STAGES, is_embedded
 from .sources import Source
 from .spirv import parse
 from .syntax import Node, Syntax, walk
@@ -194,6 +194,12 @@ def compile_spirv(sources: Sequence[Source], target: str, plain: Result) -> Resu
     Stages that `plain` GLSL refuses may be right for a SPIR-V target, which knows more words.
     Where it refuses the same lines, what plain GLSL says is the answer.
     """
+    newer = [raise_version(s) if is_embedded(*s.version) else s for s in sources]
+    if newer != list(sources):
+        result = compile_spirv(newer, target, plain)
+        message = "compiled as GLSL ES 3.10, the oldest version that can become SPIR-V"
+        note = sources[0].diagnostic(message, 1, severity="info")
+        return replace(result, diagnostics=(note, *result.diagnostics)) if result.ok else result
     old = tuple(d for d in (check_version(source, target) for source in sources) if d)
     if old:
         return plain if _lines(plain) == _lines(Result(old)) else Result(old)
@@ -404,7 +410,6 @@ class Lifting:
             yield name.strip(), bracket + length
 
 
-_ES = re.compile(r"\s*#\s*version\s+(?:100|3[012]0\s+es)\b")
 _DECLARED = re.compile(r"\b(?:mediump|lowp)\b")
 _SAMPLER = re.compile(r"\buniform\s+(sampler2D|samplerCube)\s+(\w+)")
 
@@ -416,7 +421,7 @@ def find_below_highp(source: Source) -> str:
     Without a declaration a `sampler2D` and a `samplerCube` are lowp (GLSL ES 3.00, §4.5.4).
     """
     code = source.code
-    if not _ES.match(code):
+    if not is_embedded(*source.version):
         return ""
     found, what = _DECLARED.search(code), ""
     if found is not None:
@@ -456,17 +461,3 @@ def apply_own_rules(source: Source) -> Source:
     for old, new in _IDS.items():
         code = re.sub(rf"\b{old}\b", new, code)
     return source if code == source.code else replace(source, text=code, stripped=code)
-
-
-def raise_version(source: Source) -> Source:
-    """Return the stage in the oldest version that has all its words and can become SPIR-V for
-    OpenGL, from which its interface is read: GLSL 3.30 for 1.40 and 1.50, ES 3.10 for ES 3.00."""
-    version, profile = source.version
-    if (version, profile) == (300, "es"):
-        newer = "310 es"
-    elif version in (140, 150) and profile in ("", "core"):
-        newer = "330"
-    else:
-        return source
-    text = re.sub(f"({VERSION}[ \\t]+)[^\\n]*", rf"\g<1>{newer}", source.text, count=1, flags=re.M)
-    return replace(source, text=text, stripped=None)

@@ -84,15 +84,6 @@ class Store:
             if key[1:3] == "00":  # one time in 256, since it looks at every file of the folder
                 self._trim(folder)
 
-    def usage(self) -> tuple[int, int]:
-        """Return how many entries there are now, and the bytes of disk they take; looks at every
-        file."""
-        sizes: list[int] = []
-        with suppress(OSError):
-            for folder in list(os.scandir(self.folder)):
-                sizes += [size for _, size, _ in _files(folder.path)] if folder.is_dir() else []
-        return len(sizes), sum(sizes)
-
     def _path(self, key: str) -> str:
         return os.path.join(self._name, key[:1], key[1:])
 

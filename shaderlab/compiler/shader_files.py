@@ -146,7 +146,10 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
         suffix = posixpath.splitext(stem)[1]
     if suffix in EXTENSIONS:
         return EXTENSIONS[suffix]
-    pragma = _PRAGMA.search(strip_comments(text))
+    code = strip_comments(text)
+    pragma = _PRAGMA.search(code)
+    if pragma is None and _is_shadertoy(code):
+        return "fragment"
     if pragma is None:
         raise ShaderError(
             "can't tell the shader's stage from its name",
@@ -164,6 +167,45 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
             remedy=suggest(word, STAGES),
         )
     return stage
+
+
+_MAIN_IMAGE, _MAIN = (re.compile(rf"\bvoid\s+{name}\s*\(") for name in ("mainImage", "main"))
+_PRECISION = re.compile(r"\bprecision\s+(?:low|medium|high)p\s+\w+\s*;")
+SHADERTOY_INPUTS: Mapping[str, tuple[str, tuple[int, ...]]] = {
+    "iResolution": ("vec3", ()), "iTime": ("float", ()), "iTimeDelta": ("float", ()),
+    "iFrameRate": ("float", ()), "iFrame": ("int", ()), "iChannelTime": ("float", (4,)),
+    "iChannelResolution": ("vec3", (4,)), "iMouse": ("vec4", ()), "iDate": ("vec4", ()),
+    "iSampleRate": ("float", ()), **{f"iChannel{n}": ("sampler2D", ()) for n in range(4)},
+}  # fmt: skip
+"""Type and array size of each uniform that shadertoy.com declares ("How To", Shader Inputs)."""
+
+
+def frame_text(code: str, stage: str) -> tuple[Sequence[str], Sequence[str]]:
+    """Return the rows to put before and after a shader without `#version`.
+
+    A Shadertoy image gets its inputs and a `main`. Text that states default precisions is WebGL 1's
+    GLSL ES 1.00, which has no other version; all else is desktop GLSL 1.10, as the specification
+    has it.
+    """
+    if stage == "fragment" and _is_shadertoy(code):
+        inputs = [
+            f"uniform {kind} {name}{''.join(map('[{}]'.format, sizes))};"
+            for name, (kind, sizes) in SHADERTOY_INPUTS.items()
+            if re.search(rf"\b{name}\b", code)
+        ]
+        output = "layout (location = 0) out vec4 shadertoy_color;"
+        main = "void main() { mainImage(shadertoy_color, gl_FragCoord.xy); }"
+        return ["#version 330 core", *inputs], [output, main]
+    return ["#version 100"] if _PRECISION.search(code) else [], []
+
+
+def _is_shadertoy(code: str) -> bool:
+    return _MAIN_IMAGE.search(code) is not None and _MAIN.search(code) is None
+
+
+def is_embedded(version: int, profile: str) -> bool:
+    """Whether a `#version` is one of GLSL ES."""
+    return profile == "es" or version == 100
 
 
 _SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)")

@@ -24,6 +24,7 @@ from .shader_files import (
     File,
     OutsideError,
     Roots,
+    frame_text,
     normalise,
     normalise_name,
     stage_of,
@@ -85,9 +86,10 @@ class LineMap:
         raise IndexError(f"no line {index} in a text of {len(self)}")
 
 
-def expand(file: File, roots: Roots, defines: Mapping[str, str]) -> Expansion:
+def expand(file: File, roots: Roots, defines: Mapping[str, str], stage: str) -> Expansion:
     """Return the file's text with every `#include` replaced by the text of a file in the roots, and
-    with macros after the first `#version` line, or first if there is none.
+    with macros after the first `#version` line, or first if there is none. A shader without one
+    gets what its dialect implies (see `shader_files.frame_text`).
 
     Raises:
         ShaderError: an include is malformed, missing, circular, outside the roots, too deep,
@@ -97,7 +99,9 @@ def expand(file: File, roots: Roots, defines: Mapping[str, str]) -> Expansion:
     version = version_of(code)
     expansion = Expansion(roots, defines, version[0] if version else 110)
     expansion.append(file, code, ())
-    expansion.define_first()
+    before, after = ((), ()) if version else frame_text("\n".join(expansion.codes), stage)
+    expansion.define_first(before)
+    expansion.add((file.path, code.count("\n") + 1), *after)
     return expansion
 
 
@@ -121,7 +125,7 @@ class Expansion:
             rows.pop()  # the file's last line end does not start another line
         guard = _once_macro(file, code) if trail else None
         if guard:
-            self._add((file.path, 1), f"#ifndef {guard}", f"#define {guard}")
+            self.add((file.path, 1), f"#ifndef {guard}", f"#define {guard}")
         if _ANY_DIRECTIVE.search(code) or (self._defines and "version" in code):
             self._append_rows(file, rows, codes, trail)
         else:
@@ -129,12 +133,13 @@ class Expansion:
             self.codes += codes[: len(rows)]
             self.spans.append((file.path, 1, len(rows)))
         if guard:
-            self._add((file.path, len(rows)), "#endif")
+            self.add((file.path, len(rows)), "#endif")
 
-    def define_first(self) -> None:
-        """Put macros first if no `#version` line preceded them."""
-        self.rows[:0] = self.codes[:0] = self._defines
-        self.spans[:0] = [(*self.spans[0][:2], 1)] * len(self._defines)
+    def define_first(self, before: Sequence[str]) -> None:
+        """Put these rows first, and macros if no `#version` line preceded them."""
+        rows = [*before, *self._defines]
+        self.rows[:0] = self.codes[:0] = rows
+        self.spans[:0] = [(*self.spans[0][:2], 1)] * len(rows)
 
     def _append_rows(
         self, file: File, rows: Sequence[str], codes: Sequence[str], trail: _Trail
@@ -149,9 +154,9 @@ class Expansion:
                 inner = self._find_included(rest.strip(), (*trail, (file, number)))
                 self.append(inner, strip_comments(inner.text), (*trail, (file, number)))
             elif kind == "extension" and rest.split(":")[0].strip() in _INCLUDE_EXTENSIONS:
-                self._add(place, "")  # drivers without the extension would refuse it
+                self.add(place, "")  # drivers without the extension would refuse it
             elif line:
-                self._add(place, "")
+                self.add(place, "")
                 # Up to GLSL 1.50 the line after `#line n` is n + 1, from 3.30 on it is n.
                 shift = int(line[1]) - number - (1 if self._version >= 330 else 0)
                 origin = line[2] or origin
@@ -160,10 +165,10 @@ class Expansion:
                 self.codes.append(code)
                 self.spans.append((*place, 1))
             if self._defines and _VERSION_LINE.match(code):
-                self._add(place, *self._defines)
+                self.add(place, *self._defines)
                 self._defines = []
 
-    def _add(self, place: tuple[str, int], *rows: str) -> None:
+    def add(self, place: tuple[str, int], *rows: str) -> None:
         """Append rows of our own, all from one place of the author's."""
         self.rows += rows
         self.codes += rows
@@ -332,7 +337,7 @@ class Shaders(Roots):
             raise ShaderError(
                 f"no such stage: {stage!r}", file=file.path, remedy=suggest(stage, STAGES)
             )
-        out = expand(file, self, self._defines)
+        out = expand(file, self, self._defines, stage)
         return Source(
             name,
             file.path,

@@ -346,32 +346,6 @@ def _foreign() -> tuple[str | Path, ...]:
 _PACKAGE = "shaderlab_cases_"
 _FOR_CASES = ("shaderlab", "shaderlab.glslmath", "shaderlab.glslmath.sampling", "shaderlab.assets")
 """The modules whose names case files import."""
-_MOVED = {
-    "shaderlab.sampling": "shaderlab.glslmath.sampling",
-    "shaderlab.expectations": "shaderlab.engine.expectations",
-    "OfOutput": "OutputExpectation",
-    "OfDraw": "DrawExpectation",
-}
-"""Modules and names that earlier versions had, and what they are called now."""
-
-
-def load_cases(files: Iterable[Path]) -> dict[str, Case]:
-    """The cases in these files by id, ordered by chapter, then section, then id.
-
-    Raises:
-        CaseError: a file is no case file, or two cases have the same id.
-    """
-    cases: dict[str, Case] = {}
-    for file in files:
-        case = load_case(file)
-        if case.id in cases:
-            raise CaseError(
-                f"the id {case.id!r} is taken by {cases[case.id].file}",
-                file=file,
-                remedy="rename one of the two files: a case's id is its file's name",
-            )
-        cases[case.id] = case
-    return dict(sorted(cases.items(), key=lambda item: sort_key(item[1].section, item[0])))
 
 
 def load_case(path: Path) -> Case:
@@ -520,9 +494,6 @@ def _import_hint(error: BaseException, file: Path, tree: Path) -> str | None:
     if name in sys.stdlib_module_names and (file.parent / f"{name}.py").is_file():
         return f"{name} is a module of Python's own; the file beside the case is .{name}"
     word = re.search(r"cannot import name '(\w+)'", str(error))
-    for old, new in _MOVED.items():
-        if old == (word.group(1) if word else name) or name.startswith(f"{old}."):
-            return f"{old} is called {new} now"
     if word is None or not name.startswith("shaderlab"):
         return None
     for other in _FOR_CASES:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
+from shaderlab.compiler.shader_files import SHADERTOY_INPUTS
 from shaderlab.compiler.syntax import (
     Declarator,
     GlslDeclaration,
@@ -190,14 +191,6 @@ _STAGE_INPUTS = {
     "gl_LocalInvocationIndex": "uint",
 }  # fmt: skip
 _STAGE_OUTPUTS = {"gl_Position": "vec4", "gl_PointSize": "float", "gl_FragColor": "vec4"}
-# What Shadertoy declares for every shader (shadertoy.com/howto).
-_SHADERTOY = {
-    "iResolution": Type("vec3"), "iTime": Type("float"), "iTimeDelta": Type("float"),
-    "iFrameRate": Type("float"), "iFrame": Type("int"), "iChannelTime": Type("float", (4,)),
-    "iChannelResolution": Type("vec3", (4,)), "iMouse": Type("vec4"), "iDate": Type("vec4"),
-    "iSampleRate": Type("float"),
-    **{f"iChannel{n}": Type("sampler2D") for n in range(4)},
-}  # fmt: skip
 _OTHER_STAGES = frozenset({
     "EmitVertex", "EndPrimitive", "EmitStreamVertex", "barrier", "subpassLoad",
     "gl_in", "gl_out", "gl_InvocationID", "gl_TessCoord",
@@ -337,7 +330,8 @@ def _find_built_in_inputs(found: Declarations, used: frozenset[str]) -> dict[str
     """What a function reads of other stages, and of Shadertoy unless the file declares it."""
     declared = {name for one in found.all for name in one.declares}
     inputs = {n: Type(t) for n, t in _STAGE_INPUTS.items() if n in used}
-    return inputs | {n: t for n, t in _SHADERTOY.items() if n in used and n not in declared}
+    toys = {n: Type(*kind) for n, kind in SHADERTOY_INPUTS.items() if n in used}
+    return inputs | {name: kind for name, kind in toys.items() if name not in declared}
 
 
 def _obstacles(

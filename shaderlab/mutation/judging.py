@@ -9,7 +9,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 
-from shaderlab.compiler.compile import compile_program, raise_version
+from shaderlab.compiler.compile import compile_program
+from shaderlab.compiler.dialects import raise_version
 from shaderlab.compiler.glslang import SPIRV_TOOLS_WHEEL, find
 from shaderlab.compiler.sources import Source
 from shaderlab.drivers.programs.prepare import PreparedDraw, Programs

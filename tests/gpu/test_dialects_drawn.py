@@ -6,10 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from shaderlab import Case, formula, fullscreen, value
+from shaderlab.cli import cli
 from shaderlab.engine.run import SceneRunner
-from shaderlab.glslmath import vec4
+from shaderlab.glslmath import swizzle, vec4
 from shaderlab.model.options import RunOptions
 
 ES = "#version 300 es\nprecision highp float;\n"
@@ -42,7 +44,7 @@ def case(folder: Path, text: str, targets: tuple[str, ...] = ()) -> Case:
     )
 
 
-@pytest.mark.parametrize(("head", "refusing"), [(ES, {"opengl", "vulkan"}), (OLD, {"opengl"})])
+@pytest.mark.parametrize(("head", "refusing"), [(ES, set()), (OLD, {"opengl"})])
 def test_older_versions_are_drawn_and_judged(
     lab: SceneRunner, tmp_path: Path, head: str, refusing: set[str]
 ) -> None:
@@ -95,3 +97,48 @@ def test_what_can_only_be_compiled_says_so(lab: SceneRunner, tmp_path: Path) -> 
     record = lab.run(scene)
     assert record.status == "error" and record.compile == {"vulkan": "pass"}
     assert "can be compiled, but not drawn" in record.message
+
+
+SHADERTOY = """void mainImage(out vec4 fragColor, in vec2 fragCoord) {
+    fragColor = vec4(fragCoord / iResolution.xy * iTime, 0.0, 1.0);
+}
+"""
+WEBGL_1 = """precision highp float;
+varying vec2 TexCoords;
+uniform float gain;
+void main() { gl_FragColor = vec4(gain * TexCoords, 0.0, 1.0); }
+"""
+GLSL_1_20 = """#version 120
+varying vec3 normal; // unit
+uniform sampler2D map;
+void main() { gl_FragData[0] = texture2D(map, normalize(normal).xy); }
+"""
+
+
+def test_an_image_of_shadertoy_is_drawn_and_judged(lab: SceneRunner, tmp_path: Path) -> None:
+    (tmp_path / "toy.glsl").write_text(SHADERTOY)
+    uniforms = {"iResolution": (16.0, 16.0, 1.0), "iTime": 0.5}
+
+    def image(frag_coord, iTime):
+        return vec4(swizzle(frag_coord, "xy") / 16.0 * iTime, 0.0, 1.0)
+
+    (scene,) = Case(
+        title="toy",
+        file=str(tmp_path / "a.py"),
+        passes=fullscreen("toy.glsl", uniforms=uniforms),
+        expect=[formula("shadertoy_color", image)],
+    ).scenes()
+    record = lab.run(scene)
+    assert record.status == "pass", record.message
+
+
+@pytest.mark.parametrize("command", ["audit", "explain"])
+@pytest.mark.parametrize(
+    "text", [SHADERTOY, WEBGL_1, GLSL_1_20, ES + BODY.replace("RESULT", RIGHT)]
+)
+def test_commands_for_one_shader_take_dialects(tmp_path: Path, command: str, text: str) -> None:
+    file = tmp_path / ("a.glsl" if text is SHADERTOY else "a.frag")
+    file.write_text(text)
+    found = CliRunner().invoke(cli, [command, str(file), "-j", "0"])
+    assert found.exit_code == 0, found.output
+    assert "undetermined" not in found.output

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.engine.catalogue import data_folder, load_case, load_cases
+from shaderlab.engine.catalogue import data_folder, load_case
 from shaderlab.errors import CaseError, UsageError
 from tests.catalogue import shipped
 
@@ -173,23 +173,6 @@ def test_a_relative_import_from_outside_the_tree_says_how_to_share(tmp_path: Pat
     assert load_case(file).title == "x"
 
 
-@pytest.mark.parametrize(
-    ("line", "new"),
-    [
-        ("from shaderlab.sampling import texture", "shaderlab.glslmath.sampling"),
-        ("from shaderlab.expectations import Expectation", "shaderlab.engine.expectations"),
-        ("from shaderlab.engine.expectations import OfOutput", "OutputExpectation"),
-    ],
-)
-def test_a_name_of_an_earlier_version_is_an_error_that_says_the_new_one(
-    tmp_path: Path, line: str, new: str
-) -> None:
-    with pytest.raises(CaseError) as caught:
-        load_case(saved(tmp_path, titled(line)))
-    assert new in (caught.value.remedy or "")
-    assert caught.value.line == 1
-
-
 def test_a_mistake_in_a_shared_module_is_an_error_of_the_case_each_time(tmp_path: Path) -> None:
     tree(tmp_path, {"helper.py": "TITLE = 1 / 0", "lamp.py": titled("from .helper import TITLE")})
     for _ in range(2):
@@ -257,14 +240,6 @@ def test_missing_files_and_folders_are_told_apart(tmp_path: Path) -> None:
         load_case(tmp_path / "none.py")
     with pytest.raises(CaseError, match="is a folder"):
         load_case(tmp_path)
-
-
-def test_two_cases_can_not_share_an_id(tmp_path: Path) -> None:
-    (tmp_path / "other").mkdir()
-    files = [saved(tmp_path, GOOD), saved(tmp_path / "other", GOOD)]
-    with pytest.raises(CaseError, match="'my-case' is taken by") as caught:
-        load_cases(files)
-    assert caught.value.file == str(files[1])
 
 
 def test_cases_come_in_the_order_of_the_notes() -> None:

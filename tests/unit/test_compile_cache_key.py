@@ -8,10 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.cli.doctor import examine
 from shaderlab.compiler import compile_cache, compile_program, glslang
 from shaderlab.compiler.compile_cache import (
-    Store,
     cache_folder,
     cached_compiler,
     compilers_digest,
@@ -173,22 +171,3 @@ def test_without_a_folder_there_is_no_cache(monkeypatch: pytest.MonkeyPatch) -> 
     assert cached_compiler() is not compile_program
     monkeypatch.setenv("SHADERLAB_CACHE_DIR", "")
     assert cached_compiler() is compile_program
-
-
-def test_doctor_names_the_folder_and_its_size(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setattr("shaderlab.drivers.probe", lambda *_: {"renderer": "none"})
-
-    def found() -> str:
-        (finding,) = [f for f in examine() if f.name == "compiled programs"]
-        assert finding.ok and not finding.necessary
-        return finding.found
-
-    monkeypatch.setenv("SHADERLAB_CACHE_DIR", "")
-    assert found().startswith("no cache: SHADERLAB_CACHE_DIR is empty")
-    monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path))
-    assert found() == f"0 files, 0.0 MB in {tmp_path / 'compiled'}"
-    for digit in "0123456789abcdef":
-        Store(tmp_path / "compiled").put(digit * 64, b"x" * 20_000)
-    assert found() == f"16 files, 0.3 MB in {tmp_path / 'compiled'}"

@@ -74,5 +74,7 @@ def test_an_older_versions_interface_is_read() -> None:
     assert interface.uniforms["map"].type == "sampler2D"
     both = compile_program([SHADERS.load("v140.frag")], ["opengl", "glsl"])
     assert both.interface is not None and not both.verdicts[0].ok
-    for name in ("vk_separate.frag", "es100.frag", "es300_wrong.frag"):
+    oldest = compile_program([SHADERS.load("es100.frag")], ["glsl"]).interface
+    assert oldest is not None and set(oldest.varyings) == {"uv"}
+    for name in ("vk_separate.frag", "es300_wrong.frag"):
         assert compile_program([SHADERS.load(name)], ["glsl"]).interface is None

@@ -22,7 +22,8 @@ HIGH = "precision highp float;\nuniform sampler2D scene;\n"
         ("#version 300 es\n" + HIGH.replace("sampler", "highp sampler"), ""),
         ("#version 300 es\n// mediump, lowp\nprecision highp float;\n", ""),
         ("#version 330 core\nuniform mediump float x;\nuniform sampler2D scene;\n", ""),
-        (HIGH, ""),
+        (HIGH, "a.frag:2: scene is lowp"),
+        (HIGH.splitlines()[1] + "\n", ""),
     ],
 )
 def test_what_is_below_highp(tmp_path: Path, text: str, said: str) -> None:

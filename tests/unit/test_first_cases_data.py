@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.shipped import load_cases
 from shaderlab.compiler import Shaders
-from shaderlab.engine.catalogue import load_cases
 from shaderlab.engine.expectations.exact import Exact
 from shaderlab.engine.expectations.figures import Computed, Value
 from shaderlab.engine.expectations.rejections import CompileFails
@@ -66,7 +66,7 @@ def compiled(path: Path) -> tuple[int, list[tuple[int, str]]]:
 
 def test_importing_all_cases_touches_no_device() -> None:
     program = (
-        "import sys; from pathlib import Path; from shaderlab.engine.catalogue import load_cases;"
+        "import sys; from pathlib import Path; from benchmarks.shipped import load_cases;"
         f"load_cases([Path(p) for p in {[str(f) for f in FILES]!r}]);"
         "print(sorted({'moderngl', 'OpenGL', 'colour', 'OpenImageIO'} & set(sys.modules)))"
     )

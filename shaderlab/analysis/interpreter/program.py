@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from shaderlab.compiler.compile_cache import compile_with_lines
+from shaderlab.compiler.dialects import raise_version
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv import (
     ExecutionMode,
@@ -261,6 +262,8 @@ def load(source: Source) -> Program:
     if source.stage.startswith("tess_"):
         raise NotInterpretedError(f"not interpreted: {source.stage} stage", file=source.path)
     compiled = compile_with_lines(source)
+    if not compiled.spirv and (newer := raise_version(source)) != source:
+        source, compiled = newer, compile_with_lines(newer)
     for modules in compiled.spirv.values():
         return read(modules[source.stage], source)
     compiled.require()

@@ -1,0 +1,42 @@
+"""Older dialects of GLSL in the words of newer ones, which can become SPIR-V."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from .shader_files import is_embedded
+from .sources import LineMap, Source
+
+# GLSL 1.30 (§1.1) and GLSL ES 3.00 (§1.1) name what they replace.
+_CALLS = re.compile(r"\btexture(?:[123]D|Cube)((?:Proj)?(?:Lod|Grad)?)(?:EXT|ARB)?(?=\s*\()")
+_STORAGE = re.compile(r"\b(?:attribute|varying)\b")
+_OUTPUT = re.compile(r"\bgl_Frag(?:Color|Data(?=\s*\[\s*(\d+)))")
+_VERSION = re.compile(r"^[ \t]*#[ \t]*version\b[^\n]*", re.M)
+_START = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)\b[^\n]*$", re.M)
+
+
+def raise_version(source: Source) -> Source:
+    """Return the stage in the oldest version that has all its words and can become SPIR-V for
+    OpenGL: GLSL 3.30 for 1.10 to 1.50, ES 3.10 for ES 1.00 and 3.00. The stage itself if it can
+    already, or if it is of the compatibility profile."""
+    version, profile = source.version
+    embedded = is_embedded(version, profile)
+    known = (100, 300) if embedded else (110, 120, 130, 140, 150)
+    if version not in known or profile == "compatibility":
+        return source
+    head = "#version 310 es" if embedded else "#version 330"
+    if version in (140, 150, 300):  # no word changes
+        return replace(source, text=_VERSION.sub(head, source.text, count=1), stripped=None)
+    # What extensions added is part of the newer version.
+    text = _START.sub("", source.text).replace("gl_FragDepthEXT", "gl_FragDepth")
+    last_stage = source.stage == "fragment"
+    text = _STORAGE.sub(lambda m: "in" if last_stage or m[0] == "attribute" else "out", text)
+    rows = [head]
+    if last_stage and (found := _OUTPUT.findall(text)):
+        count = f"[{1 + int(max(found))}]" if any(found) else ""
+        rows.append(f"layout (location = 0) out mediump vec4 shaderlab_color{count};")
+        text = _OUTPUT.sub("shaderlab_color", text)
+    lines = LineMap.of([(*source.place(1), 1)] * len(rows) + list(source.lines.spans))
+    text = "\n".join([*rows, _CALLS.sub(r"texture\1", text)])
+    return replace(source, text=text, lines=lines, stripped=None)
