@@ -15,7 +15,6 @@ from shaderlab.cli import FAILED, OK
 from shaderlab.cli.options import JSON, write_json
 from shaderlab.errors import ShaderlabError
 
-OLDEST_PYTHON = (3, 11)
 DISTRIBUTION = "shaderlab"
 
 
@@ -48,13 +47,7 @@ def examine() -> tuple[Check, ...]:
 
 
 def _check_python() -> Check:
-    wanted = ".".join(map(str, OLDEST_PYTHON))
-    return Check(
-        name="Python",
-        found=f"{platform.python_version()} at {sys.executable}",
-        ok=sys.version_info >= OLDEST_PYTHON,
-        remedy=f"install Python {wanted} or newer",
-    )
+    return Check(name="Python", found=f"{platform.python_version()} at {sys.executable}")
 
 
 def _check_packages() -> Iterator[Check]:

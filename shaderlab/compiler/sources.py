@@ -8,6 +8,7 @@ an inactive `#if` is expanded as well (its text is then skipped like any other).
 from __future__ import annotations
 
 import functools
+import itertools
 import posixpath
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -187,9 +188,10 @@ class Expansion:
         path = match[2] if match[1] is None else match[1]
         folder = "" if match[1] is None else posixpath.dirname(trail[-1][0].name)
         outside = None
-        for start in dict.fromkeys([folder, ""]):
+        paths = [path] if posixpath.splitext(path)[1] else [path, f"{path}.glsl"]
+        for start, tried in itertools.product(dict.fromkeys([folder, ""]), paths):
             try:
-                name = normalise_name(path, start)
+                name = normalise_name(tried, start)
                 file = self._roots.find(name)
             except OutsideError as error:
                 outside = outside or error

@@ -96,6 +96,10 @@ def have_settings_changed(folder: str | Path) -> bool:
     return _settings.__wrapped__(os.path.abspath(folder)) != load_settings(folder)
 
 
+# Of a project without version control, such as an archive that was unpacked.
+MARKS = ("package.json", FILE, "LICENSE", "LICENSE.md", "LICENSE.txt")
+
+
 @cache
 def _settings(folder: str) -> Settings:
     here = Path(folder)
@@ -106,7 +110,8 @@ def _settings(folder: str) -> Settings:
             return _parse_table(table, file)
         if (root / ".git").exists():
             return Settings(root=root)
-    return Settings()
+    marked = (r for r in (here, *here.parents) if any((r / name).is_file() for name in MARKS))
+    return Settings(root=next(marked, None))
 
 
 def _read_table(file: Path) -> Mapping[str, Any] | None:

@@ -101,6 +101,12 @@ def test_the_including_files_folder_comes_before_the_roots(tmp_path: Path) -> No
     assert shaders.load("ch/o.frag").text == "far\n"
 
 
+def test_an_include_may_leave_out_glsl(tmp_path: Path) -> None:
+    (tmp_path / "common.glsl").write_text("const float k = 2.0;\n")
+    (tmp_path / "a.frag").write_text("#version 330\n#include <common>\n")
+    assert "const float k" in Shaders([tmp_path]).load("a.frag").text
+
+
 def test_roots_are_searched_in_order(tmp_path: Path) -> None:
     one, two = write(tmp_path / "1", a_frag="one\n"), write(tmp_path / "2", a_frag="two\n")
     write(two, b_frag='#include "a.frag"\n')

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from shaderlab.cli import cli
 from shaderlab.engine.catalogue import shaders_of
-from shaderlab.engine.settings import Settings, load_settings, option_defaults
+from shaderlab.engine.settings import MARKS, Settings, load_settings, option_defaults
 from shaderlab.errors import ShaderError, UsageError
 
 Write = Callable[[str], Path]
@@ -61,6 +61,17 @@ def test_without_a_repository_shaders_are_found_beside_the_cases_folder(game: Pa
     assert "float glow()" in shaders.load("../shaders/glow.frag").text
     with pytest.raises(ShaderError, match="leads out of the shader folders"):
         shaders.load("../engine/shaders/sun.frag")
+
+
+@pytest.mark.parametrize("mark", MARKS)
+def test_a_project_without_version_control_is_found_by_its_own_files(game: Path, mark: str) -> None:
+    (game / ".git" / "HEAD").unlink()
+    (game / ".git").rmdir()
+    (game / mark).touch()
+    shaders = shaders_of(game / "tests" / "deep", {})
+    assert "float glow()" in shaders.load("glow.frag").text
+    with pytest.raises(ShaderError, match="leads out of the shader folders"):
+        shaders.load("../../../secret.glsl")
 
 
 @pytest.mark.parametrize(
