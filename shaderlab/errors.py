@@ -99,12 +99,24 @@ class CallError(ShaderlabError):
     """A GLSL function can't be called with these arguments, or did not come back."""
 
 
+class ArgumentsError(CallError, TypeError):
+    """A call has too many arguments, lacks one, or has one of an unknown name."""
+
+
+class NoFunctionError(CallError, AttributeError, KeyError):
+    """A file of GLSL has no function of this name."""
+
+
 class AssetError(ShaderlabError):
     """A mesh or an image can't be read or is not what its use requires."""
 
 
 class UsageError(ShaderlabError):
     """The command line asks for something that does not exist."""
+
+
+class MissingPackageError(UnsupportedError, UsageError):
+    """Something needs a package that comes with an extra, which is not installed."""
 
 
 @contextmanager
@@ -124,13 +136,14 @@ def require_extra(name: str, what: str, file: str | Path | None = None) -> Itera
     """Around the import of a package that `what` needs, and that comes with the extra `name`.
 
     Raises:
-        UsageError: it is not installed; says how to install it.
+        MissingPackageError: it is not installed; says how to install it.
     """
     try:
         yield
     except ImportError as error:
         remedy = f"pip install 'shaderlab[{name}]'"
-        raise UsageError(f"{what} needs {error.name or error}", file=file, remedy=remedy) from error
+        message = f"{what} needs {error.name or error}"
+        raise MissingPackageError(message, file=file, remedy=remedy) from error
 
 
 def suggest(word: str, choices: Iterable[str]) -> str:

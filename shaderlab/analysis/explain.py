@@ -94,7 +94,11 @@ def explain(
     assert given.pixels is not None
     rows = np.flatnonzero((given.pixels == pixel).all(axis=-1))
     if not rows.size:
-        raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at pixel {pixel}")
+        height, width = evaluation.answer(CapturedFragments(key)).covered.shape
+        raise UsageError(
+            f"draw {key[1]} of pass {key[0]!r} is not seen at pixel {pixel}",
+            remedy=f"its columns are 0 to {width - 1}, its rows 0 to {height - 1}",
+        )
     bands = trace_invocations(given, Bands())
     row = int(rows[0])
     driver: Mapping[Stored, Array] = {}

@@ -160,12 +160,12 @@ class InputDomain:
 
 # By a word of the name: the last one that is here counts.
 _RANGES: Mapping[str, tuple[float, float]] = {
-    **dict.fromkeys(("position", "positions", "pos", "eye", "target", "origin"), (-4.0, 4.0)),
+    **dict.fromkeys(("position", "pos", "eye", "target", "origin"), (-4.0, 4.0)),
     **dict.fromkeys(("world", "offset", "center"), (-4.0, 4.0)),
     **dict.fromkeys(("color", "colour", "albedo", "ambient", "diffuse", "specular"), (0.0, 1.0)),
     **dict.fromkeys(("alpha", "opacity", "metallic", "ao", "mask", "strength"), (0.0, 1.0)),
     "roughness": (0.05, 1.0),
-    **dict.fromkeys(("uv", "coord", "coords", "st"), (-0.5, 1.5)),
+    **dict.fromkeys(("uv", "coord", "st"), (-0.5, 1.5)),
     "shininess": (1.0, 128.0),
     "cut": (0.5, 1.0),
     "gamma": (1.5, 3.0),
@@ -186,6 +186,7 @@ _PLACES = frozenset(
 _DIRECTIONS = frozenset(
     {"normal", "dir", "direction", "halfway", "tangent", "bitangent", "axis", "up", "forward"}
 )
+_LETTERS = frozenset("NLVHTBR")  # as in N · L; of papers, and of shaders after them
 _ORDERS = (
     ("cutoff", "outercutoff"), ("far", "near"), ("max", "min"), ("high", "low"), ("end", "start"),
     ("edge1", "edge0"), ("most", "least"),
@@ -281,8 +282,11 @@ def _assume_domain(one: Input) -> InputDomain:
     if not one.type.startswith(("float", "vec")):
         return InputDomain("number", 0.0, 4.0)
     for word in reversed(words):
-        if word in _RANGES:
-            return InputDomain("number", *_RANGES[word])
+        found = _RANGES.get(word) or _RANGES.get(word.removesuffix("s"))  # lights, lightColors
+        if found is not None:
+            return InputDomain("number", *found)
+    if one.name.lower().endswith("f0"):  # the share that is reflected straight on
+        return InputDomain("number", 0.0, 1.0)
     return InputDomain("number") if one.type == "float" else InputDomain("number", -2.0, 2.0)
 
 
@@ -297,7 +301,9 @@ def words_of(name: str) -> list[str]:
 
 def is_direction(name: str) -> bool:
     """Whether a name is one of a vector whose length is 1, as a rule."""
-    return bool(_DIRECTIONS & set(words_of(name)[-2:]))
+    words = words_of(name)[-2:]
+    letter = name.rpartition(".")[2] in _LETTERS
+    return letter or bool(_DIRECTIONS & {*words, *(word.removesuffix("s") for word in words)})
 
 
 def is_place(name: str) -> bool:

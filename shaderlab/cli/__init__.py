@@ -33,7 +33,6 @@ COMMANDS = {
     "audit": ("audit", "Find undefined behaviour in a shader, without a reference."),
     "mutate": ("mutate", "Plant mistakes in shaders; report which ones go unnoticed."),
     "report": ("reporting", "Rebuild the pages of a run."),
-    "init": ("init", "Add settings, a CI workflow and a .gitignore line to a repository."),
     "doctor": ("doctor", "Check the installation, and say how to get what is missing."),
 }
 

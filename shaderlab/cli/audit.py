@@ -16,7 +16,6 @@ from shaderlab.cli.options import (
     JSON,
     RANGES,
     finding_options,
-    has_functions_only,
     jobs_option,
     limits_option,
     make_executor,
@@ -26,7 +25,7 @@ from shaderlab.cli.options import (
     write_findings,
     write_json,
 )
-from shaderlab.compiler.shader_files import EXTENSIONS, STAGES
+from shaderlab.compiler.shader_files import EXTENSIONS, STAGES, is_library
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
 
@@ -126,7 +125,7 @@ def _make_requests(
 
     shaders = [Path(t) for t in targets if _is_shader(t)]
     for shader in resolve_shaders(shaders, options.include):
-        if has_functions_only(shader, stage):
+        if stage is None and is_library(shader.file.path):
             from shaderlab.functions.interpreting import AuditFunctions
 
             yield AuditFunctions(shader, plan)

@@ -20,7 +20,6 @@ from shaderlab.cli.options import (
     INCLUDE,
     JSON,
     RANGES,
-    has_functions_only,
     jobs_option,
     limits_option,
     make_executor,
@@ -28,7 +27,7 @@ from shaderlab.cli.options import (
     resolve_shader,
     write_json,
 )
-from shaderlab.compiler.shader_files import STAGES, is_shader
+from shaderlab.compiler.shader_files import STAGES, is_library, is_shader
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
 
@@ -175,7 +174,7 @@ class _Comparison:
 
         if self.case is None:
             shaders = resolve_shader(old, self.includes, then), resolve_shader(new, self.includes)
-            if all(has_functions_only(shader, self.stage) for shader in shaders):
+            if self.stage is None and all(is_library(s.file.path) for s in shaders):
                 from shaderlab.functions.interpreting import CompareFunctions
 
                 return CompareFunctions(*shaders, self.plan)

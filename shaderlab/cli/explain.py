@@ -25,7 +25,7 @@ from shaderlab.cli.options import (
     resolve_shader,
     write_json,
 )
-from shaderlab.compiler.shader_files import is_shader
+from shaderlab.compiler.shader_files import is_library, is_shader
 from shaderlab.errors import UsageError, suggest
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Explanation, Step
@@ -142,6 +142,12 @@ def _make_request(arguments: ExplainArguments, executor: Executor) -> ExplainFil
     from shaderlab.cli.selecting import select_one
 
     if arguments.is_shader:
+        if is_library(arguments.target):
+            raise UsageError(
+                "this file has no main to explain",
+                file=arguments.target,
+                remedy="name the shader that includes it; audit and diff take functions alone",
+            )
         shader = resolve_shader(Path(arguments.target), arguments.includes)
         return ExplainFile(shader, arguments.ranges)
     if arguments.ranges:

@@ -12,46 +12,40 @@ from shaderlab.cli.options import JSON, make_executor, write_json
 from shaderlab.cli.selecting import find_files, make_ids_distinct
 from shaderlab.engine.catalogue import shipped_cases, sort_key
 from shaderlab.engine.jobs import CaseInfo
-from shaderlab.errors import UsageError, suggest
 from shaderlab.model.options import Limits
+from shaderlab.report.grouping import PASSABLE
 
 FIELDS = ("id", "section", "title", "variants", "file")
 """What JSON has of each case."""
+VERSION = 1
+"""Of the form of the JSON: another one where a field goes or changes its meaning."""
 
 
 @click.command("list")
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
-@click.option("--chapter", type=int, metavar="N", help="List only chapter N.")
 @JSON
-def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None) -> int:
+def command(targets: tuple[str, ...], json_file: str | None) -> int:
     """List cases by chapter: those that ship with shaderlab, or your own in files and folders.
 
     \b
     Examples:
       shaderlab list
       shaderlab list ./my_cases
-      shaderlab list --chapter 5
-      shaderlab list --json - | jq -r '.[].id'
+      shaderlab list --json - | jq -r '.cases[].id'
 
     Exit code: 0 all cases load, 1 one does not, 2 wrong usage.
     """
     found = load_selected(targets)
     cases = [case for case in found if case.error is None]
-    if chapter is not None:
-        chapters = sorted({_chapter_of(case) for case in cases})
-        cases = [case for case in cases if _chapter_of(case) == str(chapter)]
-        if not cases:
-            raise UsageError(
-                f"chapter {chapter} has no cases", remedy=suggest(str(chapter), chapters)
-            )
     if json_file is not None:
-        write_json([{name: getattr(case, name) for name in FIELDS} for case in cases], json_file)
+        listed = [{name: getattr(case, name) for name in FIELDS} for case in cases]
+        write_json({"version": VERSION, "cases": listed}, json_file)
     if json_file != "-" and cases:
         click.echo("\n".join(_format_lines(cases)))
     errors = [case.error for case in found if case.error is not None]
     for error in errors:
         click.echo(f"shaderlab: {error}", err=True)
-    return FAILED if errors else OK
+    return FAILED if any(case.status not in PASSABLE for case in found) else OK
 
 
 def load_selected(targets: Sequence[str]) -> list[CaseInfo]:

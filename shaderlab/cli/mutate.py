@@ -144,8 +144,6 @@ def _measure(
 
     shown = Show(to_stderr=to_stderr)
     console = shown.console
-    if not console.is_terminal:
-        console.width = 120  # a file has no width, and cut numbers are of no use
     with contextlib.closing(make_executor(None, limits, workers, early=False)) as executor:
         run = MutationRun(_targets(targets, every, plan, executor), executor)
         stopped = not _judge(run, shown)

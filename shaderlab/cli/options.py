@@ -189,17 +189,6 @@ def resolve_shader(
     return found
 
 
-def has_functions_only(shader: ShaderOfFile, stage: str | None) -> bool:
-    """Return whether a file only has functions for others to include: no stage, no `main`."""
-    from shaderlab.compiler.shader_files import EXTENSIONS  # late: few commands need compilers
-
-    path = Path(shader.file.path)
-    if stage is not None or path.suffix in EXTENSIONS or not path.is_file():
-        return False
-    text = path.read_text(encoding="utf-8", errors="replace")
-    return not re.search(r"#pragma\s+shader_stage|\bvoid\s+main(?:Image)?\s*\(", text)
-
-
 def resolve_shaders(
     paths: Sequence[Path], includes: Sequence[Path], then: Callable[[Path], Path] | None = None
 ) -> list[ShaderOfFile]:

@@ -306,7 +306,6 @@ def finish(
     verdict: int,
     is_latest: bool,
     outputs: Mapping[str, str],
-    open_report: bool = False,
 ) -> int:
     """Write and show where everything is; return the exit status.
 
@@ -316,7 +315,6 @@ def finish(
             written.
         is_latest: whether `latest` is to point to its folder.
         outputs: files to write besides the page, by format.
-        open_report: whether the page is opened in a browser.
     """
     page, problems = write_report(recorded, outputs)
     if is_latest:
@@ -331,8 +329,6 @@ def finish(
         return INTERRUPTED
     if problems:
         return verdict or unwritten
-    if open_report and page is not None:
-        click.launch(page.resolve().as_uri())
     return verdict
 
 

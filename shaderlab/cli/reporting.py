@@ -34,20 +34,18 @@ from shaderlab.files import display_path
     help="Also write the report as one self-contained file, for mailing.",
 )
 @output_options
-@click.option("--open", "open_report", is_flag=True, help="Open it in a browser.")
 def command(
     run_folder: str | None,
     earlier: str | None,
     single_file: str | None,
     outputs: Mapping[str, str],
-    open_report: bool,
 ) -> int:
     """Rebuild the pages of a run from the run.json in its folder.
 
     \b
     Examples:
       shaderlab report                              rebuild the latest run
-      shaderlab report reports/20260101-120000 --open
+      shaderlab report reports/20260101-120000
       shaderlab report --against reports/20260101-120000
       shaderlab report --single-file to-mail.html
       shaderlab report --markdown "$GITHUB_STEP_SUMMARY"
@@ -63,7 +61,6 @@ def command(
         before = _run_folder(Path(earlier))
         against = store.load(before), before
     problems: list[ShaderlabError] = []
-    page = None
     try:
         page = html.write(run, folder, against)
         click.echo(f"report: {display_path(page)}", err=to_stderr)
@@ -73,11 +70,10 @@ def command(
         try:
             require_output_of_kind(Path(single_file), html.SINGLE_BEGINS)
             html.write_single(run, folder, single_file)
+            click.echo(f"report in one file: {single_file}", err=to_stderr)
         except ShaderlabError as error:
             problems.append(error)
     problems += write_outputs(run, outputs)
-    if open_report and page is not None:
-        click.launch(page.resolve().as_uri())
     return report_problems(problems)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +26,7 @@ from shaderlab.cli.options import (
 )
 from shaderlab.engine.jobs import check_driver
 from shaderlab.errors import UsageError
+from shaderlab.files import display_path
 from shaderlab.model.options import Limits, RunOptions
 
 if TYPE_CHECKING:
@@ -57,8 +59,6 @@ class RunArguments:
     coverage: bool
     gl_calls: bool
     modules: bool | None
-    profile: bool
-    open_report: bool
 
     def check(self) -> None:
         """Raise UsageError where options exclude each other."""
@@ -154,8 +154,6 @@ class RunArguments:
     help="Check every pixel of every draw against its own shader as well, or none.  [default: a "
     "sample of each program]",
 )
-@click.option("--profile", is_flag=True, help="Show the time of each phase.")
-@click.option("--open", "open_report", is_flag=True, help="Open the report in a browser.")
 @collect(RunArguments, "arguments")
 def command(arguments: RunArguments) -> int:
     """Run cases: compile, render, judge every pixel, and write a report.
@@ -168,7 +166,7 @@ def command(arguments: RunArguments) -> int:
       shaderlab run attenuation spotlight
       shaderlab run 'attenuation[50]'               run one variant
       shaderlab run --all --json out.json           write results for other programs
-      shaderlab run ./my_case.py --open             run a case of your own
+      shaderlab run ./my_case.py                    run a case of your own
       shaderlab run gamma --shader gamma.frag=mine.frag
       shaderlab run --all --drivers llvmpipe,softpipe
       shaderlab run spotlight --coverage            list what its inputs never exercise
@@ -213,8 +211,12 @@ def command(arguments: RunArguments) -> int:
 def _make_plan(arguments: RunArguments, options: RunOptions, executor: Executor) -> RunPlan:
     """Select the jobs and the shaders that are replaced; make the run's folder."""
     from shaderlab.cli.recorded_run import new_plan
-    from shaderlab.cli.selecting import replace_shaders, select_jobs
+    from shaderlab.cli.selecting import replace_shaders, select_jobs, split_targets
 
+    for folder in filter(os.path.isdir, arguments.targets):
+        if tests := split_targets([folder])[0]:
+            names = ", ".join(map(display_path, tests))
+            click.echo(f"shaderlab: pytest runs the tests of functions: {names}", err=True)
     jobs = select_jobs(arguments.targets, arguments.every, arguments.variants, executor.load)
     options = replace_shaders(options, arguments.shaders, arguments.renamed, jobs)
     plan = new_plan(jobs, options, arguments.folder)
@@ -237,15 +239,12 @@ def _finish(arguments: RunArguments, recorded: RecordedRun, show: Show) -> int:
         from shaderlab.cli.compare_drivers import show_drivers
 
         show_drivers(run, show.console)
-    if arguments.profile:
-        show.profile(run)
     return finish(
         recorded,
         show,
         verdict=_verdict(run),
         is_latest=arguments.folder is None and arguments.resume is None,
         outputs=arguments.outputs,
-        open_report=arguments.open_report,
     )
 
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from shaderlab.compiler.shader_files import refuse_other_languages
 from shaderlab.engine.catalogue import (
     case_files,
     is_case_file,
@@ -122,11 +123,10 @@ def resolve_target(target: str) -> list[tuple[Path, str | None]]:
                 (file, None) for file in case_files(path, _report_skipped)
             ]
             if not files:
-                raise UsageError(
-                    "there is no case file in this folder",
-                    file=target,
-                    remedy="a case file takes Case from shaderlab and says case = Case(…)",
-                )
+                remedy = "a case file takes Case from shaderlab and says case = Case(…)"
+                if split_targets([target])[0]:
+                    remedy = f"it has tests of functions: pytest {target}"
+                raise UsageError("there is no case file in this folder", file=target, remedy=remedy)
             return files
         if not path.exists():
             beside = [str(p) for p in path.parent.glob("*.py")] if path.parent.is_dir() else []
@@ -135,10 +135,14 @@ def resolve_target(target: str) -> list[tuple[Path, str | None]]:
     found = _WITH_VARIANT.fullmatch(target)
     case_id, variant = (found["id"], found["variant"]) if found else (target, None)
     if case_id not in known:
-        folders = [str(p) for p in Path().iterdir() if p.is_dir() and not p.name.startswith(".")]
+        if path.is_file():
+            refuse_other_languages(path)
+            remedy = "compile, explain, audit and diff take shaders; a case file ends in .py"
+            raise UsageError("this is no case file", file=path, remedy=remedy)
+        own = [str(p) for p in Path().glob("[!.]*") if p.is_dir() or p.suffix == ".py"]
         raise UsageError(
             f"there is no case {case_id!r}, and no such folder",
-            remedy=suggest(case_id, [*folders, *known]),
+            remedy=suggest(case_id, [*own, *known]),
         )
     return [(known[case_id], variant)]
 

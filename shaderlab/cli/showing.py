@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -152,7 +151,6 @@ HEARTBEAT = 10.0
 MOST_ROWS = 40
 MOST_CASES = 200
 """More than the catalogue has, and more than people read."""
-SLOWEST = 5
 
 
 class Show:
@@ -166,6 +164,8 @@ class Show:
             emoji=False,
             soft_wrap=True,
         )
+        if not self.console.is_terminal:  # a file has no width, and cut names are of no use
+            self.console.width = max(self.console.width, 120)
 
     @contextmanager
     def progress(self, total: int) -> Iterator[Reporter]:
@@ -202,7 +202,12 @@ class Show:
             if has_failed(record):
                 self.console.print()
                 self._failure(record)
-        notes = [*format_conditions(run), *format_unread(run.records)]
+        notes = [
+            f"{format_label(r.id, r.variant)} is unsupported: {' '.join(clean(r.message).split())}"
+            for r in run.records
+            if r.status == "unsupported"
+        ]
+        notes += [*format_conditions(run), *format_unread(run.records)]
         if notes:
             self.console.print()
         for line in notes[:MOST_ROWS]:
@@ -257,26 +262,6 @@ class Show:
     def where(self, page: Path) -> None:
         """The path of the page."""
         self.console.print(f"report: {display_path(page)}")
-
-    def profile(self, run: Run) -> None:
-        """The time of all records by phase, and the slowest of them."""
-        spent: dict[str, float] = defaultdict(float)
-        for record in run.records:
-            for phase, seconds in record.timings.items():
-                spent[phase] += seconds
-        inside = sum(record.seconds for record in run.records)
-        spent["other"] = max(inside - sum(spent.values()), 0.0)
-        table = make_table("phase", "seconds", "share", "", right=("seconds", "share"))
-        for phase, seconds in spent.items():
-            share = seconds / inside if inside else 0.0
-            table.add_row(phase, f"{seconds:.3f}", f"{share:.0%}", "█" * round(40 * share))
-        self.console.print()
-        self.console.print(table)
-        slowest = sorted(run.records, key=lambda record: -record.seconds)[:SLOWEST]
-        for record in slowest:
-            self.console.print(
-                f"{record.seconds:8.3f} s  {format_label(record.id, record.variant)}"
-            )
 
 
 class Reporter:

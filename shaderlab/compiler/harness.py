@@ -15,8 +15,8 @@ from shaderlab.model.records import Diagnostic, Verdict
 from .compile import compile_program
 from .diagnostics import DRIVER, mark_disagreement
 from .glslang import ALL_TARGETS, TARGETS
-from .shader_files import STAGES, ShaderFile, find_shaders, stage_of
-from .sources import Shaders, Source
+from .shader_files import STAGES, ShaderFile, find_shaders, is_library, stage_of
+from .sources import Shaders, Source, with_version
 
 WORK = "shaderlab.compiler.harness:work"
 """What a pool of processes runs, by name: takes `CompileJob`s, yields `FileResult`s."""
@@ -163,13 +163,22 @@ def work(jobs: Iterable[CompileJob]) -> Iterator[FileResult]:
             for root in {file.root for file in job.files} - shaders.keys():
                 folders = dict.fromkeys([root, *map(str, options.include)])
                 shaders[root] = Shaders(list(map(Path, folders)), defines=options.defines)
-            stages = [shaders[file.root].load(file.name, options.stage) for file in job.files]
+            stages = [_load(shaders[file.root], file, options.stage) for file in job.files]
             yield _compile(job, stages)
         except ShaderError as error:
             message = error.message + (f" ({error.remedy})" if error.remedy else "")
             yield _report_failure(job, message, error.file, error.line)
 
 
+def _load(shaders: Shaders, file: ShaderFile, stage: str | None) -> Source:
+    """Return a file's source; that of a library of functions with a `main` that calls none."""
+    if stage is not None or not is_library(file.path):
+        return shaders.load(file.name, stage)
+    source = with_version(shaders.load(file.name, "fragment"), _NEWEST)
+    return replace(source, text=f"{source.text}\nvoid main() {{}}\n", stripped=None)
+
+
+_NEWEST = 450
 _DEATHS = {"crash": "the compiler crashed", "timeout": "the compiler took too long"}
 
 

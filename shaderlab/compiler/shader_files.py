@@ -4,6 +4,7 @@ below paths that a user names."""
 from __future__ import annotations
 
 import codecs
+import contextlib
 import functools
 import itertools
 import os
@@ -39,6 +40,7 @@ _PRAGMA_NAMES = {"tesscontrol": "tess_control", "tesseval": "tess_evaluation"}
 # A quoted include path may hold "//"; everything else that looks like a comment is one. Without
 # groups the search skips to the next quote or slash, which is several times as fast.
 _COMMENT = re.compile(r'"[^"\n]*"|//(?:\\\n|[^\n])*|/\*.*?(?:\*/|\Z)', re.DOTALL)
+_INCLUDED = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">\n]+)', re.M)
 _VERSION = re.compile(r"#[ \t]*version[ \t]+(\d+)[ \t]*(\w*)")
 MAX_BYTES = 4 << 20
 """The largest file accepted as a shader."""
@@ -64,6 +66,7 @@ def read_shader(path: str | Path) -> str:
             ) from None
         reason = error.strerror or str(error)
         raise ShaderError(f"can't read the shader: {reason}", file=path) from error
+    refuse_other_languages(path)
     if len(data) > MAX_BYTES:
         raise ShaderError(
             f"is larger than {MAX_BYTES >> 20} MiB, which no shader is",
@@ -71,6 +74,22 @@ def read_shader(path: str | Path) -> str:
             remedy="see whether this is a shader at all",
         )
     return normalise(decode(data, path), path)
+
+
+_LANGUAGES = {
+    ".hlsl": "HLSL", ".hlsli": "HLSL", ".fx": "HLSL", ".usf": "HLSL", ".cg": "Cg", ".wgsl": "WGSL",
+    ".metal": "the Metal Shading Language", ".slang": "Slang", ".gdshader": "Godot's language",
+}  # fmt: skip
+
+
+def refuse_other_languages(path: str | Path) -> None:
+    """Raise ShaderError for a file whose name says that it is not written in GLSL."""
+    if language := _LANGUAGES.get(os.path.splitext(path)[1].lower()):
+        raise ShaderError(
+            f"is {language}; the lab reads GLSL only",
+            file=path,
+            remedy="translate it to GLSL first, by way of SPIR-V and spirv-cross for example",
+        )
 
 
 def decode(data: bytes, path: str | Path) -> str:
@@ -413,7 +432,7 @@ def find_shaders(
 
     Args:
         paths: files, and folders to search for files whose extension or `#pragma shader_stage`
-            names a stage; other files in them are for inclusion.
+            names a stage, and for .glsl files without one that none of all these includes.
         roots: shader folders. A file in one of them includes from there, any other from the
             folder in `paths`, or its own.
         stage: every file's stage; by default each file names its own.
@@ -430,12 +449,12 @@ def find_shaders(
             files, folder = [str(path)], str(path.parent)
         else:
             folder = str(path)
-            files = [file for file in _walk(folder) if stage or _names_stage(file)]
+            files = list(_walk(folder) if stage else _find_units(folder))
             if not files:
                 raise UsageError(
                     "there is no shader in this folder",
                     file=path,
-                    remedy=f"shaders are named {' '.join(EXTENSIONS)}, or say #pragma shader_stage",
+                    remedy=f"shaders are named {' '.join(EXTENSIONS)}, libraries .glsl",
                 )
         for file in files:
             key = os.path.abspath(file) if len(paths) > 1 else file
@@ -467,16 +486,31 @@ def _walk(folder: str) -> Iterator[str]:
                 waiting.append(inner)
 
 
-def _names_stage(file: str) -> bool:
-    stem, extension = os.path.splitext(file)
-    if extension in EXTENSIONS:
-        return True
-    if extension != ".glsl":
+def _find_units(folder: str) -> Iterator[str]:
+    """Yield the files below a folder that are compiled by themselves: those with a stage, and
+    libraries of functions that none of the files includes."""
+    files = [file for file in _walk(folder) if os.path.splitext(file)[1] in (*EXTENSIONS, ".glsl")]
+    if not any(map(is_library, files)):
+        yield from files
+        return
+    included = set()
+    for file in files:
+        with contextlib.suppress(ShaderError):  # who compiles it says what is wrong
+            names = _INCLUDED.findall(strip_comments(read_shader(file)))
+            included |= set(map(posixpath.basename, names))
+    for file in files:
+        if not (os.path.basename(file) in included and is_library(file)):
+            yield file
+
+
+def is_library(file: str | Path) -> bool:
+    """Return whether a file has functions for others and no stage: neither its name nor a pragma
+    says one, and there is no `main`."""
+    stem, suffix = os.path.splitext(file)
+    if suffix in EXTENSIONS or (suffix == ".glsl" and os.path.splitext(stem)[1] in EXTENSIONS):
         return False
-    if os.path.splitext(stem)[1] in EXTENSIONS:
-        return True
     try:
-        stage_of(file, read_shader(Path(file)))
-    except ShaderError as error:
-        return "names no stage" in error.message  # a misspelt pragma is an error, not an include
-    return True
+        code = strip_comments(read_shader(file))
+    except ShaderError:
+        return False
+    return not any(word.search(code) for word in (_PRAGMA, _MAIN, _MAIN_IMAGE))

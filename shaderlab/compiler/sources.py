@@ -12,7 +12,7 @@ import itertools
 import posixpath
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -284,6 +284,19 @@ class Source:
         """Return a message about a line of `text` (counted from 1), or about the whole file."""
         file, line = (self.path, None) if at is None else self.place(at)
         return Diagnostic(file=file, line=line, severity=severity, message=message, token=token)
+
+
+# What a file without `#version` is read as. What it may need of later versions, the driver takes.
+_READ_AS = 330
+
+
+def with_version(source: Source, version: int = _READ_AS) -> Source:
+    """Return a source with a `#version`, its own or this one."""
+    if version_of(source.code) is not None:
+        return source
+    lines = LineMap(((source.path, 1, 1), *source.lines.spans))
+    text = f"#version {version} core\n{source.text}"
+    return replace(source, text=text, lines=lines, stripped=None)
 
 
 class Shaders(Roots):

@@ -26,7 +26,13 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from shaderlab.engine.settings import load_settings
-from shaderlab.errors import CaseError, ShaderlabError, UsageError, suggest
+from shaderlab.errors import (
+    CaseError,
+    MissingPackageError,
+    ShaderlabError,
+    UsageError,
+    suggest,
+)
 from shaderlab.files import read_regular, search_folder
 
 if TYPE_CHECKING:
@@ -378,7 +384,7 @@ def load_case(path: Path) -> Case:
         raise CaseError(
             "the file defines no case" if case is None else what,
             file=path,
-            remedy="assign one: case = Case(title=…, …)",
+            remedy="assign one, case = Case(title=…, …); tests of functions are run by pytest",
         )
     lesson = (module.__doc__ or "").strip()
     try:
@@ -408,7 +414,8 @@ def _import(path: Path) -> ModuleType:
             return _execute(spec_from_file_location(name, path))
     except ShaderlabError as error:
         line = error.line or _line_in(path, error)
-        raise CaseError(error.message, file=path, line=line, remedy=error.remedy) from error
+        kind = MissingPackageError if isinstance(error, MissingPackageError) else CaseError
+        raise kind(error.message, file=path, line=line, remedy=error.remedy) from error
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # SystemExit too

@@ -19,7 +19,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-from shaderlab.errors import CaseError, UsageError, suggest
+from shaderlab.errors import CaseError, MissingPackageError, UsageError, suggest
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.workers.pool import ItemResult, WorkerPool
 
@@ -35,7 +35,8 @@ class CaseInfo:
 
     Attributes:
         error: why the file could not be loaded; then `variants` is empty.
-        status: "error" if the file is wrong, "crash" or "timeout" if it took its process with it.
+        status: "error" if the file is wrong, "unsupported" if a package is missing, "crash" or
+            "timeout" if it took its process with it.
     """
 
     file: str
@@ -419,9 +420,10 @@ def make_case_info(file: Path, result: ItemResult) -> CaseInfo:
     if result.status == "done":
         found: CaseInfo = result.value
         return found
-    error = result.value
-    if not isinstance(error, CaseError):
+    error, status = result.value, str(result.status)
+    if isinstance(error, MissingPackageError):
+        status, why = "unsupported", error
+        error = CaseError(why.message, file=why.file, line=why.line, remedy=why.remedy)
+    elif not isinstance(error, CaseError):
         error = CaseError(f"importing the case file: {format_error(result)}", file=file)
-    return CaseInfo(
-        file=str(file), id=file.stem.replace("_", "-"), error=error, status=result.status
-    )
+    return CaseInfo(file=str(file), id=file.stem.replace("_", "-"), error=error, status=status)

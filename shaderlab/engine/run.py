@@ -22,6 +22,7 @@ from shaderlab.errors import (
     CaseError,
     DeviceLostError,
     DriverError,
+    MissingPackageError,
     ShaderlabError,
     UnsupportedError,
     suggest,
@@ -193,7 +194,8 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
         with the self-check of what they capture.
 
         Returns:
-            the numbers of the expectations that the driver has no answer for, and why.
+            the numbers of the expectations that the driver has no answer for, or that need a
+            package, and why.
         """
         unanswered = {}
         explained = False
@@ -201,11 +203,10 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
         for index, expectation in evaluation.iter_with_release(before_release):
             try:
                 evaluation.gather(expectation)
+                # The first failure is explained: others mostly fail for the same reason.
+                explained |= self._judge(evaluation, record, pictures, index, explain=not explained)
             except UnsupportedError as error:
                 unanswered[index] = error
-                continue
-            # The first failure is explained: others mostly fail for the same reason.
-            explained |= self._judge(evaluation, record, pictures, index, explain=not explained)
         return unanswered
 
     def _judge(
@@ -235,6 +236,8 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
                         outcome.worst.pixel if outcome.worst else None,
                         passed=outcome.status == "pass",
                     )
+        except MissingPackageError:
+            raise
         except ShaderlabError as error:  # in a picture: of values that nothing else looked at
             judgement = _make_failed_judgement(expectation, error)
             outcome = judgement.outcome

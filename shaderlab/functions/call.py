@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.drivers.programs.textures import texture_contents, texture_kind
-from shaderlab.errors import CallError, suggest
+from shaderlab.errors import ArgumentsError, CallError, suggest
 from shaderlab.functions.signatures import DTYPES, Input, Signature, Type
 from shaderlab.model.frame import Array, Texels
 from shaderlab.model.textures import CompressedTexture, CubeTexture, Texture, TextureArray
@@ -281,18 +281,20 @@ def _pair(
 ) -> Iterator[tuple[Input, Any]]:
     name, given = signature.name, signature.given
     if len(arguments) > len(given):
-        raise CallError(f"{signature} takes {len(given)} arguments; given were {len(arguments)}")
+        raise ArgumentsError(
+            f"{signature} takes {len(given)} arguments; given were {len(arguments)}"
+        )
     values = {p.name: v for p, v in zip(given, arguments, strict=False)}
     known = [*(p.name for p in given), *(g.name for g in signature.globals)]
     for word, value in named.items():
         if word in values:
-            raise CallError(f"{name}: {word} is given twice")
+            raise ArgumentsError(f"{name}: {word} is given twice")
         if word not in known:
-            raise CallError(f"{name} takes no {word!r}", remedy=suggest(word, known))
+            raise ArgumentsError(f"{name} takes no {word!r}", remedy=suggest(word, known))
         values[word] = value
     for one in given:
         if one.name not in values:
-            raise CallError(f"{signature}: {one.type} {one.name} is missing")
+            raise ArgumentsError(f"{signature}: {one.type} {one.name} is missing")
         yield one, values[one.name]
     parameters = {p.name for p in given}
     for one in signature.globals:

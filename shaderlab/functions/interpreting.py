@@ -17,7 +17,7 @@ from shaderlab.analysis.comparison import Plan as ComparisonPlan, compare_progra
 from shaderlab.analysis.inputs import inputs_of, unknown_names
 from shaderlab.analysis.interpreter import Program, load
 from shaderlab.analysis.requests import ShaderOfFile
-from shaderlab.compiler.sources import LineMap, Source
+from shaderlab.compiler.sources import LineMap, Source, with_version
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, suggest
 from shaderlab.functions.evaluation import (
     Preprocess,
@@ -26,7 +26,6 @@ from shaderlab.functions.evaluation import (
     has_version,
     local_name,
 )
-from shaderlab.functions.library import with_version
 from shaderlab.functions.signatures import (
     PREFIX,
     Signature,

@@ -14,17 +14,30 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, TypeVar
 
-from shaderlab.compiler.shader_files import EXTENSIONS, version_of
-from shaderlab.compiler.sources import LineMap, Shaders, Source
+from shaderlab.compiler.shader_files import EXTENSIONS
+from shaderlab.compiler.sources import Shaders, Source, with_version
 from shaderlab.engine.judging.laws import Law
 from shaderlab.engine.settings import load_settings
-from shaderlab.errors import CallError, ShaderError, ShaderlabError, suggest
+from shaderlab.errors import (
+    ArgumentsError,
+    CallError,
+    NoFunctionError,
+    ShaderError,
+    ShaderlabError,
+    suggest,
+)
 from shaderlab.files import display_path
 from shaderlab.functions import checks
 from shaderlab.functions.call import Call, bind_arguments
 from shaderlab.functions.checks import CallLaw
 from shaderlab.functions.evaluation import Preprocess, evaluate, get_caller
-from shaderlab.functions.signatures import Signature, find_signatures, read_declarations
+from shaderlab.functions.signatures import (
+    Declarations,
+    Signature,
+    find_names_to_give,
+    find_signatures,
+    read_declarations,
+)
 from shaderlab.model.records import Outcome, ProgramRecord, Record, SourceText, Status
 
 Kept = TypeVar("Kept")
@@ -214,7 +227,7 @@ class Function:
         try:
             call = self.bind(*arguments, **named)
             self._note(call)
-            return self.evaluate(call)
+            return self.evaluate(call) if call.signature.outputs else None
         except ShaderlabError as error:
             raise error.with_traceback(_short_traceback(error)) from error.__cause__
 
@@ -273,10 +286,6 @@ def _short_traceback(error: ShaderlabError) -> TracebackType | None:
     return error.__traceback__ if os.environ.get("SHADERLAB_DEBUG") else None
 
 
-# What a file without `#version` is read as. What it may need of later versions, the driver takes.
-_READ_AS = 330
-
-
 def load(
     shader: str | os.PathLike[str],
     *,
@@ -294,6 +303,7 @@ def load(
 
     Raises:
         ShaderError: there is no such file, or it or one of its includes can't be read.
+        ArgumentsError: a name of `given` is none of the file's globals.
     """
     if isinstance(shader, str) and "{" in shader:
         source = Shaders([], defines=defines).from_text(shader, "fragment", "text")
@@ -311,6 +321,14 @@ class Library:
         self._source = source if (known := _LOADS.get()) is None else known.take(source)
         self._folder = folder
         self._given = dict(given)
+        names = set(find_names_to_give(self._declarations)) if given else set()
+        for name in given:
+            if name not in names:
+                raise ArgumentsError(
+                    f"has no uniform or other global {name!r} to give",
+                    file=source.path,
+                    remedy=suggest(name, names),
+                )
 
     def __getattr__(self, name: str) -> Function:
         if name.startswith("__"):
@@ -321,15 +339,21 @@ class Library:
         """The function of this name, also where Python has another use for it.
 
         Raises:
-            AttributeError: the file has no such function.
+            NoFunctionError: the file has no such function; it is a KeyError, too.
         """
         found = self._functions.get(name)
         if found is None:
-            message = f"{self._source.path} has no function {name!r}"
-            raise AttributeError(f"{message}\n  → {suggest(name, self._functions)}")
+            raise NoFunctionError(
+                f"has no function {name!r}",
+                file=self._source.path,
+                remedy=suggest(name, self._functions),
+            )
         if (known := _LOADS.get()) is not None:
             known.use(self._written, name)
         return Function(self._read, found, self._folder, self._given)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._functions
 
     def __iter__(self) -> Iterator[Function]:
         return (self[name] for name in self._functions)
@@ -346,21 +370,16 @@ class Library:
 
     @cached_property
     def _functions(self) -> dict[str, list[Signature]]:
+        return find_signatures(self._declarations)
+
+    @cached_property
+    def _declarations(self) -> Declarations:
         text = get_caller().perform(Preprocess(self._read), f"preprocessing {self._read.path}")
         try:
-            return find_signatures(read_declarations(text))
+            return read_declarations(text)
         except ShaderError as error:
             file, line = self._read.place(error.line or 1)
             raise ShaderError(error.message, file=file, line=line) from None
-
-
-def with_version(source: Source) -> Source:
-    """A source with a `#version`, its own or a late one, as its functions are read."""
-    if version_of(source.code) is not None:
-        return source
-    lines = LineMap(((source.path, 1, 1), *source.lines.spans))
-    text = f"#version {_READ_AS} core\n{source.text}"
-    return replace(source, text=text, lines=lines, stripped=None)
 
 
 def _find(path: Path, beside: Path | None) -> Path:

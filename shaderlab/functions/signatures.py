@@ -209,7 +209,8 @@ class Input:
     Attributes:
         name, type: as declared.
         direction: of a parameter; globals are "in".
-        optional: whether the file has a value for it.
+        optional: whether the file has a value for it, or the function does not read it, as other
+            members of a block.
     """
 
     name: str
@@ -276,6 +277,13 @@ def find_signatures(found: Declarations) -> dict[str, list[Signature]]:
     return signatures
 
 
+def find_names_to_give(found: Declarations) -> Iterator[str]:
+    """Yield the names of all globals that functions of a file may read and callers give."""
+    yield from (one.name for one in _variables_to_give(list(found.all)))
+    yield from _STAGE_INPUTS
+    yield from _SHADERTOY
+
+
 def _signature(found: Declarations, own: GlslDeclaration) -> Signature:
     needed = found.needed_by(own)
     used = frozenset[str]().union(*(one.uses for one in needed))
@@ -295,7 +303,11 @@ def _signature(found: Declarations, own: GlslDeclaration) -> Signature:
     )
     built_in = _find_built_in_inputs(found, used)
     globals_ = tuple(
-        Input(one.name, type_of(one.type, one.name), optional=bool(one.initialiser))
+        Input(
+            one.name,
+            type_of(one.type, one.name),
+            optional=bool(one.initialiser) or one.name not in used,
+        )
         for one in _variables_to_give(needed)
     ) + tuple(Input(name, type_) for name, type_ in built_in.items())
     obstacles += _obstacles(needed, used, parameters, globals_)

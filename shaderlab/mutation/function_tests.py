@@ -178,11 +178,13 @@ def _forgetting_own_modules() -> Iterator[None]:
 @dataclass(frozen=True, kw_only=True)
 class FunctionMutant(ShaderMutant):
     """A mistake in a file that tests load: `source` is the file as it is, `used` are the functions
-    of it that they ask for, `tests` the names of those that call one; all of them if empty."""
+    of it that they ask for, `tests` the names of those that call one and pass as they are, `red`
+    those that fail as they are, and so notice nothing."""
 
     source: Source
     used: frozenset[str]
     tests: frozenset[str]
+    red: frozenset[str]
 
 
 class TestFileTarget(MutationTarget):
@@ -199,7 +201,7 @@ class TestFileTarget(MutationTarget):
 class MakeFunctionMutants:
     """Requests the mutants of the functions that tests load.
 
-    Raises CaseError: a test fails as it is, or none loads any function.
+    Raises CaseError: all tests fail as they are, or none loads any function.
     """
 
     file: Path
@@ -208,15 +210,23 @@ class MakeFunctionMutants:
     def perform(self, worker: Worker) -> list[Mutant]:
         worker.restart_limit(OPENING_SECONDS)
         result = RunTestFile(self.file, alike=True).perform(worker)
-        names = ", ".join(r.variant for r in result.records if has_failed(r))
-        if names:
+        red = frozenset(r.variant for r in result.records if has_failed(r))
+        green = frozenset(r.variant for r in result.records) - red
+        if red and not green:
+            names = ", ".join(sorted(red))
             raise CaseError(f"fails as it is: {names}", file=self.file, remedy="run it with pytest")
         found: list[Mutant] = []
         for text, source in result.loads.sources.items():
             used = frozenset(result.loads.used.get(text, ()))
-            tests = _callers(source, result)
+            tests = (_callers(source, result) & green) or green
             for mutant in mutate_stage(source, (source.name,), functions=used):
-                fields = {**vars(mutant), "source": source, "used": used, "tests": tests}
+                fields = {
+                    **vars(mutant),
+                    "source": source,
+                    "used": used,
+                    "tests": tests,
+                    "red": red,
+                }
                 found.append(FunctionMutant(**fields))
         if not found:
             raise CaseError(
@@ -242,6 +252,7 @@ class JudgeFunctionMutant:
             return MutantResult("invalid", f"{display_path(mutant.file)} does not compile")
         noticed = {record.variant: has_failed(record) for record in result.records}
         names = [name for name, fails in noticed.items() if fails]
+        noticed |= {f"{name} (left out: it fails as it is)": False for name in mutant.red}
         if names:
             return MutantResult("killed", ", ".join(names), noticed=noticed)
         worker.restart_limit()

@@ -326,21 +326,22 @@ def format_conditions(run: Run) -> Iterator[str]:
 
 
 def format_summary(run: Run) -> str:
-    """Return `12 cases: 40 passed, 2 failed in 3.1 s`."""
+    """Return `12 cases, 42 variants: 40 passed, 2 failed in 3.1 s`."""
     return f"{format_tally(run.records, run.missing)} in {run.seconds:.1f} s"
 
 
 def format_tally(records: Iterable[Record], missing: int = 0) -> str:
     """Return a summary without the time."""
     some = list(records)
-    cases = {(record.id, record.file) for record in some}
-    noun = "case" if len(cases) == 1 else "cases"
+    cases = len({(record.id, record.file) for record in some})
+    variants = len(some) + missing
+    count = plural(cases, "case") + (f", {plural(variants, 'variant')}" * (variants != cases))
     left = [len(r.not_asked) for r in some if r.status == "pass" and r.not_asked]
     without = ""
     if left:
         without = f" ({len(left)} of them without {sum(left)} checks of OpenGL's own calls)"
     counts = format_counts(Counter(record.status for record in some), missing, without)
-    return f"{len(cases)} {noun}: {counts}"
+    return f"{count}: {counts}"
 
 
 def format_counts(counts: Mapping[Status, int], missing: int, without: str = "") -> str:

@@ -159,10 +159,19 @@ def test_texts_and_values_of_the_import_are_mutated_too(worker: Worker, folder: 
     assert JudgeFunctionMutant(file, mutant).perform(worker).by == "test_import, test_law"
 
 
-def test_what_can_not_be_measured_is_said(worker: Worker, folder: Path) -> None:
+def test_a_test_that_fails_as_it_is_notices_nothing(worker: Worker, folder: Path) -> None:
     file = folder / "test_light.py"
     file.write_text(TESTS.replace("== 0.0", "== 1.0"))
-    with pytest.raises(CaseError, match="fails as it is: test_twice"):
+    mutant = made(worker, file)["2.0 * x", "2.0 / x"]
+    result = JudgeFunctionMutant(file, mutant).perform(worker)
+    assert result.status == "survived"
+    assert "test_twice (left out: it fails as it is)" in (result.noticed or {})
+
+
+def test_what_can_not_be_measured_is_said(worker: Worker, folder: Path) -> None:
+    file = folder / "test_light.py"
+    file.write_text("def test_red(): assert 0\n")
+    with pytest.raises(CaseError, match="fails as it is: test_red"):
         MakeFunctionMutants(file, MutationPlan()).perform(worker)
     file.write_text("from shaderlab import glsl\ndef test_nothing(): pass\n")
     with pytest.raises(CaseError, match="asks for a function"):

@@ -98,8 +98,9 @@ def test_it_runs_a_case(elsewhere: Path, repository: Path, tmp_path: Path) -> No
 
 
 def test_it_lists_the_same_cases(elsewhere: Path, repository: Path, tmp_path: Path) -> None:
-    there = json.loads(run(elsewhere / "shaderlab", "list", "--json", "-", cwd=tmp_path))
-    here = json.loads(execute("shaderlab list --json -", repository).stdout)
+    command = ("list", "--json", "-")
+    there = json.loads(run(elsewhere / "shaderlab", *command, cwd=tmp_path))["cases"]
+    here = json.loads(execute("shaderlab list --json -", repository).stdout)["cases"]
     assert [case["id"] for case in there] == [case["id"] for case in here]
     assert all(Path(case["file"]).is_relative_to(elsewhere.parent) for case in there)
 

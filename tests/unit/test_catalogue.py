@@ -173,6 +173,14 @@ def test_a_relative_import_from_outside_the_tree_says_how_to_share(tmp_path: Pat
     assert load_case(file).title == "x"
 
 
+def test_a_misspelt_name_of_the_lab_is_an_error_that_says_the_right_one(tmp_path: Path) -> None:
+    line = "from shaderlab.engine.expectations import OutputExpectations"
+    with pytest.raises(CaseError) as caught:
+        load_case(saved(tmp_path, titled(line)))
+    assert "OutputExpectation" in (caught.value.remedy or "")
+    assert caught.value.line == 1
+
+
 def test_a_mistake_in_a_shared_module_is_an_error_of_the_case_each_time(tmp_path: Path) -> None:
     tree(tmp_path, {"helper.py": "TITLE = 1 / 0", "lamp.py": titled("from .helper import TITLE")})
     for _ in range(2):

@@ -54,8 +54,8 @@ def test_a_folder_is_searched_and_each_file_counted(tmp_path: Path) -> None:
     data = json.loads((tmp_path / "out.json").read_text())
     assert set(data) == {"files"}
     assert [(Path(e["path"]).name, e["target"], e["ok"]) for e in data["files"]] == [
-        (name, target, name == "good.frag")
-        for name in ("good.frag", "bad.frag")
+        (name, target, name != "bad.frag")
+        for name in ("good.frag", "bad.frag", "lib.glsl")
         for target in ("glsl", "opengl", "vulkan")
     ]
     keys = {"path", "stage", "target", "ok", "diagnostics", "spirv_bytes"}

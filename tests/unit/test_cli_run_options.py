@@ -37,18 +37,6 @@ def test_without_pictures_the_lab_gets_no_folder(
     assert Path("b/index.html").is_file() and len(read_journal(Path("b"))[1]) == 2
 
 
-def test_the_profile_adds_up_phases_of_all_records(
-    call: Callable[..., Result], case_folder: Path, fake_lab: Install, passing: Record
-) -> None:
-    timed = dataclasses.replace(passing, seconds=1.0, timings={"link": 0.25, "draw": 0.5})
-    fake_lab({"near": timed, "far": timed})
-    lines = [line.split() for line in call(case_folder, "--profile").output.splitlines()]
-    rows = {line[0]: line[1:3] for line in lines if line}
-    assert rows["link"] == ["0.500", "25%"]
-    assert rows["draw"] == ["1.000", "50%"]
-    assert rows["other"] == ["0.500", "25%"]
-
-
 def test_a_broken_case_among_others_costs_only_itself(
     call: Callable[..., Result], case_folder: Path, fake_lab: Install
 ) -> None:

@@ -81,7 +81,7 @@ def test_a_long_table_is_cut(failing: Record) -> None:
 def test_summary_counts_variants_by_outcome(passing: Record, failing: Record) -> None:
     other = dataclasses.replace(passing, id="sun")
     text = format_summary(replace(run(passing, failing, other), seconds=3.14))
-    assert text == "2 cases: 2 passed, 1 failed in 3.1 s"
+    assert text == "2 cases, 3 variants: 2 passed, 1 failed in 3.1 s"
 
 
 def test_every_report_counts_what_was_not_asked(tmp_path: Path) -> None:

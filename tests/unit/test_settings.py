@@ -175,39 +175,3 @@ def test_commands_obey_the_table(game: Path, monkeypatch: pytest.MonkeyPatch) ->
     )
     result = CliRunner().invoke(cli, ["compile", "tests", "-j", "0", "-t", "glsl"])
     assert result.exit_code == 0 and "vulkan" not in result.output, result.output
-
-
-def test_init_writes_what_is_missing_and_keeps_what_is_there(
-    game: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(game)
-    before = '[project]\nname = "game"'
-    Path("pyproject.toml").write_text(before)
-    Path(".gitignore").write_text("*.o")
-    result = CliRunner().invoke(cli, ["init"])
-    assert result.exit_code == 0, result.output
-    written = Path("pyproject.toml").read_text()
-    assert written.startswith(f"{before}\n\n[tool.shaderlab]\n")
-    assert load_settings(game / "engine").shaders == tuple(
-        game / name for name in ("engine", "shaders", "tests")
-    )
-    assert Path(".gitignore").read_text() == "*.o\n/reports/\n"
-    workflow = Path(".github/workflows/shaders.yml")
-    text = workflow.read_text()
-    assert "shaderlab compile engine shaders tests\n" in text
-    assert "pytest --shaderlab-report reports/ci" in text
-    assert "shaderlab report reports/ci --sarif shaderlab.sarif" in text
-    workflow.write_text("mine\n")
-    result = CliRunner().invoke(cli, ["init"])
-    assert result.output.count("already") == 3
-    assert (Path("pyproject.toml").read_text(), workflow.read_text()) == (written, "mine\n")
-
-
-def test_init_leaves_a_file_alone_that_it_can_not_add_to(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("pyproject.toml").write_text("tool = {}\n")
-    result = CliRunner().invoke(cli, ["init"])
-    assert result.exit_code == 2 and "can't add [tool.shaderlab]" in result.output
-    assert Path("pyproject.toml").read_text() == "tool = {}\n" and not Path(".gitignore").exists()

@@ -12,12 +12,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.bands import Band
+from shaderlab.bands import Band, Integer
 from shaderlab.bands.exact import as_tri_bool
-from shaderlab.compiler.spirv import Op
+from shaderlab.compiler.spirv import Glsl450 as G, Op
 from shaderlab.errors import NotInterpretedError
 
-from .operations import COMPOSITES, DERIVATIVES, EXTENDED, FLOATS, INTEGERS, LOGIC, Handler
+from .operations import (
+    COMPOSITES,
+    DERIVATIVES,
+    FLOATS,
+    INTEGERS,
+    LOGIC,
+    Handler,
+    call_extended,
+    compute,
+    settle_parts,
+)
 from .program import Function, Instruction
 from .textures import TEXTURES
 from .values import (
@@ -70,9 +80,31 @@ def _load(run: Run, at: Instruction, state: PathState) -> Any:
     return value
 
 
-def _store(run: Run, at: Instruction, state: PathState) -> None:
+def _array_length(run: Run, at: Instruction, state: PathState) -> Any:
     pointer: Pointer = run.value(at.operands[0])
-    value = run.value(at.operands[1])
+    block = state.memory[pointer.variable]
+    length = len(fetch(block, (*pointer.path, at.operands[1]), state.mask))
+    return run.arithmetic.rounded(Integer(np.full((1, 1), length), unsigned=True))
+
+
+def _extended(run: Run, at: Instruction, state: PathState) -> Any:
+    """A function of GLSL's own; of modf and frexp the second part goes to their argument."""
+    if at.operands[1] not in _TWO_PARTS:
+        return call_extended(run, at, state)
+    name, (value, place) = _TWO_PARTS[at.operands[1]], at.operands[2:]
+    first, second = settle_parts(run, compute(run, name, run.values((value,))), state)
+    _write(run, at, state, run.value(place), second)
+    return first
+
+
+_TWO_PARTS: Mapping[int, str] = {G.Modf: "modf", G.Frexp: "frexp"}
+
+
+def _store(run: Run, at: Instruction, state: PathState) -> None:
+    _write(run, at, state, run.value(at.operands[0]), run.value(at.operands[1]))
+
+
+def _write(run: Run, at: Instruction, state: PathState, pointer: Pointer, value: Any) -> None:
     type_, _ = run.program.variables[pointer.variable]
     stored = value
     if pointer.path:
@@ -116,6 +148,7 @@ VARIABLES: Mapping[int, Handler] = {
     Op.Store: _store,
     Op.AccessChain: _access_chain,
     Op.InBoundsAccessChain: _access_chain,
+    Op.ArrayLength: _array_length,
     Op.CopyObject: lambda run, at, state: run.value(at.operands[0]),
     Op.Phi: lambda run, at, state: state.memory.pop(at.id),
     Op.LoopMerge: _nothing,
@@ -134,7 +167,7 @@ HANDLERS: Mapping[int, Handler] = {
     **LOGIC,
     **DERIVATIVES,
     **TEXTURES,
-    **EXTENDED,
+    Op.ExtInst: _extended,
 }
 
 Leaving = list[tuple[int | None, PathState]]

@@ -354,11 +354,11 @@ _PACKING: Mapping[int, str] = {
 }  # fmt: skip
 
 
-def _extended(run: Run, at: Instruction, state: PathState) -> Any:
+def call_extended(run: Run, at: Instruction, state: PathState) -> Any:
     number, operands = at.operands[1], at.operands[2:]
     name = _FLOATS.get(number) or _PACKING.get(number)
     if name is not None:
-        return _settle_parts(run, compute(run, name, run.values(operands)), state)
+        return settle_parts(run, compute(run, name, run.values(operands)), state)
     if number in _INTEGERS:
         function, unsigned = _INTEGERS[number]
         values: list[Integer] = run.values(operands)
@@ -371,16 +371,13 @@ def _extended(run: Run, at: Instruction, state: PathState) -> Any:
     raise run.program.not_interpreted(f"GLSL's {name}", at.line)
 
 
-def _settle_parts(run: Run, value: Any, state: PathState) -> Any:
+def settle_parts(run: Run, value: Any, state: PathState) -> Any:
     """The result; integers in it only as far as they concern the invocations that are here."""
     if isinstance(value, tuple):
-        return tuple(_settle_parts(run, part, state) for part in value)
+        return tuple(settle_parts(run, part, state) for part in value)
     if isinstance(value, Integer):
         return settle(run, value, state)
     return value
-
-
-EXTENDED: Mapping[int, Handler] = {Op.ExtInst: _extended}
 
 
 def call_integers(

@@ -243,11 +243,6 @@ class Symmetric(Even):
     _: KW_ONLY
     over: tuple[str, str] | str  # type: ignore[assignment]
     odd: bool = False
-    ulps: Any = None
-
-    def __post_init__(self) -> None:
-        if self.ulps is not None:
-            laws.reject_old_spelling("symmetric", {"ulps": self.ulps})
 
     @property
     def law(self) -> laws.Symmetric:

@@ -139,7 +139,8 @@ class Bounded(Law):
 @dataclass(frozen=True)
 class Monotone(Law):
     """f never falls ("increasing") or never rises ("decreasing") as the input `over` grows; with
-    `strict` it never stays the same either. Each component is judged by itself."""
+    `strict` it never stays the same either. Each component is judged by itself, of a vector `over`
+    with as many components by its own one."""
 
     over: str
     _: KW_ONLY
@@ -158,6 +159,8 @@ class Monotone(Law):
         self, inputs: Mapping[str, Array], values: Array, second: Array | None, batch: Batch
     ) -> Finding:
         x = np.asarray(inputs[self.over])
+        if x.ndim > len(batch) and x.shape[-1] == values.shape[-1] > 1:  # a vector of as many
+            return self._judge_components(x, values, batch)
         axes = [n for n in range(-x.ndim, 0) if x.shape[n] > 1]
         if len(axes) != 1:
             raise CallError(
@@ -182,6 +185,20 @@ class Monotone(Law):
             high=np.inf if rising else before,
             trivial=_constant(values, batch),
         )
+
+    def _judge_components(self, x: Array, values: Array, batch: Batch) -> Finding:
+        """Hold each component against the law as its own component of the input grows."""
+        found = [
+            vars(self.judge({self.over: x[..., n]}, values[..., n : n + 1], None, batch))
+            for n in range(x.shape[-1])
+        ]
+        arrays = ("values", "holds", "slack", "reference", "low", "high")
+        shape = (*batch, 1)
+        joined: dict[str, Any] = {
+            name: np.concatenate([np.broadcast_to(one[name], shape) for one in found], axis=-1)
+            for name in arrays
+        }
+        return Finding(**joined, trivial=next((o["trivial"] for o in found if o["trivial"]), ""))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -260,11 +277,8 @@ class Symmetric(Close, Law):
 bounded = Bounded
 
 
-def monotone(
-    over: str = "", *, direction: str = "increasing", strict: bool = False, **old: Any
-) -> Monotone:
+def monotone(over: str, *, direction: str = "increasing", strict: bool = False) -> Monotone:
     """f never falls (or never rises) as the input `over` grows; see `Monotone`."""
-    reject_old_spelling("monotone", old)
     return Monotone(over, direction=direction, strict=strict)
 
 
@@ -289,23 +303,6 @@ def symmetric(
             'even(over="x") and odd(over="x") change the sign of one',
         )
     return Symmetric(tuple(over), -1 if odd else 1, ulp=ulp, within=within)
-
-
-OLD_SPELLINGS = {
-    "along": "over=",
-    "rising": 'direction="increasing" or direction="decreasing"',
-    "strictly": "strict=",
-    "ulps": "ulp=",
-}
-
-
-def reject_old_spelling(owner: str, given: Mapping[str, Any]) -> None:
-    """Raise an error for keywords that are not taken; for one of an earlier version, name what it
-    is now."""
-    for name in given:
-        if name in OLD_SPELLINGS:
-            raise CaseError(f"{owner}: there is no {name}=", remedy=f"give {OLD_SPELLINGS[name]}")
-        raise TypeError(f"{owner}() got an unexpected keyword argument {name!r}")
 
 
 def _constant(values: Array, batch: Batch) -> str:

@@ -20,7 +20,7 @@ from shaderlab.bands import Band, Integer, Rules
 from shaderlab.bands.band import WHOLE
 from shaderlab.bands.bounds import Vector
 from shaderlab.bands.exact import TriBool
-from shaderlab.errors import FormulaError, ShaderlabError, suggest
+from shaderlab.errors import FormulaError, MissingPackageError, ShaderlabError, suggest
 from shaderlab.glslmath.sampling import Sampler
 from shaderlab.glslmath.vector import Elements
 from shaderlab.model.frame import Array, Bindings, Texels
@@ -185,6 +185,8 @@ def evaluate(
         with phase("reference"), np.errstate(all="ignore"):
             formula = reference if rules is None else with_literals(reference, rules)
             return _require_number(formula(**arguments))
+    except MissingPackageError:
+        raise
     except ShaderlabError as error:
         place = source_of(reference)
         raise FormulaError(
@@ -195,11 +197,22 @@ def evaluate(
         ) from error
     except Exception as error:
         remedy = "references use + − * / and the functions of shaderlab.glslmath only"
+        remedy = next((hint for said, hint in _HINTS.items() if said in str(error)), remedy)
         if "matmul" in str(error) or _MATRIX.search(str(error)):
             remedy = "a matrix times a vector is glslmath.mul(m, v), times a matrix matmul(a, b)"
         if "bitwise_" in str(error) or "_shift" in str(error):
             remedy = WHOLE
         raise locate_error(reference, error, remedy) from error
+
+
+# What NumPy says of the functions of Python and `math`, and what to write instead.
+_HINTS = {
+    "truth value": "glslmath has max, min, any and all, which take arrays; choose with "
+    "glslmath.where(condition, a, b)",
+    "__round__": "write glslmath.round, or glslmath.roundEven",
+    "0-dimensional": "write the function of glslmath in place of math's, float() or int()",
+    "length-1 array": "write the function of glslmath in place of math's, float() or int()",
+}
 
 
 def _require_number(result: Any) -> Any:

@@ -13,6 +13,8 @@ from typing import Any
 from shaderlab.model.records import Run
 from shaderlab.model.store import to_plain
 
+VERSION = 1
+"""Of this form: another one where a field goes or changes its meaning."""
 _RECORD = (
     "id", "variant", "status", "message", "seconds", "timings", "driver", "size", "compile",
     "expectations", "images", "unread", "gl_calls", "modules", "not_asked",
@@ -28,6 +30,7 @@ def render(run: Run) -> str:
     """The public view of a run, as indented JSON."""
     whole = to_plain(run)
     public = {
+        "version": VERSION,
         "driver": whole["driver"],
         "seconds": whole["seconds"],
         "cases": [_record(record) for record in whole["records"]],
