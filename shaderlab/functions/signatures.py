@@ -281,7 +281,7 @@ def find_names_to_give(found: Declarations) -> Iterator[str]:
     """Yield the names of all globals that functions of a file may read and callers give."""
     yield from (one.name for one in _variables_to_give(list(found.all)))
     yield from _STAGE_INPUTS
-    yield from _SHADERTOY
+    yield from SHADERTOY_INPUTS
 
 
 def _signature(found: Declarations, own: GlslDeclaration) -> Signature:

@@ -334,8 +334,7 @@ def format_tally(records: Iterable[Record], missing: int = 0) -> str:
     """Return a summary without the time."""
     some = list(records)
     cases = len({(record.id, record.file) for record in some})
-    variants = len(some) + missing
-    count = plural(cases, "case") + (f", {plural(variants, 'variant')}" * (variants != cases))
+    count = plural(cases, "case") + f", {plural(len(some), 'variant')}" * (len(some) != cases)
     left = [len(r.not_asked) for r in some if r.status == "pass" and r.not_asked]
     without = ""
     if left:
