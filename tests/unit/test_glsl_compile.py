@@ -295,8 +295,8 @@ VERSIONS = {
     "440": ("c", [True, True, True]),
     "450": ("c", [True, True, True]),
     "460": ("c", [True, True, True]),
-    "100": ("gl_FragColor", [True, False, False]),
-    "300 es": ("c", [True, False, False]),
+    "100": ("gl_FragColor", [True, True, True]),
+    "300 es": ("c", [True, True, True]),
     "310 es": ("c", [True, True, True]),
     "320 es": ("c", [True, True, True]),
 }
