@@ -8,10 +8,8 @@ import gc
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
-from collections.abc import Callable, Generator, Mapping, Sequence
-from importlib.machinery import PathFinder
+from collections.abc import Callable, Generator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -38,19 +36,7 @@ if "PYTEST_XDIST_WORKER" not in os.environ:
 # NumPy reads this when it is first imported, which nothing does before this file.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-
-class AsCompiled:
-    """Finds the lab's modules as `make setup` compiled them. pytest takes the package of a plugin
-    for tests, and compiles each of its modules anew, for the sake of its assertions."""
-
-    @staticmethod
-    def find_spec(name: str, path: Sequence[str] | None = None, _: object = None) -> Any:
-        return PathFinder.find_spec(name, path) if name.startswith("shaderlab.") else None
-
-
-sys.meta_path.insert(0, AsCompiled())
-
-from shaderlab.analysis import self_check  # noqa: E402
+from shaderlab.analysis import self_check
 
 self_check.register()  # as each worker does
 

@@ -167,9 +167,9 @@ def _compare_interfaces(old: Program, new: Program) -> Iterator[OutputAnswer]:
 def _interface(program: Program) -> Iterator[tuple[str, str]]:
     """How variables and blocks' members lie and are interpolated, as far as the text says so."""
     module = program.module
-    yield "pixels", ", ".join(mode.name for mode in _PIXELS if mode in module.modes)
-    if program.source is None:
+    if program.source is None or not program.source.text:
         return
+    yield "pixels", ", ".join(mode.name for mode in _PIXELS if mode in module.modes)
     for id_, (pointee, _) in module.variables.items():
         name, element = interface_name(module, id_), unwrap(module, pointee)[1]
         declared = find_declaration(program.source, module.names.get(id_, "") or name)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from shaderlab.analysis.answer import Answer
 from shaderlab.analysis.audit import Audit, Plan as AuditPlan, audit_program
 from shaderlab.analysis.comparison import Plan, compare_programs
-from shaderlab.analysis.interpreter import Program, load
+from shaderlab.analysis.interpreter import Program, adopt_names, load, read_file
 from shaderlab.compiler.shader_files import ShaderFile
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.errors import FormulaError, NotInterpretedError, in_file
@@ -36,6 +36,16 @@ class ShaderOfFile:
         folders = dict.fromkeys([self.file.root, *self.include])
         return Shaders([Path(folder) for folder in folders]).load(self.file.name, stage)
 
+    def program(self, stage: str | None) -> Program:
+        """As the interpreter runs it. Raises ShaderError, NotInterpretedError."""
+        with in_file(self.file.path):
+            return read_file(Path(self.file.path)) if self.is_module else load(self.source(stage))
+
+    @property
+    def is_module(self) -> bool:
+        """Whether it is SPIR-V, and no text."""
+        return self.file.path.endswith(".spv")
+
 
 @dataclass(frozen=True)
 class CompareFiles:
@@ -48,7 +58,9 @@ class CompareFiles:
 
     def perform(self, worker: Worker) -> list[Answer]:
         worker.note("compiling")
-        old, new = (_program(shader.source(self.stage)) for shader in (self.old, self.new))
+        old, new = (shader.program(self.stage) for shader in (self.old, self.new))
+        old = adopt_names(old, new) if self.old.is_module else old
+        new = adopt_names(new, old) if self.new.is_module else new
         worker.note("interpreting")
         with in_file(self.old.file.path):
             return [compare_programs(old, new, self.plan)]
@@ -101,9 +113,9 @@ class AuditFile:
 
     def perform(self, worker: Worker) -> list[Audit]:
         worker.note("compiling")
+        program = self.shader.program(self.stage)
+        worker.note("interpreting")
         with in_file(self.shader.file.path):
-            program = load(self.shader.source(self.stage))
-            worker.note("interpreting")
             return [audit_program(program, self.plan)]
 
 
@@ -177,7 +189,7 @@ class ExplainFile:
         from shaderlab.analysis.explain import explain_file
 
         worker.note("compiling")
+        program = self.shader.program(None)
+        worker.note("interpreting")
         with in_file(self.shader.file.path):
-            program = load(self.shader.source(None))
-            worker.note("interpreting")
             return explain_file(program, self.ranges)

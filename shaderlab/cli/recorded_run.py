@@ -123,7 +123,7 @@ SYNC_SECONDS = 1.0
 
 def _remove_page(folder: Path) -> None:
     """Remove the page of an earlier run, which must not pass for the one that begins now."""
-    for name in ("run.json", "index.html", "against.html"):
+    for name in ("run.json", "index.html"):
         (folder / name).unlink(missing_ok=True)
 
 

@@ -1,4 +1,4 @@
-"""`shaderlab report`: rebuild the pages of a run, alone or against an earlier run."""
+"""`shaderlab report`: rebuild the pages of a run."""
 
 from __future__ import annotations
 
@@ -23,30 +23,18 @@ from shaderlab.files import display_path
 @click.command("report")
 @click.argument("run_folder", required=False, metavar="[RUN_FOLDER]")
 @click.option(
-    "--against",
-    "earlier",
-    metavar="RUN_FOLDER",
-    help="Show what changed since another run, in against.html.",
-)
-@click.option(
     "--single-file",
     metavar="FILE",
     help="Also write the report as one self-contained file, for mailing.",
 )
 @output_options
-def command(
-    run_folder: str | None,
-    earlier: str | None,
-    single_file: str | None,
-    outputs: Mapping[str, str],
-) -> int:
+def command(run_folder: str | None, single_file: str | None, outputs: Mapping[str, str]) -> int:
     """Rebuild the pages of a run from the run.json in its folder.
 
     \b
     Examples:
       shaderlab report                              rebuild the latest run
       shaderlab report reports/20260101-120000
-      shaderlab report --against reports/20260101-120000
       shaderlab report --single-file to-mail.html
       shaderlab report --markdown "$GITHUB_STEP_SUMMARY"
     """
@@ -56,13 +44,9 @@ def command(
     to_stderr = uses_stdout(outputs)
     folder = find_latest() if run_folder is None else _run_folder(Path(run_folder))
     run = store.load(folder)
-    against = None
-    if earlier is not None:
-        before = _run_folder(Path(earlier))
-        against = store.load(before), before
     problems: list[ShaderlabError] = []
     try:
-        page = html.write(run, folder, against)
+        page = html.write(run, folder)
         click.echo(f"report: {display_path(page)}", err=to_stderr)
     except ShaderlabError as error:  # the outputs are written all the same
         problems.append(error)

@@ -9,7 +9,6 @@ import contextlib
 import datetime
 import math
 import os
-import sys
 import time
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
@@ -27,7 +26,6 @@ from shaderlab.cli.options import (
     make_executor,
 )
 from shaderlab.engine.catalogue import files_below
-from shaderlab.engine.settings import FILE, have_settings_changed, load_settings
 from shaderlab.errors import UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits, RunOptions
@@ -67,8 +65,7 @@ def command(
     saved: a shader or an included file, a case or test file or a module that it imports, an
     image. Without arguments, watch everything below this folder.
 
-    Workers stay warm, with their device open. A change to [tool.shaderlab] restarts the command.
-    Press Ctrl-C to end it.
+    Workers stay warm, with their device open. Press Ctrl-C to end it.
 
     \b
     Examples:
@@ -91,14 +88,14 @@ def command(
     case_files, test_files = wanted.files()
     # Python takes its compiled modules for new as long as a file's second and size stay the same.
     os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
-    with contextlib.suppress(KeyboardInterrupt):
-        with contextlib.closing(
+    with (
+        contextlib.suppress(KeyboardInterrupt),
+        contextlib.closing(
             Session(lambda: make_executor(driver, limits, workers), wanted.jobs, options)
-        ) as session:
-            session.follow(case_files, test_files)
-            _Watch(session, wanted, Show()).run({*case_files, *test_files})
-        # Options, workers and what they keep come from the settings.
-        os.execv(sys.executable, [sys.executable, "-m", "shaderlab", *sys.argv[1:]])
+        ) as session,
+    ):
+        session.follow(case_files, test_files)
+        _Watch(session, wanted, Show()).run({*case_files, *test_files})
     return OK
 
 
@@ -127,10 +124,6 @@ class _Wanted:
             with contextlib.suppress(UsageError):  # it has just been removed
                 yield from files_below(Path(os.path.abspath(folder)))
 
-    def projects(self) -> set[Path]:
-        """The folders whose settings apply."""
-        return {Path(), *(file.parent for file in (*self._variants, *self._tests))}
-
     def jobs(self, facts: Sequence[CaseInfo]) -> list[Job]:
         """The jobs of case files, in order."""
         from shaderlab.cli.selecting import make_ids_distinct, select_variants
@@ -153,7 +146,7 @@ class _Watch:
         self._stamps: dict[Path, tuple[float, int, int] | None] = {}
 
     def run(self, waiting: Collection[Path]) -> None:
-        """Judge these files, then what changes asks for, until the settings are other ones."""
+        """Judge these files, then what changes ask for."""
         self._learn()
         began = time.perf_counter()
         while True:
@@ -162,20 +155,17 @@ class _Watch:
             waiting = set()
             while not waiting:
                 changed, began = self._wait()
-                if any(path.name == FILE for path in changed) and self._have_settings_changed():
-                    return
                 waiting = self._find_affected(changed)
 
     def _list_files(self) -> set[Path]:
-        """All files that may matter: those that verdicts depend on with those beside them, those in
-        the folders that were named, and those of the settings."""
+        """All files that may matter: those that verdicts depend on with those beside them, and
+        those in the folders that were named."""
         known = self._session.files
         found = {*known, *self._wanted.files_below()}
         for folder in {path.parent for path in known}:
             with contextlib.suppress(OSError), os.scandir(folder) as entries:
                 found |= {Path(entry) for entry in entries if entry.is_file()}
-        roots = {load_settings(folder).root for folder in self._wanted.projects()}
-        return found | {(root or Path.cwd()) / FILE for root in roots}
+        return found
 
     def _learn(self, since: float = math.inf) -> None:
         """Take files that are not known yet as they are now, but for those that were written after
@@ -207,17 +197,6 @@ class _Watch:
             if not more:
                 return found, began
             found |= more
-
-    def _have_settings_changed(self) -> bool:
-        """Whether the settings are others; ones that can't be read are none."""
-        try:
-            changed = any([have_settings_changed(folder) for folder in self._wanted.projects()])
-        except UsageError as error:
-            click.echo(f"shaderlab: {error}", err=True)
-            return False
-        if changed:
-            self._show.console.print("\nthe settings changed: restarting", style="bold")
-        return changed
 
     def _find_affected(self, changed: Collection[Path]) -> set[Path]:
         """The case files to judge after these files changed."""

@@ -259,6 +259,7 @@ def _load(named: tuple[str, str], functions: _Signatures, mode: int) -> c.CDLL:
 # spv_target_env.
 _ENVIRONMENTS: Mapping[str, int] = {
     "spv1.0": 0, "vulkan1.0": 1, "opengl4.5": 9, "vulkan1.1": 18, "vulkan1.2": 23, "vulkan1.3": 25,
+    "spv1.6": 24,
 }  # fmt: skip
 _NO_HEADER, _INDENT, _FRIENDLY_NAMES = 1 << 5, 1 << 3, 1 << 6
 
@@ -268,7 +269,7 @@ def validate(module: bytes, env: str) -> str | None:
 
     Args:
         module: SPIR-V as bytes, four a word.
-        env: "opengl4.5", "vulkan1.0" … "vulkan1.3" or "spv1.0".
+        env: "opengl4.5", "vulkan1.0" … "vulkan1.3", "spv1.0" or "spv1.6".
 
     Raises:
         ShaderError: no such environment, or the library is missing.

@@ -227,7 +227,7 @@ def is_embedded(version: int, profile: str) -> bool:
     return profile == "es" or version == 100
 
 
-_SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)")
+_SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tes[ce]?|tcs|comp|cs|glsl|inc|h|spv)")
 _NO_SHADERS = frozenset({"__pycache__", "node_modules", "site-packages"})
 MOST_FILES = 20_000
 """How many files below a shader folder are searched for names like a misspelt one."""
@@ -507,7 +507,9 @@ def is_library(file: str | Path) -> bool:
     """Return whether a file has functions for others and no stage: neither its name nor a pragma
     says one, and there is no `main`."""
     stem, suffix = os.path.splitext(file)
-    if suffix in EXTENSIONS or (suffix == ".glsl" and os.path.splitext(stem)[1] in EXTENSIONS):
+    if suffix == ".glsl":
+        suffix = os.path.splitext(stem)[1]
+    if suffix in EXTENSIONS or suffix == ".spv":
         return False
     try:
         code = strip_comments(read_shader(file))

@@ -25,7 +25,7 @@ class Op(IntEnum):
     Undef = 1
     Name, MemberName = 5, 6
     Line = 8
-    ExtInst = 12
+    ExtInstImport, ExtInst = 11, 12
     EntryPoint, ExecutionMode, Capability = 15, 16, 17
     TypeVoid, TypeBool, TypeInt, TypeFloat, TypeVector, TypeMatrix = range(19, 25)
     TypeImage, TypeSampler, TypeSampledImage = range(25, 28)
@@ -165,7 +165,9 @@ class Module:
         constants: the words of scalar ones; `values` has the instruction of every constant.
         initialisers: id of each variable that has one → the id of the constant.
         capabilities: the numbers of those that it takes.
-        entry: the id of the function that is the stage's `main`.
+        comments: the ids of instruction sets that change nothing.
+        entry, model: the id of the function that is the stage's `main`, and the stage's number in
+            `shader_files.STAGES`.
         decoration_words: (id, decoration) → index of its first literal in the module's words.
         body: the instructions inside functions.
         instructions: how many there are in all.
@@ -185,7 +187,9 @@ class Module:
     values: dict[int, Instruction] = field(default_factory=dict)
     variables: dict[int, tuple[int, int]] = field(default_factory=dict)
     initialisers: dict[int, int] = field(default_factory=dict)
+    comments: set[int] = field(default_factory=set)
     entry: int = 0
+    model: int = 0
     capabilities: set[int] = field(default_factory=set)
     modes: dict[int, tuple[int, ...]] = field(default_factory=dict)
     body: list[Instruction] = field(default_factory=list)
@@ -231,6 +235,10 @@ def parse(data: bytes) -> Module:
             _declare(module, instruction)
         at += count
         module.instructions += 1
+    for id_, (_, storage) in module.variables.items():  # a module without names
+        number = module.decorations.get(id_, {}).get(Decoration.Location)
+        if number and storage in (StorageClass.Input, StorageClass.Output):
+            module.names.setdefault(id_, f"{StorageClass(storage).name.lower()}{number[0]}")
     return module
 
 
@@ -245,10 +253,12 @@ def _declare(module: Module, instruction: Instruction) -> None:
         module.decoration_words[words[0], words[1]] = at + 3
     elif op == Op.MemberDecorate:
         module.member_decorations.setdefault((words[0], words[1]), {})[words[2]] = words[3:]
+    elif op == Op.ExtInstImport and _string(words[1:]).startswith("NonSemantic"):
+        module.comments.add(words[0])
     elif op == Op.Capability:
         module.capabilities.add(words[0])
     elif op == Op.EntryPoint:
-        module.entry = words[1]
+        module.model, module.entry = words[:2]
     elif op == Op.ExecutionMode:
         module.modes[words[1]] = words[2:]
     elif op == Op.TypePointer:

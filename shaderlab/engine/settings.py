@@ -87,15 +87,6 @@ def load_settings(folder: str | Path) -> Settings:
         return Settings()
 
 
-def have_settings_changed(folder: str | Path) -> bool:
-    """Whether the settings of a folder's project are others by now than `load_settings` gives.
-
-    Raises:
-        UsageError: as `load_settings`, of their file as it is now.
-    """
-    return _settings.__wrapped__(os.path.abspath(folder)) != load_settings(folder)
-
-
 # Of a project without version control, such as an archive that was unpacked.
 MARKS = ("package.json", FILE, "LICENSE", "LICENSE.md", "LICENSE.txt")
 

@@ -15,22 +15,20 @@ from pathlib import Path
 from shaderlab.files import write_text
 from shaderlab.model.records import Run
 from shaderlab.report import rendering
-from shaderlab.report.comparison import compare_drivers, compare_runs
+from shaderlab.report.comparison import compare_drivers
 from shaderlab.report.page import CaseView, Page, build_page, load_mutants
 from shaderlab.report.pictures import Pictures
 from shaderlab.report.sources import collect_words
 
 FILE_NAME = "index.html"
-AGAINST_NAME = "against.html"
 SINGLE_BEGINS = '<!doctype html><html lang="en" data-root='
 
 
-def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None) -> Path:
+def write(run: Run, folder: str | Path) -> Path:
     """Write the pages of a run whose pictures lie in `folder`; return the front page's path.
 
-    That is `folder`/index.html; with an earlier run and its folder in `against` it is
-    `folder`/against.html and begins with what changed. Cases are in `folder`/cases, what the pages
-    share in `folder`/page. Each file is written whole or not at all, the front page last.
+    That is `folder`/index.html. Cases are in `folder`/cases, what the pages share in `folder`/page.
+    Each file is written whole or not at all, the front page last.
 
     The results of `shaderlab mutate --report` in that folder are shown too.
 
@@ -59,12 +57,11 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
         )
         write_text(target / case.page, pieces)
     write_text(shared / "search.js", _search_script(page))
-    path = target / (AGAINST_NAME if against else FILE_NAME)
+    path = target / FILE_NAME
     front = render(
         "index.html.j2",
         root="",
         here="",
-        against=against and compare_runs(run, target, *against, links),
         drivers=compare_drivers(run, links),
         links=links,
     )
@@ -91,7 +88,6 @@ def write_single(run: Run, folder: str | Path, path: str | Path) -> None:
         policy=rendering.single_policy(),
         style=rendering.style(),
         script=rendering.script(),
-        against=None,
         drivers=compare_drivers(run, links),
         links=links,
     )

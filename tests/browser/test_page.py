@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +11,7 @@ import numpy as np
 import pytest
 
 from shaderlab.model import pictures
-from shaderlab.report.html import write
-from tests.browser.samples import WORST, Sample, lamp
+from tests.browser.samples import WORST, Sample
 
 PHONE = {"viewport": {"width": 375, "height": 720}}
 WIDE = {"viewport": {"width": 1440, "height": 900}}
@@ -236,20 +234,3 @@ def test_nothing_sticks_out(visit: Visit, lamp: Sample, options: dict[str, Any])
     places = [c.bounding_box() for c in page.locator("#case-lamp-bad-fragcolor canvas").all()]
     if options is not PHONE:
         assert len({place["y"] for place in places}) == 1
-
-
-def test_two_runs_are_compared(visit: Visit, tmp_path: Path) -> None:
-    later, earlier = lamp(tmp_path / "later"), lamp(tmp_path / "earlier")
-    records = list(earlier.run.records)
-    records[1] = replace(records[1], status="pass")
-    (picture,) = {r.images["picture"] for r in records}
-    (tmp_path / "earlier" / picture).write_bytes(
-        next((tmp_path / "earlier" / "images").glob("*distance.png")).read_bytes()
-    )
-    before = replace(earlier.run, records=tuple(records), driver={"renderer": "softpipe"})
-    page = visit(write(later.run, tmp_path / "later", (before, tmp_path / "earlier")))
-    row = page.locator(".changes tr", has_text="bad")
-    assert [b.strip() for b in row.locator(".badge").all_text_contents()] == ["passed", "failed"]
-    assert page.locator(".drivers .is-changed", has_text="softpipe").count() == 1
-    pictures = page.locator(".pairs-of-pictures figure")
-    assert pictures.count() > 0 and pictures.first.locator("img").count() == 2

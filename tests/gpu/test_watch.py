@@ -182,12 +182,6 @@ def test_a_terminal_shows_verdicts_until_ctrl_c(project: Path) -> None:
         while "1 case: 1 passed in " not in again:
             again += said()
         assert "4913" not in again and "draft" not in again
-        settings = project / "pyproject.toml"
-        settings.write_text("[tool.shaderlab]\nshaders = 1\n")
-        assert "pyproject.toml" in until("shaderlab: ")
-        settings.write_text('[tool.shaderlab]\nshaders = ["tests"]\n[tool.other]\n')
-        until("the settings changed: restarting")
-        assert "lamp.frag" in said()
         watch.send_signal(signal.SIGINT)
         assert watch.wait(20) == 0
         assert "Traceback" not in watch.stdout.read()

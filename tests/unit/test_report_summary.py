@@ -1,4 +1,4 @@
-"""The Markdown summary and the comparison of two runs."""
+"""The Markdown summary of a run, and its passes and programs on the page."""
 
 from __future__ import annotations
 
@@ -24,7 +24,6 @@ from shaderlab.model.records import (
     Worst,
 )
 from shaderlab.model.store import save
-from shaderlab.report.comparison import compare_runs
 from shaderlab.report.formats.markdown import render as summary
 from tests.unit.test_report_samples import (
     HOSTILE,
@@ -72,51 +71,15 @@ def test_hostile_strings_stay_text_in_markdown_too() -> None:
     assert "&lt;/script&gt;" in text and HOSTILE not in text
 
 
-def test_a_comparison_lists_what_changed_and_nothing_else(tmp_path: Path) -> None:
-    for name, level in (("old", 0), ("new", 90)):
-        (tmp_path / name).mkdir()
-        for file, value in (("same.png", 5), ("other.png", level)):
-            pictures.save_png(tmp_path / name / file, np.full((4, 4, 3), value, np.uint8))
-    same = {"picture": "same.png"}
-    old = (
-        record("still", images=same, seconds=9.0),
-        record("worse", images=same),
-        record("gone", images=same),
-        record("looks", images={"picture": "other.png"}),
-        record("further", expectations=(outcome(worst=replace(worst(), widths=0.1)),)),
-    )
-    new = (
-        record("still", images=same, seconds=1.0),
-        record("worse", images=same, status="fail"),
-        record("new", images=same),
-        record("looks", images={"picture": "other.png"}),
-        record("further", expectations=(outcome(worst=replace(worst(), widths=0.9)),)),
-    )
-    after, before = run(*new), run(*old, driver={"renderer": "softpipe"})
-    found = compare_runs(after, tmp_path / "new", before, tmp_path / "old", {})
-    assert found.same == 1 and found.differs and found.name == "old"
-    sides = [(c.before and c.before.status, c.after and c.after.status) for c in found.changes]
-    assert sides[0] == ("pass", "fail")
-    assert sorted(sides[1:3], key=str) == [("pass", None), (None, "pass")] or len(sides) == 5
-    assert [c.pictures is not None for c in found.changes].count(True) == 1
-    grown = [c for c in found.changes if c.before and c.before.widths == 0.1]
-    assert len(grown) == 1 and grown[0].after and grown[0].after.widths == 0.9
-
-
-def test_the_command_writes_both(tmp_path: Path) -> None:
-    for name, status in (("old", "pass"), ("new", "fail")):
-        save(run(record("a", status=status)), tmp_path / name)
+def test_the_command_writes_the_page_and_the_summary(tmp_path: Path) -> None:
+    save(run(record("a", status="fail")), tmp_path)
     done = CliRunner().invoke(
-        cli,
-        ["report", str(tmp_path / "new"), "--against", str(tmp_path / "old"),
-         "--markdown", str(tmp_path / "summary.md")],
-    )  # fmt: skip
+        cli, ["report", str(tmp_path), "--markdown", str(tmp_path / "summary.md")]
+    )
     assert done.exit_code == 0, done.output
-    page = Page(tmp_path / "new" / "against.html")
-    assert "Against old" in page.words() and "1 does not" in page.words()
-    assert not (tmp_path / "new" / "index.html").exists()
+    assert (tmp_path / "index.html").exists()
     assert (tmp_path / "summary.md").read_text().startswith("## ❌ 1 of 1 case")
-    missing = CliRunner().invoke(cli, ["report", str(tmp_path / "new"), "--against", "nowhere"])
+    missing = CliRunner().invoke(cli, ["report", "nowhere"])
     assert missing.exit_code == 2 and "no run.json" in missing.output
 
 

@@ -18,5 +18,11 @@ from .arithmetic import (
     Numbers as Numbers,
 )
 from .interpret import Interpreted as Interpreted, interpret as interpret
-from .program import Program as Program, load as load, read as read
+from .program import (
+    Program as Program,
+    adopt_names as adopt_names,
+    load as load,
+    read as read,
+    read_file as read_file,
+)
 from .running import Stored as Stored

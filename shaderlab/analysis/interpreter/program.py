@@ -4,21 +4,30 @@ from __future__ import annotations
 
 import functools
 import struct
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Literal
 
 from shaderlab.compiler.compile_cache import compile_with_lines
 from shaderlab.compiler.dialects import raise_version
-from shaderlab.compiler.sources import Source
+from shaderlab.compiler.glslang import validate
+from shaderlab.compiler.shader_files import STAGES
+from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.compiler.spirv import (
+    Decoration,
     ExecutionMode,
     Instruction as Raw,
     Module,
     Op,
     StorageClass,
     parse,
+    unwrap,
 )
 from shaderlab.errors import NotInterpretedError, ShaderError
+from shaderlab.files import open_regular
+
+# In NonSemantic.Shader.DebugInfo.100.
+DEBUG_LINE = 103
 
 Kind = Literal[
     "void", "bool", "int", "float", "vector", "matrix", "array", "struct", "image", "pointer"
@@ -270,6 +279,61 @@ def load(source: Source) -> Program:
     raise ShaderError("does not become SPIR-V", file=source.path)
 
 
+def read_file(path: Path) -> Program:
+    """The program of a SPIR-V file, of whatever language it was made. Its lines are those that the
+    module states, or the numbers of its instructions.
+
+    Raises:
+        ShaderError: it can't be read, or is no valid module.
+        NotInterpretedError: as `load`.
+    """
+    try:
+        with open(open_regular(path), "rb") as file:
+            data = file.read()
+        message = validate(data, "spv1.6")
+    except OSError as error:
+        message = str(error.strerror)
+    if message:
+        raise ShaderError(message, file=path)
+    stage = STAGES[parse(data).model]
+    return read(data, Source(path.name, str(path), stage, "", LineMap(), ()))
+
+
+def adopt_names(program: Program, other: Program) -> Program:
+    """The program with the names that another one has for what lies in the same place: variables
+    between stages by location, blocks by binding or as push constants, their members by offset."""
+    module, theirs = program.module, other.module
+    names, members = dict(module.names), dict(module.member_names)
+    twins = {_find_slot(theirs, id_): id_ for id_ in theirs.variables}
+    for id_, twin in ((id_, twins.get(_find_slot(module, id_))) for id_ in module.variables):
+        if twin is None or _find_slot(module, id_) is None:
+            continue
+        mine, own = (unwrap(m, m.variables[v][0])[1] for m, v in ((module, id_), (theirs, twin)))
+        named = {id_: theirs.names.get(twin, ""), mine: theirs.names.get(own, "")}
+        names.update((key, name) for key, name in named.items() if name)
+        by_offset = {
+            at: theirs.member_names.get((own, k), "") for k, at in enumerate(_offsets(theirs, own))
+        }
+        for i, offset in enumerate(_offsets(module, mine)):
+            if by_offset.get(offset):
+                members[mine, i] = by_offset[offset]
+    return _build(replace(module, names=names, member_names=members), program.source)
+
+
+def _find_slot(module: Module, id_: int) -> tuple[Any, ...] | None:
+    storage, given = module.variables[id_][1], module.decorations.get(id_, {})
+    if storage == StorageClass.PushConstant:
+        return (storage,)
+    kinds = (Decoration.Location, Decoration.DescriptorSet, Decoration.Binding)
+    slot = tuple(given.get(kind) for kind in kinds)
+    return (storage, *slot) if any(slot) else None
+
+
+def _offsets(module: Module, struct: int) -> list[Any]:
+    count = len(module.types[struct].words) if module.types[struct].op == Op.TypeStruct else 0
+    return [module.member(struct, i).get(Decoration.Offset) for i in range(count)]
+
+
 def read(data: bytes, source: Source | None = None) -> Program:
     """A module's bytes as a program; `source` is the text that its lines count.
 
@@ -277,15 +341,21 @@ def read(data: bytes, source: Source | None = None) -> Program:
         ShaderError: the bytes are no SPIR-V module.
         NotInterpretedError: it has a type that the interpreter does not know.
     """
-    module = parse(data)
+    return _build(parse(data), source)
+
+
+def _build(module: Module, source: Source | None) -> Program:
     program = Program(module, source, Types(module))
     for id_, (pointee, storage) in module.variables.items():
         program.variables[id_] = (program.types[pointee], storage)
     line, function, block = 0, Function(0), []
-    for raw in module.body:
+    from_file = source is not None and not source.text
+    for number, raw in enumerate(module.body, start=1):
         op, words = raw.op, raw.words
         if op == Op.Line:
             line = words[1]
+        elif op == Op.ExtInst and words[2] in module.comments:
+            line = module.constants[words[5]] if words[3] == DEBUG_LINE else line
         elif op == Op.Function:
             function = program.functions[words[1]] = Function(words[1], words[0])
         elif op == Op.FunctionParameter:
@@ -293,7 +363,7 @@ def read(data: bytes, source: Source | None = None) -> Program:
         elif op == Op.Label:
             block = function.blocks[words[0]] = []
         elif op not in (Op.FunctionEnd, Op.NoLine):
-            instruction = _decode(module, raw, line)
+            instruction = _decode(module, raw, line or (number if from_file else 0))
             block.append(instruction)
             if op == Op.Variable:
                 pointee, storage = module.pointers[words[0]]

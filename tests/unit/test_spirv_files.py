@@ -1,0 +1,73 @@
+"""SPIR-V files: audited, explained, and compared with text and with each other."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from shaderlab.cli import cli
+
+TOOLS = Path(sys.executable).parent
+TEXT = """#version 450
+layout(location = 0) in vec2 uv;
+layout(location = 0) out vec4 color;
+layout(binding = 0) uniform Params { float gain; float k; };
+void main() { color = vec4(RESULT, sqrt(abs(uv.y)), gain, 1.0); }
+"""
+
+
+def call(*words: str | Path) -> tuple[int, str]:
+    found = CliRunner().invoke(cli, [*map(str, words), "-j", "0"])
+    return found.exit_code, found.output
+
+
+def compile_to_file(folder: Path, result: str, *options: str, name: str = "a") -> Path:
+    """Write a shader, as text and compiled by glslang's own command; return the module's path."""
+    text, module = folder / f"{name}.frag", folder / f"{name}.spv"
+    text.write_text(TEXT.replace("RESULT", result))
+    command = [TOOLS / "glslangValidator", "-V", *options, text, "-o", module]
+    subprocess.run(command, check=True, capture_output=True)
+    return module
+
+
+@pytest.mark.parametrize(("option", "line"), [("-g", 5), ("-gVS", 5), ("-Od", None)])
+def test_hazards_of_a_module_have_its_lines(tmp_path: Path, option: str, line: int | None) -> None:
+    status, said = call("audit", compile_to_file(tmp_path, "uv.x / k", option))
+    assert status == 1
+    place = said.partition(": division by 0")[0].rpartition(":")[2]
+    # Without lines it is the number of the instruction.
+    assert int(place) == line if line else int(place) > 5
+
+
+def test_a_module_is_explained(tmp_path: Path) -> None:
+    status, said = call("explain", compile_to_file(tmp_path, "uv.x * k", "-g"))
+    assert status == 0 and "a.spv:5" in said
+
+
+@pytest.mark.parametrize("stripped", [False, True])
+def test_modules_and_text_are_compared_by_place(tmp_path: Path, stripped: bool) -> None:
+    same = compile_to_file(tmp_path, "uv.x * k")
+    other = compile_to_file(tmp_path, "uv.x * k * 1.01", name="b")
+    if stripped:
+        for module in (same, other):
+            command = [TOOLS / "spirv-opt", "--strip-debug", module, "-o", module]
+            subprocess.run(command, check=True)
+    text = tmp_path / "a.frag"
+    status, said = call("diff", text, same)
+    assert status == 0 and "same on" in said and "only" not in said
+    status, said = call("diff", same, other)
+    assert status == 1 and "different at" in said
+    status, said = call("diff", other, text)
+    assert status == 1 and "different at" in said
+
+
+@pytest.mark.parametrize("content", [b"", b"text", bytes(100)])
+def test_what_is_no_module_is_named(tmp_path: Path, content: bytes) -> None:
+    file = tmp_path / "a.spv"
+    file.write_bytes(content)
+    status, said = call("audit", file)
+    assert status == 2 and "a.spv: " in said and "Traceback" not in said
