@@ -65,7 +65,7 @@ def texels_of(face: Any, size: int) -> tuple[Array, Array, Array]:
     The solid angles are exact, by the arc tangents of a texel's corners.
 
     >>> direction, area, light = texels_of(lambda k, size: np.ones((size, size, 4)), 5)
-    >>> round(area.sum() / math.pi, 12)
+    >>> round(float(area.sum()) / math.pi, 12)
     4.0
     """
     edges = np.linspace(-1.0, 1.0, size + 1)

@@ -54,7 +54,7 @@ def sky_light(number: int, size: int, sun: float = 40.0) -> Array:
     Args:
         sun: how much brighter than white its middle is; it is 18° wide.
 
-    >>> sky_light(5, 4).max() > 1.0
+    >>> bool(sky_light(5, 4).max() > 1.0)
     True
     """
     direction = directions(number, size)
