@@ -45,6 +45,7 @@ _VERSION_LINE = re.compile(r"[ \t]*#[ \t]*version\b")
 _ONCE = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+once[ \t]*$", re.MULTILINE)
 _PATH = re.compile(r'"([^"]*)"[ \t]*|<([^>]*)>[ \t]*')
 _LINE = re.compile(r'(\d+)(?:[ \t]+(?:\d+|"([^"]*)"))?[ \t]*')
+_CONTINUED = re.compile(r"(//[^\n]*)\\$", re.MULTILINE)
 _INCLUDE_EXTENSIONS = ("GL_GOOGLE_include_directive", "GL_ARB_shading_language_include")
 
 _Trail = tuple[tuple[File, int], ...]
@@ -121,7 +122,12 @@ class Expansion:
     def append(self, file: File, code: str, trail: _Trail) -> None:
         """Append a file; `code` is its text without comments, `trail` led to it."""
         self.parts.setdefault(file.path, file.text)
-        rows, codes = file.text.split("\n"), code.split("\n")
+        text = file.text
+        if "\\\n" in text and self._version < 420 and self._version != 300:
+            # Lines can't be continued before GLSL 4.20 and ES 3.00; glslang continues comments.
+            text = _CONTINUED.sub(r"\1 ", text)
+            code = strip_comments(text)
+        rows, codes = text.split("\n"), code.split("\n")
         if trail and rows[-1] == "":
             rows.pop()  # the file's last line end does not start another line
         guard = _once_macro(file, code) if trail else None

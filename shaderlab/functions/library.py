@@ -359,7 +359,8 @@ class Library:
         return (self[name] for name in self._functions)
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self._functions]
+        own = (name for name in super().__dir__() if name.startswith("__"))
+        return [*own, *self._functions]
 
     def __repr__(self) -> str:
         return f"<{self._source.path}: {', '.join(self._functions)}>"

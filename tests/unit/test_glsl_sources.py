@@ -101,6 +101,16 @@ def test_the_including_files_folder_comes_before_the_roots(tmp_path: Path) -> No
     assert shaders.load("ch/o.frag").text == "far\n"
 
 
+@pytest.mark.parametrize(
+    ("version", "continued"), [("330", False), ("420", True), ("300 es", True)]
+)
+def test_a_backslash_continues_a_comment_where_lines_can_be(
+    tmp_path: Path, version: str, continued: bool
+) -> None:
+    (tmp_path / "a.frag").write_text(f"#version {version}\n// a \\\nfloat x;\n")
+    assert ("float x" not in Shaders([tmp_path]).load("a.frag").code) is continued
+
+
 def test_an_include_may_leave_out_glsl(tmp_path: Path) -> None:
     (tmp_path / "common.glsl").write_text("const float k = 2.0;\n")
     (tmp_path / "a.frag").write_text("#version 330\n#include <common>\n")
@@ -121,7 +131,7 @@ def test_roots_are_searched_in_order(tmp_path: Path) -> None:
     [
         '// #include "nowhere.glsl"\n',
         '/* text\n#include "nowhere.glsl"\n*/\n',
-        '// continued \\\n#include "nowhere.glsl"\n',
+        '#version 450\n// continued \\\n#include "nowhere.glsl"\n',
         '/* "unbalanced */ /*\n#include "nowhere.glsl"\n*/\n',
     ],
 )
