@@ -64,6 +64,8 @@ def inputs_of(program: Program) -> dict[str, Input]:
             if not is_used(paths.get(id_, ()), leaf.path):
                 continue
             type_, uniform = type_name(module, leaf.type), storage != StorageClass.Input
+            if type_ in ("sampler", "samplerShadow"):  # the texture is all that is read
+                continue
             for each in _elements(unwrap(module, leaf.type)[0], leaf.name):
                 size = program.local_size if each in NUMBERS else None
                 found[each] = Input(each, type_, uniform, size)
@@ -262,7 +264,7 @@ def _parse_range(text: str, name: str) -> InputDomain:
 
 def _assume_domain(one: Input) -> InputDomain:
     words = words_of(one.name)
-    if "sampler" in one.type:
+    if "sampler" in one.type or "texture" in one.type:
         return InputDomain("texture")
     if one.workgroup is not None:
         local = max(one.workgroup) if one.type == "uvec3" else math.prod(one.workgroup)
@@ -455,10 +457,11 @@ _SHAPES: Mapping[str, Callable[[int], tuple[int, ...]]] = {
 
 def _texture(one: Input, rng: np.random.Generator) -> Texels:
     """A small texture; one of normals holds unit vectors, by 0.5 + 0.5 n."""
-    kind = one.type.partition("sampler")[2]
+    of = one.type.replace("texture", "sampler")
+    kind = of.partition("sampler")[2]
     shadow = kind.endswith("Shadow")
     kind = kind.removesuffix("Shadow")
-    if kind not in _SHAPES or not one.type.startswith("sampler"):
+    if kind not in _SHAPES or not of.startswith("sampler"):
         raise NotInterpretedError(f"not interpreted: {one.type} {one.name}")
     values = rng.uniform(0.02, 1.0, _SHAPES[kind](_SIDE))
     if "normal" in words_of(one.name):

@@ -84,11 +84,14 @@ _LANGUAGES = {
 
 def refuse_other_languages(path: str | Path) -> None:
     """Raise ShaderError for a file whose name says that it is not written in GLSL."""
-    if language := _LANGUAGES.get(os.path.splitext(path)[1].lower()):
+    suffix = os.path.splitext(path)[1].lower()
+    if suffix == ".spv":
+        raise ShaderError("is a SPIR-V module, which audit, diff and explain read", file=path)
+    if language := _LANGUAGES.get(suffix):
         raise ShaderError(
-            f"is {language}; the lab reads GLSL only",
+            f"is {language}; the lab reads GLSL and SPIR-V",
             file=path,
-            remedy="translate it to GLSL first, by way of SPIR-V and spirv-cross for example",
+            remedy="compile it to a .spv file, for audit, diff and explain",
         )
 
 

@@ -311,7 +311,7 @@ def type_name(module: Module, id_: int) -> str:
     if op == Op.TypeSampledImage:
         return _image(module, words[0], "sampler")
     if op == Op.TypeImage:
-        return _image(module, element, "image")
+        return _image(module, element, "texture" if words[5] == 1 else "image")
     if op == Op.TypeSampler:
         return "sampler"
     return _scalar(module, element)

@@ -48,7 +48,7 @@ def call(*words: str) -> Result:
 def test_another_language_is_named(folder: Path, name: str, command: str) -> None:
     Path(name).write_text("float4 main() { return 1; }\n")
     if command == "load":
-        with pytest.raises(ShaderError, match="the lab reads GLSL only"):
+        with pytest.raises(ShaderError, match="the lab reads GLSL and SPIR-V"):
             _ = glsl.load(name).main
         return
     words = [name, name] if command == "diff" else [name]
@@ -56,7 +56,7 @@ def test_another_language_is_named(folder: Path, name: str, command: str) -> Non
         words += ["-j", "1"]
     result = call(command, *words)
     assert result.exit_code in (1, 2)
-    assert "the lab reads GLSL only" in result.output and "Traceback" not in result.output
+    assert "the lab reads GLSL and SPIR-V" in result.output and "Traceback" not in result.output
 
 
 def test_a_library_of_functions_is_judged_in_its_folder_and_by_name(folder: Path) -> None:

@@ -71,3 +71,33 @@ def test_what_is_no_module_is_named(tmp_path: Path, content: bytes) -> None:
     file.write_bytes(content)
     status, said = call("audit", file)
     assert status == 2 and "a.spv: " in said and "Traceback" not in said
+
+
+VULKAN = """#version 450
+layout(location = 0) in vec2 uv;
+layout(location = 0) out vec4 color;
+layout(constant_id = 1) const int STEPS = 2;
+layout(set = 0, binding = 0) uniform texture2D map;
+layout(set = 0, binding = 1) uniform sampler smooth_;
+layout(push_constant) uniform Pushed { float gain; } pushed;
+void main() {
+    color = vec4(0.0);
+    for (int i = 0; i < STEPS; ++i) color += texture(sampler2D(map, smooth_), PLACE);
+    color /= pushed.gain;
+}
+"""
+
+
+def test_glsl_for_vulkan_is_audited_and_compared(tmp_path: Path) -> None:
+    right, wrong = tmp_path / "a.frag", tmp_path / "b.frag"
+    right.write_text(VULKAN.replace("PLACE", "uv"))
+    wrong.write_text(VULKAN.replace("PLACE", "uv.yx"))
+    status, said = call("audit", right)
+    assert status == 1 and "a.frag:11: division by 0" in said
+    assert call("diff", right, right)[0] == 0
+    assert call("diff", right, wrong)[0] == 1
+
+
+def test_a_module_is_not_compiled(tmp_path: Path) -> None:
+    status, said = call("compile", compile_to_file(tmp_path, "uv.x"))
+    assert status == 1 and "is a SPIR-V module" in said

@@ -101,6 +101,8 @@ class _InputReader:
 
     def value(self, type_: Type, name: str) -> Value:
         """The value of a name, put together of its parts where only those are given."""
+        if type_.kind == "sampler":
+            return None  # its texture is all that is read
         if type_.kind == "image":
             return self._bindings.textures.get(name, Missing(name))
         if name in self._each:

@@ -30,7 +30,17 @@ from shaderlab.files import open_regular
 DEBUG_LINE = 103
 
 Kind = Literal[
-    "void", "bool", "int", "float", "vector", "matrix", "array", "struct", "image", "pointer"
+    "void",
+    "bool",
+    "int",
+    "float",
+    "vector",
+    "matrix",
+    "array",
+    "struct",
+    "image",
+    "pointer",
+    "sampler",
 ]
 
 
@@ -39,7 +49,7 @@ class Type:
     """A type of values.
 
     Attributes:
-        kind: see `Kind`; samplers and sampled images are "image".
+        kind: see `Kind`; sampled images are "image", what has no image is "sampler".
         of: what a vector, matrix (its columns) or array is made of.
         count: how many of them, 0 if that is known at run time only.
         members: a struct's members by name, in order.
@@ -113,8 +123,10 @@ class Types(dict[int, Type]):
                 names = [module.member_names.get((id_, i), f"_{i}") for i in range(len(words))]
                 members = tuple(zip(names, (self[of] for of in words), strict=True))
                 return Type("struct", members=members)
-            case Op.TypeImage | Op.TypeSampler | Op.TypeSampledImage:
+            case Op.TypeImage | Op.TypeSampledImage:
                 return Type("image")
+            case Op.TypeSampler:
+                return Type("sampler")
         raise NotInterpretedError(f"not interpreted: a type of SPIR-V's opcode {op}")
 
 
