@@ -73,9 +73,16 @@ def read_shader(path: str | Path) -> str:
             file=path,
             remedy="see whether this is a shader at all",
         )
-    return normalise(decode(data, path), path)
+    text = decode(data, path)
+    if str(path).endswith(SCRIPT):
+        parts = text.split("`")
+        parts[::2] = ("\n" * outside.count("\n") for outside in parts[::2])
+        text = "".join(parts)
+    return normalise(text, path)
 
 
+SCRIPT = ".glsl.js"
+"""What files are called that hold GLSL in a script's template strings, as those of three.js."""
 _LANGUAGES = {
     ".hlsl": "HLSL", ".hlsli": "HLSL", ".fx": "HLSL", ".usf": "HLSL", ".cg": "Cg", ".wgsl": "WGSL",
     ".metal": "the Metal Shading Language", ".slang": "Slang", ".gdshader": "Godot's language",

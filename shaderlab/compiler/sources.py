@@ -21,6 +21,7 @@ from shaderlab.model.records import Diagnostic, Severity
 
 from .shader_files import (
     OUTSIDE_REMEDY,
+    SCRIPT,
     STAGES,
     File,
     OutsideError,
@@ -194,7 +195,8 @@ class Expansion:
         path = match[2] if match[1] is None else match[1]
         folder = "" if match[1] is None else posixpath.dirname(trail[-1][0].name)
         outside = None
-        paths = [path] if posixpath.splitext(path)[1] else [path, f"{path}.glsl"]
+        endings = ("",) if posixpath.splitext(path)[1] else ("", ".glsl", SCRIPT)
+        paths = [path + ending for ending in endings]
         for start, tried in itertools.product(dict.fromkeys([folder, ""]), paths):
             try:
                 name = normalise_name(tried, start)

@@ -117,6 +117,15 @@ def test_an_include_may_leave_out_glsl(tmp_path: Path) -> None:
     assert "const float k" in Shaders([tmp_path]).load("a.frag").text
 
 
+def test_chunks_in_scripts_keep_their_lines(tmp_path: Path) -> None:
+    (tmp_path / "common.glsl.js").write_text("export default /* glsl */`\nfloat k;\n`;\n")
+    (tmp_path / "a.frag").write_text("#version 330\n#include <common>\n")
+    source = Shaders([tmp_path]).load("a.frag")
+    (line,) = [n for n, row in enumerate(source.text.split("\n"), 1) if row == "float k;"]
+    assert source.place(line) == (str(tmp_path / "common.glsl.js"), 2)
+    assert "export" not in source.text and "`" not in source.text
+
+
 def test_roots_are_searched_in_order(tmp_path: Path) -> None:
     one, two = write(tmp_path / "1", a_frag="one\n"), write(tmp_path / "2", a_frag="two\n")
     write(two, b_frag='#include "a.frag"\n')
