@@ -14,6 +14,13 @@ _STORAGE = re.compile(r"\b(?:attribute|varying)\b")
 _OUTPUT = re.compile(r"\bgl_Frag(?:Color|Data(?=\s*\[\s*(\d+)))")
 _VERSION = re.compile(r"^[ \t]*#[ \t]*version\b[^\n]*", re.M)
 _START = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)\b[^\n]*$", re.M)
+# Colours of one value, where later functions return the value.
+_SHADOWS = {
+    name: f"#define {name}(map, place) vec4({now}(map, place))"
+    for name, now in {
+        "shadow1D": "texture", "shadow2D": "texture", "shadow2DProj": "textureProj",
+    }.items()
+}  # fmt: skip
 
 
 def raise_version(source: Source) -> Source:
@@ -32,7 +39,7 @@ def raise_version(source: Source) -> Source:
     text = _START.sub("", source.text).replace("gl_FragDepthEXT", "gl_FragDepth")
     last_stage = source.stage == "fragment"
     text = _STORAGE.sub(lambda m: "in" if last_stage or m[0] == "attribute" else "out", text)
-    rows = [head]
+    rows = [head, *(define for name, define in _SHADOWS.items() if name in text)]
     if last_stage and (found := _OUTPUT.findall(text)):
         count = f"[{1 + int(max(found))}]" if any(found) else ""
         rows.append(f"layout (location = 0) out mediump vec4 shaderlab_color{count};")

@@ -111,7 +111,8 @@ void main() { gl_FragColor = vec4(gain * TexCoords, 0.0, 1.0); }
 GLSL_1_20 = """#version 120
 varying vec3 normal; // unit
 uniform sampler2D map;
-void main() { gl_FragData[0] = texture2D(map, normalize(normal).xy); }
+uniform sampler2DShadow shadow;
+void main() { gl_FragData[0] = texture2D(map, normal.xy) * shadow2D(shadow, normal).r; }
 """
 
 
