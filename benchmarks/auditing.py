@@ -66,16 +66,6 @@ _RATIO = DECLARATIONS[: DECLARATIONS.index("over / under")].count("\n") + 1
 
 
 _OF_STAGE = {
-    "geometry": """#version 430 core
-layout (triangles) in;
-layout (triangle_strip, max_vertices = 5) out;
-in vec4 uv[];
-uniform float x; // range: 0..1
-uniform int n; // range: 0..6
-out float shade;
-void main()
-{
-""",
     "compute": """#version 430 core
 layout (local_size_x = 32) in;
 layout (std430) buffer Results { float result; };
@@ -89,15 +79,13 @@ void main()
 _ENDS = {
     "fragment": _END,
     "vertex": "\n}\nvoid main()\n{\n    gl_Position = color();\n}\n",
-    "geometry": "\n}\nvoid main()\n{\n    gl_Position = color();\n    EmitVertex();\n}\n",
     "compute": "\n}\nvoid main()\n{\n    result = color();\n}\n",
 }
 _LAYOUTS = {
-    "geometry": "layout (points) in; layout (points, max_vertices = 1) out; uniform vec2 uv; ",
     "compute": "layout (local_size_x = 8) in; buffer Results { vec4 result; }; uniform vec2 uv; ",
 }
 STAGES = tuple(_ENDS)
-SUFFIXES = ("frag", "vert", "geom", "comp")
+SUFFIXES = ("frag", "vert", "comp")
 _SLOPES = re.compile(r"\b(dFd[xy]|fwidth)\(")  # fragment shaders alone have them
 
 
@@ -124,13 +112,12 @@ class Planted:
 
     @property
     def line(self) -> int:
-        """Where it goes wrong: at the line that is marked, or in the function that the body calls;
-        where an output is not written, at its declaration."""
+        """Where it goes wrong: at the marked line, or in the function that the body calls."""
         start = _OF_STAGE[self.stage] if self.own else DECLARATIONS
         marked = [i for i, line in enumerate(self.body.splitlines()) if line.endswith("// !")]
         if marked:
             return start.count("\n") + 1 + marked[0]
-        return start[: start.index("shade")].count("\n") + 1 if self.own else _RATIO
+        return _RATIO
 
 
 def planted(stage: str = "fragment") -> Iterator[Planted]:

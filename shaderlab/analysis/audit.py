@@ -11,16 +11,24 @@ defines no result there, and an output depends on its result.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from shaderlab.model.frame import Array, Bindings, Texels
 
+from .answer import format_inputs
 from .batches import InputBatch, join_batches, merge_batches, run_batch
 from .checks import INDEX, OVERFLOW, Place, WatchedInstruction, Watcher
-from .hazards import Audit as Audit, Hazard as Hazard, find_dependents, reached_by_0
+from .hazards import (
+    Audit as Audit,
+    Claim,
+    Hazard as Hazard,
+    find_dependents,
+    find_written_outputs,
+    reached_by_0,
+)
 from .inputs import (
     Input,
     InputDomain,
@@ -32,8 +40,10 @@ from .inputs import (
     sample_inputs,
 )
 from .interpreter import Program
+from .interpreter.values import Flags
 from .portability import Spread, find_spreads, widest_spreads
-from .undefined import divergent, excess_vertices, undefined_values
+from .proof import BOXES, Proof
+from .undefined import divergent, undefined_values
 
 RANDOM, ZERO, EQUAL = range(3)
 """What is special about an invocation: nothing; a place that is 0; two places that are equal."""
@@ -41,11 +51,8 @@ _MIN_TEXEL = 0.02  # of sampled textures; a smaller one is a direction's
 _NEAR_0 = 1e-5
 _MAX_PAIRS = 120
 _COPIES = 3  # of each special input, with other values of all others
-_SHRINKING, _START = 0.4, 0.5  # of the steps of a search, in widths of the ranges
 _GENERATIONS = 18
-_PARENTS = 6
-_CHILDREN = 4, 16  # of each parent, at least and at most
-_MAX_CHILDREN = 4096  # in a generation
+_BOXES = 4096
 _STEPS = 8  # on the way between both signs of a margin
 _TINY = 1e-6  # of the usual margin: so near to a change of sign it passes through 0
 
@@ -170,156 +177,6 @@ def find_counterexamples(
             yield Counterexample(place, one, batch, row, int(origins[row]))
 
 
-class InputSearch:
-    """A search that tries to make every instruction of a program go wrong.
-
-    It keeps the invocations that come closest for each instruction, and tries others near them,
-    ever closer.
-
-    Attributes:
-        tried: how many invocations were run.
-        found: a counterexample for each instruction that goes wrong, by its place.
-        first: the random invocations that it began with.
-    """
-
-    def __init__(
-        self,
-        program: Program,
-        inputs: Mapping[str, Input],
-        domains: Mapping[str, InputDomain],
-        count: int,
-    ) -> None:
-        self._program, self._inputs, self._domains = program, inputs, domains
-        self._continuous = [n for n, one in inputs.items() if is_continuous(one, domains[n])]
-        self._rng = np.random.default_rng(11)
-        batch = first_batch(inputs, domains, count)
-        self.first = batch.part(np.arange(count))
-        self.tried = 0
-        self.found: dict[Place, Counterexample] = {}
-        self._best: dict[Place, tuple[InputBatch, Array]] = {}  # the closest, and their margins
-        self._usual: dict[Place, float] = {}  # the median margin
-        # An invocation with a negative and one with a positive margin.
-        self._signs: dict[Place, tuple[InputBatch, InputBatch]] = {}
-        self._try(batch)
-
-    def run(self) -> None:
-        """Search from the closest invocations on, for all instructions at once."""
-        for generation in range(_GENERATIONS):
-            children = list(self._children(generation))
-            if not children:
-                break
-            self._try(join_batches(children))
-        for place, (below, above) in self._signs.items():
-            if self._is_open(place):
-                crossing = self._find_crossing(place, below, above)
-                if crossing is not None:
-                    self.found[place] = crossing
-
-    def _is_open(self, place: Place) -> bool:
-        """Whether no random invocation is known at which it goes wrong."""
-        return place not in self.found or self.found[place].origin != RANDOM
-
-    def _try(self, batch: InputBatch) -> None:
-        """Run some invocations and keep the closest."""
-        origins = find_origins(batch, self._inputs, self._domains)
-        found = watch_batch(self._program, batch)
-        self.tried += batch.count
-        for example in find_counterexamples(found, batch, origins):
-            known = self.found.get(example.place)
-            if known is None or example.origin < known.origin:
-                self.found[example.place] = example
-        for place, one in found.items():
-            if self._is_open(place):
-                self._usual.setdefault(place, _median(np.abs(one.margin)))
-                self._keep_closest(place, one, batch, origins)
-
-    def _keep_closest(
-        self, place: Place, one: WatchedInstruction, batch: InputBatch, origins: Array
-    ) -> None:
-        size = np.abs(one.margin) if one.check.crosses else one.margin
-        size = np.where(origins == RANDOM, size, np.inf)
-        rows = np.argsort(size, kind="stable")[:_PARENTS]
-        rows = rows[np.isfinite(size[rows])]
-        if not rows.size:
-            return
-        best, margin = batch.part(rows), one.margin[rows]
-        if place in self._best:
-            before, known = self._best[place]
-            best, margin = join_batches([best, before]), np.concatenate([margin, known])
-        order = np.argsort(np.abs(margin) if one.check.crosses else margin, kind="stable")
-        self._best[place] = (best.part(order[:_PARENTS]), margin[order[:_PARENTS]])
-        if one.check.crosses and place not in self._signs:
-            margin = np.where(np.isfinite(one.margin), one.margin, 0.0)
-            if (margin > 0.0).any() and (margin < 0.0).any():
-                below, above = (
-                    batch.part(np.array([np.where(signs, np.abs(margin), np.inf).argmin()]))
-                    for signs in (margin < 0.0, margin > 0.0)
-                )
-                self._signs[place] = (below, above)
-
-    def _children(self, generation: int) -> Iterator[InputBatch]:
-        open_ones = [parents for place, (parents, _) in self._best.items() if self._is_open(place)]
-        each = int(np.clip(_MAX_CHILDREN // (_PARENTS * max(len(open_ones), 1)), *_CHILDREN))
-        for parents in open_ones[: _MAX_CHILDREN // (_PARENTS * each)]:
-            rows = np.repeat(np.arange(parents.count), each)
-            yield self._move(parents.part(rows), generation)
-
-    def _move(self, parents: InputBatch, generation: int) -> InputBatch:
-        """A child of each parent, moved in one input, or in one component of it, or in all."""
-        rng, count = self._rng, parents.count
-        each = dict(parents.each)
-        which = rng.integers(-1, max(len(self._continuous), 1), count)
-        size = _START * _SHRINKING**generation
-        for i, name in enumerate(self._continuous):
-            domain, values = self._domains[name], each[name].astype(np.float64)
-            width = 1.0 if domain.kind == "unit" else domain.high - domain.low
-            step = rng.normal(size=values.shape) * width * size
-            one = rng.integers(0, values.shape[1], count)[:, None] == np.arange(values.shape[1])
-            step = np.where(one | (rng.random(count) < 0.5)[:, None], step, 0.0)
-            moves = ((which == i) | (which == -1))[:, None]
-            each[name] = domain.clip(np.where(moves, values + step, values))
-        keep_in_order(each, self._domains)
-        for name, one_input in self._inputs.items():  # integers are sampled anew here and there
-            if one_input.workgroup is None and one_input.whole and name in each:
-                values, domain = each[name], self._domains[name]
-                fresh = rng.integers(int(domain.low), int(domain.high) + 1, values.shape)
-                each[name] = np.where(rng.random(values.shape) < 0.3, fresh, values)
-        return InputBatch(each, parents.bindings, count)
-
-    def _find_crossing(
-        self, place: Place, below: InputBatch, above: InputBatch
-    ) -> Counterexample | None:
-        """Follow a margin on the straight way from a negative to a positive one, to where it passes
-        through 0; None where a condition excludes what lies between."""
-        t = np.linspace(0.0, 1.0, _STEPS + 1)[:, None]
-        for _ in range(_GENERATIONS):
-            each = {n: np.repeat(values, len(t), axis=0) for n, values in below.each.items()}
-            each |= interpolate_inputs(below, above, t, self._continuous, self._domains)
-            batch = InputBatch(each, below.bindings, len(t))
-            self.tried += batch.count
-            one = watch_batch(self._program, batch).get(place)
-            if one is None or not (one.bad.any() or np.isfinite(one.margin).all()):
-                return None
-            row = int(np.abs(one.margin).argmin())
-            origin = int(find_origins(batch, self._inputs, self._domains)[row])
-            found = Counterexample(place, one, batch, row, origin, crossing=not one.bad.any())
-            changes = np.flatnonzero(one.margin[:-1] * one.margin[1:] < 0.0)
-            if one.bad.any() or not changes.size:
-                break
-            below, above = (batch.part(np.array([k])) for k in (changes[0], changes[0] + 1))
-        near = abs(found.watched.margin[found.row])
-        return found if near <= _TINY * self._usual[place] else None
-
-
-def _median(margin: Array) -> float:
-    known = margin[np.isfinite(margin)]
-    return float(np.median(known)) if known.size else 0.0
-
-
-_ONLY_AT_0 = "; only if an input is 0"
-_MAX_CAPTURED = 16_384  # invocations of a case's draws with the same textures
-
-
 @dataclass(frozen=True, kw_only=True)
 class Plan:
     """How a program is audited.
@@ -328,11 +185,105 @@ class Plan:
         ranges: "a..b", "a:b" or "unit" for inputs, by name.
         count: the number of random invocations.
         precision: whether to measure how far devices may differ, at highp and at mediump.
+        prove: whether to show of each hazard that no input of the ranges causes it.
+        assume: conditions in GLSL that hold of the inputs.
+        confirm: runs a hazard's inputs on a driver.
     """
 
     ranges: Mapping[str, str] = field(default_factory=dict)
     count: int = 4096
     precision: bool = False
+    prove: bool = False
+    assume: tuple[str, ...] = ()
+    confirm: Callable[[Program, Hazard], Hazard] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class InputSearch:
+    """What was found about the inputs of some ranges.
+
+    Attributes:
+        tried: how many invocations and boxes were run.
+        found: a counterexample for each instruction that goes wrong, by its place.
+        first: the random invocations that it began with.
+        proof: the search in boxes.
+    """
+
+    tried: int
+    found: Mapping[Place, Counterexample]
+    first: InputBatch
+    proof: Proof
+
+
+def search_inputs(
+    program: Program, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], plan: Plan
+) -> tuple[dict[Place, Counterexample], InputBatch, Proof]:
+    """Try to make every instruction of a program go wrong: on random invocations and special ones,
+    then in boxes in which it may. The counterexamples, those invocations, and the boxes."""
+    batch = first_batch(inputs, domains, plan.count)
+    watched = watch_batch(program, batch)
+    origins = find_origins(batch, inputs, domains)
+    found = {e.place: e for e in find_counterexamples(watched, batch, origins)}
+    settled = {place for place, e in found.items() if plan.prove or e.origin == RANDOM}
+
+    def find_ordinary(some: InputBatch) -> Flags:
+        return np.equal(find_origins(some, inputs, domains), RANDOM)
+
+    proof = Proof(
+        program, inputs, domains,
+        refuted=settled,
+        tried=[e.batch.part(np.array([e.row])) for e in found.values()],
+        counts=None if plan.prove else find_ordinary,
+        boxes=BOXES if plan.prove else _BOXES,
+    )  # fmt: skip
+    for place, (some, row, instruction) in proof.points.items():
+        if instruction is not None:
+            origin = int(find_origins(some, inputs, domains)[row])
+            found[place] = Counterexample(place, instruction, some, row, origin)
+    names = [n for n, one in inputs.items() if is_continuous(one, domains[n])]
+    for place, one in watched.items():
+        if one.check.crosses and (place not in found or found[place].origin != RANDOM):
+            margin = np.where(np.isfinite(one.margin), one.margin, 0.0)
+            ends = [np.where(side, np.abs(margin), np.inf) for side in (margin < 0.0, margin > 0.0)]
+            if all(np.isfinite(end).any() for end in ends):
+                below, above = (batch.part(np.array([end.argmin()])) for end in ends)
+                usual = float(np.median(np.abs(margin[margin != 0.0])))
+                crossing = _find_crossing(program, place, below, above, names, domains)
+                if crossing and np.abs(crossing.watched.margin[crossing.row]) <= _TINY * usual:
+                    origin = int(find_origins(crossing.batch, inputs, domains)[crossing.row])
+                    found[place] = replace(crossing, origin=origin)
+    return found, batch, proof
+
+
+def _find_crossing(
+    program: Program,
+    place: Place,
+    below: InputBatch,
+    above: InputBatch,
+    names: Sequence[str],
+    domains: Mapping[str, InputDomain],
+) -> Counterexample | None:
+    """Follow a margin on the straight way from a negative to a positive one, to where it passes
+    through 0; None where a condition excludes what lies between."""
+    t = np.linspace(0.0, 1.0, _STEPS + 1)[:, None]
+    for _ in range(_GENERATIONS):
+        each = {n: np.repeat(values, len(t), axis=0) for n, values in below.each.items()}
+        each |= interpolate_inputs(below, above, t, names, domains)
+        batch = InputBatch(each, below.bindings, len(t))
+        one = watch_batch(program, batch).get(place)
+        if one is None or not (one.bad.any() or np.isfinite(one.margin).all()):
+            return None
+        row = int(np.abs(one.margin).argmin())
+        found = Counterexample(place, one, batch, row, crossing=not one.bad.any())
+        changes = np.flatnonzero(one.margin[:-1] * one.margin[1:] < 0.0)
+        if one.bad.any() or not changes.size:
+            break
+        below, above = (batch.part(np.array([k])) for k in (changes[0], changes[0] + 1))
+    return found
+
+
+_ONLY_AT_0 = "; only if an input is 0"
+_MAX_CAPTURED = 16_384  # invocations of a case's draws with the same textures
 
 
 def audit_program(
@@ -365,25 +316,54 @@ def audit_program(
         words = dict.fromkeys(inputs, "as in the case")
     else:
         domains = domains_of(inputs, [program], plan.ranges)
-        search = InputSearch(program, inputs, domains, plan.count)
-        search.run()
-        examples, tried, batches = list(search.found.values()), search.tried, [search.first]
+        found, first, proof = search_inputs(program, inputs, domains, plan)
+        examples, tried = list(found.values()), first.count + proof.tried
+        batches = [first.part(np.arange(plan.count))]
         words = {name: f"{domain} ({domain.source})" for name, domain in domains.items()}
     hazards = [hazard for e in examples for hazard in _hazards(program, e, inputs)]
+    claims = [] if captured or not plan.prove else list(_claims(program, found, proof, hazards))
     spreads: list[Spread] = []
     for batch in batches:
         hazards += undefined_values(program, batch, inputs)
         hazards += divergent(program, batch, inputs, made_up=not captured)
-        hazards += excess_vertices(program, batch, inputs)
         if plan.precision:
             spreads += find_spreads(program, batch, inputs)
+    if plan.confirm is not None:
+        hazards = [plan.confirm(program, hazard) for hazard in hazards]
     return Audit(
         file="" if program.source is None else program.source.path,
         hazards=tuple(_deduplicate(hazards)),
         tried=tried,
         inputs=words,
         spreads=tuple(widest_spreads(spreads)),
+        claims=tuple(claims),
     )
+
+
+def _claims(
+    program: Program, found: Mapping[Place, Counterexample], proof: Proof, hazards: list[Hazard]
+) -> Iterator[Claim]:
+    """What holds for all inputs, or is open; adds an output to the hazards that is no number for no
+    reason that is there."""
+    yield from proof.claims()
+    shown = {(hazard.line, hazard.kind) for hazard in hazards}
+    for place, e in found.items():
+        file, line = program.place(e.watched.at.line)
+        if (line, place.kind) not in shown and place.kind != OVERFLOW.kind:
+            where = format_inputs(e.batch.example(e.row, e.batch.each))
+            note = f"it happens with {where}, where no output depends on it"
+            yield Claim(file=file, line=line, what=f"no {place.kind}", status="open", note=note)
+    for place, (batch, row, watched) in proof.points.items():
+        if watched is None and not hazards:
+            values = find_written_outputs(program, *batch.alone(row, program))
+            own = {n: tuple(map(float, v)) for n, v in values.items() if not np.isfinite(v).all()}
+            inputs = batch.example(row, batch.each)
+            hazards.append(
+                Hazard(
+                    file=program.place(0)[0], line=0, kind=OVERFLOW.kind, message=place.kind,
+                    inputs=inputs, outputs=own,
+                )
+            )  # fmt: skip
 
 
 def _hazards(

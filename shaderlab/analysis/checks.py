@@ -19,6 +19,8 @@ from .interpreter.values import Flags, PathState, Pointer
 _ACCESS = (Op.AccessChain, Op.InBoundsAccessChain)
 # Which operand the index is.
 _DYNAMIC = {Op.VectorExtractDynamic: 1, Op.VectorInsertDynamic: 2}
+INDEXING = frozenset({*_ACCESS, *_DYNAMIC})
+"""The opcodes that choose a part by its number."""
 _SIZED = ("vector", "matrix", "array")
 
 
@@ -68,9 +70,9 @@ class Watcher:
                         margin = np.asarray(check.margin(*values), np.float64)
                     known = known | self._note(run, at, state, check, values, margin)
                 self._overflow(run, at, state, values, result, known)
-        elif at.op in _ACCESS or at.op in _DYNAMIC:
+        elif at.op in INDEXING:
             for index, size in indices_of(run, at):
-                values = [index, np.full((1, 1), float(size))]
+                values = [index.lo.astype(np.float64), np.full((1, 1), float(size))]
                 self._note(run, at, state, INDEX, values, np.asarray(INDEX.margin(*values)))
         return result
 
@@ -160,11 +162,11 @@ def numbers(value: Any) -> Array | None:
     return None
 
 
-def indices_of(run: Run, at: Instruction) -> Iterator[tuple[Array, int]]:
+def indices_of(run: Run, at: Instruction) -> Iterator[tuple[Integer, int]]:
     """The indices in an instruction, each with how many elements there are to choose from."""
     if at.op in _DYNAMIC:
         size = run.value(at.operands[0]).shape[-1]
-        yield run.value(at.operands[_DYNAMIC[Op(at.op)]]).lo.astype(np.float64), size
+        yield run.value(at.operands[_DYNAMIC[Op(at.op)]]), size
         return
     base, *steps = at.operands
     pointer = run.value(base)
@@ -176,7 +178,7 @@ def indices_of(run: Run, at: Instruction) -> Iterator[tuple[Array, int]]:
     for step in steps:
         index = run.value(step)
         if type_.kind in _SIZED and type_.count:
-            yield index.lo.astype(np.float64), type_.count
+            yield index, type_.count
         type_ = type_.part(int(index.lo.flat[0]) if type_.kind == "struct" else 0)
 
 

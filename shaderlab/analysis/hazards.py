@@ -35,6 +35,7 @@ class Hazard:
             is possible: `message` states the condition.
         inputs: an invocation at which it happens, by name.
         outputs: what that invocation writes, by the names of the outputs that depend on it.
+        driver: what a driver writes for it, or why that is not known; "" if it was not asked.
         calls: the lines of the calls that lead there, the outermost first.
     """
 
@@ -45,17 +46,18 @@ class Hazard:
     evident: bool = True
     inputs: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     outputs: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    driver: str = ""
     calls: tuple[int, ...] = ()
 
     def __str__(self) -> str:
-        text = f"{display_path(self.file, self.line)}: {self.message}"
+        text = f"{display_path(self.file, self.line or None)}: {self.message}"
         if not self.evident:
             text += " (possible)"
         if self.inputs:
             text += f"\n    with {format_inputs(self.inputs)}"
         if self.outputs:
             text += f"\n    {format_inputs(self.outputs)}"
-        return text
+        return text + f"\n    {self.driver}" * bool(self.driver)
 
     def data(self) -> dict[str, Any]:
         """The hazard as JSON."""
@@ -65,6 +67,30 @@ class Hazard:
             "outputs": {name: _numbers(values) for name, values in self.outputs.items()},
             "calls": list(self.calls),
         }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Claim:
+    """What was shown for all inputs.
+
+    Attributes:
+        file, line: where; 0 for an output.
+        what, status: what holds, such as "no division by 0", and whether: "proved" or "open".
+        share, note: of the range what is left open, by volume; a box of it, or why it is open.
+    """
+
+    file: str
+    line: int
+    what: str
+    status: str
+    share: float = 0.0
+    note: str = ""
+
+    def __str__(self) -> str:
+        text = f"{display_path(self.file, self.line or None)}: {self.status}: {self.what}"
+        if self.share:
+            text += f", on {float(f'{100.0 * self.share:.2g}'):g} % of the range"
+        return f"{text}, {self.note}" if self.note else text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,6 +104,7 @@ class Audit:
         inputs: what each input was given, in words, by name.
         refused: why nothing can be said of it, if so.
         spreads: how far devices may differ at each output, if that was measured.
+        claims: what holds for all inputs of the ranges, or is open, if that was asked.
     """
 
     file: str
@@ -86,13 +113,17 @@ class Audit:
     inputs: Mapping[str, str] = field(default_factory=dict)
     refused: str = ""
     spreads: tuple[Spread, ...] = ()
+    claims: tuple[Claim, ...] = ()
 
     @property
     def clean(self) -> bool | None:
-        """Whether there is no evident hazard; None if undetermined."""
+        """Whether there is no evident hazard, and each is proved absent that was asked about; None
+        if undetermined."""
         if self.refused:
             return None
-        return not any(hazard.evident for hazard in self.hazards)
+        if any(hazard.evident for hazard in self.hazards):
+            return False
+        return None if any(claim.status == "open" for claim in self.claims) else True
 
     def lines(self, possible: bool = True) -> Iterator[str]:
         """The audit in words, with possible hazards or with their number alone."""
@@ -101,12 +132,17 @@ class Audit:
             return
         yield from map(str, self.spreads)
         evident = [hazard for hazard in self.hazards if hazard.evident]
-        yield from map(str, self.hazards if possible else evident)
+        yield from map(str, self.hazards if possible or self.claims else evident)
+        yield from map(str, self.claims)
         text = f"{len(evident) or 'no'} hazard{'' if len(evident) == 1 else 's'}"
         others = len(self.hazards) - len(evident)
         if others:
             text += f", {others} possible"
-        yield f"{display_path(self.file)}: {text} on {self.tried:,} inputs"
+        text += f" on {self.tried:,} inputs"
+        if self.claims:
+            proved = sum(claim.status == "proved" for claim in self.claims)
+            text += f"; for all inputs {proved} claims proved, {len(self.claims) - proved} open"
+        yield f"{display_path(self.file)}: {text}"
 
     def data(self) -> dict[str, Any]:
         """The audit as JSON."""
@@ -118,6 +154,7 @@ class Audit:
             "inputs": dict(self.inputs),
             "refused": self.refused,
             "spreads": [spread.data() for spread in self.spreads],
+            "claims": [vars(claim) for claim in self.claims],
         }
 
 

@@ -196,7 +196,7 @@ _ORDERS = (
 WORKGROUPS = 4
 """Workgroups of a compute stage in each direction."""
 _BUILT_IN = {
-    "gl_NumWorkGroups": (WORKGROUPS, WORKGROUPS),
+    "gl_NumWorkGroups": (WORKGROUPS, WORKGROUPS), "gl_FragCoord": (0.0, 16384.0),
     "gl_FrontFacing": (0.0, 1.0), "gl_PointCoord": (0.0, 1.0), "gl_PrimitiveID": (0.0, 64.0),
     "gl_InstanceID": (0.0, 8.0), "gl_InstanceIndex": (0.0, 8.0), "gl_SampleID": (0.0, 3.0),
     "iResolution": (1.0, 4096.0), "iTime": (0.0, 3600.0), "iTimeDelta": (0.0, 1.0),

@@ -1,29 +1,22 @@
-"""portable: how far conforming devices may differ at an output, at highp and at mediump."""
+"""How far conforming devices may differ at an output, at highp and at mediump."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, field
-from typing import Any, Literal
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Integer
 from shaderlab.bands.rounding import ulp
 from shaderlab.compiler.spirv import Decoration, Op
-from shaderlab.engine.expectations.base import Context, OutputExpectation
-from shaderlab.engine.expectations.needs import CapturedFragments
-from shaderlab.errors import CaseError, FormulaError, NotInterpretedError, suggest
+from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.files import display_path
-from shaderlab.model.case import Scene
-from shaderlab.model.expectation import Judgement, Need, Programs
-from shaderlab.model.frame import Array, Frame, PassDraw
-from shaderlab.model.phases import phase
-from shaderlab.model.records import Row
+from shaderlab.model.frame import Array
 
 from .answer import format_inputs
-from .batches import InputBatch, flatten_outputs, fragment_batch, run_batch
-from .inputs import Input, inputs_of
+from .batches import InputBatch, flatten_outputs, run_batch
+from .inputs import Input
 from .interpreter import (
     FLOAT16,
     FLOAT32,
@@ -33,9 +26,7 @@ from .interpreter import (
     Numbers,
     Program,
     Stored,
-    load,
 )
-from .interpreter.arithmetic import EXACT
 from .interpreter.flow import HANDLERS
 from .interpreter.program import Instruction
 from .interpreter.running import Run, Watch, is_vector, precision_loss
@@ -157,38 +148,20 @@ def sample(batch: InputBatch) -> InputBatch:
     return batch.part((start[:, None] + np.arange(4)).ravel())
 
 
-_DEVICES = 6
-_ULPS = {"divide": 2.5, "inversesqrt": 2.0, "sqrt": 2.0, "atan": 5.0, "asin": 5.0, "acos": 5.0,
-         "pow": 4.0, "log": 3.0, "log2": 3.0}  # fmt: skip
-_WITHIN = {"sin": 2.0**-7, "cos": 2.0**-7, "log": 2.0**-7, "log2": 2.0**-7}  # or so far off
+_SMALLEST = 2.0**-14  # a float16 that is no subnormal number
 
 
 @dataclass(frozen=True)
-class Half(Numbers):
-    """float16 of a simulated device: what is not exact errs within the rules' table, at random."""
+class _Flushing(Numbers):
+    """float16 of a device that has no subnormal numbers."""
 
     dtype: Any = np.float16
-    rng: np.random.Generator = field(default_factory=np.random.default_rng, compare=False)
-
-    @classmethod
-    def device(cls, seed: int) -> Half:
-        """One of the devices."""
-        return cls(rng=np.random.default_rng([16, seed]))
 
     def call(self, function: str, *values: Any) -> Any:
-        halves = [_half(value) for value in values]
-        found = FLOAT16.call(function, *halves)
-        if isinstance(found, Integer | tuple) or function in EXACT:
-            return found
-        with np.errstate(all="ignore"):
-            most: Any = _ULPS.get(function, 1.0)
-            if function in ("exp", "exp2"):
-                most = 1.0 + 2.0 * np.abs(halves[0].astype(np.float64))
-            step = np.abs(np.spacing(found)).astype(np.float64)
-            steps = np.maximum(most, _WITHIN.get(function, 0.0) / step)
-            share = self.rng.uniform(-1.0, 1.0, found.shape)
-            moved: Array = (found + np.trunc(share * (steps + 1.0)) * step).astype(np.float16)
-            return np.where(np.abs(moved - found.astype(np.float64)) <= steps * step, moved, found)
+        found = FLOAT16.call(function, *map(_half, values))
+        if isinstance(found, np.ndarray) and found.dtype == np.float16:
+            return np.where(np.abs(found) < _SMALLEST, np.float16(0.0), found)
+        return found
 
 
 def _half(value: Any) -> Any:
@@ -232,7 +205,7 @@ def mediump(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) ->
         exact = _outputs(program, batch, FLOAT64)
         devices = [
             _outputs(program, batch, *((FLOAT32, _Relaxed(device)) if relaxed else (device,)))
-            for device in (FLOAT16, *map(Half.device, range(_DEVICES)))
+            for device in (FLOAT16, _Flushing())
         ]
     except (NotInterpretedError, FormulaError):
         return []
@@ -272,16 +245,13 @@ def find_spreads(
     program: Program,
     batch: InputBatch,
     inputs: Mapping[str, Input],
-    precisions: Sequence[str] = ("highp", "mediump"),
 ) -> list[Spread]:
     """How far devices may differ at each float output, on some of the invocations."""
     if program.stage not in ("vertex", "fragment"):
         return []
     some = sample(batch)
-    found = portability(program, some, inputs) if "highp" in precisions else []
-    if "mediump" in precisions and program.stage == "fragment":
-        found += mediump(program, some, inputs)
-    return found
+    found = portability(program, some, inputs)
+    return found + mediump(program, some, inputs) if program.stage == "fragment" else found
 
 
 def widest_spreads(spreads: Sequence[Spread]) -> list[Spread]:
@@ -292,84 +262,3 @@ def widest_spreads(spreads: Sequence[Spread]) -> list[Spread]:
         if (one.codes, one.ulp) > (known.codes, known.ulp):
             found[one.output, one.precision] = one
     return list(found.values())
-
-
-_MOST = 2048  # invocations
-
-
-@dataclass(frozen=True)
-class SpreadOf(Need):
-    """How far devices may differ at the outputs of a draw's fragment shader, on what it got."""
-
-    key: PassDraw
-    precision: str
-
-    def answer(self, context: Context) -> list[Spread]:
-        draw = context.session.programs[self.key[0]][self.key[1]]
-        source = next(one for one in draw.sources if one.stage == "fragment")
-        fragments = CapturedFragments(self.key).answer(context)
-        batch = fragment_batch(fragments, context.bindings[self.key], _MOST)
-        if not batch.count:
-            raise CaseError("portable: the draw has no fragment to ask about")
-        program = load(source)
-        with phase("judge", f"asking how portable {source.name} is"):
-            return find_spreads(program, batch, inputs_of(program), (self.precision,))
-
-
-@dataclass(frozen=True)
-class Portable(OutputExpectation):
-    """Devices differ by no more than `codes` codes of 8 bits at an output of a fragment shader, on
-    what a draw passes to it.
-
-    At "highp" that is what the precision rules allow two conforming devices. At "mediump" it is
-    what sampled devices of 16 bits are off: what the shader declares as mediump is computed so,
-    or everything where it declares nothing.
-
-    Args:
-        output: the fragment shader's, with its pass before it where there are several.
-        codes: how far they may be apart.
-        precision: "highp" or "mediump".
-        draw: which draw of the pass.
-        name: how outcomes call it.
-    """
-
-    kind = "portable"
-
-    output: str
-    _: KW_ONLY
-    codes: float = 1.0
-    precision: Literal["highp", "mediump"] = "highp"
-
-    @property
-    def default_name(self) -> str:
-        return f"portable {self.output} at {self.precision}"
-
-    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        if self.judges_vertices(scene, programs):
-            raise CaseError(f"portable: {self.output!r} is no fragment shader's output")
-        yield SpreadOf(self.key(scene), self.precision)
-
-    def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        found: list[Spread] = frame.answers[SpreadOf(self.key(scene), self.precision)]
-        known = {one.output: one for one in found}
-        name = self.own_name(scene)
-        if name not in known:
-            raise CaseError(
-                f"portable: there is no figure for output {name!r}", remedy=suggest(name, known)
-            )
-        one = known[name]
-        message = ""
-        if one.codes > self.codes:
-            message = str(one)
-        elif one.unbounded:
-            message = f"the precision rules set no bound at {100.0 * one.unbounded:.3g} % of pixels"
-        row = Row(
-            label=name,
-            expected=f"at most {self.codes:g} codes apart",
-            measured="no number" if np.isinf(one.codes) else f"{one.codes:.3g} codes",
-            ok=not message,
-        )
-        return self.judge_rows([row], message, judged=1)
-
-
-portable = Portable

@@ -5,7 +5,7 @@ answer.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,8 @@ from shaderlab.analysis.comparison import Plan, compare_programs
 from shaderlab.analysis.interpreter import Program, adopt_names, load, read_file
 from shaderlab.compiler.shader_files import ShaderFile
 from shaderlab.compiler.sources import Shaders, Source
-from shaderlab.errors import FormulaError, NotInterpretedError, in_file
+from shaderlab.compiler.syntax import Syntax
+from shaderlab.errors import FormulaError, NotInterpretedError, UsageError, in_file
 from shaderlab.files import display_path
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Explanation
@@ -36,10 +37,17 @@ class ShaderOfFile:
         folders = dict.fromkeys([self.file.root, *self.include])
         return Shaders([Path(folder) for folder in folders]).load(self.file.name, stage)
 
-    def program(self, stage: str | None) -> Program:
-        """As the interpreter runs it. Raises ShaderError, NotInterpretedError."""
+    def program(self, stage: str | None, conditions: Sequence[str] = ()) -> Program:
+        """As the interpreter runs it, where it meets some conditions.
+
+        Raises:
+            ShaderError, NotInterpretedError: as `load`.
+            UsageError: there are conditions, and it is no fragment shader's text.
+        """
         with in_file(self.file.path):
-            return read_file(Path(self.file.path)) if self.is_module else load(self.source(stage))
+            if self.is_module and not conditions:
+                return read_file(Path(self.file.path))
+            return load(assume(self.source(stage), conditions))
 
     @property
     def is_module(self) -> bool:
@@ -98,6 +106,23 @@ def _program(source: Source) -> Program:
         return load(source)
 
 
+def assume(source: Source, conditions: Sequence[str]) -> Source:
+    """A fragment stage that discards what does not meet some conditions.
+
+    Raises:
+        UsageError: it is another stage.
+    """
+    if not conditions:
+        return source
+    if source.stage != "fragment":
+        raise UsageError("--assume takes fragment shaders and functions")
+    body = Syntax(source.text).functions["main"][0].child_by_field_name("body")
+    assert body is not None
+    data, start = source.text.encode(), body.start_byte + 1
+    added = "".join(f" if (!({one})) discard;" for one in conditions).encode()
+    return replace(source, text=(data[:start] + added + data[start:]).decode(), stripped=None)
+
+
 @dataclass(frozen=True)
 class AuditFile:
     """Asks for the `Audit` of a shader file, as a list."""
@@ -113,7 +138,7 @@ class AuditFile:
 
     def perform(self, worker: Worker) -> list[Audit]:
         worker.note("compiling")
-        program = self.shader.program(self.stage)
+        program = self.shader.program(self.stage, self.plan.assume)
         worker.note("interpreting")
         with in_file(self.shader.file.path):
             return [audit_program(program, self.plan)]

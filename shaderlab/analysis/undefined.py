@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Integer, TriBool
-from shaderlab.compiler.spirv import ExecutionMode, Op, StorageClass
+from shaderlab.compiler.spirv import Op, StorageClass
 from shaderlab.model.frame import Array
 
 from .batches import InputBatch, flatten_outputs, quads_of, run_batch
@@ -108,7 +108,7 @@ def undefined_values(
         file, line = _declaration(program, output)
         yield Hazard(
             file=file, line=line, kind=UNWRITTEN,
-            message=f"{UNWRITTEN}: {_in_words(program, output)}, or a part of it has none",
+            message=f"{UNWRITTEN}: {output} has no value here, or a part of it has none",
             inputs=batch.example(row, inputs),
         )  # fmt: skip
 
@@ -167,13 +167,6 @@ def _read(
         message=f"{READ}: {name} has no value here, and {output} depends on it",
         inputs=batch.example(row, inputs),
     )  # fmt: skip
-
-
-def _in_words(program: Program, output: str) -> str:
-    name, bracket, number = output.rpartition("[")
-    if program.stage != "geometry" or not bracket:
-        return f"{output} has no value here"
-    return f"{name} has no value in vertex {number.rstrip(']')}"
 
 
 def _declaration(program: Program, output: str) -> tuple[str, int]:
@@ -280,24 +273,3 @@ def _smooth(batch: InputBatch, inputs: Mapping[str, Input]) -> InputBatch:
             same = (same + moved).astype(np.float32)
         each[name] = same
     return InputBatch(each, batch.bindings, batch.count)
-
-
-TOO_MANY = "more vertices than max_vertices"
-
-
-def excess_vertices(
-    program: Program, batch: InputBatch, inputs: Mapping[str, Input]
-) -> Iterator[Hazard]:
-    """More vertices than a geometry stage declares."""
-    if program.stage != "geometry":
-        return
-    most = program.module.modes[ExecutionMode.OutputVertices][0]
-    emitted = run_batch(program, batch).outputs["EmitVertex()"].lo[:, 0]
-    if (emitted > most).any():
-        row = int(emitted.argmax())
-        file, line = program.place(program.line_of(Op.EmitVertex))
-        yield Hazard(
-            file=file, line=line, kind=TOO_MANY,
-            message=f"{TOO_MANY}: {emitted[row]} are emitted, {most} declared",
-            inputs=batch.example(row, inputs),
-        )  # fmt: skip

@@ -69,6 +69,7 @@ def add(a: BandT, b: BandT) -> BandT:
         a.terms,
         b.terms,
         count=a.count + b.count,
+        signed=a.signed_with(b),
     )
     step = terms.step()
     if a.least_abs_sum <= 0.0 or b.least_abs_sum <= 0.0:
@@ -88,13 +89,15 @@ def add(a: BandT, b: BandT) -> BandT:
     if np.count_nonzero(positive):
         positive &= np.minimum(a.lo, b.lo) >= 0.0
     if np.count_nonzero(positive):
-        positive &= (a_lo + b_lo >= step) | (hi >= terms.abs_sum * UNCANCELLED)
+        of_one_sign = hi >= terms.abs_sum * UNCANCELLED if terms.signed is None else ~terms.signed
+        positive &= (a_lo + b_lo >= step) | of_one_sign
         low = np.where(positive, 0.0, low)
     negative = np.maximum(a.hi, b.hi) <= 0.0
     if np.count_nonzero(negative):
         negative &= high > 0.0
     if np.count_nonzero(negative):
-        negative &= (a_hi + b_hi <= -step) | (-lo >= terms.abs_sum * UNCANCELLED)
+        of_one_sign = -lo >= terms.abs_sum * UNCANCELLED if terms.signed is None else NO
+        negative &= (a_hi + b_hi <= -step) | of_one_sign
         high = np.where(negative, 0.0, high)
     return a.derive(low, high, b, nan=nan, terms=terms)
 
@@ -113,6 +116,11 @@ def _move_out_by_terms(
     if steps != 1:
         step = steps * step
     low, high = lo - step, hi + step
+    if terms.signed is not None:
+        # Some of the terms may be tiny: flushing one of them may leave the other's sign.
+        give = steps * terms.flush_error() if np.ndim(least) == 0 else np.inf
+        low = np.where(lo >= 0.0, np.maximum(low, np.where(terms.signed, -give, 0.0)), low)
+        return low, np.where(hi <= 0.0, np.minimum(high, give), high)
     positive = low < 0.0
     if np.count_nonzero(positive):
         positive &= lo >= 0.0
@@ -151,6 +159,7 @@ def multiply(a: BandT, b: BandT) -> BandT:
         a.terms,
         b.terms,
         count=a.count * b.count,
+        signed=a.signed_with(b),
     )
     if a.is_plain and b.is_plain:
         return a.derive(lo, hi, b, nan=nan, terms=terms)
@@ -167,7 +176,10 @@ def scale(a: BandT, scale: BandT) -> BandT:
     nan = None
     if not is_finite(lo, hi):
         nan = _zero_times_infinity(a.lo, a.hi, scale.lo, scale.lo)
-    return a.derive(lo, hi, scale, nan=nan, terms=_scale_terms(a, np.abs(scale.lo)))
+    terms = _scale_terms(a, np.abs(scale.lo))
+    if terms is not None:
+        terms.signed = a.signed_with(scale)
+    return a.derive(lo, hi, scale, nan=nan, terms=terms)
 
 
 def _scale_terms(a: Bounds, factor: Float64Array) -> Terms | None:
@@ -208,7 +220,10 @@ def square(a: BandT) -> BandT:
 
 def _square_terms(a: Bounds, product: Float64Array) -> Terms:
     mag = np.minimum(product, LARGEST)
-    return Terms.of(mag, lambda: np.maximum(flush_gain_of(a.abs_sum, a.terms) ** 2, 1.0), a.terms)
+    signed = np.zeros_like(mag, np.bool_) if a.rules.ranges else None
+    return Terms.of(
+        mag, lambda: np.maximum(flush_gain_of(a.abs_sum, a.terms) ** 2, 1.0), a.terms, signed=signed
+    )
 
 
 @np.errstate(all="ignore")
@@ -225,6 +240,7 @@ def divide(a: BandT, b: BandT) -> BandT:
         lambda: flush_gain_of(a.abs_sum, a.terms) * np.maximum(1.0 / smallest, 1.0),
         a.terms,
         count=a.count,
+        signed=a.signed_with(b),
     )
     bounds = _move_out_by_terms(lo, hi, DIVISION_ULPS, terms, 0.0)
     return a.derive(*bounds, b, anything=outside, terms=terms)
@@ -316,6 +332,9 @@ def sum_last(a: BandT) -> BandT:
         lambda: _over_last(np.broadcast_to(flush_gain_of(sizes, a.terms), sizes.shape), np.add),
         a.terms,
         count=a.shape[-1],
+        signed=_over_last(a.signed | np.zeros(a.shape, np.bool_), np.logical_or)
+        if a.rules.ranges
+        else None,
     )
     step = terms.step()
     count: Any = float(a.shape[-1])

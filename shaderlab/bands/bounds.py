@@ -92,12 +92,14 @@ class Terms:
         count: how many terms there may be, once all is distributed.
         flush_gain: the factor by which a flushed partial product may be multiplied; None where no
             term is tiny.
+        signed: of ranges, where a term may be negative somewhere; None if that is unknown.
     """
 
     abs_sum: Float64Array
     slack: Float64Array | None = None
     count: int = 1
     flush_gain: Float64Array | None = None
+    signed: Flags | None = None
     _least: float | None = None
 
     @property
@@ -114,16 +116,13 @@ class Terms:
         flush_gain: Callable[[], Float64Array],
         *parts: Terms | None,
         count: int = 1,
+        signed: Flags | None = None,
     ) -> Terms:
-        """Terms of these sizes, made from `parts`; `flush_gain` is computed where one is tiny."""
+        """Terms of these sizes, made from `parts`; `flush_gain` is computed where one is tiny, and
+        of ranges, whose sizes are the largest."""
         least = find_least(abs_sum)
-        return cls(
-            abs_sum,
-            None,
-            count,
-            flush_gain() if may_be_tiny(abs_sum, least, *parts) else None,
-            least,
-        )
+        tiny = signed is not None or may_be_tiny(abs_sum, least, *parts)
+        return cls(abs_sum, None, count, flush_gain() if tiny else None, signed, least)
 
     def step(self) -> Float64Array:
         """What one rounding among these terms may change."""
@@ -133,7 +132,7 @@ class Terms:
                 return size
             if not may_be_tiny(self.abs_sum, self.least):
                 return np.fmax(size, 0.0)  # 0 for NaN
-        size = np.maximum(size, self._flush_error())
+        size = np.maximum(size, self.flush_error())
         return size if self.least > 0.0 else np.where(self.abs_sum > 0.0, size, 0.0)
 
     def safe(self) -> Flags:
@@ -141,10 +140,10 @@ class Terms:
         denormals, where flushing one of two terms of opposite signs may leave the other's."""
         if self.flush_gain is None and self.least >= TINY:
             return ~NO
-        found: Flags = (RELATIVE_STEP * self.abs_sum >= self._flush_error()) | (self.abs_sum == 0.0)
+        found: Flags = (RELATIVE_STEP * self.abs_sum >= self.flush_error()) | (self.abs_sum == 0.0)
         return found
 
-    def _flush_error(self) -> Float64Array | float:
+    def flush_error(self) -> Float64Array | float:
         """What flushed products may change, all terms together."""
         if self.flush_gain is None:
             return SMALLEST_NORMAL
@@ -157,6 +156,7 @@ class Terms:
             None if self.slack is None else rearrange(self.slack),
             self.count,
             None if self.flush_gain is None else rearrange(self.flush_gain),
+            None if self.signed is None else rearrange(self.signed),
         )
 
 
@@ -360,6 +360,18 @@ class Bounds(Interval):
         return self._size
 
     @property
+    def signed(self) -> Flags:
+        """Of a range, where a term may be negative."""
+        if self.terms is None:
+            found: Flags = self.lo < 0.0
+            return found
+        return ~NO if self.terms.signed is None else self.terms.signed
+
+    def signed_with(self, other: Bounds) -> Flags | None:
+        """Where a term of two ranges may be negative; None of bands that are no ranges."""
+        return self.signed | other.signed if self.rules.ranges else None
+
+    @property
     def least_abs_sum(self) -> float:
         """The smallest `abs_sum`."""
         return find_least(self.abs_sum) if self.terms is None else self.terms.least
@@ -420,9 +432,11 @@ def combine_terms(parts: Sequence[Bounds], choose: Callable[[list[Any]], Any]) -
         )
     if any(terms.flush_gain is not None for terms in known):
         flush_gain = choose([np.broadcast_to(flush_gain_of(mag, t), mag.shape) for mag, t in sizes])
-    return Terms(
-        choose([mag for mag, _ in sizes]), slack, max(terms.count for terms in known), flush_gain
-    )
+    signed = None
+    if parts[0].rules.ranges:  # of which the larger is chosen, too: true
+        signed = choose([np.broadcast_to(p.signed, p.shape) for p in parts])
+    count = max(terms.count for terms in known)
+    return Terms(choose([mag for mag, _ in sizes]), slack, count, flush_gain, signed)
 
 
 @np.errstate(invalid="ignore")  # a signalling NaN, read back, is converted like any other

@@ -7,6 +7,7 @@ pass NaN on.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Literal, NoReturn
 
 import numpy as np
@@ -124,8 +125,10 @@ def as_tri_bool(condition: Any) -> TriBool:
 
 
 def negate(a: BandT) -> BandT:
-    lo = -a.hi
-    return a.derive_exact(lo, lo if a.lo is a.hi else -a.lo, terms=a.terms)
+    lo, terms = -a.hi, a.terms
+    if terms is not None and terms.signed is not None:
+        terms = replace(terms, signed=None)
+    return a.derive_exact(lo, lo if a.lo is a.hi else -a.lo, terms=terms)
 
 
 def absolute_value(a: BandT) -> BandT:

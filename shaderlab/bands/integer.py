@@ -82,10 +82,11 @@ def _shift_right(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
 
 def _make_bitwise(operation: Callable[[Any, Any], Any]) -> Callable[..., tuple[Any, Any, Any]]:
     def bits(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
+        found = operation(a.lo, b.lo)
         if a.known and b.known:
-            return operation(a.lo, b.lo), None, None
-        low = np.zeros(np.broadcast_shapes(a.shape, b.shape), np.int64)
-        return low, low + RANGE - 1, None
+            return found, None, None
+        single = (a.lo == a.hi) & (b.lo == b.hi)
+        return np.where(single, found, 0), np.where(single, found, RANGE - 1), None
 
     return bits
 

@@ -229,6 +229,8 @@ class Rules:
             anything, which is counted, `"scaled"` allows |x|·2^-12 as the Vulkan conformance suite
             does, `"error"` raises `FormulaError`.
         flush: denormals may be flushed to zero.
+        ranges: bounds enclose the results of many inputs: what holds at their ends need not hold
+            at each of those.
 
     A fused a·b+c needs no rule: its one rounding lies between the bounds of the two.
 
@@ -240,6 +242,7 @@ class Rules:
     rearrange: bool = True
     trig_outside: TrigOutside = "vacuous"
     flush: bool = True
+    ranges: bool = False
 
     def __post_init__(self) -> None:
         for name, choices in (

@@ -47,6 +47,15 @@ NO_ANSWER = USAGE
     "--precision", is_flag=True,
     help="Show how far conforming devices may differ at each output, at highp and mediump.",
 )  # fmt: skip
+@click.option(
+    "--prove",
+    is_flag=True,
+    help="Show of each hazard that no input of the ranges causes it, or one that does.",
+)
+@click.option(
+    "--assume", multiple=True, metavar="'A > B'",
+    help="A condition in GLSL that the inputs meet; repeatable.",
+)  # fmt: skip
 @click.option("--inputs", "show_inputs", is_flag=True, help="Print the values of each input.")
 @click.option(
     "--stage", type=click.Choice(STAGES), help="The stage of all files, whatever their names."
@@ -62,6 +71,8 @@ def command(
     ranges: dict[str, str],
     possible: bool,
     precision: bool,
+    prove: bool,
+    assume: tuple[str, ...],
     show_inputs: bool,
     stage: str | None,
     includes: tuple[Path, ...],
@@ -86,7 +97,7 @@ def command(
     Examples:
       shaderlab audit lamp.frag
       shaderlab audit shaders/ --range exposure=0:8 --sarif hazards.sarif
-      shaderlab audit lighting.glsl
+      shaderlab audit lighting.glsl --prove --range roughness=0.05:1
       shaderlab audit specular my_case.py
     """
     from shaderlab.analysis.audit import Plan
@@ -96,14 +107,13 @@ def command(
     audits: list[Audit] = []
     with contextlib.closing(make_executor(driver, limits, workers, early=False)) as executor:
         options = RunOptions(driver=driver, include=includes, limits=limits)
-        requests = list(
-            _make_requests(targets, Plan(ranges=ranges, precision=precision), stage, options)
-        )
+        plan = Plan(ranges=ranges, precision=precision, prove=prove, assume=assume)
+        requests = list(_make_requests(targets, plan, stage, options))
         for audit in _collect_audits(executor.perform(requests)):
             audits.append(audit)
             for line in audit.lines(possible):
                 click.echo(line, err=to_stderr)
-            if show_inputs or audit.clean is False:
+            if show_inputs or prove or audit.clean is False:
                 for name, role in audit.inputs.items():
                     click.echo(f"  {name}: {role}", err=to_stderr)
     if json_file is not None:
@@ -125,15 +135,21 @@ def _make_requests(
 
     shaders = [Path(t) for t in targets if _is_shader(t)]
     for shader in resolve_shaders(shaders, options.include):
+        request: Any = AuditFile(shader, stage, plan)
         if stage is None and is_library(shader.file.path):
             from shaderlab.functions.interpreting import AuditFunctions
 
-            yield AuditFunctions(shader, plan)
-        else:
-            yield AuditFile(shader, stage, plan)
+            request = AuditFunctions(shader, plan)
+        if plan.prove:
+            from shaderlab.functions.proving import Prove
+
+            request = Prove(request)
+        yield request
     cases = [target for target in targets if not _is_shader(target)]
-    if cases and plan.ranges:
-        raise UsageError("--range can't be combined with a case, whose inputs are known")
+    if cases and (plan.ranges or plan.prove or plan.assume):
+        raise UsageError(
+            "--range, --prove and --assume can't be combined with a case, whose inputs are known"
+        )
     for file in find_files(cases):
         yield AuditCase(file, plan, options)
 

@@ -39,7 +39,7 @@ from shaderlab.engine.settings import load_settings
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path, open_regular
 from shaderlab.model.options import Limits, RunOptions
-from shaderlab.model.records import CodeCoverage, Record, Run
+from shaderlab.model.records import Record, Run
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
@@ -270,33 +270,6 @@ def run_plan(
     if not run.missing:
         problems += find_unused(plan.options.shaders, run.records)
     return RecordedRun(run, plan.options.folder, not run.missing, tuple(problems), made)
-
-
-def measure_coverage(
-    recorded: RecordedRun, executor: Executor, plan: RunPlan, show: Show
-) -> RecordedRun:
-    """The run with the code coverage of its cases that passed, measured now."""
-    from shaderlab.engine.jobs import format_error
-    from shaderlab.mutation.code_coverage import CoverCase
-
-    passed = {record.key for record in recorded.run.records if record.status == "pass"}
-    cases: dict[tuple[str, str], list[str]] = {}
-    for job in plan.jobs:
-        if job.key in passed:
-            cases.setdefault((job.id, job.file), []).append(job.variant)
-    ids = [case_id for case_id, _ in cases]
-    requests = [CoverCase(Path(f), tuple(v), plan.options) for (_, f), v in cases.items()]
-    found: dict[int, CodeCoverage] = {}
-    with show.progress(len(requests)) as progress, contextlib.suppress(KeyboardInterrupt):
-        for result in executor.perform(requests):
-            progress.advance()
-            if result.status == "done":
-                found[result.number] = replace(result.value, id=ids[result.number])
-            else:
-                message = format_error(result) or result.status
-                found[result.number] = CodeCoverage(id=ids[result.number], message=message)
-    ordered = tuple(found[number] for number in sorted(found))
-    return replace(recorded, run=replace(recorded.run, code_coverage=ordered))
 
 
 def finish(

@@ -56,7 +56,6 @@ class RunArguments:
     folder: str | None
     resume: str | None
     pictures: bool
-    coverage: bool
     gl_calls: bool
     modules: bool | None
 
@@ -139,11 +138,6 @@ class RunArguments:
     "--pictures/--no-pictures", default=True, help="Render pictures for the report, or only judge."
 )
 @click.option(
-    "--coverage",
-    is_flag=True,
-    help="List the branches, terms and clamps that the judged pixels never exercise.",
-)
-@click.option(
     "--gl-calls",
     is_flag=True,
     help="List the OpenGL calls of each pass, here and in the report.",
@@ -169,7 +163,6 @@ def command(arguments: RunArguments) -> int:
       shaderlab run ./my_case.py                    run a case of your own
       shaderlab run gamma --shader gamma.frag=mine.frag
       shaderlab run --all --drivers llvmpipe,softpipe
-      shaderlab run spotlight --coverage            list what its inputs never exercise
       shaderlab run mesh-class --gl-calls           list the OpenGL calls
       shaderlab run --resume                        resume after Ctrl-C or a power cut
 
@@ -191,7 +184,7 @@ def command(arguments: RunArguments) -> int:
     with contextlib.closing(
         make_executor(options.driver, arguments.limits, arguments.workers)
     ) as executor:
-        from shaderlab.cli.recorded_run import measure_coverage, run_plan
+        from shaderlab.cli.recorded_run import run_plan
         from shaderlab.cli.showing import Show
         from shaderlab.report import html
 
@@ -203,8 +196,6 @@ def command(arguments: RunArguments) -> int:
             from shaderlab.cli.compare_drivers import add_comparison
 
             recorded = add_comparison(recorded, plan.options)
-        if arguments.coverage and recorded.complete:
-            recorded = measure_coverage(recorded, executor, plan, show)
     return _finish(arguments, recorded, show)
 
 
@@ -234,7 +225,6 @@ def _finish(arguments: RunArguments, recorded: RecordedRun, show: Show) -> int:
     run = recorded.run
     show.outcomes(run)
     show.gl_calls(run)
-    show.coverage(run)
     if run.drivers:
         from shaderlab.cli.compare_drivers import show_drivers
 

@@ -29,7 +29,6 @@ from shaderlab.report.text import (
     clean,
     duration,
     format_conditions,
-    format_coverage,
     format_failure,
     format_gl_calls,
     format_label,
@@ -248,16 +247,6 @@ class Show:
         for record in run.records:
             for line in format_gl_calls(record):
                 self.console.print(line, highlight=False, markup=False)
-
-    def coverage(self, run: Run) -> None:
-        """What the judged pixels of each case never did."""
-        if run.code_coverage:
-            self.console.print()
-        for each in run.code_coverage:
-            line, *gaps = format_coverage(each)
-            self.console.print(line, style="yellow" if gaps or each.message else None)
-            for gap in gaps:
-                self.console.print(f"  {gap}")
 
     def where(self, page: Path) -> None:
         """The path of the page."""

@@ -16,7 +16,7 @@ from shaderlab.analysis.audit import Audit, Plan as AuditPlan, audit_program
 from shaderlab.analysis.comparison import Plan as ComparisonPlan, compare_programs
 from shaderlab.analysis.inputs import inputs_of, unknown_names
 from shaderlab.analysis.interpreter import Program, load
-from shaderlab.analysis.requests import ShaderOfFile
+from shaderlab.analysis.requests import ShaderOfFile, assume
 from shaderlab.compiler.sources import LineMap, Source, with_version
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, suggest
 from shaderlab.functions.evaluation import (
@@ -38,6 +38,8 @@ from shaderlab.functions.signatures import (
 if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
 
+
+_WORDS = re.compile(r"(?<![.\w])[A-Za-z_]\w*+(?!\s*\()")  # that are no functions
 
 EntryPoint = tuple[Signature, Source]
 """A function, and its file with a `main` that calls it once."""
@@ -156,6 +158,9 @@ class AuditFunctions:
             worker.note(f"interpreting {name}")
             try:
                 program = load(source)
+                known = {word.partition(".")[0].partition("[")[0] for word in inputs_of(program)}
+                met = [one for one in self.plan.assume if set(_WORDS.findall(one)) <= known]
+                program = load(assume(source, met)) if met else program
                 audit = audit_program(program, _plan_of(self.plan, program))
             except UsageError:
                 raise
@@ -165,7 +170,8 @@ class AuditFunctions:
                 continue
             inputs = {f"{name}: {word}": role for word, role in audit.inputs.items()}
             spreads = tuple(replace(s, output=f"{name}: {s.output}") for s in audit.spreads)
-            found.append(replace(audit, inputs=inputs, spreads=spreads))
+            claims = tuple(replace(c, what=f"{c.what} in {name}") for c in audit.claims)
+            found.append(replace(audit, inputs=inputs, spreads=spreads, claims=claims))
         return [*_merge_audits(self.shader.file.path, found), *refused]
 
 
@@ -233,7 +239,7 @@ def _merge_audits(file: str, audits: Sequence[Audit]) -> Iterator[Audit]:
     """What was found in any of the functions, with the inputs of those that have a hazard. What two
     of them call was found in both."""
     hazards = {(h.line, h.file, h.kind): h for audit in audits[::-1] for h in audit.hazards}
-    shown = [audit for audit in audits if not audit.clean] or audits
+    shown = [audit for audit in audits if audit.claims or not audit.clean] or audits
     if audits:
         yield Audit(
             file=file,
@@ -241,4 +247,5 @@ def _merge_audits(file: str, audits: Sequence[Audit]) -> Iterator[Audit]:
             tried=sum(audit.tried for audit in audits),
             inputs={name: role for audit in shown for name, role in audit.inputs.items()},
             spreads=tuple(spread for audit in audits for spread in audit.spreads),
+            claims=tuple(claim for audit in audits for claim in audit.claims),
         )

@@ -544,27 +544,6 @@ class Disagreement:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CoverageGap:
-    """Something that no judged pixel did: `what` it is, of the expression `text` at a line."""
-
-    file: str
-    line: int
-    text: str
-    what: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class CodeCoverage:
-    """What the judged draws of a case exercised of its shaders. `items` counts what its branches
-    and terms can do (be true, be false, choose an argument), `gaps` is what none of them did."""
-
-    id: str
-    items: int = 0
-    gaps: tuple[CoverageGap, ...] = ()
-    message: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
 class Run:
     """All records of one command, with where they were made. `driver` has at least the keys
     "renderer", "vendor", "version" and "glsl"; `versions` maps package names to versions.
@@ -574,7 +553,6 @@ class Run:
 
     `replaced` are the files that stood in a shader's place, by the shader's name. `missing` is the
     number of requested scenes that have no record, because the run was interrupted.
-    `code_coverage` has an entry for each case that it was measured of.
     """
 
     driver: Mapping[str, str]
@@ -586,7 +564,6 @@ class Run:
     disagreements: tuple[Disagreement, ...] = ()
     replaced: Mapping[str, str] = field(default_factory=dict)
     missing: int = 0
-    code_coverage: tuple[CodeCoverage, ...] = ()
 
     @property
     def failing_drivers(self) -> tuple[str, ...]:

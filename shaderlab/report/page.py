@@ -20,7 +20,6 @@ from markupsafe import Markup
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import read_regular
 from shaderlab.model.records import (
-    CodeCoverage,
     Curve,
     Disagreement,
     ErratumNote,
@@ -177,7 +176,6 @@ class CaseView:
     python: tuple[Listing, ...]
     variants: tuple[VariantView, ...]
     mutants: Mutants | None
-    coverage: CodeCoverage | None
     differences: tuple[Disagreement, ...]
 
     @property
@@ -361,7 +359,6 @@ def build_page(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | No
     anchors = Anchors()
     groups = group_cases(run.records)
     known = mutants or {}
-    covered = {found.id: found for found in run.code_coverage}
     # What leaves a band comes first.
     differences: dict[str, list[Disagreement]] = {}
     for each in sorted(run.disagreements, key=lambda each: each.verdict != "outside"):
@@ -380,7 +377,6 @@ def build_page(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | No
             python=python,
             variants=tuple(_variant(record, anchor, anchors) for record in group.records),
             mutants=known.get(group.id),
-            coverage=covered.get(group.id),
             differences=tuple(differences.get(group.id, ())),
         )
         cases.append(case)

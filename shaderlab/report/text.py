@@ -15,7 +15,6 @@ from textwrap import indent
 from shaderlab.files import display_path
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import (
-    CodeCoverage,
     Diagnostic,
     Outcome,
     Record,
@@ -287,17 +286,6 @@ def format_unread(records: Iterable[Record]) -> Iterator[str]:
             found.setdefault(record.id, {}).update(dict.fromkeys(record.unread))
     for case_id, outputs in found.items():
         yield clean(f"{case_id}: no check reads {', '.join(outputs)}")
-
-
-def format_coverage(found: CodeCoverage) -> Iterator[str]:
-    """Yield how much of a case's shaders is exercised, then a line for each gap."""
-    if found.message:
-        yield clean(f"coverage of {found.id}: not measured, {found.message}")
-        return
-    seen = found.items - len(found.gaps)
-    yield clean(f"coverage of {found.id}: {seen} of {found.items}")
-    for gap in found.gaps:
-        yield clean(f"{gap.file}:{gap.line}: {gap.text} {gap.what}")
 
 
 def format_gl_calls(record: Record) -> Iterator[str]:

@@ -51,6 +51,8 @@ if TYPE_CHECKING:
 def _variable(run: Run, at: Instruction, state: PathState) -> Pointer:
     initial = at.operands[1:]
     state.memory[at.id] = run.value(initial[0]) if initial else None
+    if not initial and run.for_ranges:
+        state.memory[at.id] = undefined(run.program.variables[at.id][0], run.arithmetic)
     return run.results.get(at.id) or Pointer(at.id)
 
 
@@ -154,8 +156,6 @@ VARIABLES: Mapping[int, Handler] = {
     Op.LoopMerge: _nothing,
     Op.SelectionMerge: _nothing,
     Op.MemoryBarrier: _nothing,
-    Op.EmitVertex: lambda run, at, state: run.emission.emit(run, at, state),
-    Op.EndPrimitive: lambda run, at, state: run.emission.end(state),
 }
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Integer, TriBool
+from shaderlab.bands import Band, Integer, Rules, TriBool
 from shaderlab.compiler.reflection import leaves
 from shaderlab.compiler.spirv import Decoration, StorageClass, interface_name as shared_name
 from shaderlab.errors import FormulaError
@@ -137,12 +137,23 @@ class _InputReader:
             return tuple(self._leaf(type_.of, values[:, i]) for i in range(values.shape[1]))
         if type_.kind != "matrix":
             values = values.reshape(values.shape[0], -1)
+        if np.iscomplexobj(values):
+            return self._range_of(type_.base, values.real, values.imag)
         if type_.base.kind == "float":
             return self._arithmetic.exact(values)
         if type_.base.kind == "bool":
             return TriBool.of(values != 0)
         unsigned = not type_.base.signed
         return Integer(values, unsigned=unsigned, rules=self._arithmetic.rules)
+
+    def _range_of(self, base: Type, low: Array, high: Array) -> Value:
+        """Any value from `low` to `high`."""
+        rules = self._arithmetic.rules
+        if base.kind == "float":
+            return Band.between(low, high, rules or Rules())
+        if base.kind == "bool":
+            return TriBool(low > 0.0, high <= 0.0, rules)
+        return Integer(low, high, unsigned=not base.signed, rules=rules)
 
 
 _NOTHING = Bindings()
@@ -155,9 +166,8 @@ class Interpreted:
     Attributes:
         outputs: by name, those that were written; a row for every invocation: floats of the
             arithmetic (count, components), `Integer`s, `TriBool`s, tuples of them for arrays. What
-            was discarded has rows, too, which mean nothing. Of a geometry stage tuples with what
-            each vertex was emitted with, and "EmitVertex()", how many those are; of a compute stage
-            what its buffers hold.
+            was discarded has rows, too, which mean nothing. Of a compute stage what its buffers
+            hold.
         discarded: which invocations were discarded, (count,); undecided where a band is open.
         undecided: by line of the program's text, the invocations that took both sides of a branch.
     """
@@ -186,7 +196,8 @@ def interpret(
         program: the stage, of `load` or `read`.
         each: what differs between invocations, by name: varyings or attributes, built-in inputs
             such as "gl_FragCoord", uniforms; (count, components), matrices (count, rows, columns),
-            arrays (count, elements, …); a first axis of 1 is for all.
+            arrays (count, elements, …); a first axis of 1 is for all. In bands a complex number is
+            a range, from its real to its imaginary part.
         bindings: uniforms, members of blocks and textures, as a scene's frame has them.
         arithmetic: computes floats.
         count: the number of invocations; by default that of the rows of `each`, or 1.
@@ -218,29 +229,18 @@ def interpret(
 
 def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
     program, count = run.program, run.count
-    if unwritten:
-        for id_, (type_, storage) in program.variables.items():
-            if storage == StorageClass.Output:
-                memory[id_] = undefined(type_, run.arithmetic)
+    kinds = [StorageClass.Output] * unwritten + [StorageClass.Private] * run.for_ranges
+    for id_, (type_, storage) in program.variables.items():
+        if storage in kinds:
+            memory[id_] = undefined(type_, run.arithmetic)
     for id_, constant in program.module.initialisers.items():
-        if isinstance(memory.get(id_), Missing | None):
+        if program.variables[id_][1] in kinds or isinstance(memory.get(id_), Missing | None):
             memory[id_] = run.value(constant)
     end = run.call(program.main, PathState(np.ones(count, np.bool_), memory))
     survivors = np.zeros(count, np.bool_) if end is None else end.mask
+    find_outputs = buffers_of if program.stage == "compute" else outputs_of
     return Interpreted(
-        outputs={} if end is None else _outputs(run, end.memory),
+        outputs={} if end is None else find_outputs(program, end.memory, count),
         discarded=TriBool(run.killed & ~survivors, ~run.killed),
         undecided=run.undecided,
     )
-
-
-def _outputs(run: Run, memory: Mapping[int, Value]) -> Mapping[str, Any]:
-    program, count = run.program, run.count
-    if program.stage == "compute":
-        return buffers_of(program, memory, count)
-    if program.stage != "geometry":
-        return outputs_of(program, memory, count)
-    vertices = [outputs_of(program, held, count) for held in run.emission.memories(run)]
-    names = dict.fromkeys(name for vertex in vertices for name in vertex)
-    found = {name: tuple(vertex[name] for vertex in vertices) for name in names}
-    return found | run.emission.counts(run.arithmetic.rules)

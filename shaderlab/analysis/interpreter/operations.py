@@ -13,7 +13,7 @@ from shaderlab.bands import Band, Integer, TriBool
 from shaderlab.bands.arithmetic import product_bounds
 from shaderlab.bands.bounds import Terms
 from shaderlab.bands.exact import apply_monotone, as_tri_bool, negate
-from shaderlab.bands.rounding import RELATIVE_STEP
+from shaderlab.bands.rounding import LARGEST, RELATIVE_STEP
 from shaderlab.compiler.spirv import Glsl450 as G, Op
 from shaderlab.errors import FormulaError
 
@@ -293,11 +293,15 @@ FLOATS: Mapping[int, Handler] = {
 
 
 def derivative(run: Run, function: str, value: Any) -> Any:
-    """A derivative of a value by its name in GLSL.
+    """A derivative of a value by its name in GLSL; of ranges any number, for the other pixels' are
+    unknown.
 
     Raises:
         FormulaError: the pixels' places are unknown.
     """
+    if run.for_ranges:
+        low = np.full(value.shape, 0.0 if function.startswith("fwidth") else -LARGEST)
+        return Band.between(low, np.full(value.shape, LARGEST), value.rules)
     if value.shape[0] == 1:
         return run.arithmetic.call("subtract", value, value)
     if run.places is None:

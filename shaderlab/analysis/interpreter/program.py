@@ -278,9 +278,9 @@ def load(source: Source) -> Program:
     Raises:
         ShaderError: it does not compile.
         NotInterpretedError: the module has a type that the interpreter does not know, or is of a
-            tessellation stage.
+            geometry or tessellation stage.
     """
-    if source.stage.startswith("tess_"):
+    if source.stage.startswith(("tess_", "geometry")):
         raise NotInterpretedError(f"not interpreted: {source.stage} stage", file=source.path)
     compiled = compile_with_lines(source)
     if not compiled.spirv and (newer := raise_version(source)) != source:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from shaderlab.bands import Band, Integer, TriBool
 from shaderlab.bands.rounding import shortest, ulp
 from shaderlab.compiler.compile import literal_of
-from shaderlab.compiler.spirv import Op, StorageClass
+from shaderlab.compiler.spirv import Op
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
 
@@ -26,14 +26,12 @@ from .values import (
     Pointer,
     UnchoosableError,
     Value,
-    broadcast,
     component,
     compose,
     fetch,
     join,
     null,
     part_type,
-    select,
     split_parts,
     undefined,
 )
@@ -152,67 +150,6 @@ def value(run: Run, id_: int) -> Value:
     return handler(run, Instruction(words[2], words[0], id_, words[3:], 0), everywhere)
 
 
-class Emission:
-    """The vertices that were emitted so far.
-
-    Attributes:
-        vertices: what each output held, by id; of the invocations that emitted so many.
-        emitted: how many vertices each invocation emitted, (count,).
-        strips: the number of the strip of each of those vertices, and of the next one, (count,).
-    """
-
-    def __init__(self, count: int) -> None:
-        self.vertices: list[dict[int, Value]] = []
-        self.strip_of: list[Any] = []
-        self.emitted = np.zeros(count, np.int64)
-        self.strips = np.zeros(count, np.int64)
-
-    def emit(self, run: Run, at: Instruction, state: PathState) -> None:
-        """Keep what the outputs hold, which are undefined from here on."""
-        if any((flags & state.mask).any() for flags in run.undecided.values()):
-            raise run.program.not_interpreted("EmitVertex behind an open branch", at.line)
-        variables = run.program.variables.items()
-        outputs = {id_: type_ for id_, (type_, of) in variables if of == StorageClass.Output}
-        unset = {id_: undefined(type_, run.arithmetic) for id_, type_ in outputs.items()}
-        stored = {id_: state.memory.get(id_) for id_ in outputs}
-        held = unset | {id_: value for id_, value in stored.items() if value is not None}
-        for number in np.unique(self.emitted[state.mask]):
-            here = state.mask & (self.emitted == number)
-            if number == len(self.vertices):
-                self.vertices.append(held)
-                self.strip_of.append(self.strips)
-                continue
-            before, own = self.vertices[number], TriBool.of(here[:, None])
-            self.vertices[number] = {id_: select(own, held[id_], before[id_]) for id_ in held}
-            self.strip_of[number] = np.where(here, self.strips, self.strip_of[number])
-        self.emitted = self.emitted + state.mask
-        state.memory |= unset
-
-    def end(self, state: PathState) -> None:
-        """Begin another strip."""
-        self.strips = self.strips + state.mask
-
-    def memories(self, run: Run) -> Iterator[dict[int, Value]]:
-        """What each vertex' outputs hold by id, 0 of the invocations that emitted fewer."""
-        types = run.program.variables
-        for number, vertex in enumerate(self.vertices):
-            there = TriBool.of((self.emitted > number)[:, None])
-            yield {
-                id_: select(there, broadcast(value, run.count), null(types[id_][0], run.arithmetic))
-                for id_, value in vertex.items()
-            }
-
-    def counts(self, rules: Any) -> dict[str, Any]:
-        """How many vertices each invocation emitted, and the strip of each."""
-        strips = [
-            np.where(self.emitted > number, strip, 0) for number, strip in enumerate(self.strip_of)
-        ]
-        return {
-            "EmitVertex()": Integer(self.emitted[:, None], rules=rules),
-            "EndPrimitive()": tuple(Integer(strip[:, None], rules=rules) for strip in strips),
-        }
-
-
 MAX_LOOP_ITERATIONS = 4096
 """The limit for a loop, each time that it is entered."""
 MAX_BLOCKS = 200_000
@@ -234,7 +171,8 @@ class Run:
         program, arithmetic, count: what is run, in what, for how many invocations.
         places: gl_FragCoord of each invocation, if it is given.
         max_blocks, trace, watch: as of `interpret`.
-        emission: the vertices that a geometry stage emitted.
+        for_ranges: whether values are ranges: what nothing is stored to on one of two paths is
+            anything where they meet.
         results: each instruction's result by id, as of its last execution, and each constant.
         calls: the lines of the calls under way.
         killed: the invocations that a `discard` may have ended.
@@ -251,7 +189,8 @@ class Run:
     watch: Watch | None = None
 
     def __post_init__(self) -> None:
-        self.emission: Emission = Emission(self.count)
+        rules = self.arithmetic.rules
+        self.for_ranges = rules is not None and rules.ranges
         self.results: dict[int, Value] = {}
         self.calls: list[int] = []
         self.killed: Flags = np.zeros(self.count, np.bool_)

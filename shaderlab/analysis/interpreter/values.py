@@ -52,8 +52,10 @@ class UnchoosableError(Exception):
 
 
 def undefined(type_: Type, arithmetic: Arithmetic) -> Value:
-    """What a variable holds before anything is stored: any float, 0 and false of other types."""
-    return _fill(type_, arithmetic, arithmetic.undefined())
+    """What a variable holds before anything is stored: any float, 0 and false of other types, for
+    ranges anything as well."""
+    ranges = arithmetic.rules is not None and arithmetic.rules.ranges
+    return _fill(type_, arithmetic, arithmetic.undefined(), anything=ranges)
 
 
 def null(type_: Type, arithmetic: Arithmetic) -> Value:
@@ -61,15 +63,21 @@ def null(type_: Type, arithmetic: Arithmetic) -> Value:
     return _fill(type_, arithmetic, arithmetic.exact(np.zeros((1, 1))))
 
 
-def _fill(type_: Type, arithmetic: Arithmetic, number: Floats) -> Value:
-    """A value of a type all of whose floats are this one."""
+def _fill(type_: Type, arithmetic: Arithmetic, number: Floats, *, anything: bool = False) -> Value:
+    """A value of a type all of whose floats are this one, others 0 and false or `anything`."""
     if type_.kind == "struct":
-        return tuple(_fill(member, arithmetic, number) for _, member in type_.members)
+        return tuple(
+            _fill(member, arithmetic, number, anything=anything) for _, member in type_.members
+        )
     if type_.of is not None:
-        return compose(type_, [_fill(type_.of, arithmetic, number)] * type_.count)
+        return compose(
+            type_, [_fill(type_.of, arithmetic, number, anything=anything)] * type_.count
+        )
     if type_.kind == "int":
-        return Integer(np.zeros((1, 1)), unsigned=not type_.signed, rules=arithmetic.rules)
-    return number if type_.kind == "float" else TriBool.of(np.zeros((1, 1), np.bool_))
+        zero = Integer(np.zeros((1, 1)), unsigned=not type_.signed, rules=arithmetic.rules)
+        return zero.derive(zero.lo, zero.lo, anything=np.full((1, 1), True)) if anything else zero
+    no = np.zeros((1, 1), np.bool_)
+    return number if type_.kind == "float" else TriBool(no, no if anything else ~no)
 
 
 def compose(type_: Type, parts: Sequence[Value]) -> Value:

@@ -38,7 +38,6 @@ def render(run: Run) -> str:
         "disagreements": whole["disagreements"],
         "replaced": whole["replaced"],
         "missing": whole["missing"],
-        "coverage": whole["code_coverage"],
     }
     return json.dumps(public, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 

@@ -1,0 +1,239 @@
+"""Boxes of inputs: many ranges at once, what an instruction may get anywhere in each, their halves.
+
+A box has a lower and an upper end for each number that a program reads. A program run on boxes in
+bands gives for each box what any of its inputs may give on any conforming device.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands import Band, Integer, Rules
+from shaderlab.bands.rounding import LARGEST
+from shaderlab.compiler.spirv import Op
+from shaderlab.model.frame import Array
+
+from .batches import InputBatch
+from .checks import CHECKS, INDEX, INDEXING, Check, Place, arguments_of, indices_of, number_of
+from .inputs import Input, InputDomain, sample_inputs
+from .interpreter import Bands
+from .interpreter.program import Instruction
+from .interpreter.running import Run
+from .interpreter.textures import TEXTURES
+from .interpreter.values import Flags, PathState
+
+ARITHMETIC = Bands(Rules(trig_outside="scaled", ranges=True))
+_LIMITS = {"unit": (-1.0, 1.0), "rotation": (-1.0, 1.0), "affine": (-5.0, 5.0),
+           "projection": (-5.0, 5.0)}  # fmt: skip
+# The pixels of the largest target, depth, and 1/w of what lies 1e-6 to 1e6 in front of the eye.
+_FRAG_COORD = ([0.0, 0.0, 0.0, 1e-6], [16384.0, 16384.0, 1.0, 1e6])
+_UNIT = 1e-6  # how far from 1 the square of a unit vector's length may be
+_FINEST = 2.0**-40  # of a range: smaller boxes are not halved
+_UNDERFLOW = 2.0**-63  # the square of what is smaller may be flushed to 0
+_IMAGES = (Op.SampledImage, Op.Image)
+_MOST_TEXELS = 32768  # of a texture's side, or levels or samples
+
+
+class Space:
+    """The numbers that a program reads, one column for each.
+
+    Attributes:
+        inputs, domains: by name, as of `domains_of`.
+        low, high: the ends of all that is asked about, (columns,).
+        whole: which columns are integers.
+    """
+
+    def __init__(self, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain]) -> None:
+        self.inputs, self.domains = inputs, domains
+        self._samples = sample_inputs(inputs, domains, 64, 0)
+        self._columns: dict[str, tuple[slice, tuple[int, ...]]] = {}
+        low: list[Array] = []
+        high: list[Array] = []
+        whole: list[bool] = []
+        for name, one in inputs.items():
+            domain = domains[name]
+            if domain.kind == "texture":
+                continue
+            shape = self._samples.each[name].shape[1:]
+            size = int(np.prod(shape))
+            self._columns[name] = slice(len(whole), len(whole) + size), shape
+            ends: Any = _LIMITS.get(domain.kind, (domain.low, domain.high))
+            ends = _FRAG_COORD if name == "gl_FragCoord" else ends
+            is_float = one.type.startswith(("float", "vec", "mat"))
+            whole += [not is_float] * size
+            for end, into in zip(ends, (low, high), strict=True):
+                into.append(np.broadcast_to(np.float64(np.float32(end)), (size,)))
+        self.low, self.high = (np.concatenate([*ends, np.zeros(0)]) for ends in (low, high))
+        self.whole = np.array(whole, np.bool_)
+        textures = self._samples.bindings.textures
+        self.texels = {id(texels): domains[name] for name, texels in textures.items()}
+
+    def ranges(self, low: Array, high: Array) -> InputBatch:
+        """Boxes (count, columns) as what a run in bands takes."""
+        each = {
+            name: (low + 1j * high)[:, columns].reshape(len(low), *shape)
+            for name, (columns, shape) in self._columns.items()
+        }
+        return InputBatch(each, self._samples.bindings, len(low))
+
+    def points(self, values: Array) -> InputBatch:
+        """Inputs (count, columns) as invocations; those that must fit together are samples."""
+        count = len(values)
+        samples = self._samples.part(np.arange(count) % self._samples.count)
+        each = dict(samples.each)
+        for name, (columns, shape) in self._columns.items():
+            domain, is_numbered = self.domains[name], self.inputs[name].workgroup is not None
+            if domain.kind in ("number", "unit") and not is_numbered and name != "gl_FragCoord":
+                own = values[:, columns].reshape(count, *shape)
+                is_whole = self.whole[columns].any()
+                each[name] = own.astype(np.int64) if is_whole else domain.clip(own)
+        return InputBatch(each, samples.bindings, count)
+
+    def feasible(self, low: Array, high: Array) -> Flags:
+        """Which boxes hold an input that meets what is assumed of several numbers together."""
+        found = np.ones(len(low), np.bool_)
+        for name, (columns, _) in self._columns.items():
+            a, b = low[:, columns], high[:, columns]
+            if self.domains[name].kind == "unit":
+                most = np.maximum(np.abs(a), np.abs(b))
+                least = np.maximum(np.maximum(a, -b), 0.0)
+                found &= (most**2).sum(axis=1) >= 1.0 - _UNIT
+                found &= (least**2).sum(axis=1) <= 1.0 + _UNIT
+            other = self._columns.get(self.domains[name].above)
+            if other is not None and other[1] == self._columns[name][1]:
+                found &= (b >= low[:, other[0]]).all(axis=1)
+        return found
+
+    def relative(self, low: Array, high: Array) -> Array:
+        """Each side of a box as a share of the whole range."""
+        whole = np.where(self.whole, 1.0, 0.0)
+        width = np.maximum(self.high - self.low + whole, np.finfo(np.float64).tiny)
+        return np.asarray(np.where(self.high > self.low, (high - low + whole) / width, 1.0))
+
+    def divisible(self, low: Array, high: Array) -> Flags:
+        """Which sides of boxes can be halved."""
+        with np.errstate(all="ignore"):
+            after = np.nextafter(low.astype(np.float32), np.float32(np.inf)).astype(np.float64)
+        small = (self.relative(low, high) < _FINEST) | (after >= high)
+        return np.where(self.whole, high > low, ~small)
+
+    def middle(self, low: Array, high: Array) -> Array:
+        """The middle of boxes."""
+        return np.where(self.whole, np.floor((low + high) / 2.0), (low + high) / 2.0)
+
+    def halve(self, low: Array, high: Array, sides: Array) -> tuple[Array, Array]:
+        """Both halves of boxes at one side of each, whose common end is in both; at 0, or of a
+        range of several magnitudes at a middle one."""
+        rows = np.arange(len(low))
+        a, b = low[rows, sides], high[rows, sides]
+        with np.errstate(all="ignore"):
+            middle = np.where(a == 0.0, b / 4.0, np.where(b == 0.0, a / 4.0, (a + b) / 2.0))
+            root = np.sign(a) * np.sqrt(a * b)
+            far = np.maximum(np.abs(a), np.abs(b)) > 4.0 * np.minimum(np.abs(a), np.abs(b))
+            middle = np.where(far & (a * b > 0.0), root, middle)
+            middle = np.where((a < 0.0) & (b > 0.0), 0.0, middle)
+            middle = np.clip(middle.astype(np.float32).astype(np.float64), a, b)
+            between = (middle > a) & (middle < b)
+            after = np.nextafter(a.astype(np.float32), np.float32(np.inf))
+        middle = np.where(between, middle, after)
+        whole = self.whole[sides]
+        middle = np.where(whole, np.floor((a + b) / 2.0), middle)
+        lower, upper = high.copy(), low.copy()
+        lower[rows, sides], upper[rows, sides] = middle, middle + whole
+        return np.concatenate([low, upper]), np.concatenate([lower, high])
+
+    def describe(self, low: Array, high: Array) -> str:
+        """One box in words: the sides that are not the whole range."""
+        found = []
+        for name, (columns, _) in self._columns.items():
+            for k in range(columns.start, columns.stop):
+                if (low[k], high[k]) != (self.low[k], self.high[k]):
+                    letter = f".{'xyzw'[k - columns.start]}" * (
+                        1 < columns.stop - columns.start < 5
+                    )
+                    ends = dict.fromkeys(f"{np.float32(end):.9g}" for end in (low[k], high[k]))
+                    found.append(f"{name}{letter} {'..'.join(ends)}")
+        return ", ".join(found)
+
+
+@dataclass
+class BoxWatcher:
+    """A `Watch` of a run on boxes: which instructions may go wrong in which of them.
+
+    Attributes:
+        count: of boxes.
+        texels: the range of each texture's texels by its identity.
+        lines: of each instruction that was looked at, by its place.
+        bad: where it may go wrong, (count,).
+    """
+
+    count: int
+    texels: Mapping[int, InputDomain]
+    lines: dict[Place, int] = field(default_factory=dict)
+    bad: dict[Place, Flags] = field(default_factory=dict)
+
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
+        for check in CHECKS.get(number_of(at.op, at.operands), ()):
+            values = run.values(arguments_of(at.op, at.operands))
+            self._note(run, at, state, check, [ends_of(value) for value in values])
+        if at.op in INDEXING:
+            for index, size in indices_of(run, at):  # a constant one is right, or does not compile
+                self._note(run, at, state, INDEX, [ends_of(index), (np.full((1, 1), size),) * 2])
+        if at.op in TEXTURES and at.op not in _IMAGES:
+            return self._anything(run, at, result)
+        return result
+
+    def _note(
+        self, run: Run, at: Instruction, state: PathState, check: Check, ends: Sequence[Any]
+    ) -> None:
+        place = Place(at.id, tuple(run.calls), check.kind)
+        flags = may_go_wrong(check, ends)
+        if flags is not None:
+            self.lines[place] = at.line
+            known = self.bad.setdefault(place, np.zeros(self.count, np.bool_))
+            known |= flags & state.mask
+
+    def _anything(self, run: Run, at: Instruction, result: Any) -> Any:
+        """What a texture may give, of which the range of its texels alone is known."""
+        if isinstance(result, tuple):
+            return tuple(self._anything(run, at, part) for part in result)
+        if isinstance(result, Integer):
+            low = np.ones(result.shape, np.int64)
+            return Integer(low, low * _MOST_TEXELS, unsigned=result.unsigned, rules=result.rules)
+        texels = run.value(at.operands[0])
+        domain = self.texels[id(texels)]
+        lod = at.op == Op.ImageQueryLod
+        low_ = 0.0 if lod or texels.compare is not None else domain.low
+        high = float(_MOST_TEXELS) if lod else 1.0 if texels.compare is not None else domain.high
+        return Band.between(
+            np.full(result.shape, low_), np.full(result.shape, high), ARITHMETIC.rules
+        )
+
+
+def ends_of(value: Any) -> tuple[Array, Array]:
+    """The least and the greatest of what a band or an integer may be."""
+    return value.lo.astype(np.float64), value.hi.astype(np.float64)
+
+
+def may_go_wrong(check: Check, ends: Sequence[tuple[Array, Array]]) -> Flags | None:
+    """In which boxes an instruction may go wrong whose operands lie between these ends; None of
+    constants that don't, such as the bounds of a clamp.
+
+    A margin is least at a corner, for it rises or falls in each operand or is the lesser of such;
+    those that are never negative and bad at 0 are least where each operand is next to 0.
+    """
+    finite = [tuple(np.clip(end, -LARGEST, LARGEST) for end in pair) for pair in ends]
+    nearest = [np.clip(0.0, low, high) for low, high in finite]
+    if len(ends) == 1 and ends[0][0].shape[-1] > 1:  # of a vector's length, whose squares underflow
+        nearest = [np.where(np.abs(nearest[0]) < _UNDERFLOW, 0.0, nearest[0])]
+    with np.errstate(all="ignore"):
+        margins = [check.margin(*point) for point in (*itertools.product(*finite), nearest)]
+        found = np.logical_or.reduce([check.bad(margin) for margin in margins])
+        same = all((margin == margins[0].flat[0]).all() for margin in margins)
+    flags: Flags = found.reshape(len(found), -1).any(axis=1)
+    return None if same and not flags.any() else flags

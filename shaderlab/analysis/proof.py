@@ -1,0 +1,253 @@
+"""Proof in place of sampling: something holds for every input of the ranges, or not for this one.
+
+Boxes of inputs are run in bands. A box in which nothing may go wrong is done with; any other one
+is halved, until its ends are neighbours or there were too many. The middle and the ends of boxes
+are run in float32 besides: one of them may be a counterexample.
+docs/internals/proof.md says why nothing is claimed that does not hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands import Band, TriBool
+from shaderlab.errors import NotInterpretedError
+from shaderlab.glslmath.choice import isinf, isnan
+from shaderlab.model.frame import Array
+
+from .batches import InputBatch
+from .boxes import ARITHMETIC, BoxWatcher, Space
+from .checks import Place, WatchedInstruction, Watcher
+from .hazards import Claim
+from .inputs import Input, InputDomain
+from .interpreter import FLOAT32, Interpreted, Program, interpret
+from .interpreter.values import Flags
+
+BOXES = 200_000
+"""How many boxes are run at most."""
+_AT_ONCE = 2048
+_POINTS = 16_384  # run in float32 for so many boxes
+_MAX_BLOCKS = 2000
+_BOXES_A_FAILURE = 4096  # a loop that does not end takes long
+_NARROWER = 256.0  # times than the widest side: a side is not halved before that
+_OUTPUT, _UNKNOWN = -1, -2  # ids of places: an output, what could not be run
+_NEEDED = ("gl_FragDepth", "gl_Position")
+
+Condition = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+"""What has to hold of the outputs, in words: a `TriBool` of bands, an array of float32."""
+
+
+Point = tuple[InputBatch, int, WatchedInstruction | None]
+"""A row of a batch, for which something does not hold; the instruction, if it is about one."""
+
+
+def are_finite(outputs: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The condition that each float output is a finite number."""
+    return {
+        f"{name} is a finite number": ~(isnan(value) | isinf(value))
+        for name, value in _floats(outputs)
+    }
+
+
+def _floats(outputs: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    for name, value in outputs.items():
+        if isinstance(value, tuple):
+            yield from _floats({f"{name}[{i}]": part for i, part in enumerate(value)})
+        elif isinstance(value, Band | np.ndarray) and (name[:3] != "gl_" or name in _NEEDED):
+            yield name, value
+
+
+class Proof:
+    """A search over all inputs of some ranges.
+
+    Args:
+        program, inputs, domains: one stage, and what it reads, as of `domains_of`.
+        condition: what has to hold of the outputs.
+        refuted, tried: places that are not asked about, and inputs to begin with.
+        counts: which inputs count as counterexamples; by default all.
+        hazards: whether instructions are watched.
+        boxes: how many boxes are run at most.
+
+    Attributes:
+        tried: how many inputs were run in float32.
+        points: a counterexample for each place that has one.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        inputs: Mapping[str, Input],
+        domains: Mapping[str, InputDomain],
+        *,
+        condition: Condition = are_finite,
+        refuted: Collection[Place] = (),
+        tried: Sequence[InputBatch] = (),
+        counts: Callable[[InputBatch], Flags] | None = None,
+        hazards: bool = True,
+        boxes: int = BOXES,
+    ) -> None:
+        self.tried = 0
+        self._waiting = boxes  # how many may be run yet
+        self.points: dict[Place, Point] = {}
+        self._program, self._condition, self._hazards = program, condition, hazards
+        self._space = Space(inputs, domains)
+        self._settled, self._counts = set(refuted), counts
+        self._numbers: dict[Place, int] = {}  # the column of each place in what is open
+        self._lines: dict[Place, int] = {}
+        # What is left: boxes that can't be halved, and what is open in each of them.
+        self._left: list[tuple[Array, Array, Flags]] = []
+        for batch in tried:
+            self._try(batch)
+        self._search()
+
+    def _search(self) -> None:
+        low, high = self._space.low[None], self._space.high[None]
+        opened: Flags = np.zeros((1, 0), np.bool_)
+        self._patience, self._at_once = self._waiting // _BOXES_A_FAILURE, _AT_ONCE
+        while len(low) and self._waiting > 0 and self._patience >= 0:
+            now = self._at_once
+            some = low[:now], high[:now]
+            self._waiting -= len(some[0])
+            found = self._run(*some)
+            for place in found:
+                self._numbers.setdefault(place, len(self._numbers))
+            flags = np.zeros((len(some[0]), len(self._numbers)), np.bool_)
+            for place, bad in found.items():
+                flags[:, self._numbers[place]] = bad
+            halves = self._halve(*self._unsettled(*some, flags))
+            wider = np.zeros((len(opened[now:]), flags.shape[1]), np.bool_)
+            wider[:, : opened.shape[1]] = opened[now:]
+            rest = low[now:], high[now:], wider
+            low, high, opened = map(np.concatenate, zip(rest, halves, strict=True))
+        self._left.append((low, high, opened))
+
+    def _unsettled(self, low: Array, high: Array, flags: Flags) -> tuple[Array, Array, Flags]:
+        """The boxes in which something is open that is not refuted, and that alone."""
+        flags = flags & np.array([p not in self._settled for p in self._numbers], np.bool_)
+        kept = flags.any(axis=1)
+        return low[kept], high[kept], flags[kept]
+
+    def _run(self, low: Array, high: Array) -> dict[Place, Flags]:
+        """What may go wrong in which boxes; of those that can't be run nothing is known."""
+        batch = self._space.ranges(low, high)
+        watcher = BoxWatcher(batch.count, self._space.texels)
+        try:
+            result = self._interpret(batch, ARITHMETIC, watcher)
+        except NotInterpretedError as error:
+            self._patience -= 1
+            self._at_once = max(self._at_once // 4, 1)  # one of them spoils all
+            return {Place(_UNKNOWN, (), error.message): np.ones(batch.count, np.bool_)}
+        self._lines |= watcher.lines
+        return (watcher.bad if self._hazards else {}) | self._judge(result, batch.count)
+
+    def _interpret(self, batch: InputBatch, arithmetic: Any, watch: Any) -> Interpreted:
+        return interpret(
+            self._program, batch.each, batch.bindings, arithmetic, count=batch.count,
+            max_blocks=_MAX_BLOCKS, watch=watch, unwritten=True,
+        )  # fmt: skip
+
+    def _judge(self, result: Interpreted, count: int) -> dict[Place, Flags]:
+        """Where the condition may not hold; in float32, where it does not."""
+        drawn = ~np.broadcast_to(result.discarded.all_true, (count,))
+        found = {}
+        for name, holds in self._condition(result.outputs).items():
+            truth = holds.all_true if isinstance(holds, TriBool) else np.asarray(holds)
+            fails = ~truth.reshape(len(truth), -1).all(axis=1)
+            found[Place(_OUTPUT, (), name)] = np.broadcast_to(fails, (count,)) & drawn
+        return found
+
+    def _halve(self, low: Array, high: Array, flags: Flags) -> tuple[Array, Array, Flags]:
+        """The halves of boxes, each at the side that matters most, and what is open in them."""
+        if not len(low):
+            return low, high, flags
+        weights = self._space.relative(low, high)
+        few = max(_POINTS // (2 * low.shape[1] + 3), 1)
+        effects = self._effects(low[:few], high[:few], flags[:few])
+        effects[weights[:few] * _NARROWER < weights[:few].max(axis=1, keepdims=True)] = 0.0
+        has_effect = effects.max(axis=1, keepdims=True) > 0.0
+        weights[:few] = np.where(has_effect, effects, weights[:few])
+        weights = np.where(self._space.divisible(low, high), weights, -1.0)
+        ends = (weights < 0.0).all(axis=1)
+        self._left.append((low[ends], high[ends], flags[ends]))
+        sides = weights.argmax(axis=1)[~ends] if low.shape[1] else np.zeros(0, np.int64)
+        low, high = self._space.halve(low[~ends], high[~ends], sides)
+        flags = np.concatenate([flags[~ends]] * 2)
+        inside = self._space.feasible(low, high)
+        return self._unsettled(low[inside], high[inside], flags[inside])
+
+    def _effects(self, low: Array, high: Array, flags: Flags) -> Array:
+        """How much each side of a box changes what is open in it, from the middle to an end. What
+        goes wrong at one of these points is refuted."""
+        count, sides = low.shape
+        points = np.repeat(self._space.middle(low, high)[:, None], 2 * sides + 3, axis=1)
+        points[:, -2], points[:, -1] = low, high
+        for k in range(sides):
+            points[:, 2 * k + 1, k], points[:, 2 * k + 2, k] = low[:, k], high[:, k]
+        try:
+            batch = self._space.points(points.reshape(-1, sides))
+            found, outputs = self._try(batch)
+        except NotInterpretedError:
+            return np.zeros((count, sides))
+        sizes = [np.zeros(batch.count)]
+        which = np.zeros(len(self._numbers), np.int64)
+        for place, number in self._numbers.items():
+            if place in found or place.id == _OUTPUT:
+                which[number] = len(sizes)
+                sizes.append(found[place].margin if place in found else outputs + sizes[0])
+        first = which[flags.argmax(axis=1)]
+        own = np.reshape(sizes, (-1, count, 2 * sides + 3))[first, np.arange(count)]
+        with np.errstate(all="ignore"):
+            changes = np.abs(own[:, 1:-2] - own[:, :1]).reshape(count, sides, 2).max(axis=2)
+            return np.asarray(np.nan_to_num(changes, posinf=1e30))
+
+    def _try(self, batch: InputBatch) -> tuple[dict[Place, WatchedInstruction], Any]:
+        """Run inputs in float32: what goes wrong is refuted. How far each instruction is from that,
+        and the sum of the outputs."""
+        self.tried += batch.count
+        watcher = Watcher(batch.count)
+        result = self._interpret(batch, FLOAT32, watcher)
+        bad = {place: one.bad for place, one in watcher.found.items() if self._hazards}
+        counted = ~np.zeros(1, np.bool_) if self._counts is None else self._counts(batch)
+        for place, rows in (bad | self._judge(result, batch.count)).items():
+            rows = rows & counted
+            if rows.any() and place not in self._settled:
+                self._settled.add(place)
+                row = int(rows.argmax())
+                self.points[place] = batch, row, watcher.found.get(place)
+        outputs = [v.astype(np.float64).sum(axis=1) for _, v in _floats(result.outputs)]
+        return watcher.found, sum(outputs)
+
+    def claims(self) -> list[Claim]:
+        """What is proved and what is open, by line; what is refuted is in `points`."""
+        found: dict[tuple[str, int, str], Claim] = {}
+        unknown = {p.kind: number for p, number in self._numbers.items() if p.id == _UNKNOWN}
+        for place, number in self._numbers.items():
+            if place in self._settled or place.id == _UNKNOWN:
+                continue
+            share, note = self._remaining([number, *unknown.values()])
+            file, line = self._program.place(self._lines.get(place, 0))
+            claim = Claim(
+                file=file, line=0 if place.id == _OUTPUT else line,
+                what=place.kind if place.id == _OUTPUT else f"no {place.kind}",
+                status="open" if note else "proved", share=share,
+                note=", ".join([note, *unknown] if note else ()),
+            )  # fmt: skip
+            known = found.setdefault((file, claim.line, claim.what), claim)
+            if (claim.status, share) > (known.status, known.share) or known.status == "proved":
+                found[file, claim.line, claim.what] = claim
+        return sorted(found.values(), key=lambda c: (c.line == 0, c.line, c.what))
+
+    def _remaining(self, numbers: list[int]) -> tuple[float, str]:
+        """The share of the range in which one of these is open, and the largest box of it."""
+        share, largest, words = 0.0, -1.0, ""
+        for low, high, flags in self._left:
+            rows = flags[:, [n for n in numbers if n < flags.shape[1]]].any(axis=1)
+            volumes = self._space.relative(low[rows], high[rows]).prod(axis=1)
+            if rows.any() and volumes.max() > largest:
+                k, largest = int(volumes.argmax()), volumes.max()
+                words = self._space.describe(low[rows][k], high[rows][k]) or "everywhere"
+            share += float(volumes.sum())
+        return min(share, 1.0), words and f"such as {words}".replace("such as every", "every")

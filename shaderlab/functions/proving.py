@@ -1,0 +1,99 @@
+"""Proofs of functions, and refutations run on a driver."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.analysis.answer import format_inputs
+from shaderlab.analysis.audit import Audit, Hazard
+from shaderlab.analysis.interpreter import Program
+from shaderlab.analysis.interpreter.interpret import interface_name
+from shaderlab.analysis.requests import AuditFile
+from shaderlab.compiler.spirv import StorageClass, type_name
+from shaderlab.errors import CallError, ShaderlabError
+from shaderlab.functions.evaluation import use_worker
+from shaderlab.functions.interpreting import AuditFunctions
+from shaderlab.functions.library import Library
+from shaderlab.functions.signatures import PREFIX, Type
+
+if TYPE_CHECKING:
+    from shaderlab.engine.worker import Worker
+
+_MAIN = re.compile(r"\bvoid\s+main\s*\(")
+_NUMBERS = re.compile(r"(float|int|uint|[iu]?vec[234])")
+
+
+@dataclass(frozen=True)
+class Prove:
+    """Asks for what `request` asks for, with each refutation run on the driver."""
+
+    request: AuditFile | AuditFunctions
+
+    @property
+    def name(self) -> str:
+        return self.request.name
+
+    def perform(self, worker: Worker) -> list[Audit]:
+        plan = replace(self.request.plan, confirm=_confirm)
+        with use_worker(worker):
+            return replace(self.request, plan=plan).perform(worker)
+
+
+def _confirm(program: Program, hazard: Hazard) -> Hazard:
+    """The hazard with what the driver writes for its inputs."""
+    try:
+        found = run_on_driver(program, hazard.inputs)
+    except ShaderlabError as error:
+        return replace(hazard, driver=f"not run on the driver: {error.message}")
+    shown = {name: found[name] for name in hazard.outputs if name in found} or found
+    return replace(hazard, driver=f"on the driver {format_inputs(shown)}")
+
+
+def run_on_driver(
+    program: Program, inputs: Mapping[str, tuple[float, ...]]
+) -> dict[str, tuple[float, ...]]:
+    """What the driver writes to each output that is a number or a vector, for one invocation.
+
+    Raises:
+        ShaderlabError: the stage takes more than numbers, or does not run.
+    """
+    source, module = program.source, program.module
+    assert source is not None
+    outputs = {
+        interface_name(program, id_): type_name(module, pointee)
+        for id_, (pointee, storage) in module.variables.items()
+        if storage == StorageClass.Output
+    }
+    outputs = {name: kind for name, kind in outputs.items() if _NUMBERS.fullmatch(kind)}
+    if not outputs or any(name.startswith("gl_") for name in inputs):
+        raise CallError("it reads or writes built-in variables")
+    parameters = ", ".join(f"out {kind} {PREFIX}{name}" for name, kind in outputs.items())
+    body = " ".join(f"{PREFIX}{name} = {name};" for name in outputs)
+    text = _MAIN.sub(f"void {PREFIX}main(", source.text)
+    text += f"\nvoid {PREFIX}run({parameters}) {{ {PREFIX}main(); {body} }}\n"
+    function = Library(replace(source, text=text, stripped=None), "", {})[f"{PREFIX}run"]
+    given = function.signatures[0].globals
+    result = function(**{one.name: _assemble(one.type, one.name, inputs) for one in given})
+    values = result if isinstance(result, tuple) else (result,)
+    return {
+        name: tuple(np.ravel(np.ma.filled(value, np.nan)).astype(float).tolist())
+        for name, value in zip(outputs, values, strict=True)
+    }
+
+
+def _assemble(kind: Type, name: str, inputs: Mapping[str, tuple[float, ...]]) -> Any:
+    """An input's value, of those of its parts by name."""
+    if kind.dims:
+        return [_assemble(kind.element, f"{name}[{i}]", inputs) for i in range(kind.dims[0])]
+    if kind.members:
+        return {part: _assemble(its, f"{name}.{part}", inputs) for part, its in kind.members}
+    if name not in inputs:
+        raise CallError(f"{name} is no number, or is not read")
+    whole = kind.kind in ("int", "uint", "bool")
+    values = np.array(inputs[name], np.int64 if whole else np.float32).reshape(kind.shape)
+    return values.astype(np.bool_) if kind.kind == "bool" else values

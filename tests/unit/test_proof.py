@@ -1,0 +1,138 @@
+"""What holds for all inputs is proved, what does not is refuted, and nothing is proved wrongly."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from benchmarks.proving import Case, cases, find_escapes
+from shaderlab import glslmath as g
+from shaderlab.bands import Band, Rules
+from shaderlab.cli import cli
+from shaderlab.engine.worker import Worker
+
+OPEN = {"linear_depth", "rgb_to_hsv", "ray_plane"}
+"""What is safe but not proved: their variables occur twice, or a condition is not one of theirs."""
+ALL = {(case.planted, case.name): case for case in cases()}
+
+
+@pytest.fixture(scope="module")
+def worker() -> Worker:
+    return Worker()
+
+
+def said(case: Case, worker: Worker) -> str:
+    audit = case.audit(worker)
+    assert not audit.refused
+    return "refuted" if audit.hazards else "proved" if audit.clean else "open"
+
+
+@pytest.mark.parametrize("name", [n for planted, n in ALL if not planted and n not in OPEN])
+def test_safe_functions_are_proved_and_no_input_escapes(name: str, worker: Worker) -> None:
+    case = ALL[False, name]
+    assert said(case, worker) == "proved"
+    assert find_escapes(case, worker, 2000, seed=7) == 0
+
+
+@pytest.mark.parametrize("name", [n for planted, n in ALL if planted])
+def test_planted_hazards_are_refuted(name: str, worker: Worker) -> None:
+    assert said(ALL[True, name], worker) == "refuted"
+
+
+def test_bounds_of_ranges_hold_wherever_terms_cancel() -> None:
+    # x + y is as large as its terms at one end, and cancels at the other: it may round below 0.
+    rules = Rules(ranges=True)
+    x, y = Band.between([1.0], [2.0], rules), Band.between([-1.0], [1.0], rules)
+    z = Band.between([0.0], [1.0], rules)
+    assert ((x + y) + z).lo[0] < 0.0
+    assert ((z + z * z) + z).lo[0] == 0.0  # no term is negative
+
+
+def test_what_is_open_is_said_and_what_is_assumed(tmp_path: Path) -> None:
+    (tmp_path / "law.glsl").write_text(
+        "float far(float a, float b) { return 1.0 / (a - b); }\n"
+        "float root(float x) { float y; if (x > 0.5) y = x; return sqrt(y); }\n"
+        "float turns(float x) { float s = 0.0; while (s < x) s += x * x; return s; }\n"
+        "float slope(float x) { return 1.0 / dFdx(x); }\n"
+        "float texel(sampler2D t, vec2 p) { return sqrt(texture(t, p).x - 0.5); }\n"
+    )
+    words = ["audit", "--prove", str(tmp_path / "law.glsl"), "-j", "0", "--range", "x=0:1"]
+    words += ["--range", "a=1:2", "--range", "b=1:2", "--assume", "a > b + 0.5"]
+    result = CliRunner().invoke(cli, words)
+    assert result.exit_code == 1, result.output
+    lines = result.output
+    assert "law.glsl:1: proved: no division by 0 in far" in lines
+    assert "proved: no sqrt of a negative number in root" not in lines
+    assert "proved: no division by 0 in slope" not in lines
+    assert "proved: result is a finite number in turns" not in lines
+    assert "law.glsl:5: sqrt of a negative number" in lines
+    assert "far: b: 1..2 (given)" in lines
+
+
+def test_a_refutation_is_run_on_the_driver(tmp_path: Path) -> None:
+    (tmp_path / "glow.frag").write_text(
+        "#version 330 core\nstruct Light { vec3 at; float reach; };\nuniform Light light;\n"
+        "uniform float weights[2]; // range: 0..1\nin vec2 uv;\nout vec4 color;\n"
+        "void main() { color = vec4(light.at, 1.0 / (light.reach * weights[1] + 0.0 * uv.x)); }\n"
+    )
+    words = ["audit", "--prove", str(tmp_path / "glow.frag"), "-j", "0"]
+    result = CliRunner().invoke(cli, [*words, "--range", "light.reach=0:1"])
+    assert result.exit_code == 1
+    (line,) = [one for one in result.output.splitlines() if "on the driver" in one]
+    assert "inf" in line or "nan" in line
+    assert np.char.count(result.output, "division by 0") >= 1
+
+
+FUNCTIONS = {
+    "sqrt": 1, "inversesqrt": 1, "exp": 1, "log2": 1, "sin": 1, "cos": 1, "tan": 1, "asin": 1,
+    "acos": 1, "atan": 2, "pow": 2, "abs": 1, "sign": 1, "floor": 1, "fract": 1, "round": 1,
+    "mod": 2, "min": 2, "max": 2, "clamp": 3, "mix": 3, "step": 2, "smoothstep": 3, "sinh": 1,
+    "tanh": 1, "asinh": 1, "acosh": 1, "atanh": 1, "fma": 3, "modf": 1, "frexp": 1, "int": 1,
+    "uint": 1, "floatBitsToInt": 1, "dot": 2, "length": 1, "distance": 2, "normalize": 1,
+    "reflect": 2, "refract": 3, "faceforward": 3, "cross": 2, "packHalf2x16": 1,
+    "packUnorm4x8": 1, "degrees": 1,
+}  # fmt: skip
+SIZES = {"cross": 3, "dot": 3, "length": 3, "distance": 3, "normalize": 3, "reflect": 3,
+         "refract": 3, "faceforward": 3, "packHalf2x16": 2, "packUnorm4x8": 4}  # fmt: skip
+
+
+def parts_of(value: Any) -> list[Any]:
+    return (
+        [part for one in value for part in parts_of(one)] if isinstance(value, tuple) else [value]
+    )
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_values_of_a_function_lie_in_what_its_ranges_give(name: str) -> None:
+    rng = np.random.default_rng(3)
+    rules, function, boxes, points = (
+        Rules(trig_outside="scaled", ranges=True),
+        getattr(g, name),
+        300,
+        40,
+    )
+    lows, highs, values = [], [], []
+    for i in range(FUNCTIONS[name]):
+        size = 1 if name == "refract" and i == 2 else SIZES.get(name, 1)
+        middle = rng.normal(size=(boxes, size)) * 10.0 ** rng.uniform(-3, 1, (boxes, 1))
+        half = np.abs(middle) * rng.choice([0.0, 1e-3, 0.5, 3.0], (boxes, 1))
+        low, high = np.float32(middle - half), np.float32(middle + half)
+        share = rng.choice([0.0, 1.0, 0.5, rng.random()], (boxes, points, size))
+        inside = low[:, None] + share * (high - low)[:, None]
+        values.append(np.clip(inside.astype(np.float32), low[:, None], high[:, None]))
+        lows.append(low), highs.append(high)
+    bands = [Band.between(low, high, rules) for low, high in zip(lows, highs, strict=True)]
+    with np.errstate(all="ignore"):
+        whole = parts_of(function(*bands))
+        flat = [v.reshape(boxes * points, -1).astype(np.float64) for v in values]
+        found = parts_of(function(*flat))
+    for band, value in zip(whole, found, strict=True):
+        numbers = np.asarray(getattr(value, "lo", value), np.float64).reshape(boxes, points, -1)
+        low, high = band.lo[:, None], band.hi[:, None]
+        give = 1e-6 * np.abs(numbers) + 1e-37
+        inside = (numbers >= low - give) & (numbers <= high + give) | np.isnan(numbers)
+        assert inside.all(), [v.reshape(boxes, points, -1)[~inside.all(-1)][:3] for v in values]
