@@ -12,43 +12,54 @@ import time
 
 REPEAT_SECONDS = 1.0
 """Interrupts within so many seconds, as of a key that is held down, count as one."""
+_ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _raised = -REPEAT_SECONDS  # when an interrupt was raised
+_number = 0  # the signal that did
 
 
 def main() -> None:
     """Run the command line on `sys.argv`; never returns.
 
-    Ctrl-C ends it with one line, also while modules are imported.
+    Ctrl-C, SIGTERM and SIGHUP end it with one line, also while modules are imported.
     """
-    global _raised
-    _raised = -REPEAT_SECONDS
+    global _raised, _number
+    _raised, _number = -REPEAT_SECONDS, 0
     sys.unraisablehook = _resend_dropped_interrupt
     try:
-        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            signal.signal(signal.SIGINT, _interrupt)
+        for number in _ENDING:
+            if signal.getsignal(number) in (signal.default_int_handler, signal.SIG_DFL):
+                signal.signal(number, _interrupt)
         from shaderlab.cli import main as command_line
 
         command_line()
     except KeyboardInterrupt:
         print("\nshaderlab: interrupted", file=sys.stderr)
-        sys.exit(130)
+        sys.exit(128 + (_number or signal.SIGINT))
+    except SystemExit:
+        if _number in (0, signal.SIGINT):  # then the command knows its status
+            raise
+        sys.exit(128 + _number)
     finally:
         # An interrupt that ended what was executed from a string, as dataclasses are made, would
         # end this process by a signal, whoever caught it; executing another one takes that back.
         exec("")
-        if signal.getsignal(signal.SIGINT) is _interrupt:
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # nothing is left that it could cut short
+        for number in _ENDING:
+            if signal.getsignal(number) is _interrupt:
+                signal.signal(number, signal.SIG_IGN)  # nothing is left that it could cut short
 
 
 def _interrupt(number: int, frame: object) -> None:
     """Raise KeyboardInterrupt, but a little later while the lock of imports is held: it would
     never be released, and other threads wait for it forever."""
-    global _raised
+    global _raised, _number
     if time.monotonic() - _raised < REPEAT_SECONDS:
         return
+    _number = number
     if _imp.lock_held():
         _interrupt_later()
         return
+    if number == signal.SIGHUP:
+        _leave_terminal()
     _raised = time.monotonic()
     raise KeyboardInterrupt
 
@@ -69,9 +80,19 @@ def _interrupt_later() -> None:
 
     def send() -> None:
         time.sleep(0.005)
-        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), _number or signal.SIGINT)
 
     _thread.start_new_thread(send, ())
+
+
+def _leave_terminal() -> None:
+    """Have output go nowhere where the terminal is gone: it would be an error before the report is
+    written."""
+    for stream in (1, 2):
+        try:
+            os.write(stream, b"")
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
 
 
 def _remove_working_folder_from_path() -> None:

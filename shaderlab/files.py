@@ -22,6 +22,25 @@ _PIECES_PER_WRITE = 32
 _HELD = (errno.EACCES, errno.EPERM, errno.EROFS, errno.EBUSY)
 
 
+# What a limit of the shell's is about, by the error where it is reached.
+_LIMITS = {
+    errno.EMFILE: ("more open files", "-n"),
+    errno.EAGAIN: ("more processes", "-u"),
+    errno.EFBIG: ("larger files", "-f"),
+    errno.ENOMEM: ("more memory", "-v"),
+}
+
+
+def suggest_limit(
+    error: OSError, otherwise: str | None = "see its limits: ulimit -a"
+) -> str | None:
+    """The remedy where a limit of this system is reached."""
+    if error.errno not in _LIMITS:
+        return otherwise
+    what, option = _LIMITS[error.errno]
+    return f"allow {what} than `ulimit {option}` says"
+
+
 CACHE_VARIABLE = "SHADERLAB_CACHE_DIR"
 
 
@@ -189,7 +208,10 @@ def write_named(path: str | Path, data: bytes, *, append: bool = False) -> None:
         return
     target.parent.mkdir(parents=True, exist_ok=True)
     if append or (target.exists() and not target.is_file()):
-        with target.open("ab" if append else "wb") as file:
+        # A FIFO that nobody reads is an error at once.
+        descriptor = os.open(target, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_NONBLOCK, 0o666)
+        os.set_blocking(descriptor, True)
+        with os.fdopen(descriptor, "ab") as file:
             file.write(data)
         return
     try:
@@ -242,7 +264,7 @@ def write_text(path: str | Path, text: str | Iterable[str]) -> None:
         raise ShaderlabError(
             f"can't write the file ({error.strerror or error})",
             file=target,
-            remedy="check that the folder may be written to and has room",
+            remedy=suggest_limit(error, "check that the folder may be written to and has room"),
         ) from error
 
 

@@ -6,6 +6,7 @@ import errno
 import importlib
 import io
 import os
+import resource
 import sys
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from typing import Any
 import click
 
 from ..errors import ShaderlabError, UsageError, suggest
-from ..files import reserve_standard_descriptors
+from ..files import reserve_standard_descriptors, suggest_limit
 
 DEBUG = "SHADERLAB_DEBUG"
 OK = 0
@@ -67,6 +68,7 @@ class Commands(click.Group):
         if debug:
             os.environ[DEBUG] = "1"  # for the lab, and for its workers
         try:
+            _require_limits()
             status = super().invoke(ctx)
         except ShaderlabError as error:
             if debug:
@@ -88,6 +90,22 @@ class Commands(click.Group):
         ctx.exit(status or OK)
 
 
+# What a process needs at least, by measurements with one small case, and the limit's option.
+_LEAST = {"NOFILE": (32, "open files", "-n"), "AS": (768 << 20, "bytes of memory", "-v"),
+          "DATA": (192 << 20, "bytes of memory", "-d")}  # fmt: skip
+
+
+def _require_limits() -> None:
+    """Raise UsageError where limits of this system would end every command halfway."""
+    for name, (least, what, option) in _LEAST.items():
+        allowed = resource.getrlimit(getattr(resource, f"RLIMIT_{name}"))[0]
+        if allowed != resource.RLIM_INFINITY and allowed < least:
+            raise UsageError(
+                f"this system allows {allowed:,} {what}; shaderlab needs {least:,}",
+                remedy=f"allow more than `ulimit {option}` says",
+            )
+
+
 def _format_error(error: OSError | ShaderlabError) -> str:
     try:
         os.getcwd()
@@ -95,7 +113,8 @@ def _format_error(error: OSError | ShaderlabError) -> str:
         return "the working folder has been removed\n  → change to a folder that exists"
     if isinstance(error, ShaderlabError):
         return str(error)
-    return f"{error.filename}: {error.strerror}" if error.filename else str(error.strerror or error)
+    said = f"{error.filename}: {error.strerror}" if error.filename else error.strerror or str(error)
+    return str(ShaderlabError(said, remedy=suggest_limit(error, None)))
 
 
 @click.command(

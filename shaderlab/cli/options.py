@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import datetime
+import errno
 import fcntl
 import functools
 import itertools
@@ -21,7 +22,14 @@ import click
 from shaderlab.cli import FAILED, OK, USAGE
 from shaderlab.engine.jobs import WORDS, check_driver
 from shaderlab.errors import ShaderlabError, UsageError, suggest
-from shaderlab.files import REPORT_MARK, claim_folder, read_regular, replace_file, write_named
+from shaderlab.files import (
+    REPORT_MARK,
+    claim_folder,
+    read_regular,
+    replace_file,
+    suggest_limit,
+    write_named,
+)
 from shaderlab.model.options import Limits
 from shaderlab.report.formats import FINDING_FORMATS, FORMATS, Format
 
@@ -398,7 +406,9 @@ def _kind(text: str) -> str:
 
 
 def _unwritable_error(path: Path, error: OSError, remedy: str | None = None) -> UsageError:
-    return UsageError(f"can't write here: {error.strerror or error}", file=path, remedy=remedy)
+    said = "nothing reads from it" if error.errno == errno.ENXIO else error.strerror or error
+    remedy = suggest_limit(error, remedy)
+    return UsageError(f"can't write here: {said}", file=path, remedy=remedy)
 
 
 KEEP = 20

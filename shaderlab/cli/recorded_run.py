@@ -37,7 +37,7 @@ from shaderlab.cli.selecting import find_unused
 from shaderlab.engine.jobs import Job
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import display_path, open_regular
+from shaderlab.files import display_path, open_regular, suggest_limit
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Record, Run
 
@@ -109,7 +109,9 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
                 self._sync()
         except OSError as error:
             problem = f"{error.strerror}: records are no longer written here"
-            self.problem = ShaderlabError(problem, file=self._path)
+            self.problem = ShaderlabError(
+                problem, file=self._path, remedy=suggest_limit(error, None)
+            )
 
     def _sync(self) -> None:
         with contextlib.suppress(OSError):  # what is no disk has nothing to write

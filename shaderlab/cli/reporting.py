@@ -12,8 +12,8 @@ from shaderlab.cli.options import (
     mark_named,
     output_options,
     report_problems,
-    require_output_of_kind,
     uses_stdout,
+    write_output,
     write_outputs,
 )
 from shaderlab.errors import ShaderlabError, UsageError
@@ -52,8 +52,7 @@ def command(run_folder: str | None, single_file: str | None, outputs: Mapping[st
         problems.append(error)
     if single_file is not None:
         try:
-            require_output_of_kind(Path(single_file), html.SINGLE_BEGINS)
-            html.write_single(run, folder, single_file)
+            write_output(html.render_single(run, folder), single_file)
             click.echo(f"report in one file: {single_file}", err=to_stderr)
         except ShaderlabError as error:
             problems.append(error)

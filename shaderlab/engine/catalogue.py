@@ -309,23 +309,30 @@ def _course(file: Path) -> Mapping[str, Any]:
     return found
 
 
-def files_below(folder: Path, above: Sequence[tuple[int, int]] = ()) -> Iterator[Path]:
-    """All files below `folder`, sorted, except in hidden folders and build products. A link to one
-    of the folders that it is in, which are `above`, leads nowhere.
+def files_below(folder: Path) -> list[Path]:
+    """All files below `folder`, sorted, except in hidden folders and build products. A folder that
+    links lead to is looked through once, and as itself if it is below, too.
 
     Raises:
-        UsageError: `folder` is not a folder that can be read.
+        UsageError: a folder can't be read.
     """
-    try:
-        entries, there = sorted(folder.iterdir()), folder.stat()
-    except OSError as error:
-        raise UsageError(f"can't read this folder: {error.strerror}", file=folder) from error
-    place = there.st_dev, there.st_ino
-    for entry in entries if place not in above else ():
-        if not entry.is_dir():
-            yield entry
-        elif not entry.name.startswith(".") and entry.name not in _SKIPPED_FOLDERS:
-            yield from files_below(entry, [*above, place])
+    files: list[Path] = []
+    seen: set[tuple[int, int]] = set()
+    folders, links = [folder], list[Path]()
+    while folders or links:
+        here = (folders or links).pop(0)
+        try:
+            there, entries = here.stat(), sorted(here.iterdir())
+        except OSError as error:
+            raise UsageError(f"can't read this folder: {error.strerror}", file=here) from error
+        place = there.st_dev, there.st_ino
+        for entry in entries if place not in seen else ():
+            if not entry.is_dir():
+                files.append(entry)
+            elif not entry.name.startswith(".") and entry.name not in _SKIPPED_FOLDERS:
+                (links if entry.is_symlink() else folders).append(entry)
+        seen.add(place)
+    return sorted(files)
 
 
 def sort_key(section: str, case_id: str) -> tuple[list[int], str]:

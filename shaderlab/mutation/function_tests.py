@@ -24,7 +24,7 @@ import numpy as np
 from shaderlab.compiler.sources import Source
 from shaderlab.engine.catalogue import files_below, is_project_file
 from shaderlab.errors import CaseError, ShaderError, ShaderlabError, require_extra
-from shaderlab.files import display_path
+from shaderlab.files import display_path, read_regular
 from shaderlab.functions.checks import split_result
 from shaderlab.functions.evaluation import use_worker
 from shaderlab.functions.library import Function, Library, Loads, record_loads, record_of_test
@@ -57,7 +57,7 @@ def is_function_test(path: Path) -> bool:
     if not _NAME.fullmatch(path.name):
         return False
     try:
-        text = path.read_bytes()
+        text = read_regular(path)
     except OSError:
         return False
     return bool(_LOADS.search(text) and _TESTS.search(text))

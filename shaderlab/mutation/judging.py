@@ -75,6 +75,8 @@ class Judge:
                 return self._judge_trials(trials)
         except ShaderError as error:
             return MutantResult("invalid", error.message)
+        except (MemoryError, OSError) as error:  # this machine is at its limits
+            return MutantResult("invalid", f"can't be judged here: {error or 'out of memory'}")
         except Exception as error:
             for trial in trials:
                 self._require_sound(trial)

@@ -21,7 +21,6 @@ from shaderlab.report.pictures import Pictures
 from shaderlab.report.sources import collect_words
 
 FILE_NAME = "index.html"
-SINGLE_BEGINS = '<!doctype html><html lang="en" data-root='
 
 
 def write(run: Run, folder: str | Path) -> Path:
@@ -69,12 +68,8 @@ def write(run: Run, folder: str | Path) -> Path:
     return path
 
 
-def write_single(run: Run, folder: str | Path, path: str | Path) -> None:
-    """Write a run whose pictures lie in `folder` as one file that needs no other.
-
-    Raises:
-        ShaderlabError: as `write`.
-    """
+def render_single(run: Run, folder: str | Path) -> str:
+    """Return a run whose pictures lie in `folder` as one page that needs no other file."""
     page = build_page(run, Pictures(Path(folder)), load_mutants(Path(folder)))
     links = page.links(single=True)
     pieces = rendering.render(
@@ -91,7 +86,7 @@ def write_single(run: Run, folder: str | Path, path: str | Path) -> None:
         drivers=compare_drivers(run, links),
         links=links,
     )
-    write_text(path, pieces)
+    return "".join(pieces)
 
 
 def _with_neighbours(

@@ -25,12 +25,13 @@ from pathlib import Path
 from typing import Any, Literal
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.files import open_memory_file, sort_search_path
+from shaderlab.files import open_memory_file, sort_search_path, suggest_limit
 from shaderlab.model.options import Limits
 
 STEP_BYTES = 256
 """The size of the file in which a worker notes its steps."""
-START_SECONDS = 120.0
+START_SECONDS = 30.0
+"""A worker is ready by then, or within the limit of an item if that is longer."""
 END_SECONDS = 5.0
 GROWTH = 256 << 20
 """A worker that holds this many bytes more than after its first batch is replaced by a fresh one
@@ -150,10 +151,8 @@ class _Worker:
             try:
                 self._start_process()
             except OSError as error:
-                raise ShaderlabError(
-                    f"can't start a worker process: {error.strerror or error}",
-                    remedy="see what limits this system has: ulimit -a",
-                ) from error
+                said = f"can't start a worker process: {error.strerror or error}"
+                raise ShaderlabError(said, remedy=suggest_limit(error)) from error
 
     def wait_until_ready(self) -> None:
         """Launch the process, if there is none, and wait for it. Raises as `launch`."""
@@ -161,12 +160,13 @@ class _Worker:
         if self._ready:
             return
         try:
-            self._receive(START_SECONDS)
+            self._receive(max(START_SECONDS, self._limits.seconds))
         except WorkerDiedError as error:
-            raise ShaderlabError(
-                f"can't start a worker process: {error.message}",
-                remedy="see that this Python can import shaderlab: run `shaderlab doctor`",
-            ) from error
+            remedy = "see that this Python can import shaderlab: run `shaderlab doctor`"
+            if error.status == "timeout":
+                remedy = "wait until this machine is less busy, or allow more time: --timeout S"
+            said = f"can't start a worker process: {error.message}"
+            raise ShaderlabError(said, remedy=remedy) from error
         self._ready = True
 
     def close(self) -> None:
@@ -230,6 +230,7 @@ class _Worker:
         """Return how the process ended, once it is gone with everything that it started."""
         assert self._process is not None
         ended = not late and _wait_for_end(self._pid)
+        stopped = late and os.waitid(os.P_PID, self._pid, os.WSTOPPED | os.WNOWAIT | os.WNOHANG)
         _kill_group(self._process)  # before its last line is read
         self._steps.seek(0)
         step = self._steps.read(STEP_BYTES).rstrip(b"\0").decode("utf-8", "ignore")
@@ -237,7 +238,8 @@ class _Worker:
         lines = self._errors.read().decode("utf-8", "replace").split("\n")
         code = self.end()
         if late or -code == signal.SIGALRM:
-            return WorkerDiedError("timeout", f"took longer than {seconds:g} s", step)
+            how = ", and the process was stopped (SIGSTOP)" if stopped else ""
+            return WorkerDiedError("timeout", f"took longer than {seconds:g} s{how}", step)
         how = f"exit status {code}"
         if not ended:
             how = "it closed its connection, but did not end"

@@ -22,7 +22,7 @@ from shaderlab.model.records import (
     Worst,
 )
 from shaderlab.model.store import save
-from shaderlab.report.html import write, write_single
+from shaderlab.report.html import render_single, write
 from tests.unit.test_report_samples import curve, outcome, record, run
 
 WIDTH, HEIGHT = 20, 12
@@ -132,5 +132,5 @@ def lamp(folder: Path) -> Sample:
     )  # fmt: skip
     made = run(*lamp_records, other)
     save(made, folder)
-    write_single(made, folder, folder / "single.html")
+    (folder / "single.html").write_text(render_single(made, folder), encoding="utf-8")
     return Sample(write(made, folder), made, bad)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import fields, replace
 from typing import Any
 
+import moderngl
 import pytest
 
 from shaderlab.drivers.opengl import (
@@ -16,7 +17,7 @@ from shaderlab.drivers.opengl import (
     target,
     textures,
 )
-from shaderlab.drivers.opengl.device import gl_constant
+from shaderlab.drivers.opengl.device import GL, gl_constant
 from shaderlab.engine.expectations.gl_call import GlCall
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.textures import Sampling
@@ -145,6 +146,22 @@ def test_a_call_that_opengl_ignores_is_noticed(
     with SceneRunner() as lab:
         record = lab.run(replace(scene, expect=asked))
     assert record.status == "fail", record.message
+
+
+def test_a_framebuffer_that_is_not_the_targets_is_no_lack_of_the_driver(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What OpenGL says of that one would pass as "unsupported"."""
+    use = moderngl.Framebuffer.use
+
+    def used(framebuffer: moderngl.Framebuffer) -> None:
+        use(framebuffer)
+        GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 1)
+
+    monkeypatch.setattr(moderngl.Framebuffer, "use", used)
+    with SceneRunner() as lab:
+        record = lab.run(next(judged_only("framebuffer-renderbuffer").scenes()))
+    assert record.status == "error" and "another framebuffer" in record.message
 
 
 @pytest.mark.parametrize("kept", [0, 1])

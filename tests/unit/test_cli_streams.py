@@ -1,12 +1,16 @@
-"""What is said where standard output can't be written, or lacks characters."""
+"""What is said where the system refuses what every command needs."""
 
 from __future__ import annotations
 
 import os
+import resource
 import subprocess
 import sys
 
 import pytest
+from click.testing import CliRunner
+
+from shaderlab.cli import USAGE, cli
 
 LAB = [sys.executable, "-m", "shaderlab", "--help"]
 
@@ -31,3 +35,16 @@ def test_a_reader_may_go() -> None:
     done = subprocess.run(LAB, stdout=theirs, stderr=subprocess.PIPE)
     os.close(theirs)
     assert done.returncode == 1 and b"Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(("limit", "least", "option"), [("NOFILE", 32, "-n"), ("AS", 10**8, "-v")])
+def test_a_limit_that_is_too_low_is_said_before_anything_is_done(
+    monkeypatch: pytest.MonkeyPatch, limit: str, least: int, option: str
+) -> None:
+    number = getattr(resource, f"RLIMIT_{limit}")
+    monkeypatch.setattr(
+        resource, "getrlimit", lambda n: (least - 1 if n == number else resource.RLIM_INFINITY, 0)
+    )
+    done = CliRunner().invoke(cli, ["list"])
+    assert done.exit_code == USAGE
+    assert f"allows {least - 1:,} " in done.stderr and f"`ulimit {option}`" in done.stderr

@@ -245,10 +245,16 @@ def test_a_file_that_can_be_no_case_fails_by_its_name(
     assert raised.value.file == str(file) and raised.value.remedy
 
 
-def test_links_to_folders_above_lead_nowhere(tmp_path: Path) -> None:
-    """Two of them in each other's sight are followed once, not two to the fortieth times."""
-    (tmp_path / "a").mkdir()
-    (tmp_path / "a" / "file").touch()
-    for name in ("up", "also"):
-        (tmp_path / "a" / name).symlink_to(tmp_path)
-    assert list(files_below(tmp_path)) == [tmp_path / "a" / "file"]
+def test_links_to_folders_lead_to_each_once(tmp_path: Path) -> None:
+    """Not on each of the ways that links from one to the other allow: more than any run can take.
+    What is below is found where it is."""
+    for number in range(12):
+        folder = tmp_path / f"z{number}"
+        folder.mkdir()
+        (folder / "file").touch()
+        for other in range(12):
+            (folder / f"to {other}").symlink_to(f"../z{other}")
+        (tmp_path / f"a{number}").symlink_to(folder)
+    (tmp_path / "z0" / "up").symlink_to(tmp_path)
+    expected = sorted(tmp_path / f"z{number}" / "file" for number in range(12))
+    assert files_below(tmp_path) == expected

@@ -6,6 +6,7 @@ import errno
 import os
 import socket
 import stat
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -146,6 +147,29 @@ def test_devices_stay_devices(tmp_path: Path) -> None:
         with pytest.raises(OSError, match="No space left"):
             write_named(full, data, append=append)
     assert stat.S_ISCHR(full.stat().st_mode)
+
+
+@pytest.mark.parametrize("append", [False, True])
+def test_a_pipe_that_nobody_reads_makes_no_one_wait(tmp_path: Path, append: bool) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(OSError) as raised:
+        write_named(pipe, b"lost", append=append)
+    assert raised.value.errno == errno.ENXIO
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write_named(pipe, b"read", append=append)
+    assert os.read(reader, 9) == b"read" and pipe.is_fifo()
+    os.close(reader)
+
+
+@pytest.mark.parametrize(("code", "option"), [(errno.EMFILE, "-n"), (errno.EFBIG, "-f")])
+def test_a_limit_that_is_reached_is_named(tmp_path: Path, code: int, option: str) -> None:
+    def pieces() -> Iterator[str]:
+        raise OSError(code, os.strerror(code))
+        yield ""
+
+    with pytest.raises(ShaderlabError, match=f"→ allow more .* than `ulimit {option}` says|larger"):
+        write_text(tmp_path / "page", pieces())
 
 
 def test_a_file_that_can_not_be_replaced_is_written_in_place(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import _imp
 import os
+import pty
 import signal
 import subprocess
 import sys
@@ -19,9 +20,11 @@ from shaderlab import __main__ as program, cli
 def interruptible(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Interrupts are raised here, and what the program sets for its process is put back."""
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    before = {number: signal.signal(number, signal.SIG_DFL) for number in program._ENDING}
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
-    signal.signal(signal.SIGINT, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 def test_an_interrupt_while_modules_are_imported_is_said(
@@ -35,6 +38,43 @@ def test_an_interrupt_while_modules_are_imported_is_said(
         program.main()
     assert ended.value.code == cli.INTERRUPTED
     assert capsys.readouterr().err == "\nshaderlab: interrupted\n"
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("noticed", [True, False], ids=["by the command", "by nobody"])
+def test_other_signals_end_it_as_an_interrupt_does(
+    monkeypatch: pytest.MonkeyPatch, number: signal.Signals, noticed: bool
+) -> None:
+    def told() -> None:
+        try:
+            signal.raise_signal(number)
+            time.sleep(20)
+        except KeyboardInterrupt:
+            if not noticed:
+                raise
+            sys.exit(cli.INTERRUPTED)
+
+    monkeypatch.setattr(cli, "main", told)
+    with pytest.raises(SystemExit) as ended:
+        program.main()
+    assert ended.value.code == 128 + number
+
+
+def test_what_is_printed_after_the_terminal_is_gone_is_no_error() -> None:
+    """It would come before the report of a run that was ended by SIGHUP."""
+    outer, inner = pty.openpty()
+    kept = os.dup(1)
+    try:
+        os.dup2(inner, 1)
+        os.close(inner)
+        os.close(outer)  # hangs up
+        with pytest.raises(OSError):
+            os.write(1, b"x")
+        program._leave_terminal()
+        os.write(1, b"x")
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
 
 
 def test_interrupts_in_a_burst_are_one(

@@ -22,7 +22,7 @@ from shaderlab.model.records import (
     Verdict,
     Worst,
 )
-from shaderlab.report.html import write_single
+from shaderlab.report.html import render_single
 
 HOSTILE = "</script></style><img src=x onerror=alert(1)>\"'&{{ 7*7 }}\x00\x1b\u202e\udc80"
 NAN, INF = float("nan"), float("inf")
@@ -32,7 +32,7 @@ VOID = {"meta", "img", "br", "input", "link", "hr"}
 def write(run: Run, folder: Path) -> Path:
     """The report of a run as one file, which holds all that can be seen of it."""
     path = folder / "report.html"
-    write_single(run, folder, path)
+    path.write_text(render_single(run, folder), encoding="utf-8")
     return path
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import fcntl
 import itertools
 import json
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -149,6 +151,19 @@ def test_ids_of_any_length_have_pages_of_their_own(tmp_path: Path) -> None:
     html.write(run(record("x" * 300 + "1"), record("x" * 300 + "2"), record("..")), tmp_path)
     names = [path.name for path in (tmp_path / "cases").iterdir()]
     assert len(names) == 3 and all(len(name) < 150 and name[0] != "." for name in names)
+
+
+def test_the_single_file_may_be_a_device(three: Path, tmp_path: Path) -> None:
+    """It stays one: as root, /dev/null itself would be replaced."""
+    os.mkfifo(tmp_path / "pipe")
+    reader = os.open(tmp_path / "pipe", os.O_RDONLY | os.O_NONBLOCK)
+    fcntl.fcntl(reader, fcntl.F_SETPIPE_SZ, 1 << 20)
+    result = CliRunner().invoke(
+        cli, ["report", str(three), "--single-file", str(tmp_path / "pipe")]
+    )
+    assert result.exit_code == 0 and (tmp_path / "pipe").is_fifo(), result.output
+    assert os.read(reader, 15) == b"<!doctype html>"
+    os.close(reader)
 
 
 def test_the_single_file_needs_no_other(three: Path, tmp_path: Path) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
+import subprocess
 import textwrap
 import time
 from collections.abc import Iterator
@@ -15,6 +17,7 @@ import pytest
 from shaderlab.engine.jobs import LoadCase
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import Limits
+from shaderlab.workers import pool as pool_module
 from shaderlab.workers.pool import ItemResult, WorkerPool
 
 WORK = """
@@ -38,6 +41,9 @@ class Work:
                 # holds for nothing but the hang.
                 self.channel.restart_limit(0.2)
                 ctypes.PyDLL(None).sleep(600)
+            if item == "stop":
+                self.channel.restart_limit(0.2)
+                os.kill(os.getpid(), signal.SIGSTOP)
             if item == "longer":
                 self.channel.restart_limit(60)
                 time.sleep(2.5)
@@ -127,14 +133,15 @@ def test_one_process_gives_results_in_order(pool: WorkerPool) -> None:
 
 def test_what_goes_wrong_costs_only_its_item(pool: WorkerPool) -> None:
     items = ["a", "crash", "b", "hang", "c", "exit", "memory", "d", "raise", "e", "unsendable", "f"]
-    items += ["leave", "g", "interrupt", "copy"]
+    items += ["leave", "g", "interrupt", "copy", "stop"]
     results = by_item(pool.run(items))
     assert {item: result.status for item, result in results.items()} == {
         **dict.fromkeys([*"abcdefg", "copy"], "done"),
         **dict.fromkeys(["crash", "exit", "memory"], "crash"),
         **dict.fromkeys(["raise", "unsendable", "leave", "interrupt"], "error"),
-        "hang": "timeout",
+        **dict.fromkeys(["hang", "stop"], "timeout"),
     }
+    assert "stopped (SIGSTOP)" in results["stop"].message
     assert "SIGSEGV" in results["crash"].message and results["crash"].step == "about to crash"
     assert results["hang"].message == "took longer than 0.2 s" and results["hang"].step == ""
     assert results["exit"].message == "the process died: exit status 3, the last words"
@@ -276,6 +283,31 @@ def test_a_worker_that_cannot_start_is_an_error_and_not_a_crash_of_each_item() -
     ):
         list(pool.run(["a"]))
     assert "no_such_module" in raised.value.message
+
+
+def test_a_worker_that_starts_too_slowly_is_an_error_that_says_so(
+    work: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pool_module, "START_SECONDS", 0.01)
+    with (
+        WorkerPool(work, limits=Limits(seconds=0.01)) as pool,
+        pytest.raises(ShaderlabError, match=r"took longer than 0.01 s.*\n.*busy.*--timeout"),
+    ):
+        list(pool.run(["a"]))
+
+
+def test_a_limit_that_keeps_workers_from_starting_is_named(
+    work: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+
+    monkeypatch.setattr(subprocess, "Popen", refuse)
+    with (
+        WorkerPool(work, limits=LIMITS) as pool,
+        pytest.raises(ShaderlabError, match="allow more processes than `ulimit -u` says"),
+    ):
+        list(pool.run(["a"]))
 
 
 def test_what_a_work_preloads_is_there_when_it_is_ready(work: str, tmp_path: Path) -> None:

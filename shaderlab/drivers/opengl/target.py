@@ -231,10 +231,16 @@ class RenderTarget(Attachments):
             GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, point, made.target, made.glo, 0)
         status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
         if status != GL.GL_FRAMEBUFFER_COMPLETE:
+            # Of any other framebuffer than this one, or a wrong attachment, the scene is to blame
+            # or the lab, and not what the driver lacks.
+            own = int(GL.glGetIntegerv(GL.GL_FRAMEBUFFER_BINDING)) == self._drawn.glo
+            lacking = own and status == GL.GL_FRAMEBUFFER_UNSUPPORTED
             self.release()
-            lacking = status == GL.GL_FRAMEBUFFER_UNSUPPORTED  # else something is bound wrongly
             kind = UnsupportedError if lacking else DriverError
-            raise kind(f"a framebuffer with {self.depth} (status 0x{status:04X})")
+            which = (
+                "a framebuffer" if own else "another framebuffer than the target's is bound: one"
+            )
+            raise kind(f"{which} with {self.depth} (status 0x{status:04X})")
 
     def _explain_incomplete(self, said: str) -> Exception:
         """Explain why the framebuffer is not complete: memory, most of the time."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from shaderlab.errors import UnsupportedError
+from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.scene import Target
 
@@ -74,8 +74,11 @@ class RenderTarget(Attachments):
             gl.ask_later(self._check, "checkFramebufferStatus", gl.FRAMEBUFFER)
 
     def _check(self, status: int) -> None:
-        if status != self._device.gl.FRAMEBUFFER_COMPLETE:
-            raise UnsupportedError(
+        gl = self._device.gl
+        if status != gl.FRAMEBUFFER_COMPLETE:
+            # A format that is not drawn to makes an attachment incomplete; all else is a mistake.
+            formats = (gl.FRAMEBUFFER_UNSUPPORTED, gl.FRAMEBUFFER_INCOMPLETE_ATTACHMENT)
+            raise (UnsupportedError if status in formats else DriverError)(
                 f"drawing to {', '.join((*self.colors.values(), self.depth))}: WebGL2 says that "
                 f"the framebuffer is incomplete ({status:#x})"
             )
