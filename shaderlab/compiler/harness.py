@@ -18,8 +18,8 @@ from .glslang import ALL_TARGETS, TARGETS
 from .shader_files import STAGES, ShaderFile, find_shaders, is_library, stage_of
 from .sources import Shaders, Source, with_version
 
-WORK = "shaderlab.compiler.harness:work"
-"""What a pool of processes runs, by name: takes `CompileJob`s, yields `FileResult`s."""
+WORK = "shaderlab.compiler.harness:Work"
+"""What a pool of processes runs, by name: takes `CompileJob`s, returns `FileResult`s."""
 
 
 class Workers(Protocol):
@@ -133,7 +133,7 @@ def compile_files(
     """As `compile_glsl`, for files that `find_shaders` found; each sequence is one program."""
     jobs = (CompileJob(files, options) for files in programs)
     if workers is None:
-        yield from work(jobs)
+        yield from map(Work(), jobs)
         return
     waiting: dict[int, Any] = {}
     following = 0
@@ -154,28 +154,30 @@ def _result_of(result: Any) -> FileResult:
     return _report_failure(result.item, message, status=result.status)
 
 
-def work(jobs: Iterable[CompileJob]) -> Iterator[FileResult]:
-    """Compile jobs in order. What is wrong with a file is in its result."""
-    shaders: dict[str, Shaders] = {}  # what loads files, by their root
-    for job in jobs:
+class Work:
+    """Compiles jobs, each file read once. What is wrong with a file is in its result."""
+
+    def __init__(self, *_: object) -> None:
+        self._shaders: dict[Any, Shaders] = {}  # what loads files
+
+    def __call__(self, job: CompileJob) -> FileResult:
         options = job.options
         try:
-            for root in {file.root for file in job.files} - shaders.keys():
-                folders = dict.fromkeys([root, *map(str, options.include)])
-                shaders[root] = Shaders(list(map(Path, folders)), defines=options.defines)
-            stages = [_load(shaders[file.root], file, options.stage) for file in job.files]
-            yield _compile(job, stages)
+            return _compile(job, [self._load(file, options) for file in job.files])
         except ShaderError as error:
             message = error.message + (f" ({error.remedy})" if error.remedy else "")
-            yield _report_failure(job, message, error.file, error.line)
+            return _report_failure(job, message, error.file, error.line)
 
-
-def _load(shaders: Shaders, file: ShaderFile, stage: str | None) -> Source:
-    """Return a file's source; that of a library of functions with a `main` that calls none."""
-    if stage is not None or not is_library(file.path):
-        return shaders.load(file.name, stage)
-    source = with_version(shaders.load(file.name, "fragment"), _NEWEST)
-    return replace(source, text=f"{source.text}\nvoid main() {{}}\n", stripped=None)
+    def _load(self, file: ShaderFile, options: CompileOptions) -> Source:
+        """A file's source; that of a library of functions with a `main` that calls none."""
+        folders = tuple(dict.fromkeys([file.root, *map(str, options.include)]))
+        key = folders, tuple(options.defines.items())
+        if key not in self._shaders:
+            self._shaders[key] = Shaders(list(map(Path, folders)), defines=options.defines)
+        if options.stage is not None or not is_library(file.path):
+            return self._shaders[key].load(file.name, options.stage)
+        source = with_version(self._shaders[key].load(file.name, "fragment"), _NEWEST)
+        return replace(source, text=f"{source.text}\nvoid main() {{}}\n", stripped=None)
 
 
 _NEWEST = 450

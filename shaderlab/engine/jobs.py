@@ -326,9 +326,7 @@ class ProcessExecutor(Executor):
     ) -> None:
         self._driver = driver
         self.limits = limits or Limits()
-        self._pool = WorkerPool(
-            work, limits=self.limits, jobs=1 if workers is None else workers, batch=1
-        )
+        self._pool = WorkerPool(work, limits=self.limits, jobs=workers or 1)
         self._workers = workers
         self._thread = ThreadPoolExecutor(1)
         self._early = early

@@ -7,7 +7,7 @@ is not spent on imports.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,14 +51,13 @@ class Worker:
         _ = numpy.random, pack, save_png
         backends.preload()
 
-    def __call__(self, requests: Sequence[Request]) -> Iterator[Any]:
-        """Perform requests in a worker process, in order."""
-        for request in requests:
-            if self._lab is not None and self._lab.exhausted:
-                # What ran out of memory may have left the driver half way. A new process costs
-                # less than a doubt about every later record; the parent starts it and asks again.
-                os._exit(1)
-            yield request.perform(self)
+    def __call__(self, request: Request) -> Any:
+        """Perform a request in a worker process."""
+        if self._lab is not None and self._lab.exhausted:
+            # What ran out of memory may have left the driver half way. A new process costs less
+            # than a doubt about every later record; the parent starts it and asks again.
+            os._exit(1)
+        return request.perform(self)
 
     def lab(self, options: RunOptions) -> SceneRunner:
         """The process's lab, with these options for the scenes to come."""

@@ -18,7 +18,6 @@ import subprocess
 import sys
 import threading
 import time
-from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,10 +33,10 @@ START_SECONDS = 30.0
 """A worker is ready by then, or within the limit of an item if that is longer."""
 END_SECONDS = 5.0
 GROWTH = 256 << 20
-"""A worker that holds this many bytes more than after its first batch is replaced by a fresh one
-before its next batch: drivers keep a little of every scene."""
-BATCH = 32
-"""Items sent at once: enough that sending costs little, few enough that progress is visible."""
+"""A worker that holds this many bytes more than after its first item is replaced by a fresh one
+before its next one: drivers keep a little of every scene."""
+AHEAD = 32
+"""How many items are taken ahead of the results that were read."""
 # Libraries for matrices and pictures start a thread per core and let all of them wait busily;
 # workers share the cores already, and multiply matrices of four rows.
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
@@ -68,13 +67,10 @@ class ItemResult:
     seconds: float = 0.0
 
 
-_Batch = list[tuple[int, Any]]
-
-
 @dataclass(eq=False)
 class _Run:
-    """The results of one `run`: None stands for the end of a batch, an exception for that of the
-    run; `closed` once nobody reads them any more."""
+    """The results of one `run`, one for each item: None where none is needed any more, an exception
+    where it ends the run. `closed` once nobody reads them."""
 
     results: queue.SimpleQueue[ItemResult | BaseException | None]
     closed: bool = False
@@ -90,9 +86,9 @@ class WorkerDiedError(Exception):
 
 
 class _Worker:
-    """A process that answers batches, as `WorkerPool` says.
+    """A process that answers items, as `WorkerPool` says.
 
-    It is started with the first batch, and again with the first one after it died. One thread uses
+    It is started with the first item, and again with the first one after it died. One thread uses
     it; any thread may call `close`.
 
     Attributes:
@@ -114,25 +110,21 @@ class _Worker:
         self._streams: Sequence[Any] = ()
         self._ready = False
         self._pid = 0
-        self._memory = 0  # after the first batch
+        self._memory = 0  # after the first item
 
-    def answers(self, items: Sequence[Any]) -> Iterator[tuple[Any, Any]]:
-        """Yield an answer for each item, in order, each as soon as it is there.
+    def answer(self, item: Any) -> tuple[Any, Any]:
+        """Return the answer to an item: "done" or "error", and what that gives.
 
         Raises:
-            WorkerDiedError: it crashed or took too long over the item after the last one answered.
-            ShaderlabError: no worker can be started at all.
+            WorkerDiedError: it crashed or took too long.
         """
-        self._send(items)
-        for _ in items:
-            kind, value = self._receive(self._limits.seconds)
-            while kind == "limit":
-                kind, value = self._receive(value)
-            self.fresh = False
-            yield kind, value
-            if kind == "error":
-                break
+        self._send(item)
+        kind, value = self._receive(self._limits.seconds)
+        while kind == "limit":
+            kind, value = self._receive(value)
+        self.fresh = False
         self._memory = self._memory or measure_memory(self._pid)
+        return kind, value
 
     def launch(self) -> None:
         """Start the process, if there is none, without waiting until it is ready.
@@ -302,26 +294,22 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
 
     Args:
         work: what workers call, as "module:name", since they import it by its name: a function
-            that takes a sequence of items and yields one result for each, in order; or a class
-            that makes such a function from a `shaderlab.workers.worker.Channel`, optionally with a
-            `preload()` that imports what it will need.
+            that takes an item and returns its result; or a class that makes such a function from a
+            `shaderlab.workers.worker.Channel`, optionally with a `preload()` that imports what it
+            will need.
         limits: of each item.
         jobs: how many workers at most; may be set to more at any time.
-        batch: how many items a worker is sent at once.
     """
 
-    def __init__(
-        self, work: str, *, limits: Limits | None = None, jobs: int = 1, batch: int = BATCH
-    ) -> None:
+    def __init__(self, work: str, *, limits: Limits | None = None, jobs: int = 1) -> None:
         self.jobs = max(jobs, 1)
         path = os.pathsep.join(sort_search_path(sys.path))
         environment = {**_ONE_THREAD, **os.environ, "PYTHONPATH": path}
         self._make = functools.partial(_Worker, work, limits or Limits(), Path.cwd(), environment)
-        self._batch = max(batch, 1)
-        self._queue: queue.SimpleQueue[tuple[_Run, _Batch] | None] = queue.SimpleQueue()
+        self._queue: queue.SimpleQueue[tuple[_Run, int, Any] | None] = queue.SimpleQueue()
         self._lock = threading.Lock()  # for all below
         self._closed = False
-        self._unfinished = 0  # batches, but for empty ones
+        self._unfinished = 0
         self._workers: dict[threading.Thread, _Worker] = {}
 
     def __exit__(self, *_: object) -> None:
@@ -338,83 +326,79 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             thread.join()
 
     def start(self) -> None:
-        """Start the first worker without waiting for it or for the first items."""
-        self._submit(_Run(queue.SimpleQueue()), [])
+        """Start the first worker without waiting for it or for the first items. Raises as `run`."""
+        with self._lock:
+            self._add_worker().launch()
 
     def run(self, items: Iterable[Any]) -> Generator[ItemResult]:
         """Yield the items' results as they complete.
 
-        Only a few batches are taken from `items` ahead of the results that were read, so memory
-        does not grow with their number. Closing the generator drops what no worker was sent.
+        Only a few are taken from `items` ahead of the results that were read, so memory does not
+        grow with their number. Closing the generator drops what no worker was sent.
 
         Raises:
             ShaderlabError: no worker can be started at all.
         """
         run = _Run(queue.SimpleQueue())
         numbered = enumerate(items)
-        batches = iter(lambda: list(itertools.islice(numbered, self._batch)), [])
-        ahead = max(self.jobs + 1, BATCH // self._batch)
+        ahead = itertools.islice(numbered, max(self.jobs + 1, AHEAD))
         try:
-            left = sum(self._submit(run, batch) for batch in itertools.islice(batches, ahead))
+            left = sum(self._submit(run, *each) for each in ahead)
             while left:
                 result = run.results.get()
-                if result is None:
-                    left += sum(self._submit(run, b) for b in itertools.islice(batches, 1)) - 1
-                elif isinstance(result, BaseException):
+                if isinstance(result, BaseException):
                     raise result
-                else:
+                left += sum(self._submit(run, *n) for n in itertools.islice(numbered, 1)) - 1
+                if result is not None:
                     yield result
         finally:
             run.closed = True
 
-    def _submit(self, run: _Run, batch: _Batch) -> bool:
-        """Queue a batch, for a new worker if all are busy; return False if the pool is closed."""
+    def _submit(self, run: _Run, number: int, item: Any) -> bool:
+        """Queue an item, for a new worker if all are busy; return False if the pool is closed."""
         with self._lock:
             if self._closed:
                 return False
-            self._queue.put((run, batch))
-            self._unfinished += bool(batch)
-            if len(self._workers) < min(self.jobs, max(self._unfinished, 1)):
-                worker = self._make()
-                thread = threading.Thread(target=self._serve, args=[worker], daemon=True)
-                self._workers[thread] = worker
-                thread.start()
+            self._queue.put((run, number, item))
+            self._unfinished += 1
+            if len(self._workers) < min(self.jobs, self._unfinished):
+                self._add_worker()
         return True
 
+    def _add_worker(self) -> _Worker:
+        worker = self._make()
+        thread = threading.Thread(target=self._serve, args=[worker], daemon=True)
+        self._workers[thread] = worker
+        thread.start()
+        return worker
+
     def _serve(self, worker: _Worker) -> None:
-        """Give a worker one batch after the other, until the pool is closed."""
+        """Give a worker one item after the other, until the pool is closed."""
         while (taken := self._queue.get()) is not None:
-            run, batch = taken
+            run, number, item = taken
+            result: ItemResult | BaseException | None = None
             try:
-                for result in self._answers(worker, run, deque(batch)):
-                    run.results.put(result)
+                if not (self._closed or run.closed):
+                    result = self._answer(worker, number, item)
             except BaseException as error:
-                if not self._closed:
-                    run.results.put(error)
+                result = None if self._closed else error
             with self._lock:
-                self._unfinished -= bool(batch)
-            run.results.put(None)
+                self._unfinished -= 1
+            run.results.put(result)
         worker.end()
 
-    def _answers(
-        self, worker: _Worker, run: _Run, rest: deque[tuple[int, Any]]
-    ) -> Iterator[ItemResult]:
-        """The results of a batch; where the worker dies, its replacement goes on with the next
-        item, or with the same one if an earlier one may have left the memory in disorder."""
-        if not (self._closed or run.closed):
-            worker.launch()
-        while rest and not (self._closed or run.closed):
+    def _answer(self, worker: _Worker, number: int, item: Any) -> ItemResult:
+        """The result of an item; where the worker dies, its replacement is asked again if an
+        earlier item may have left the memory in disorder."""
+        while True:
             worker.wait_until_ready()
             began = time.monotonic()
             try:
-                for kind, value in worker.answers([item for _, item in rest]):
-                    now = time.monotonic()
-                    yield ItemResult(*rest.popleft(), kind, value, seconds=now - began)
-                    began = now
+                kind, value = worker.answer(item)
             except WorkerDiedError as error:
                 if error.status == "timeout" or worker.fresh or self._closed:
                     seconds = time.monotonic() - began
-                    number, item = rest.popleft()
-                    yield ItemResult(
-                        number, item, error.status, None, error.message, error.step, seconds
-                    )
+                    how = error.status, None, error.message, error.step, seconds
+                    return ItemResult(number, item, *how)
+            else:
+                return ItemResult(number, item, kind, value, seconds=time.monotonic() - began)

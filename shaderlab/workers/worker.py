@@ -1,4 +1,4 @@
-"""The worker's side of a pool: receive batches of items and answer them one by one.
+"""The worker's side of a pool: receive items and answer them.
 
 Little is imported here: everything that takes time is imported by the work itself.
 """
@@ -16,7 +16,6 @@ import resource
 import signal
 import socket
 import sys
-from collections.abc import Sequence
 from typing import Any
 
 from shaderlab.errors import CaseError
@@ -61,40 +60,34 @@ class Channel:
         self.send("limit", allowed)
         set_alarm(allowed)
 
-    def send(self, kind: str, value: Any) -> str:
-        """Send an answer; return its kind, which is "error" if the value can't be sent."""
+    def send(self, kind: str, value: Any) -> None:
+        """Send an answer, which is an "error" if the value can't be sent."""
         try:
             data = pickle.dumps((kind, value), pickle.HIGHEST_PROTOCOL)
         except MemoryError:
             os.abort()
         except Exception as error:  # pickle raises whatever the object's own code raises
-            kind = "error"
-            data = pickle.dumps((kind, TypeError(f"can't be sent: {error}")))
+            data = pickle.dumps(("error", TypeError(f"can't be sent: {error}")))
         self._parent.sendall(data)
-        return kind
 
-    def answer(self, work: Any, batch: Sequence[Any]) -> None:
-        """Send ("done", result) for each item of a batch; after ("error", exception) the rest of
-        it stays unanswered."""
-        results = iter(work(batch))
-        for _ in batch:
-            self.note("")
-            set_alarm(self._seconds)
-            try:
-                kind, value = "done", next(results)
-            except MemoryError:
-                os.abort()  # what is left of the heap can't be trusted
-            except Exception as error:
-                if os.environ.get("SHADERLAB_DEBUG"):
-                    import traceback
+    def answer(self, work: Any, item: Any) -> None:
+        """Send ("done", result) for an item, or ("error", exception)."""
+        self.note("")
+        set_alarm(self._seconds)
+        try:
+            kind, value = "done", work(item)
+        except MemoryError:
+            os.abort()  # what is left of the heap can't be trusted
+        except Exception as error:
+            if os.environ.get("SHADERLAB_DEBUG"):
+                import traceback
 
-                    error.add_note("".join(traceback.format_exception(error)))
-                kind, value = "error", error
-            except BaseException as error:  # SystemExit or KeyboardInterrupt of the user's own code
-                message = f"raised {type(error).__name__}: {error}".rstrip(": ")
-                kind, value = "error", CaseError(message)
-            if self.send(kind, value) == "error":
-                break
+                error.add_note("".join(traceback.format_exception(error)))
+            kind, value = "error", error
+        except BaseException as error:  # SystemExit or KeyboardInterrupt of the user's own code
+            message = f"raised {type(error).__name__}: {error}".rstrip(": ")
+            kind, value = "error", CaseError(message)
+        self.send(kind, value)
         set_alarm(0.0)
 
 
@@ -107,7 +100,7 @@ def set_alarm(seconds: float) -> None:
 
 
 def main() -> None:
-    """Answer batches from the parent's socket, as pickles, until the parent closes it.
+    """Answer items from the parent's socket, as pickles, until the parent closes it.
 
     `sys.argv` has the descriptors of the socket and of the file for steps, the parent's process id,
     the name of the work, and an item's limits in seconds and bytes.

@@ -62,7 +62,7 @@ def test_a_folder_is_searched_and_the_results_are_sorted(tree: Path) -> None:
 
 def test_a_pool_gives_the_same_results_as_this_process(tree: Path) -> None:
     here = list(compile_glsl([tree], keep=True))
-    with WorkerPool(WORK, jobs=2, batch=2) as pool:
+    with WorkerPool(WORK, jobs=2) as pool:
         there = list(compile_glsl([tree], keep=True, workers=pool))
     assert here == there
     assert there[0].spirv["vulkan"]["vertex"][:4] == b"\x03\x02\x23\x07"

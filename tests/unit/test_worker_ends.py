@@ -17,19 +17,17 @@ from shaderlab.workers.pool import WorkerPool
 WORK = """
 import os, subprocess, sys, time
 
-def work(items):
-    for item in items:
-        if item == "sleep":
-            time.sleep(600)
-        if item in ("child", "detached"):
-            detached = item == "detached"
-            child = subprocess.Popen(["sleep", "600"], start_new_session=detached)
-            yield os.getpid(), child.pid
-            continue
-        if item == "burn":
-            while time.process_time() < 0.3:
-                pass
-        yield os.getpid(), os.getppid(), "mine" in sys.modules
+def work(item):
+    if item == "sleep":
+        time.sleep(600)
+    if item in ("child", "detached"):
+        detached = item == "detached"
+        child = subprocess.Popen(["sleep", "600"], start_new_session=detached)
+        return os.getpid(), child.pid
+    if item == "burn":
+        while time.process_time() < 0.3:
+            pass
+    return os.getpid(), os.getppid(), "mine" in sys.modules
 """
 PARENT = """
 import sys
@@ -52,9 +50,7 @@ def test_modules_of_others_are_not_kept(work: str, tmp_path: Path) -> None:
     with WorkerPool(work) as pool:
         (result,) = pool.run(["a"])
     assert result.value[1:] == (os.getpid(), True)
-    (tmp_path / "mine.py").write_text(
-        "def work(items):\n    yield from ('changed' for _ in items)\n"
-    )
+    (tmp_path / "mine.py").write_text("def work(item):\n    return 'changed'\n")
     with WorkerPool(work) as pool:
         (result,) = pool.run(["a"])
     assert result.value == "changed"

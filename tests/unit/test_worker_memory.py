@@ -1,4 +1,4 @@
-"""A worker that has grown is replaced before its next batch, and no item is lost."""
+"""A worker that has grown is replaced before its next item, and no item is lost."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ import os
 
 held = []
 
-def work(items):
-    for item in items:
-        held.append(b"x" * (item << 20))
-        yield os.getpid()
+def work(item):
+    held.append(b"x" * (item << 20))
+    return os.getpid()
 """
 
 pytestmark = pytest.mark.skipif(
@@ -34,16 +33,16 @@ def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return "hungry:work"
 
 
-def test_a_worker_that_has_grown_is_replaced_before_its_next_batch(work: str) -> None:
-    with WorkerPool(work, batch=1) as pool:
+def test_a_worker_that_has_grown_is_replaced_before_its_next_item(work: str) -> None:
+    with WorkerPool(work) as pool:
         workers = [result.value for result in pool.run([1, 1, 80, 1, 1])]
     first, second, third, fourth, fifth = workers
     assert first == second == third
     assert fourth == fifth != first
 
 
-def test_what_the_first_batch_needs_is_no_growth(work: str) -> None:
-    with WorkerPool(work, batch=1) as pool:
+def test_what_the_first_item_needs_is_no_growth(work: str) -> None:
+    with WorkerPool(work) as pool:
         assert len({result.value for result in pool.run([200, 1, 30, 1])}) == 1
 
 

@@ -28,70 +28,69 @@ class Work:
         self.channel = channel
         self.done = []
 
-    def __call__(self, items):
-        for item in items:
-            if item == "crash":
-                self.channel.note("about to crash")
-                os.kill(os.getpid(), signal.SIGSEGV)
-            if item == "exit":
-                print("the last words", file=sys.stderr)
-                os._exit(3)
-            if item == "hang":
-                # In C code that lets no other thread run. Whatever the machine, the short limit
-                # holds for nothing but the hang.
-                self.channel.restart_limit(0.2)
-                ctypes.PyDLL(None).sleep(600)
-            if item == "stop":
-                self.channel.restart_limit(0.2)
-                os.kill(os.getpid(), signal.SIGSTOP)
-            if item == "longer":
-                self.channel.restart_limit(60)
-                time.sleep(2.5)
-                self.channel.restart_limit()
-            if item == "memory":
-                bytearray(1 << 40)
-            if item == "leave":
-                raise SystemExit(3)
-            if item == "interrupt":
-                raise KeyboardInterrupt
-            if item == "children":
-                # One that knows nothing of Python, and a copy of this process, which goes on.
-                other = subprocess.Popen(["sleep", "600"])
-                if os.fork() == 0:
-                    time.sleep(600)
-                yield os.getpid(), other.pid
-            if item == "copy":
-                os.fork()
-            if item == "raise":
-                raise ValueError("so it is")
-            if item == "unsendable":
-                yield lambda: None
-            if item == "print":
-                print("this is not an answer")
-                os.system("echo nor is this")
-            if item == "second":
-                # Crashes only in a process that has done something before.
-                if self.done:
-                    os.abort()
-            self.done.append(item)
-            if isinstance(item, str) and item.startswith("until "):
-                while not os.path.exists(item.removeprefix("until ")):
-                    time.sleep(0.01)
-            if isinstance(item, str) and item.startswith("touch "):
-                open(item.removeprefix("touch "), "w").close()
-            if item == "place":
-                yield os.getcwd(), os.environ.get("PLACE"), sys.path
-            if item == "before":
-                yield len(self.done) - 1
-            yield os.getpid() if str(item).endswith("pid") else f"did {item}"
+    def __call__(self, item):
+        if item == "crash":
+            self.channel.note("about to crash")
+            os.kill(os.getpid(), signal.SIGSEGV)
+        if item == "exit":
+            print("the last words", file=sys.stderr)
+            os._exit(3)
+        if item == "hang":
+            # In C code that lets no other thread run. Whatever the machine, the short limit
+            # holds for nothing but the hang.
+            self.channel.restart_limit(0.2)
+            ctypes.PyDLL(None).sleep(600)
+        if item == "stop":
+            self.channel.restart_limit(0.2)
+            os.kill(os.getpid(), signal.SIGSTOP)
+        if item == "longer":
+            self.channel.restart_limit(60)
+            time.sleep(2.5)
+            self.channel.restart_limit()
+        if item == "memory":
+            bytearray(1 << 40)
+        if item == "leave":
+            raise SystemExit(3)
+        if item == "interrupt":
+            raise KeyboardInterrupt
+        if item == "children":
+            # One that knows nothing of Python, and a copy of this process, which goes on.
+            other = subprocess.Popen(["sleep", "600"])
+            if os.fork() == 0:
+                time.sleep(600)
+            return os.getpid(), other.pid
+        if item == "copy":
+            os.fork()
+        if item == "raise":
+            raise ValueError("so it is")
+        if item == "unsendable":
+            return lambda: None
+        if item == "print":
+            print("this is not an answer")
+            os.system("echo nor is this")
+        if item == "second":
+            # Crashes only in a process that has done something before.
+            if self.done:
+                os.abort()
+        self.done.append(item)
+        if isinstance(item, str) and item.startswith("until "):
+            while not os.path.exists(item.removeprefix("until ")):
+                time.sleep(0.01)
+        if isinstance(item, str) and item.startswith("touch "):
+            open(item.removeprefix("touch "), "w").close()
+        if item == "place":
+            return os.getcwd(), os.environ.get("PLACE"), sys.path
+        if item == "before":
+            return len(self.done) - 1
+        return os.getpid() if str(item).endswith("pid") else f"did {item}"
 """
 PRELOADING = """
 class Preloading(Work):
     @staticmethod
     def preload():
         Preloading.done = True
-    def __call__(self, items):
-        yield from (Preloading.done for _ in items)
+    def __call__(self, item):
+        return Preloading.done
 
 class Broken(Work):
     @staticmethod
@@ -110,7 +109,7 @@ def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 @pytest.fixture
 def pool(work: str) -> Iterator[WorkerPool]:
-    with WorkerPool(work, limits=LIMITS, batch=4) as made:
+    with WorkerPool(work, limits=LIMITS) as made:
         yield made
 
 
@@ -196,20 +195,11 @@ def test_workers_share_the_items_and_results_come_as_they_complete(
     """The first item waits for the last one."""
     done = tmp_path / "done"
     items = [f"until {done}", "a", "crash", *map(str, range(20)), f"touch {done}"]
-    with WorkerPool(work, limits=LIMITS, jobs=2, batch=1) as pool:
+    with WorkerPool(work, limits=LIMITS, jobs=2) as pool:
         results = list(pool.run(items))
     assert sorted(r.number for r in results) == list(range(len(items)))
     assert results[0].item != items[0] and results[-1].number in (0, len(items) - 1)
     assert [r.item for r in results if r.status != "done"] == ["crash"]
-
-
-def test_what_comes_after_a_lost_item_of_a_batch_is_sent_again(work: str) -> None:
-    with WorkerPool(work, limits=LIMITS, batch=3) as pool:
-        items = ["a", "hang", "b", "c", "d", "raise", "e"]
-        results = list(pool.run(items))
-    assert [r.item for r in results] == items
-    expected = ["done", "timeout", "done", "done", "done", "error", "done"]
-    assert [r.status for r in results] == expected
 
 
 def test_items_are_taken_as_they_are_needed(pool: WorkerPool) -> None:
@@ -228,7 +218,7 @@ def test_items_are_taken_as_they_are_needed(pool: WorkerPool) -> None:
 
 def test_closing_the_results_drops_what_no_worker_has_begun(work: str, tmp_path: Path) -> None:
     go = tmp_path / "go"
-    with WorkerPool(work, limits=LIMITS, jobs=1, batch=1) as pool:
+    with WorkerPool(work, limits=LIMITS, jobs=1) as pool:
         results = pool.run(["a", *[f"until {go}"] * 20])
         next(results)
         results.close()
@@ -238,7 +228,7 @@ def test_closing_the_results_drops_what_no_worker_has_begun(work: str, tmp_path:
 
 
 def test_closing_the_pool_ends_what_is_under_way_and_starts_nothing(work: str) -> None:
-    pool = WorkerPool(work, limits=LIMITS, jobs=2, batch=1)
+    pool = WorkerPool(work, limits=LIMITS, jobs=2)
     results = pool.run(["pid", *["until never"] * 20])
     first = next(results)
     pool.close()
@@ -253,7 +243,7 @@ def test_workers_start_in_the_environment_that_the_pool_was_made_in(
     """A replacement starts in the middle of whatever its parent is doing then."""
     monkeypatch.setenv("PLACE", "before")
     here = os.getcwd()
-    with WorkerPool(work, limits=LIMITS, jobs=1, batch=1) as pool:
+    with WorkerPool(work, limits=LIMITS, jobs=1) as pool:
         (first,) = pool.run(["place"])
         monkeypatch.setenv("PLACE", "after")
         monkeypatch.chdir(tmp_path)
@@ -324,7 +314,7 @@ def test_what_a_work_preloads_is_there_when_it_is_ready(work: str, tmp_path: Pat
 
 
 def test_workers_that_are_not_needed_are_not_started(work: str, tmp_path: Path) -> None:
-    with WorkerPool(work, limits=LIMITS, jobs=3, batch=1) as pool:
+    with WorkerPool(work, limits=LIMITS, jobs=3) as pool:
         pool.start()
         pids = {result.value for _ in range(4) for result in pool.run(["pid"])}
         assert len(pids) == 1
