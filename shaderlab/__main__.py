@@ -32,13 +32,12 @@ def main() -> None:
         from shaderlab.cli import main as command_line
 
         command_line()
-    except KeyboardInterrupt:
-        print("\nshaderlab: interrupted", file=sys.stderr)
-        sys.exit(128 + (_number or signal.SIGINT))
-    except SystemExit:
-        if _number in (0, signal.SIGINT):  # then the command knows its status
+    except (KeyboardInterrupt, SystemExit) as ended:
+        if isinstance(ended, KeyboardInterrupt):
+            print("\nshaderlab: interrupted", file=sys.stderr)
+        elif _number in (0, signal.SIGINT):  # then the command knows its status
             raise
-        sys.exit(128 + _number)
+        sys.exit(128 + (_number or signal.SIGINT))
     finally:
         # An interrupt that ended what was executed from a string, as dataclasses are made, would
         # end this process by a signal, whoever caught it; executing another one takes that back.

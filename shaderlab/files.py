@@ -9,14 +9,11 @@ import stat
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from itertools import islice
 from pathlib import Path
 from typing import BinaryIO, cast
 
 from shaderlab.errors import ShaderlabError, UsageError, make_visible
 
-# Most pieces of a page are a word, some a picture.
-_PIECES_PER_WRITE = 32
 # A file that may be written but not replaced: its folder is someone else's or read-only, or the
 # file is a mount of its own, as containers have it.
 _HELD = (errno.EACCES, errno.EPERM, errno.EROFS, errno.EBUSY)
@@ -24,10 +21,10 @@ _HELD = (errno.EACCES, errno.EPERM, errno.EROFS, errno.EBUSY)
 
 # What a limit of the shell's is about, by the error where it is reached.
 _LIMITS = {
-    errno.EMFILE: ("more open files", "-n"),
-    errno.EAGAIN: ("more processes", "-u"),
-    errno.EFBIG: ("larger files", "-f"),
-    errno.ENOMEM: ("more memory", "-v"),
+    errno.EMFILE: "allow more open files than `ulimit -n` says",
+    errno.EAGAIN: "allow more processes than `ulimit -u` says",
+    errno.EFBIG: "allow larger files than `ulimit -f` says",
+    errno.ENOMEM: "allow more memory than `ulimit -v` says",
 }
 
 
@@ -35,10 +32,7 @@ def suggest_limit(
     error: OSError, otherwise: str | None = "see its limits: ulimit -a"
 ) -> str | None:
     """The remedy where a limit of this system is reached."""
-    if error.errno not in _LIMITS:
-        return otherwise
-    what, option = _LIMITS[error.errno]
-    return f"allow {what} than `ulimit {option}` says"
+    return _LIMITS.get(error.errno or 0, otherwise)
 
 
 CACHE_VARIABLE = "SHADERLAB_CACHE_DIR"
@@ -256,10 +250,11 @@ def write_text(path: str | Path, text: str | Iterable[str]) -> None:
     target = Path(path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with replace_file(target) as draft, draft.open("wb") as file:
-            pieces = iter((text,) if isinstance(text, str) else text)
-            while some := list(islice(pieces, _PIECES_PER_WRITE)):
-                file.write("".join(some).encode("utf-8", errors="replace"))
+        with (
+            replace_file(target) as draft,
+            draft.open("w", encoding="utf-8", errors="replace", newline="") as file,
+        ):
+            file.writelines((text,) if isinstance(text, str) else text)
     except OSError as error:
         raise ShaderlabError(
             f"can't write the file ({error.strerror or error})",
@@ -275,10 +270,7 @@ def display_path(path: str | Path, line: int | None = None) -> str:
     """
     shown = str(path)
     if os.path.isabs(shown):
-        try:
-            relative = os.path.relpath(shown)
-        except ValueError:  # another drive
-            relative = os.pardir
+        relative = os.path.relpath(shown)
         if not relative.startswith(os.pardir):
             shown = relative
     shown = make_visible(shown).replace("\n", "[U+000A]")

@@ -17,7 +17,7 @@ import inspect
 import os
 import re
 import time
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -30,7 +30,7 @@ from shaderlab.model.options import CALL_LIMITS, Limits, RunOptions
 from shaderlab.report.text import format_failure, format_label, has_failed
 
 if TYPE_CHECKING:
-    from shaderlab.engine.jobs import DriverInfo, Executor, Job
+    from shaderlab.engine.jobs import Executor, Job
     from shaderlab.engine.settings import Settings
     from shaderlab.functions.library import Notes
     from shaderlab.model.records import Record, Status
@@ -316,7 +316,7 @@ class Recorder:
 class ReportWriter:
     """Gathers records, in the process that ends the session, and writes the page."""
 
-    def __init__(self, folder: Path, about: Callable[[], DriverInfo]) -> None:
+    def __init__(self, folder: Path, about: Callable[[], Mapping[str, str]]) -> None:
         self._folder = folder
         self._about = about
         self._records: list[Record] = []
@@ -334,6 +334,7 @@ class ReportWriter:
 
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self) -> None:
+        from shaderlab.engine.jobs import package_versions
         from shaderlab.model import store
         from shaderlab.model.records import Run
         from shaderlab.report import html
@@ -341,10 +342,9 @@ class ReportWriter:
         if not self._records:
             self._message = "no test of cases or of GLSL functions: no report is written"
             return
-        about = self._about()
         run = Run(
-            driver=about.driver,
-            versions=about.versions,
+            driver=self._about(),
+            versions=package_versions(),
             started=self._started,
             seconds=time.perf_counter() - self._clock,
             records=tuple(self._records),

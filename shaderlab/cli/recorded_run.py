@@ -34,10 +34,10 @@ from shaderlab.cli.options import (
     write_outputs,
 )
 from shaderlab.cli.selecting import find_unused
-from shaderlab.engine.jobs import Job
+from shaderlab.engine.jobs import Job, package_versions
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import display_path, open_regular, suggest_limit
+from shaderlab.files import display_path, open_regular
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Record, Run
 
@@ -109,9 +109,7 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
                 self._sync()
         except OSError as error:
             problem = f"{error.strerror}: records are no longer written here"
-            self.problem = ShaderlabError(
-                problem, file=self._path, remedy=suggest_limit(error, None)
-            )
+            self.problem = ShaderlabError(problem, file=self._path)
 
     def _sync(self) -> None:
         with contextlib.suppress(OSError):  # what is no disk has nothing to write
@@ -256,12 +254,11 @@ def run_plan(
         for job, record in progress.follow(waiting, results):
             records[job.key] = record
             journal.add(record)
-    about = executor.about()
     made = tuple(records[job.key] for job in plan.jobs if job.key in records)
     first = plan.jobs[0].driver if plan.jobs else ""
     run = Run(
-        driver=about.driver,
-        versions=about.versions,
+        driver=executor.about(),
+        versions=package_versions(),
         started=plan.started,
         seconds=time.perf_counter() - clock,
         records=tuple(record for record in made if record.driver_name == first),

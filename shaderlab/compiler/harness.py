@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal
 
 from shaderlab.errors import DriverError, ShaderError, suggest
 from shaderlab.model.records import Diagnostic, Verdict
@@ -18,15 +18,11 @@ from .glslang import ALL_TARGETS, TARGETS
 from .shader_files import STAGES, ShaderFile, find_shaders, is_library, stage_of
 from .sources import Shaders, Source, with_version
 
+if TYPE_CHECKING:
+    from shaderlab.workers.pool import WorkerPool
+
 WORK = "shaderlab.compiler.harness:Work"
 """What a pool of processes runs, by name: takes `CompileJob`s, returns `FileResult`s."""
-
-
-class Workers(Protocol):
-    """A pool of processes, such as `shaderlab.workers.pool.WorkerPool(WORK)`."""
-
-    def run(self, items: Iterable[Any]) -> Iterator[Any]:
-        """Yield the jobs' results as they complete; see `shaderlab.workers.pool.ItemResult`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,7 +97,7 @@ def compile_glsl(
     paths: Sequence[str | Path],
     *,
     link: bool = False,
-    workers: Workers | None = None,
+    workers: WorkerPool | None = None,
     **options: Any,
 ) -> Iterator[FileResult]:
     """Compile shader files and yield one result for each, sorted by path.
@@ -128,7 +124,7 @@ def compile_glsl(
 def compile_files(
     programs: Iterable[Sequence[ShaderFile]],
     options: CompileOptions,
-    workers: Workers | None = None,
+    workers: WorkerPool | None = None,
 ) -> Iterator[FileResult]:
     """As `compile_glsl`, for files that `find_shaders` found; each sequence is one program."""
     jobs = (CompileJob(files, options) for files in programs)

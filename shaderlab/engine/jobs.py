@@ -11,9 +11,8 @@ import contextlib
 import os
 import time
 from collections.abc import Generator, Iterable, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -72,14 +71,6 @@ class Job:
     def key(self) -> tuple[str, str, str]:
         """What tells it from the others of a run, as of its record."""
         return self.id, self.variant, self.driver
-
-
-@dataclass(frozen=True, kw_only=True)
-class DriverInfo:
-    """The driver that an executor's jobs run on, and the versions of the packages in use."""
-
-    driver: Mapping[str, str] = field(default_factory=dict)
-    versions: Mapping[str, str] = field(default_factory=dict)
 
 
 class Request(Protocol):
@@ -233,15 +224,9 @@ def count_cores() -> int:
 
 
 def choose_worker_count(variants: int) -> int:
-    """How many workers run so many variants in the least time; one at least.
-
-    >>> choose_worker_count(VARIANTS_EACH), choose_worker_count(0)
-    (1, 1)
-    """
+    """How many workers run so many variants in the least time; one at least."""
     return max(1, min(variants // VARIANTS_EACH, count_cores(), MOST))
 
-
-# Workers are started before anything that they do not need is imported here.
 
 LAB_WORK = "shaderlab.engine.worker:Worker"
 """What workers that judge scenes call, as of `shaderlab.workers.pool.WorkerPool`."""
@@ -253,8 +238,8 @@ class Executor:
     limits = Limits()
     """Of each job."""
 
-    def about(self) -> DriverInfo:
-        """The driver and the packages that jobs run on."""
+    def about(self) -> Mapping[str, str]:
+        """What the driver that jobs run on says of itself."""
         raise NotImplementedError
 
     def perform(self, requests: Iterable[Any]) -> Generator[ItemResult]:
@@ -301,7 +286,7 @@ class Executor:
         )
 
     def _driver_of(self, job: Job) -> str:
-        return job.driver or self.about().driver.get("renderer", "")
+        return job.driver or self.about().get("renderer", "")
 
 
 class ProcessExecutor(Executor):
@@ -328,19 +313,15 @@ class ProcessExecutor(Executor):
         self.limits = limits or Limits()
         self._pool = WorkerPool(work, limits=self.limits, jobs=workers or 1)
         self._workers = workers
-        self._thread = ThreadPoolExecutor(1)
-        self._early = early
         if early:
-            self._pool.start()
-            _ = self._driver_info
+            self._pool.start(DescribeDriver(driver))
 
-    def about(self) -> DriverInfo:
+    def about(self) -> Mapping[str, str]:
         """See `Executor`. Where the driver takes the process down, "renderer" is "none"."""
-        return self._driver_info.result()
+        return self._about
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
-        if not self._early:
-            self.about()  # now, while workers are free: a failed job's record names the driver
+        self.about()  # now, while workers are free: a failed job's record names the driver
         yield from super().run(jobs, options)
 
     def perform(self, requests: Iterable[Any]) -> Generator[ItemResult]:
@@ -351,20 +332,13 @@ class ProcessExecutor(Executor):
 
     def close(self) -> None:
         self._pool.close()
-        self._thread.shutdown(wait=True, cancel_futures=True)
 
     @cached_property
-    def _driver_info(self) -> Future[DriverInfo]:
-        return self._thread.submit(self._describe_driver)
-
-    def _describe_driver(self) -> DriverInfo:
-        versions = package_versions()  # a worker's are the same, and it has enough to import
+    def _about(self) -> Mapping[str, str]:
         (result,) = self._pool.run([DescribeDriver(self._driver)])
-        driver = result.value
-        if result.status != "done":
-            said = format_error(result)
-            driver = {"renderer": "none", "vendor": "", "version": said, "glsl": ""}
-        return DriverInfo(driver=driver, versions=versions)
+        if result.status == "done":
+            return cast(Mapping[str, str], result.value)
+        return {"renderer": "none", "vendor": "", "version": format_error(result), "glsl": ""}
 
 
 class InProcessExecutor(Executor):
@@ -387,9 +361,8 @@ class InProcessExecutor(Executor):
         made: Worker = getattr(import_module(module), name)()
         return made
 
-    def about(self) -> DriverInfo:
-        driver = DescribeDriver(self._driver).perform(self._worker)
-        return DriverInfo(driver=driver, versions=package_versions())
+    def about(self) -> Mapping[str, str]:
+        return DescribeDriver(self._driver).perform(self._worker)
 
     def perform(self, requests: Iterable[Any]) -> Generator[ItemResult]:
         """In the order of the requests."""

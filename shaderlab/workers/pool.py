@@ -92,13 +92,13 @@ class _Worker:
     it; any thread may call `close`.
 
     Attributes:
-        fresh: whether the process has answered nothing yet.
+        memory: what the process held when it had answered its first item; 0 before.
     """
 
     def __init__(
         self, work: str, limits: Limits, folder: Path, environment: Mapping[str, str]
     ) -> None:
-        self.fresh = True
+        self.memory = 0
         self._limits = limits
         self._folder = folder
         self._environment = environment
@@ -110,7 +110,6 @@ class _Worker:
         self._streams: Sequence[Any] = ()
         self._ready = False
         self._pid = 0
-        self._memory = 0  # after the first item
 
     def answer(self, item: Any) -> tuple[Any, Any]:
         """Return the answer to an item: "done" or "error", and what that gives.
@@ -122,8 +121,7 @@ class _Worker:
         kind, value = self._receive(self._limits.seconds)
         while kind == "limit":
             kind, value = self._receive(value)
-        self.fresh = False
-        self._memory = self._memory or measure_memory(self._pid)
+        self.memory = self.memory or measure_memory(self._pid) or 1
         return kind, value
 
     def launch(self) -> None:
@@ -132,14 +130,14 @@ class _Worker:
         Raises:
             ShaderlabError: none can be started.
         """
-        if self._memory and measure_memory(self._pid) - self._memory > GROWTH:
+        if self.memory and measure_memory(self._pid) - self.memory > GROWTH:
             self.end()
         with self._lock:
             if self._process is not None:
                 return
             if self._closed:
                 raise ShaderlabError("the pool of workers is closed")
-            self._ready, self.fresh = False, True
+            self._ready = False
             try:
                 self._start_process()
             except OSError as error:
@@ -177,7 +175,7 @@ class _Worker:
                 process.wait()
         for stream in self._streams:
             stream.close()
-        self._memory = 0
+        self.memory = 0
         return 0 if process is None else process.returncode
 
     def _start_process(self) -> None:
@@ -221,8 +219,12 @@ class _Worker:
     def _died(self, seconds: float, late: bool = False) -> WorkerDiedError:
         """Return how the process ended, once it is gone with everything that it started."""
         assert self._process is not None
-        ended = not late and _wait_for_end(self._pid)
-        stopped = late and os.waitid(os.P_PID, self._pid, os.WSTOPPED | os.WNOWAIT | os.WNOHANG)
+        stopped, ended = None, False
+        if late:
+            stopped = os.waitid(os.P_PID, self._pid, os.WSTOPPED | os.WNOWAIT | os.WNOHANG)
+        else:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                ended = self._process.wait(END_SECONDS) is not None
         _kill_group(self._process)  # before its last line is read
         self._steps.seek(0)
         step = self._steps.read(STEP_BYTES).rstrip(b"\0").decode("utf-8", "ignore")
@@ -245,7 +247,7 @@ class _Worker:
 
 
 def _kill_group(process: subprocess.Popen[bytes]) -> None:
-    """Kill a process that was not waited for, its group, and what it started in other groups."""
+    """Kill a process, its group, and what it started in other groups."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         started = list(_descendants(process.pid))
         os.killpg(process.pid, signal.SIGKILL)
@@ -261,19 +263,6 @@ def _descendants(process: int) -> Iterator[int]:
             for child in map(int, children.read_text().split()):
                 yield child
                 yield from _descendants(child)
-
-
-def _wait_for_end(process: int) -> bool:
-    """Wait a little until a process has ended; return whether it has.
-
-    Its id stays taken, so that its group can still be killed.
-    """
-    until = time.monotonic() + END_SECONDS
-    while os.waitid(os.P_PID, process, os.WEXITED | os.WNOWAIT | os.WNOHANG) is None:
-        if time.monotonic() > until:
-            return False
-        time.sleep(0.005)
-    return True
 
 
 def measure_memory(process: int) -> int:
@@ -309,7 +298,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         self._queue: queue.SimpleQueue[tuple[_Run, int, Any] | None] = queue.SimpleQueue()
         self._lock = threading.Lock()  # for all below
         self._closed = False
-        self._unfinished = 0
+        self._unfinished = 0  # items, but for those of `start`
         self._workers: dict[threading.Thread, _Worker] = {}
 
     def __exit__(self, *_: object) -> None:
@@ -325,10 +314,9 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         for thread in self._workers:
             thread.join()
 
-    def start(self) -> None:
-        """Start the first worker without waiting for it or for the first items. Raises as `run`."""
-        with self._lock:
-            self._add_worker().launch()
+    def start(self, item: Any) -> None:
+        """Start the first worker with an item whose result nobody needs, and wait for neither."""
+        self._submit(_Run(queue.SimpleQueue()), -1, item)
 
     def run(self, items: Iterable[Any]) -> Generator[ItemResult]:
         """Yield the items' results as they complete.
@@ -360,17 +348,13 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             if self._closed:
                 return False
             self._queue.put((run, number, item))
-            self._unfinished += 1
-            if len(self._workers) < min(self.jobs, self._unfinished):
-                self._add_worker()
+            self._unfinished += number >= 0
+            if len(self._workers) < min(self.jobs, max(self._unfinished, 1)):
+                worker = self._make()
+                thread = threading.Thread(target=self._serve, args=[worker], daemon=True)
+                self._workers[thread] = worker
+                thread.start()
         return True
-
-    def _add_worker(self) -> _Worker:
-        worker = self._make()
-        thread = threading.Thread(target=self._serve, args=[worker], daemon=True)
-        self._workers[thread] = worker
-        thread.start()
-        return worker
 
     def _serve(self, worker: _Worker) -> None:
         """Give a worker one item after the other, until the pool is closed."""
@@ -383,7 +367,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             except BaseException as error:
                 result = None if self._closed else error
             with self._lock:
-                self._unfinished -= 1
+                self._unfinished -= number >= 0
             run.results.put(result)
         worker.end()
 
@@ -392,11 +376,11 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         earlier item may have left the memory in disorder."""
         while True:
             worker.wait_until_ready()
-            began = time.monotonic()
+            fresh, began = not worker.memory, time.monotonic()
             try:
                 kind, value = worker.answer(item)
             except WorkerDiedError as error:
-                if error.status == "timeout" or worker.fresh or self._closed:
+                if error.status == "timeout" or fresh or self._closed:
                     seconds = time.monotonic() - began
                     how = error.status, None, error.message, error.step, seconds
                     return ItemResult(number, item, *how)

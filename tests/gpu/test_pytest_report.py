@@ -7,7 +7,6 @@ from types import SimpleNamespace
 
 import pytest
 
-from shaderlab.engine.jobs import DriverInfo
 from shaderlab.model import store
 from shaderlab.model.records import Record
 from shaderlab.pytest_plugin import ReportWriter
@@ -92,7 +91,7 @@ def test_cases_and_functions_stand_on_one_page(
 
 
 def test_a_session_without_such_tests_has_no_report(tmp_path: Path) -> None:
-    def about() -> DriverInfo:
+    def about() -> dict[str, str]:
         raise AssertionError("no device is asked for")
 
     said: list[str] = []

@@ -49,7 +49,7 @@ class Pool:
         self.items: list[Any] = []
         POOLS.append(self)
 
-    def start(self) -> None:
+    def start(self, item: Any) -> None:
         pass
 
     def close(self) -> None:

@@ -315,7 +315,7 @@ def test_what_a_work_preloads_is_there_when_it_is_ready(work: str, tmp_path: Pat
 
 def test_workers_that_are_not_needed_are_not_started(work: str, tmp_path: Path) -> None:
     with WorkerPool(work, limits=LIMITS, jobs=3) as pool:
-        pool.start()
+        pool.start("pid")
         pids = {result.value for _ in range(4) for result in pool.run(["pid"])}
         assert len(pids) == 1
         done = tmp_path / "done"

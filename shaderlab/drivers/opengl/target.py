@@ -231,8 +231,7 @@ class RenderTarget(Attachments):
             GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, point, made.target, made.glo, 0)
         status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
         if status != GL.GL_FRAMEBUFFER_COMPLETE:
-            # Of any other framebuffer than this one, or a wrong attachment, the scene is to blame
-            # or the lab, and not what the driver lacks.
+            # What is said of another framebuffer tells nothing of what the driver lacks.
             own = int(GL.glGetIntegerv(GL.GL_FRAMEBUFFER_BINDING)) == self._drawn.glo
             lacking = own and status == GL.GL_FRAMEBUFFER_UNSUPPORTED
             self.release()
