@@ -101,11 +101,7 @@ def _remove_working_folder_from_path() -> None:
     What is imported before this can't be helped; the `shaderlab` script has no such folder.
     """
     package = os.path.dirname(os.path.abspath(__file__))
-    try:
-        here = os.getcwd()
-    except OSError:  # it has been removed
-        here = ""
-    if not sys.flags.safe_path and sys.path[0] == here != os.path.dirname(package):
+    if not sys.flags.safe_path and sys.path[0] != os.path.dirname(package):
         del sys.path[0]
 
 
