@@ -37,7 +37,8 @@ def begun(cases: Path, *args: str) -> subprocess.Popen[str]:
     """A run that has come to the draw without end, for which one thread of the driver will do; its
     workers are marked by its folder."""
     child = subprocess.Popen(
-        faulty.command("./cases", "--report", "run", "--size", "16", *args), cwd=cases,
+        faulty.command("./cases", "--report", "run", "--size", "16", "--timeout", "600", *args),
+        cwd=cases,
         env=faulty.surroundings(SHADERLAB_TEST=str(cases), LP_NUM_THREADS="1"), text=True,
         start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         preexec_fn=faulty.restore_interrupts,

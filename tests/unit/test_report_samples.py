@@ -7,6 +7,7 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+from shaderlab.files import write_text
 from shaderlab.model.records import (
     Curve,
     Diagnostic,
@@ -32,7 +33,7 @@ VOID = {"meta", "img", "br", "input", "link", "hr"}
 def write(run: Run, folder: Path) -> Path:
     """The report of a run as one file, which holds all that can be seen of it."""
     path = folder / "report.html"
-    path.write_text(render_single(run, folder), encoding="utf-8")
+    write_text(path, render_single(run, folder))
     return path
 
 
