@@ -10,6 +10,10 @@ Look at: the three windows. Each is filled by a grey square three times as wide,
 left, a triangle with all three corners outside has become a hexagon. In the middle, a strip runs
 from in front of the near plane (light) to behind the far one (dark), and five eighths of it remain.
 On the right is a triangle as large as the first, whose corners have w = 2.
+
+Try: in `ch02_basics/clipping.vert` write `gl_Position = vec4(aPos.xyz, 2.0 * aPos.w)` for
+`gl_Position = aPos`: everything is half as large, and the hexagon gets its three corners back where
+there is room.
 """
 
 import numpy as np

@@ -11,6 +11,9 @@ for accepted, red for refused, dark for never reached. From the upper left: a mi
 three numbers instead of four, a missing semicolon, an undeclared name; a profile that does not
 exist, no main, types that differ, and the correct program, the only one that draws its triangle.
 The table has every message, with file and line, in glslang's words and in the driver's.
+
+Try: in `ch02_basics/compile_and_link.frag` write `flat in vec3 color` for `in vec3 color`: both
+stages still compile, but the driver refuses to link them, and the run says why.
 """
 
 from dataclasses import replace

@@ -9,6 +9,9 @@ Look at: the bits, the highest at the left. From above, four rows each of bool, 
 Bright is 1. A float has a sign (red), eight bits of exponent (green) and 23 of fraction (blue): of
 1, 2, −0.5 and 0.1 only the last has anything in its fraction, and there the pattern 1001 repeats,
 because a tenth is no sum of powers of two. −1 as an int is the same 32 ones as the largest uint.
+
+Try: in `ch02_basics/glsl_types_bits.frag` write `uint(-integers[component])` for
+`uint(integers[component])`: 1 and −1 change places, and the row of 32 ones keeps a single bit.
 """
 
 import numpy as np

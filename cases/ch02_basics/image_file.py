@@ -6,6 +6,9 @@ reversed. The shader reads bytes 0 … 255 as 0 … 1: each divided by 255. A te
 has an alpha of 1.
 
 Look at: the letter, the right way up, on a field that grows red to the right and green downward.
+
+Try: in `ch02_basics/textured.frag` write `texture(image, TexCoords).bgra` for `texture(image,
+TexCoords)`: red and blue change places, as in a file whose bytes are blue, green and red.
 """
 
 from pathlib import Path

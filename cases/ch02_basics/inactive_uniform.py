@@ -9,6 +9,9 @@ its report, so that nobody searches the formula for the mistake.
 Look at: the three panels. In the second the left dial, `strength`, was turned up, and the lamp is
 brighter. In the third the right one, `unused`, was turned instead, all the way, and the lamp shines
 as in the first, to the bit.
+
+Try: in `ch02_basics/inactive_uniform.frag` write `(strength + 0.5 * unused) * tint` for `strength *
+tint`: now an output depends on it, so the third lamp is brighter, too.
 """
 
 from shaderlab import Case, Output, boundaries, exact, formula, gl_call, inactive_uniforms

@@ -6,6 +6,10 @@ corners had been sent, but the vertex shader runs on four only.
 Look at: the shared edge, which has neither a gap nor a pixel drawn twice: 129600 of 720 × 720
 pixels are a quarter of the window. And at the order of the corners: both triangles run clockwise,
 so with OpenGL's default front face (counter-clockwise) culling back faces leaves nothing at all.
+
+Try: in `ch02_basics/indexed_quad.vert` write `vec4((1.0 + 0.2 * float(gl_VertexID)) * aPos, 1.0)`
+for `vec4(aPos, 1.0)`: each corner moves outward by its number. Both triangles stay together,
+because they share two of them.
 """
 
 import numpy as np

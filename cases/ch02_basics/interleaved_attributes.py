@@ -10,6 +10,10 @@ pixel is its three barycentric coordinates.
 
 Look at: the corners, pure red, green and blue, and the fields, which are an eighth of the texture's
 coordinates wide and high. Both grow evenly over the triangle: they are interpolated alike.
+
+Try: in `ch02_basics/interleaved_attributes.frag` write `step(0.5, ourColor)` for `shade *
+ourColor`: a colour is left where its corner has more than half of the pixel, and the middle is
+black.
 """
 
 import numpy as np

@@ -8,6 +8,9 @@ expects.
 
 Look at: a wall of bricks and its eight smaller levels, each in half the size of the one before, and
 four pixels a texel throughout. The joints go first, then the bricks, and a single brown is left.
+
+Try: in `ch02_basics/mipmapped.frag` write `TexCoords, lod + 1.0` for `TexCoords, lod`: each field
+shows the next smaller level, in texels twice as large.
 """
 
 import numpy as np

@@ -10,6 +10,9 @@ beside NEAREST_MIPMAP_….
 Look at: a texture whose levels each have their own colour, from level −1 below to 5 above. On the
 left are the filters that choose one level, on the right those that mix two; NEAREST within the
 level below, LINEAR above. Steps against a smooth change, and sharp chessboards against blurred.
+
+Try: in `ch02_basics/mipmapped.frag` write `TexCoords, floor(lod)` for `TexCoords, lod`: levels are
+whole numbers now, so all four change in steps and mix nothing.
 """
 
 import numpy as np

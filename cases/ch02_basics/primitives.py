@@ -11,6 +11,9 @@ Look at: the same six vertices, in a zigzag from the left. Above points, lines a
 below triangles, a strip and a fan; a draw's first primitive is amber, later ones turn blue. The
 strip fills the rectangle, although back faces are culled. The fan overlaps itself: its vertices
 should go around the first.
+
+Try: in `ch02_basics/primitives.frag` write `float(gl_PrimitiveID % 2)` for `0.2 *
+float(gl_PrimitiveID)`: neighbours differ, so the primitives of each field can be counted.
 """
 
 import numpy as np

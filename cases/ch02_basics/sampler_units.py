@@ -11,6 +11,10 @@ Look at: the first three panels, what `BaseMap`, `ReflectMap` and `RefractMap` r
 and 2, and at the last one, the mixture of all three. Which unit a texture uses makes no difference
 as long as its sampler has that number: with the three exchanged, the picture is the same to the
 bit.
+
+Try: in `ch02_basics/sampler_units_picture.frag` write `reflected = texture(BaseMap, at)` for
+`reflected = texture(ReflectMap, at)`: the second panel shows the first texture, as it does where
+the sampler was never set.
 """
 
 import numpy as np

@@ -10,6 +10,9 @@ with carriage returns, in Latin-1, in UTF-16, with a NUL, and empty. Characters 
 green, carriage returns yellow, and bytes that ASCII does not have are red; NUL is black, and in
 UTF-16 every second byte is one. The first three draw the same picture, to the bit. The others are
 refused, as are the ones that are missing, a folder, or include themselves.
+
+Try: in `ch02_basics/shader_files.frag` write `byte == 32.0)` for `byte == 10.0)`: spaces are green
+in place of line feeds.
 """
 
 from pathlib import Path

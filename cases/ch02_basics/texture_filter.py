@@ -11,6 +11,10 @@ other lacks.
 Look at: the same small fruit, of 12 × 12 texels, with NEAREST on the left and LINEAR on the right.
 In the row below are five texels of one line: steps, and straight ramps from centre to centre that
 stay level outside of the outermost.
+
+Try: in `ch02_basics/textured.frag` write `texture(image, (floor(12.0 * TexCoords) + 0.5) / 12.0)`
+for `texture(image, TexCoords)`: every pixel reads at the centre of a texel, so both fruits look
+alike.
 """
 
 import numpy as np

@@ -8,6 +8,9 @@ rows are reversed before the upload (or t is, as 1 − t).
 Look at: the field 00, which holds the texel that comes first. On the left the rows lie in memory as
 OpenGL wants them, the lowest first. On the right they came as a loader delivers them, the top row
 first: 00 is where 07 should be, and every figure stands on its head.
+
+Try: in `ch02_basics/textured.frag` write `texture(image, vec2(TexCoords.s, 1.0 - TexCoords.t))` for
+`texture(image, TexCoords)`: the right picture is upright, and the left one stands on its head.
 """
 
 import numpy as np

@@ -10,6 +10,9 @@ Look at: the eight instruments, each of which shows one uniform and nothing else
 left a float, an int as so many dots, the low byte of a uint, a vec3 as a colour; below them
 float[4], vec2[2], a struct as a ball of that material, and the columns of a mat2x3. In the second
 variant all of them have moved.
+
+Try: in `ch02_basics/uniform_types_picture.frag` write `fv[3 - int(min(x, 3.0))]` for `fv[int(min(x,
+3.0))]`: the four bars stand in reverse order.
 """
 
 import numpy as np

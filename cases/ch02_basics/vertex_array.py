@@ -8,6 +8,9 @@ call of glGetError tells why the window is empty.
 
 Look at: the triangle, drawn with its vertex array bound. The same draw without one is the other
 pass, "nothing bound": its window is as it was cleared.
+
+Try: in `ch02_basics/vertex_array.vert` write `aPos.x + 0.5` for `aPos.y + 0.5`: the colour changes
+from left to right.
 """
 
 import numpy as np

@@ -9,6 +9,10 @@ Look at: the rings, green for yaw, red for pitch and blue for roll, each shown a
 Above, a yaw of 40°, a pitch of 40°, a roll of −40°: three different poses. Below, the nose points
 straight up: on the left the blue ring lies in the green one's plane. Then a yaw of 40°, and a roll
 of −40°: the two aircraft stand alike.
+
+Try: in `ch03_transforms/euler_angles.vert` write `rolling * (pitching * (yawing * aPos))` for
+`yawing * (pitching * (rolling * aPos))`: the roll comes last. The lower two aircraft differ,
+although the nose still points straight up.
 """
 
 from math import radians

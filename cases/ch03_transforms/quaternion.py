@@ -9,6 +9,10 @@ Look at: the aircraft, fanned out around the ball from the first orientation on 
 on the right. Between neighbours there are 25° each, that is slerp's even speed. The middle one has
 its nose straight up, the pose that locks a gimbal, and nothing happens there: slerp knows no
 angles.
+
+Try: in `ch03_transforms/quaternion.vert` write `normalize(mix(a, b, t))` for `(sin((1.0 - t) *
+angle) * a + sin(t * angle) * b) / sin(angle)`: the path is the same, but the gaps at its ends
+shrink to 21°, and those in the middle grow to 29°.
 """
 
 from math import acos, degrees, pi, radians, sqrt

@@ -12,6 +12,10 @@ Look at: where the six letters are. All have been stretched to (2, 1, 1), turned
 moved by (1, 2, 3). The rods follow the black point at its foot, (1, 0, 0), through the steps: green
 for the scaling, gold for the rotation, blue for the translation. On top T·R·S and R·T·S, in the
 middle S·T·R and T·S·R, below R·S·T and S·R·T.
+
+Try: in `ch03_transforms/transform_order.vert` write `first * (second * (third * vec4(aPos, 1.0)))`
+for `third * (second * (first * vec4(aPos, 1.0)))`: each letter goes where the reversed product is,
+T·R·S where S·R·T was.
 """
 
 from itertools import accumulate

@@ -8,6 +8,9 @@ other three columns and change both.
 Look at: the letter, twice under the same matrix, and pale where it was. On the left its corners
 have w = 1 and it lands at the tip of the arrow, which is the offset. On the right they have w = 0:
 the letter covers its pale double exactly, the arrow goes off without it.
+
+Try: in `ch03_transforms/translate.vert` write `vec4(0.5 * offset, 1.0)` for `vec4(offset, 1.0)`:
+the left letter stops halfway along its arrow, and the right one does not notice.
 """
 
 from shaderlab import Case, Depth, Erratum, formula

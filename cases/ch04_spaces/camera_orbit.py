@@ -7,6 +7,9 @@ read twice: a camera that goes round to the right sees the world go round to the
 Look at: the strip, row by row from the upper left, twelve frames 30° apart. The letters are read
 from the front in the first and from behind in the seventh; the light stays where it is in the
 world, so the side that is lit comes and goes.
+
+Try: in `ch04_spaces/camera_orbit.vert` write `vec3(0.4, 1.0, 0.0)` for `vec3(0.0, 1.0, 0.0)`: the
+camera tilts, and the ground leans to one side in the first frame and to the other in the seventh.
 """
 
 from math import hypot, radians

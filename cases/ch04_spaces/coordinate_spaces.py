@@ -10,6 +10,9 @@ can be seen.
 Look at: the aircraft and the golden pyramid of what the camera sees, in all six, from the upper
 left. The pyramid comes with the world and is a cube in device coordinates, with the aircraft bent
 to match: its near wing is the larger one. In the last field, the cube from the front is the window.
+
+Try: in `ch04_spaces/coordinate_spaces.vert` write `Clip.xyz / 6.0` for `Clip.xyz / Clip.w`: without
+the division by w, the pyramid is not bent into a cube.
 """
 
 from math import radians

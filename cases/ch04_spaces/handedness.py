@@ -8,6 +8,9 @@ falls as z in view space grows: z rising means coming nearer.
 Look at: the blue arrows. The dice are the same on both sides, gold the nearest. On the left z comes
 towards you, and the dice stand at ever lower z. On the right z points away, it takes the left hand
 to follow these axes, and from gold to ink z grows: a depth.
+
+Try: in `ch04_spaces/handedness.vert` write `vec3(-1.0, 1.0, 1.0)` for `vec3(1.0, 1.0, -1.0)`: on
+the right x points to the left and z towards you, which still takes the left hand.
 """
 
 from math import radians

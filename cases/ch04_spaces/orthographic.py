@@ -8,6 +8,9 @@ sun, and text are drawn this way.
 Look at: the track. Its rails run side by side to the very end, and the last post is exactly as tall
 as the first. You can't tell how far away anything is; compare the perspective picture of the same
 track.
+
+Try: in `ch04_spaces/orthographic.vert` write `1.0 / (top - bottom)` for `2.0 / (top - bottom)`: the
+box is twice as high, so all that is in it is half as tall.
 """
 
 import numpy as np

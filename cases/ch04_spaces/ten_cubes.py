@@ -8,6 +8,9 @@ Look at: where boxes overlap. What is in front covers what is behind, the right 
 ten, although the farthest was drawn last. Each pixel's box is checked against a ray sent through
 the scene, which knows nothing of triangles or depth buffers; drawn the other way round, every pixel
 comes out the same, bit for bit.
+
+Try: in `ch04_spaces/ten_cubes.vert` write `Normal = aNormal` for `Normal = mat3(model) * aNormal`:
+each box takes its light along when it turns, and all show the same bright side.
 """
 
 import numpy as np

@@ -8,6 +8,9 @@ Look at: one and the same square of device coordinates in six viewports. Lines s
 the dark cross is x = 0 and y = 0, and the gold disc lies around (½, −½) in each of them: three
 quarters of the way to the right, one quarter up, whatever the rectangle; round only where that is a
 square.
+
+Try: in `ch04_spaces/viewport.vert` write `vec4(aPos, 2.0)` for `vec4(aPos, 1.0)`: w halves the
+square around the centre of each viewport.
 """
 
 import numpy as np

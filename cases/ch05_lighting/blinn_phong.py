@@ -8,6 +8,10 @@ stays below 90° while light and viewer are above the surface: nothing is cut of
 Look at: the floor behind the lamp, Phong on the left, Blinn on the right. With a low shininess the
 left one has an edge. For the same shininess Blinn's highlight is the larger one, because the
 halfway vector turns only half as fast as the mirrored ray.
+
+Try: in `ch05_lighting/blinn_phong.frag` write `blinnLobe(normal, lightDir, viewDir, 4.0 *
+shininess)` for `blinnLobe(normal, lightDir, viewDir, shininess)`: Blinn's highlight becomes about
+as small as Phong's.
 """
 
 from math import cos, radians, sin, tan

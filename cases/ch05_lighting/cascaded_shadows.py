@@ -9,6 +9,9 @@ rays tell how many shadows each scheme gets wrong, near and everywhere.
 
 Look at: an avenue. Above, each of three cascades in a colour of its own: red, green, blue. Below,
 their shadows: as sharp at the end of the road as at its beginning.
+
+Try: in `ch05_lighting/cascaded_shadows.frag` write `i < 0` for `i < CASCADES - 1`: the first map
+serves the whole road, and where it ends so do the shadows.
 """
 
 from itertools import pairwise

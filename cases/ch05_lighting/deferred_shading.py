@@ -10,6 +10,9 @@ round positions to thousandths, and bytes round colours and cannot hold a direct
 Look at: the three attachments of the G-buffer, places (upper left), normals (upper right), albedo
 (lower left), and what sixteen small lamps make of them (lower right). Nothing in the three knows of
 any lamp.
+
+Try: in `ch05_lighting/deferred_buffer.frag` write `vec3(0.0, 1.0, 0.0)` for `normalize(Normal)`:
+the lamps light every ball as if it lay flat on the floor.
 """
 
 from math import cos, sin

@@ -8,6 +8,9 @@ position, and a colour only through these three.
 Look at: the same vase of one material in four lights. Upper left all three parts are white: flat
 and overexposed. Upper right is 0.2, 0.5, 1. Lower left is a candle, whose shadows are deep and
 warm; lower right a bright blue sky with a weak lamp. The material has not changed.
+
+Try: in `ch05_lighting/material.frag` write `vec3(0.0)` for `light.ambient * material.ambient`: what
+no lamp reaches is black in all four pictures.
 """
 
 from shaderlab import Case, assets

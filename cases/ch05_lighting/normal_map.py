@@ -11,6 +11,9 @@ Look at: one wall of two triangles, four times. Upper left it is lit as the flat
 The other three have the normal map, and a lamp that moves around them: every joint is dark on the
 side towards the lamp and bright on the other, and the wall is turned away from the viewer, so the
 map's normals had to turn with it.
+
+Try: in `ch05_lighting/normal_map.frag` write `TBN * vec3(normal.x, -normal.y, normal.z)` for `TBN *
+normal`: level joints are lit from the wrong side: some normal maps count green downward.
 """
 
 import numpy as np

@@ -11,6 +11,9 @@ Look at: the grid, roughness from 0.15 on the left to 1 on the right, from plast
 above. Four lamps hang before it. To the right the highlights spread and become fainter, because the
 same light goes to more directions. Upward the diffuse part disappears, and the highlights take on
 the material's colour. Metals look dark here: their world would be in their reflections.
+
+Try: in `lib/microfacets.glsl` write `float alpha = roughness` for `float alpha = roughness *
+roughness`: smooth balls get larger highlights, and the roughest column does not change.
 """
 
 import numpy as np

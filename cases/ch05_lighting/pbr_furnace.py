@@ -12,6 +12,9 @@ middle, the rational approximation with k = α/2. Below, with k = (roughness + 1
 for lamps: in light from everywhere even the smoothest ball has a black rim. The shader adds up 128
 halfway vectors, as few as show that; at n·v = 0.7 and roughness 0.5 they give 0.893975 where the
 integral is 0.884792.
+
+Try: in `lib/furnace.glsl` write `form == SKY ?` for `form == DIRECT ?`: the middle and the lower
+row change places.
 """
 
 import numpy as np

@@ -11,6 +11,9 @@ How far a lobe reaches in a direction is how bright the point looks from there: 
 blue where only Blinn's does. Below both have the exponent 8, and Blinn's lobe ends flat on the
 ground; above it has 32, and a thin blue rim is all that is left. There is no red, which would be
 Phong's alone: ((1 + cos α) / 2)² is never below cos α.
+
+Try: in `ch05_lighting/phong_vs_blinn.frag` write `4.0 * blinnExponent)` for `blinnExponent)`: the
+lower lobe becomes what the upper one was, and above, Phong's shows in red.
 """
 
 from math import cos, radians, sin

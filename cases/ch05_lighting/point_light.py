@@ -7,6 +7,10 @@ less diffuse light, but also less ambient light.
 Look at: the plaza of the directional light at night, with one bulb in its midst. All balls show
 their lit sides to the bulb, each another side. The tiles around it are bright and the corners
 nearly dark; even the ambient light ends there, because it fades as well.
+
+Try: in `ch05_lighting/point_light.frag` write `CalcPointLight(light, surface) / factor` for
+`CalcPointLight(light, surface)`: the light no longer fades, and the corners are as bright as the
+middle.
 """
 
 from shaderlab import Case, formula, sweep

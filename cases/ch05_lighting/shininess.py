@@ -9,6 +9,9 @@ Look at: the strip, s = 2, 4, 8 … 256 from left to right. Below each ball is i
 angle, from −50° to 50° off the mirrored ray; amber is what is above one half, so its width is the
 half-power angle, twice. A real polished ball would reflect more than a dull one in the middle: the
 plain Phong lobe does not know that.
+
+Try: in `lib/reflection.glsl` write `pow(cosine, 0.5 * shininess)` for `pow(cosine, shininess)`:
+each ball gets the highlight and the lobe of its left neighbour.
 """
 
 from math import acos, radians, tan

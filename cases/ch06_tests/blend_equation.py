@@ -7,6 +7,9 @@ result is α² + (1 − α)·Ad and not the source's α. Green at 0.6 over opaqu
 Look at: the discs, an opaque red one and a green one with an α of 0.6 laid over it. Where they
 overlap is the figure above; elsewhere the paper shows through, and its alpha sinks below 1 although
 it was opaque before. Drawn over red with every α from 0 to 1, each pixel obeys the same equation.
+
+Try: in `ch06_tests/blend_disc.frag` write `0.5 * alpha * inside` for `alpha * inside`: the red disc
+is half transparent as well, and the paper shows through both.
 """
 
 from dataclasses import replace

@@ -12,6 +12,9 @@ it, DST_ALPHA, 1 − it, the constant's four, and SATURATE. Each field shows its
 lower right half its alpha. In floats the numbers are chosen so that nothing needs rounding, and
 every field is exact, below zero and above one too. In eight bits what leaves 0…1 is cut off, and no
 code is more than one from the formula's: half a code for each of the two products.
+
+Try: in `ch06_tests/blend_equation.frag` write `vec4(color, 1.0)` for `vec4(color, alpha)`:
+SRC_ALPHA and DST_ALPHA do what ONE does, and 1 minus either what ZERO does.
 """
 
 import numpy as np

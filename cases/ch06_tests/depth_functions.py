@@ -8,6 +8,9 @@ Look at: the table. Its columns are NEVER, LESS, EQUAL, LEQUAL, GREATER, NOTEQUA
 ALWAYS; its rows, from the bottom, a fragment nearer than, equal to and farther than the stored
 depth of ½. Each field is one draw: first the whole table in red, then one green field at a time,
 which the depth test lets through or not.
+
+Try: in `ch06_tests/count.frag` write `gl_FragDepth = 0.5; total = worth` for `total = worth`: all
+fragments have the stored depth, and all rows are like the middle one.
 """
 
 import numpy as np

@@ -9,6 +9,10 @@ Look at: two charts over the distance from 0.1 to 100, in decades, with lines at
 the near plane at 1 above, at 0.1 below, and the far plane at 100. Each stripe is a twentieth of all
 codes. With n = 0.1 half of them are used up before z = 0.2. The steps in the curve were counted in
 the buffer itself: strips of it that run from 2 % before a distance to 2 % behind it.
+
+Try: in `ch06_tests/depth_ruler.frag` write `(z - near) / (far - near)` for `(1.0 / z - 1.0 / near)
+/ (1.0 / far - 1.0 / near)`: a depth that grows with the distance itself would give nearly all codes
+to what is far.
 """
 
 import numpy as np

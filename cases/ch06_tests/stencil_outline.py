@@ -8,6 +8,10 @@ is left of the larger box is what the objects themselves do not cover, pixel for
 Look at: the two boxes and their outlines. Both boxes share one mark: where one box is in front of
 the other, no line separates them, and the outline runs over the floor only. It is not equally wide
 all around, because a box is scaled about its middle: near corners move further on the screen.
+
+Try: in `ch06_tests/single_color.frag` write `vec4(color * step(0.5, fract(gl_FragCoord.x / 16.0)),
+1.0)` for `vec4(color, 1.0)`: only the outlines are dashed, because only they are drawn by this
+shader.
 """
 
 from dataclasses import replace

@@ -9,6 +9,9 @@ Look at: three discs of glass before a wall, red the farthest, blue the nearest,
 that stands between green and blue. Left: drawn from far to near. Middle: from near to far, and red
 seems to lie in front where all three overlap. Right: from near to far with the depth written, and
 what is behind a pane is not seen at all.
+
+Try: in `ch06_tests/glass.frag` write `FragColor = vec4(color.rgb, 1.0)` for `FragColor = color`:
+opaque discs need no order where the depth is written: the right panel looks like the left one.
 """
 
 import numpy as np

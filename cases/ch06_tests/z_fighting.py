@@ -10,6 +10,9 @@ which only hides the question. A 32-bit float depth buffer gains nothing here: F
 Look at: an orange wall right behind a teal one, slanting away to the right, in 16 bits of depth.
 From left to right the near plane is at 0.01, at 0.1, and at 0.01 with a polygon offset of (−1, −1)
 for the teal wall. Orange should be seen nowhere; the stripes are pairs of equal codes.
+
+Try: in `ch06_tests/z_fighting.vert` write `aPos.y + 4.0 * aGap` for `aPos.y + aGap`: the walls are
+two steps apart, and no stripe is left.
 """
 
 from itertools import product

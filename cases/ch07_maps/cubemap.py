@@ -12,6 +12,9 @@ own, with figures that count along s and then along t; as t runs down, they stan
 the ball the fields shrink towards the corners of the cube: texels there stand for a smaller part of
 the sphere. On the right the cube is unfolded, as seen from inside: −X, +Z, +X and −Z in a row, +Y
 above +Z and −Y below it.
+
+Try: in `ch07_maps/cubemap_ball.frag` write `textureLod(faces, normal, 0.0)` for `textureLod(faces,
+FragPos, 0.0)`: the ball stays as it is, and each face of the cube reads a single texel.
 """
 
 from dataclasses import replace

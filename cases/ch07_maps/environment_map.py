@@ -8,6 +8,9 @@ taken to be far away. Glass of index 1.52 bends by the ratio 1/1.52 = 0.658 and 
 Look at: a ring of metal on the left, a ball of glass in the middle, a vase of metal on the right.
 In the ball the hills stand on their heads, as in any lens; its rim is a mirror. Beyond an angle of
 41° no ray leaves the glass any more: `refract` then gives (0, 0, 0).
+
+Try: in `ch07_maps/environment_map.frag` write `refract(ray, normal, 1.0)` for `refract(ray, normal,
+ratio)`: nothing is bent, so you see straight through the ball, and only its rim still reflects.
 """
 
 from shaderlab import Case, Depth, any_order, assets, formula, measure

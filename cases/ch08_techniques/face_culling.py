@@ -10,6 +10,9 @@ Look at: the table. In the lower two rows squares run counter-clockwise, in the 
 of each two rows the lower one has GL_CCW for front, the upper one GL_CW. From left to right: no
 culling, GL_FRONT, GL_BACK, both. Amber fields show a front face, blue ones a back face; where one
 was culled the ground is seen.
+
+Try: in `ch08_techniques/face_culling.vert` write `turned ? aPos.x : -aPos.x` for `turned ? -aPos.x
+: aPos.x`: the rows of the two windings change places.
 """
 
 import numpy as np

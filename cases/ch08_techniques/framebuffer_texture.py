@@ -7,6 +7,10 @@ coordinate (0, 0) is the scene's lower left corner.
 
 Look at: a box whose sides are screens. They show one scene, which was drawn once. Laid over a
 window of its own size, texel on pixel, the texture is the scene bit for bit.
+
+Try: in `ch08_techniques/framebuffer_texture.frag` write `texture(screen, 2.0 * TexCoords)` for
+`texture(screen, TexCoords)`: the scene shrinks into a corner of each screen, and its edge fills the
+rest.
 """
 
 import numpy as np

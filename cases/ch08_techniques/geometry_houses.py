@@ -8,6 +8,9 @@ roof, whose tip is white. The same points also become outlines (line_strip) and 
 Look at: the four houses at (±½, ±½), in the colours of their points. The white of the tip fades
 into the colour of the walls: it is an output of the vertex that was emitted last, and is
 interpolated.
+
+Try: in `ch08_techniques/geometry_houses.geom` write `vec2(0.0, 4.0)` for `vec2(0.0, 2.0)`: the
+roofs become spires, and the outlines stay, which another shader draws.
 """
 
 import numpy as np

@@ -8,6 +8,9 @@ there may be, at least 8: GL_MAX_COLOR_ATTACHMENTS, GL_MAX_DRAW_BUFFERS.
 
 Look at: the four pictures of one draw: above the light and the bright parts alone, below normals as
 colours (x in red, y in green, z in blue) and luminance.
+
+Try: in `ch08_techniques/multiple_render_targets.frag` write `Luminance > 0.1` for `Luminance >
+0.4`: much more of the scene would glow, and the other three pictures do not change.
 """
 
 from shaderlab import Case, Output, Texture, assets, exact, formula

@@ -12,6 +12,9 @@ five here are common ones.
 Look at: the five pictures, and how the kernel with −15 in its middle draws each edge twice. The
 last kernel, an emboss, is not the same turned round: it shows whether the weights' rows run from
 top to bottom, as they are printed, or the other way.
+
+Try: in `ch08_techniques/post_kernels.frag` write `vec2(column - 1, row - 1)` for `vec2(column - 1,
+1 - row)`: only the emboss changes: all other kernels are the same upside down.
 """
 
 import numpy as np

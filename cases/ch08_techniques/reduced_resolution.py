@@ -11,6 +11,10 @@ finds.
 Look at: one strip of the picture five times: in full; at half the resolution with NEAREST and with
 LINEAR; at a quarter with both. And at the table of times: whether smaller is faster depends on what
 the vertices cost, which resolution does not change.
+
+Try: in `ch08_techniques/reduced_resolution.frag` write `vec4(0.5 + 2.0 * (color - texture(whole,
+st).rgb), 1.0)` for `vec4(color, 1.0)`: what is lost remains, on grey: nothing on the left, then
+more and more edges.
 """
 
 from shaderlab import Case, Output, Target, cost, formula, fullscreen, measure, reading

@@ -9,6 +9,9 @@ least as many as requested, and every driver supports four.
 Look at: the same wheel of spokes, on the left with one sample a pixel, on the right with four, both
 enlarged eightfold. Spokes that are nearly upright or level show it best: steps become ramps. Near
 the hub, where spokes are thinner than a pixel, one sample loses them altogether.
+
+Try: in `ch09_antialiasing/msaa.frag` write `float shown = lit` for `float shown = pow(max(lit,
+1.0e-6), 1.0 / 2.2)`: the smooth edges get darker, because a display expects encoded light.
 """
 
 from functools import cache
@@ -24,6 +27,7 @@ from shaderlab import (
     formula,
     fullscreen,
     gl_call,
+    gl_calls,
     measure,
     mesh_pass,
     reading,
@@ -213,6 +217,10 @@ case = Case(
             name="more samples than there are: 0x0502",
         ),
         gl_call("glGetIntegerv", "GL_MAX_SAMPLES", at_least=4, name="every driver offers four"),
+        # A driver may give more than it is asked for, so pixels can't tell.
+        gl_calls(
+            "glTexImage2DMultisample", samples=4, times=1, pass_name="four", name="four asked"
+        ),
         measure(
             "the picture",
             furthest_shown,

@@ -9,6 +9,9 @@ runs once for each sample.
 Look at: an edge through twelve by eight pixels, the dark side on its right. Each pixel's four
 samples are drawn where they are: orange if the triangle covers them, blue if not. A pixel's grey is
 the share of orange ones: five levels are possible, and the edge runs through all of them.
+
+Try: in `ch09_antialiasing/multisample_coverage.frag` write `texelFetch(samples, pixel, 0).r);` for
+`coverage);`: one sample decides for the whole pixel, and no grey is left.
 """
 
 import numpy as np

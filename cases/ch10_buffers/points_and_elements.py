@@ -9,6 +9,10 @@ point is a square of gl_PointSize pixels around its vertex.
 Look at: the seven squares, 24 pixels wide each: 576 pixels, 4032 together. They are the same on
 both sides. A line strip of the same vertices runs through them, on the left in the order of the
 buffer, on the right in that of a list of seven bytes, which takes every third one.
+
+Try: in `ch10_buffers/points.vert` write `PointSize = size * (0.4 + 0.2 * float(gl_VertexID))` for
+`PointSize = size`: points grow with their number in the buffer, on both sides alike, in whatever
+order they are drawn.
 """
 
 import numpy as np

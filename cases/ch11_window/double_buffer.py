@@ -12,6 +12,9 @@ drawn into in turn, stand in for the front and the back buffer, and a copy stand
 Look at: seven refreshes while a ball rolls to the right, from left to right in time: every second
 one comes in the middle of a frame. Above, with one buffer, those (framed red) show the sky alone.
 Below, with two, they show the last whole frame once more.
+
+Try: in `ch11_window/double_buffer_sky.frag` write `if (place.x > 0.0) discard; vec3 sky` for `vec3
+sky`: nothing is painted over on the right, and the ball that was drawn there before stays.
 """
 
 import numpy as np

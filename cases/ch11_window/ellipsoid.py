@@ -9,6 +9,9 @@ segments and 32 rings 0.24 % of the radius.
 Look at: the light on the two. Both have the same shape, half axes 1, 0.45 and 0.7. On the left the
 normals are the gradient's; on the right they are the globe's, stretched along with it, and the
 light falls as if on something rounder: the brightest place is too far down the side.
+
+Try: in `ch11_window/ellipsoid.frag` write `Local / axes;` for `Local / (axes * axes);`: the globe's
+own normals, not stretched, are wrong as well, but less so.
 """
 
 import numpy as np

@@ -11,6 +11,9 @@ show when the frames were. In the upper strip all 64 take 1/32 second, in the mi
 eight times as long as others, and yet their dots lie on the same arcs, which are grey behind them.
 Below, the same uneven frames with steps as long as the frames are: the ball flies lower, and soon
 bounces at other times.
+
+Try: in `ch11_window/fixed_timestep.frag` write `-speed` for `-0.75 * speed`: with fixed steps the
+ball loses nothing, and rises about as high each time.
 """
 
 import numpy as np

@@ -9,6 +9,9 @@ row r from the top is row `height − 1 − r` from the bottom. A shader may ask
 Look at: the two windows of 16 × 12 pixels, each with a dot at its centre. Red grows with x, green
 with y, as each pixel itself says where it is; the one that says (0.5, 0.5) is yellow. On the left
 it is the lower left one, on the right, where the origin was asked to be above, the upper left one.
+
+Try: in `ch11_window/window_origin_upper.frag` write `in vec4 gl_FragCoord` for `layout
+(origin_upper_left) in vec4 gl_FragCoord`: the right window counts from its lower left corner, too.
 """
 
 import numpy as np

@@ -10,6 +10,9 @@ name and the line.
 Look at: the lighthouse. Its plaster (dull, light) and its paint (red, with a highlight) are two
 draws of two meshes from one file; the painted half is written with relative indices only. Where
 bands meet, the edge is sharp although the corners coincide: they differ in their normals.
+
+Try: in `ch12_models/obj_model.frag` write `fract(12.0 * TexCoords.s)` for `fract(12.0 *
+TexCoords.t)`: the joints run upward instead of around.
 """
 
 from functools import cache

@@ -164,6 +164,35 @@ def test_a_framebuffer_that_is_not_the_targets_is_no_lack_of_the_driver(
     assert record.status == "error" and "another framebuffer" in record.message
 
 
+def test_one_sample_in_place_of_four_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Some drivers give four then, and draw the same pixels."""
+    begin = target.RenderTarget.__init__
+
+    def begun(self: Any, device: Any, wanted: Any, *rest: Any) -> None:
+        begin(self, device, replace(wanted, samples=min(wanted.samples, 1)), *rest)
+
+    monkeypatch.setattr(target.RenderTarget, "__init__", begun)
+    assert_noticed("msaa", "four", "four asked")
+
+
+def test_an_offset_that_is_not_switched_on_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where the driver takes the switch of lines for that of filled polygons."""
+    enabled = target.GL.glEnable
+    fill = target.GL.GL_POLYGON_OFFSET_FILL
+    monkeypatch.setattr(target.GL, "glEnable", lambda cap: None if cap == fill else enabled(cap))
+    assert_noticed("z-fighting", "picture", "orange in the picture")
+
+
+def assert_noticed(case_id: str, drawn: str, check: str) -> None:
+    """Run one pass of a case, which one check has to fail."""
+    scene = next(shipped()[case_id].scenes())
+    passes = tuple(p for p in scene.passes if p.name == drawn)
+    asked = tuple(e for e in scene.expect if e.name == check)
+    with SceneRunner() as lab:
+        record = lab.run(replace(scene, passes=passes, expect=asked))
+    assert record.status == "fail" and asked, record.message
+
+
 @pytest.mark.parametrize("kept", [0, 1])
 @pytest.mark.parametrize("case_id", ["texture-filter", "mipmap-filters"])
 def test_one_filter_in_place_of_two_is_noticed(

@@ -41,7 +41,7 @@ def _list_calls(
 ) -> Sequence[tuple[str, Sequence[Any]]]:
     """List the calls that set a state: functions and their arguments."""
     switches = {
-        "polygon_offset_line": state.polygon_offset is not None,
+        "polygon_offset_line": False,  # a driver may take it for that of filled polygons
         "framebuffer_srgb": state.srgb,
         "program_point_size": isinstance(state.point_size, str),
         "multisample": state.multisample,
