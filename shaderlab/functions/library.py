@@ -261,6 +261,32 @@ class Function:
         if any(outcome.status != "pass" for outcome in outcomes):
             raise AssertionError(checks.format_failures(call, outcomes))
 
+    def prove(self, law: Callable[..., Any], /, **ranges: tuple[float, float] | str) -> None:
+        """Prove that something holds of the results for all arguments of some ranges, on every
+        conforming device.
+
+        Args:
+            law: a condition of the results, with the functions of `shaderlab.glslmath`, such as
+                `lambda y: (y >= 0.0) & (y <= 1.0)`; NaN meets none.
+            ranges: both ends for each argument by its name (`light_reach` is light.reach), or
+                "unit" for vectors of length 1; of a texture's texels 0 to 1 by default.
+
+        Raises:
+            AssertionError: an input for which it does not hold, or what is left open.
+            CallError: a range is missing, or the function can't be interpreted alone.
+        """
+        __tracebackhide__ = True
+        from shaderlab.functions.proving import prove_law
+
+        try:
+            outcome = prove_law(self, self._source, law, ranges)
+        except ShaderlabError as error:
+            raise error.with_traceback(_short_traceback(error)) from error.__cause__
+        if (found := current_notes()) is not None:
+            found.outcomes.append(replace(outcome, line=sys._getframe(1).f_lineno))
+        if outcome.status != "pass":
+            raise AssertionError(outcome.message)
+
     def _note(self, call: Call) -> Notes | None:
         """Note a call for the test that runs, or that no test makes it."""
         found = current_notes()

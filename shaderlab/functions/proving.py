@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,21 +11,72 @@ import numpy as np
 
 from shaderlab.analysis.answer import format_inputs
 from shaderlab.analysis.audit import Audit, Hazard
-from shaderlab.analysis.interpreter import Program
+from shaderlab.analysis.hazards import find_written_outputs
+from shaderlab.analysis.inputs import domains_of, inputs_of, sample_inputs
+from shaderlab.analysis.interpreter import Program, load
 from shaderlab.analysis.interpreter.interpret import interface_name
+from shaderlab.analysis.proof import Proof
 from shaderlab.analysis.requests import AuditFile
+from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv import StorageClass, type_name
 from shaderlab.errors import CallError, ShaderlabError
 from shaderlab.functions.evaluation import use_worker
-from shaderlab.functions.interpreting import AuditFunctions
-from shaderlab.functions.library import Library
+from shaderlab.functions.interpreting import AuditFunctions, find_entry_points
+from shaderlab.functions.library import Function, Library
 from shaderlab.functions.signatures import PREFIX, Type
+from shaderlab.model.records import Outcome, SourceText
 
 if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
 
 _MAIN = re.compile(r"\bvoid\s+main\s*\(")
 _NUMBERS = re.compile(r"(float|int|uint|[iu]?vec[234])")
+
+
+class _Here:
+    """Stands in for a worker where nothing may hang."""
+
+    def note(self, step: str) -> None:
+        """Nobody asks."""
+
+
+def prove_law(
+    function: Function, source: Source, law: Callable[..., Any], ranges: Mapping[str, Any]
+) -> Outcome:
+    """Whether a condition of a function's results holds for all arguments; see `Function.prove`."""
+    entries = {str(one): stage for one, stage in find_entry_points(source, _Here())}  # type: ignore[arg-type]
+    signature = function.signatures[0]
+    if len(function.signatures) > 1 or str(signature) not in entries:
+        raise CallError(
+            f"{function.__name__} is overloaded, or of an included file",
+            remedy='choose one, such as f["vec3"], of the file that defines it',
+        )
+    program = load(entries[str(signature)])
+    inputs = inputs_of(program)
+    words = {n: r if isinstance(r, str) else f"{r[0]!r}:{r[1]!r}" for n, r in ranges.items()}
+    domains = domains_of(inputs, [program], words)
+    for name, domain in domains.items():
+        if domain.source == "assumed" and domain.kind != "texture":
+            raise CallError(f"{function.__name__}: {name} has no range", remedy=f"{name}=(0, 1)")
+    proof = Proof(
+        program, inputs, domains, hazards=False,
+        condition=lambda outputs: {"the law holds": law(*outputs.values())},
+        tried=[sample_inputs(inputs, domains, 1024, 0)],
+    )  # fmt: skip
+    message = "\n".join(str(one) for one in proof.claims() if one.status == "open")
+    for batch, row, _ in proof.points.values():
+        example = batch.example(row, inputs)
+        values = find_written_outputs(program, *batch.alone(row, program))
+        shown = {n: tuple(map(float, v)) for n, v in values.items() if n != "discard"}
+        found = Hazard(file="", line=0, kind="", message="", inputs=example, outputs=shown)
+        message = f"{signature} breaks the law with {format_inputs(example)}\n"
+        message += f"    {format_inputs(shown)}\n    {_confirm(program, found).driver}"
+    file, line = function.place_of(signature)
+    text = SourceText(file=file, line=line, language="glsl", text=signature.definition)
+    return Outcome(
+        name=function.__name__, kind="proof", status="fail" if message else "pass",
+        message=message, judged=proof.tried, sources=(text,),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
