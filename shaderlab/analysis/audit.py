@@ -19,7 +19,7 @@ import numpy as np
 from shaderlab.model.frame import Array, Bindings, Texels
 
 from .answer import format_inputs
-from .batches import InputBatch, join_batches, merge_batches, run_batch
+from .batches import InputBatch, merge_batches, run_batch
 from .checks import INDEX, OVERFLOW, Place, WatchedInstruction, Watcher
 from .hazards import (
     Audit as Audit,
@@ -36,7 +36,6 @@ from .inputs import (
     inputs_of,
     interpolate_inputs,
     is_place,
-    keep_in_order,
     sample_inputs,
 )
 from .interpreter import Program
@@ -50,7 +49,6 @@ RANDOM, ZERO, EQUAL = range(3)
 _MIN_TEXEL = 0.02  # of sampled textures; a smaller one is a direction's
 _NEAR_0 = 1e-5
 _MAX_PAIRS = 120
-_COPIES = 3  # of each special input, with other values of all others
 _GENERATIONS = 18
 _BOXES = 4096
 _STEPS = 8  # on the way between both signs of a margin
@@ -60,21 +58,10 @@ _TINY = 1e-6  # of the usual margin: so near to a change of sign it passes throu
 def first_batch(
     inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], count: int
 ) -> InputBatch:
-    """Random invocations, and special ones after them. Textures hold 0 and 1 here and there."""
+    """Random invocations. Textures hold 0 and 1 here and there."""
     batch = sample_inputs(inputs, domains, count, 0)
     textures = {name: _with_extremes(texels) for name, texels in batch.bindings.textures.items()}
-    batch = InputBatch(batch.each, Bindings(textures=textures), batch.count)
-    parts = [batch]
-    rng = np.random.default_rng(5)
-    for each in _special_values(inputs, domains):
-        some = batch.part(rng.integers(0, batch.count, _COPIES))
-        changed = dict(some.each)
-        for name, value in each.items():
-            other = changed[value] if isinstance(value, str) else np.float32(value)
-            changed[name] = np.broadcast_to(other, changed[name].shape).copy()
-        keep_in_order(changed, domains)
-        parts.append(InputBatch(changed, batch.bindings, some.count))
-    return join_batches(parts)
+    return InputBatch(batch.each, Bindings(textures=textures), batch.count)
 
 
 def find_origins(
@@ -108,29 +95,6 @@ def _with_extremes(texels: Texels) -> Texels:
     values[..., : rows // 4, :, :] = 0.0
     values[..., rows // 2 : 3 * rows // 4, :, :] = 1.0
     return replace(texels, values=values)
-
-
-def _special_values(
-    inputs: Mapping[str, Input], domains: Mapping[str, InputDomain]
-) -> Iterator[dict[str, float | str]]:
-    """Inputs that are all 0 or an end of their range, and pairs that are equal: a value by input,
-    or the name of another one."""
-    continuous = [n for n, one in inputs.items() if is_continuous(one, domains[n])]
-    for name in continuous:
-        domain = domains[name]
-        if domain.kind == "number":
-            for value in dict.fromkeys((0.0, domain.low, domain.high)):
-                if domain.low <= value <= domain.high:
-                    yield {name: value}
-    pairs = [
-        (a, b)
-        for a, b in itertools.combinations(continuous, 2)
-        if inputs[a].type == inputs[b].type and domains[a].kind == domains[b].kind
-        if domains[b].kind == "unit"
-        or domains[a].low <= domains[b].low <= domains[b].high <= domains[a].high
-    ]
-    for a, b in pairs[:_MAX_PAIRS]:
-        yield {a: b}
 
 
 def is_continuous(one: Input, domain: InputDomain) -> bool:
@@ -239,7 +203,8 @@ def search_inputs(
     for place, (some, row, instruction) in proof.points.items():
         if instruction is not None:
             origin = int(find_origins(some, inputs, domains)[row])
-            found[place] = Counterexample(place, instruction, some, row, origin)
+            if place not in found or origin < found[place].origin:
+                found[place] = Counterexample(place, instruction, some, row, origin)
     names = [n for n, one in inputs.items() if is_continuous(one, domains[n])]
     for place, one in watched.items():
         if one.check.crosses and (place not in found or found[place].origin != RANDOM):
@@ -350,8 +315,8 @@ def _claims(
     for place, e in found.items():
         file, line = program.place(e.watched.at.line)
         if (line, place.kind) not in shown and place.kind != OVERFLOW.kind:
-            where = format_inputs(e.batch.example(e.row, e.batch.each))
-            note = f"it happens with {where}, where no output depends on it"
+            note = "no output depends on it with "
+            note += format_inputs(e.batch.example(e.row, e.batch.each))
             yield Claim(file=file, line=line, what=f"no {place.kind}", status="open", note=note)
     for place, (batch, row, watched) in proof.points.items():
         if watched is None and not hazards:

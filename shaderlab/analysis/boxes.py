@@ -122,10 +122,6 @@ class Space:
         small = (self.relative(low, high) < _FINEST) | (after >= high)
         return np.where(self.whole, high > low, ~small)
 
-    def middle(self, low: Array, high: Array) -> Array:
-        """The middle of boxes."""
-        return np.where(self.whole, np.floor((low + high) / 2.0), (low + high) / 2.0)
-
     def halve(self, low: Array, high: Array, sides: Array) -> tuple[Array, Array]:
         """Both halves of boxes at one side of each, whose common end is in both; at 0, or of a
         range of several magnitudes at a middle one."""

@@ -26,8 +26,7 @@ from .inputs import Input, InputDomain
 from .interpreter import FLOAT32, Interpreted, Program, interpret
 from .interpreter.values import Flags
 
-BOXES = 200_000
-"""How many boxes are run at most."""
+BOXES = 200_000  # that are run at most
 _AT_ONCE = 2048
 _POINTS = 16_384  # run in float32 for so many boxes
 _MAX_BLOCKS = 2000
@@ -36,12 +35,10 @@ _NARROWER = 256.0  # times than the widest side: a side is not halved before tha
 _OUTPUT, _UNKNOWN = -1, -2  # ids of places: an output, what could not be run
 _NEEDED = ("gl_FragDepth", "gl_Position")
 
-Condition = Callable[[Mapping[str, Any]], Mapping[str, Any]]
-"""What has to hold of the outputs, in words: a `TriBool` of bands, an array of float32."""
+Condition = Callable[[Mapping[str, Any]], Mapping[str, Any]]  # what has to hold, in words
 
 
-Point = tuple[InputBatch, int, WatchedInstruction | None]
-"""A row of a batch, for which something does not hold; the instruction, if it is about one."""
+Point = tuple[InputBatch, int, WatchedInstruction | None]  # a row; what goes wrong there
 
 
 def are_finite(outputs: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -67,7 +64,7 @@ class Proof:
         program, inputs, domains: one stage, and what it reads, as of `domains_of`.
         condition: what has to hold of the outputs.
         refuted, tried: places that are not asked about, and inputs to begin with.
-        counts: which inputs count as counterexamples; by default all.
+        counts: which inputs settle a place, by default all; `points` has others if none does.
         hazards: whether instructions are watched.
         boxes: how many boxes are run at most.
 
@@ -182,7 +179,8 @@ class Proof:
         """How much each side of a box changes what is open in it, from the middle to an end. What
         goes wrong at one of these points is refuted."""
         count, sides = low.shape
-        points = np.repeat(self._space.middle(low, high)[:, None], 2 * sides + 3, axis=1)
+        middle = np.where(self._space.whole, np.floor((low + high) / 2.0), (low + high) / 2.0)
+        points = np.repeat(middle[:, None], 2 * sides + 3, axis=1)
         points[:, -2], points[:, -1] = low, high
         for k in range(sides):
             points[:, 2 * k + 1, k], points[:, 2 * k + 2, k] = low[:, k], high[:, k]
@@ -212,11 +210,11 @@ class Proof:
         bad = {place: one.bad for place, one in watcher.found.items() if self._hazards}
         counted = ~np.zeros(1, np.bool_) if self._counts is None else self._counts(batch)
         for place, rows in (bad | self._judge(result, batch.count)).items():
-            rows = rows & counted
             if rows.any() and place not in self._settled:
-                self._settled.add(place)
-                row = int(rows.argmax())
+                counts = bool((rows & counted).any())
+                row = int((rows & counted if counts else rows).argmax())
                 self.points[place] = batch, row, watcher.found.get(place)
+                self._settled |= {place} if counts else set()
         outputs = [v.astype(np.float64).sum(axis=1) for _, v in _floats(result.outputs)]
         return watcher.found, sum(outputs)
 

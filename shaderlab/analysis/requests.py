@@ -38,12 +38,7 @@ class ShaderOfFile:
         return Shaders([Path(folder) for folder in folders]).load(self.file.name, stage)
 
     def program(self, stage: str | None, conditions: Sequence[str] = ()) -> Program:
-        """As the interpreter runs it, where it meets some conditions.
-
-        Raises:
-            ShaderError, NotInterpretedError: as `load`.
-            UsageError: there are conditions, and it is no fragment shader's text.
-        """
+        """As the interpreter runs it, where conditions are met. Raises as `load`, `assume`."""
         with in_file(self.file.path):
             if self.is_module and not conditions:
                 return read_file(Path(self.file.path))

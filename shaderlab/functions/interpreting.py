@@ -22,6 +22,7 @@ from shaderlab.errors import ShaderError, ShaderlabError, UsageError, suggest
 from shaderlab.functions.evaluation import (
     Preprocess,
     as_version,
+    get_caller,
     glsl_version,
     has_version,
     local_name,
@@ -45,15 +46,17 @@ EntryPoint = tuple[Signature, Source]
 """A function, and its file with a `main` that calls it once."""
 
 
-def find_entry_points(written: Source, worker: Worker) -> list[EntryPoint]:
-    """The functions that a file defines itself, not in what it includes, in order.
+def find_entry_points(written: Source, worker: Worker | None = None) -> list[EntryPoint]:
+    """The functions that a file defines itself, not in what it includes, in order; preprocessed by
+    a worker, or where calls are made.
 
     Raises:
         ShaderError: its brackets do not match, or it has no function.
     """
-    worker.note("preprocessing")
     source = with_version(written)
-    known = read_declarations(Preprocess(source).perform(worker))
+    request = Preprocess(source)
+    text = get_caller().perform(request, "") if worker is None else request.perform(worker)
+    known = read_declarations(text)
     taken = {name for one in known.all for name in one.declares}
     own_file = source.parts[0][0] if source.parts else source.path
     places = [(*source.place(n + 1), 1) for n in range(source.text.count("\n") + 1)]

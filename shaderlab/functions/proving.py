@@ -33,24 +33,14 @@ _MAIN = re.compile(r"\bvoid\s+main\s*\(")
 _NUMBERS = re.compile(r"(float|int|uint|[iu]?vec[234])")
 
 
-class _Here:
-    """Stands in for a worker where nothing may hang."""
-
-    def note(self, step: str) -> None:
-        """Nobody asks."""
-
-
 def prove_law(
     function: Function, source: Source, law: Callable[..., Any], ranges: Mapping[str, Any]
 ) -> Outcome:
     """Whether a condition of a function's results holds for all arguments; see `Function.prove`."""
-    entries = {str(one): stage for one, stage in find_entry_points(source, _Here())}  # type: ignore[arg-type]
+    entries = {str(one): stage for one, stage in find_entry_points(source)}
     signature = function.signatures[0]
     if len(function.signatures) > 1 or str(signature) not in entries:
-        raise CallError(
-            f"{function.__name__} is overloaded, or of an included file",
-            remedy='choose one, such as f["vec3"], of the file that defines it',
-        )
+        raise CallError(f"{function.__name__} is overloaded, or of an included file")
     program = load(entries[str(signature)])
     inputs = inputs_of(program)
     words = {n: r if isinstance(r, str) else f"{r[0]!r}:{r[1]!r}" for n, r in ranges.items()}
@@ -63,7 +53,7 @@ def prove_law(
         condition=lambda outputs: {"the law holds": law(*outputs.values())},
         tried=[sample_inputs(inputs, domains, 1024, 0)],
     )  # fmt: skip
-    message = "\n".join(str(one) for one in proof.claims() if one.status == "open")
+    message = "; ".join(str(one) for one in proof.claims() if one.status == "open")
     for batch, row, _ in proof.points.values():
         example = batch.example(row, inputs)
         values = find_written_outputs(program, *batch.alone(row, program))

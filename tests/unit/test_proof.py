@@ -10,10 +10,11 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks.proving import Case, cases, find_escapes
-from shaderlab import glslmath as g
+from shaderlab import glsl, glslmath as g
 from shaderlab.bands import Band, Rules
 from shaderlab.cli import cli
 from shaderlab.engine.worker import Worker
+from shaderlab.errors import CallError
 
 OPEN = {"linear_depth", "rgb_to_hsv", "ray_plane"}
 """What is safe but not proved: their variables occur twice, or a condition is not one of theirs."""
@@ -136,3 +137,21 @@ def test_values_of_a_function_lie_in_what_its_ranges_give(name: str) -> None:
         give = 1e-6 * np.abs(numbers) + 1e-37
         inside = (numbers >= low - give) & (numbers <= high + give) | np.isnan(numbers)
         assert inside.all(), [v.reshape(boxes, points, -1)[~inside.all(-1)][:3] for v in values]
+
+
+def test_conditions_of_results_are_proved_or_broken() -> None:
+    library = glsl.load("""
+        struct Lamp { float reach; };
+        float near(float share) { float s = clamp(1.0 - share, 0.0, 1.0); return s * s; }
+        float fade(float d, Lamp lamp) { return near(d / lamp.reach); }
+        vec3 turned(vec3 v) { return normalize(v); }
+        float half_of(float x) { return x / (1.0 + x); }
+    """)
+    library.fade.prove(lambda y: (y >= 0.0) & (y <= 1.0), d=(0, 50), lamp_reach=(1, 20))
+    library.turned.prove(lambda v: (v >= -1.0001) & ~g.isnan(v), v="unit")
+    with pytest.raises(AssertionError, match=r"d = 0, lamp_reach = 0\n.*nan\n    on the driver"):
+        library.fade.prove(lambda y: ~g.isnan(y), d=(0, 50), lamp_reach=(0, 20))
+    with pytest.raises(AssertionError, match="open: the law holds, on"):
+        library.half_of.prove(lambda y: y <= 0.5, x=(0, 1))
+    with pytest.raises(CallError, match="lamp_reach has no range"):
+        library.fade.prove(lambda y: y >= 0.0, d=(0, 1))
