@@ -1,6 +1,6 @@
 # `make run` and `make test` are all one needs; both set up whatever is missing first.
 .DEFAULT_GOAL := help
-.PHONY: help run test test-hard setup lint format clean
+.PHONY: help run test test-hard test-all setup lint format wheel docs clean
 
 PY := .venv/bin/python
 
@@ -34,6 +34,9 @@ test-hard: .venv/.ready .venv/.ready-for-tests ## run every test 10 times, in ra
 	for core in $$(seq $$(nproc)); do while :; do :; done & busy="$$busy $$!"; done; \
 	SHADERLAB_CACHE_DIR= $(PY) -m pytest $(PARALLEL) --count 10 --random-order $(ARGS)
 
+test-all: ## collect and run a part of the tests on each Python 3.11 to 3.14 that is here
+	@.ci/pythons $(ARGS)
+
 lint: .venv/.ready ## style and types
 	@failed=0; for tool in "ruff check ." "ruff format --check ." mypy; do \
 		$(PY) -m $$tool || failed=1; done; exit $$failed
@@ -41,6 +44,12 @@ lint: .venv/.ready ## style and types
 format: .venv/.ready ## make the style right
 	@$(PY) -m ruff check --fix .
 	@$(PY) -m ruff format .
+
+wheel: .venv/.ready ## build the wheel and the sdist, and try the wheel in a new environment
+	@.ci/wheel
+
+docs: .venv/.ready ## build the pages as a site in build/site, and check its links
+	@.ci/docs
 
 setup: .venv/.ready ## only what run and test set up: .venv, packages, an OpenGL driver
 	@echo "setup: ready in .venv"

@@ -6,6 +6,7 @@ catches everything that the lab raises.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -117,6 +118,16 @@ class UsageError(ShaderlabError):
 
 class MissingPackageError(UnsupportedError, UsageError):
     """Something needs a package that comes with an extra, which is not installed."""
+
+
+def require_linux() -> None:
+    """Raise UsageError on other systems, where only what needs no compiler and no driver works."""
+    if sys.platform != "linux":
+        raise UsageError(
+            "compiling and drawing shaders needs Linux; shaderlab.bands, shaderlab.glslmath and "
+            "shaderlab.reference work here as well",
+            remedy="use WSL 2 on Windows, and a container on macOS",
+        )
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from typing import Any
 
 import click
 
-from ..errors import ShaderlabError, UsageError, suggest
+from ..errors import ShaderlabError, UsageError, require_linux, suggest
 from ..files import reserve_standard_descriptors, suggest_limit
 
 DEBUG = "SHADERLAB_DEBUG"
@@ -68,6 +68,7 @@ class Commands(click.Group):
         if debug:
             os.environ[DEBUG] = "1"  # for the lab, and for its workers
         try:
+            require_linux()
             _require_limits()
             status = super().invoke(ctx)
         except ShaderlabError as error:
@@ -138,7 +139,7 @@ def cli(context: click.Context, debug: bool) -> None:
       shaderlab doctor                    check the installation
       shaderlab list                      list the cases
       shaderlab run attenuation           run one of them
-      shaderlab run --all --open          run all, then open the report
+      shaderlab run --all                 run all; the last line is the report's path
       shaderlab run ./my_case.py          run a case file of your own
       shaderlab watch                     rerun whatever is saved
       shaderlab compile my_shaders/       compile without rendering

@@ -18,7 +18,13 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-from shaderlab.errors import CaseError, MissingPackageError, UsageError, suggest
+from shaderlab.errors import (
+    CaseError,
+    MissingPackageError,
+    UsageError,
+    require_linux,
+    suggest,
+)
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.workers.pool import ItemResult, WorkerPool
 
@@ -309,6 +315,7 @@ class ProcessExecutor(Executor):
         early: bool = True,
         work: str = LAB_WORK,
     ) -> None:
+        require_linux()
         self._driver = driver
         self.limits = limits or Limits()
         self._pool = WorkerPool(work, limits=self.limits, jobs=workers or 1)
@@ -350,6 +357,7 @@ class InProcessExecutor(Executor):
     """
 
     def __init__(self, driver: str | None = None, work: str | Worker = LAB_WORK) -> None:
+        require_linux()
         self._driver = driver
         self._work = work
 

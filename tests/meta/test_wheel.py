@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import email
 import json
 import os
 import subprocess
@@ -74,6 +75,21 @@ def test_it_carries_every_shader_and_case(wheel: Path, repository: Path) -> None
     assert expected >= {"shaderlab/py.typed", "shaderlab/_data/cases/ch05_lighting/attenuation.py"}
     assert expected - packed == set()
     assert any(name.endswith("licenses/LICENSE") for name in packed)
+
+
+def test_its_metadata_tell_what_it_needs(wheel: Path) -> None:
+    assert wheel.name.endswith("-py3-none-any.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        (name,) = (n for n in archive.namelist() if n.endswith(".dist-info/METADATA"))
+        told = email.message_from_bytes(archive.read(name))
+    assert told["License-Expression"] == "MIT" and told["Requires-Python"] == ">=3.11"
+    assert told["Description-Content-Type"] == "text/markdown"
+    classifiers = told.get_all("Classifier") or []
+    assert "Operating System :: POSIX :: Linux" in classifiers
+    pythons = [c.rpartition(" ")[2] for c in classifiers if "Python :: 3." in c]
+    assert pythons == ["3.11", "3.12", "3.13", "3.14"]
+    for line in (*(told.get_all("Requires-Dist") or []), *(told.get_all("Project-URL") or [])):
+        assert "file:" not in line and "localhost" not in line and str(Path.home()) not in line
 
 
 def test_it_carries_nothing_else(wheel: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,15 @@ from click.testing import CliRunner, Result
 from shaderlab import glsl
 from shaderlab.analysis.inputs import Input, InputDomain, domains_of
 from shaderlab.cli import cli
-from shaderlab.errors import ArgumentsError, CallError, FormulaError, NoFunctionError, ShaderError
+from shaderlab.engine.jobs import ProcessExecutor
+from shaderlab.errors import (
+    ArgumentsError,
+    CallError,
+    FormulaError,
+    NoFunctionError,
+    ShaderError,
+    UsageError,
+)
 
 LIBRARY = """\
 uniform float exposure;
@@ -182,3 +191,16 @@ def test_modf_frexp_and_the_length_of_a_buffer_are_interpreted(folder: Path) -> 
     assert result.exit_code == 0, result.output
     Path("b.frag").write_text(plain.replace("s = frexp(x, e)", "s = x; e = 1"))
     assert call("diff", "a.frag", "b.frag").exit_code == 1
+
+
+def test_another_system_gets_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.platform", "win32")
+    for name in ("fcntl", "resource"):
+        monkeypatch.setitem(sys.modules, name, None)
+    for module in ("options", "doctor", "run"):  # as if nothing had imported them yet
+        monkeypatch.delitem(sys.modules, f"shaderlab.cli.{module}", raising=False)
+    for command in ("doctor", "run", "list"):
+        result = call(command)
+        assert result.exit_code == 2 and "needs Linux" in result.output, result.output
+    with pytest.raises(UsageError, match="needs Linux"):
+        ProcessExecutor()
