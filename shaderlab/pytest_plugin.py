@@ -134,6 +134,8 @@ def make_options(config: pytest.Config) -> RunOptions:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Calls of GLSL functions have the limits of variants; a report needs records."""
+    if not config.option.fulltrace:
+        config.pluginmanager.register(_ShortInterrupts())
     folder = _report_folder(config)
     if folder is not None:
         config.pluginmanager.register(Recorder(attach_record))
@@ -245,6 +247,15 @@ def pytest_runtest_makereport(
     if call.when == "call" and isinstance(item, CaseItem) and item.record is not None:
         report.duration = item.record.seconds or report.duration
     return report
+
+
+class _ShortInterrupts:
+    """Has pytest look at the last frame of an interrupt, the only one that it shows, and not parse
+    the sources of all, which takes a second."""
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo[BaseException]) -> None:
+        excinfo.traceback = excinfo.traceback[-1:]
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from shaderlab.compiler.compile import Compiled
 from shaderlab.compiler.shader_files import strip_comments
@@ -49,12 +49,31 @@ def require_loops_to_end(lab: SceneRunner, scene: Scene, programs: Programs) -> 
     counted = {
         name: tuple(_count_draw(draw, loops) for draw in draws) for name, draws in programs.items()
     }
+
+    def draw() -> None:
+        with lab.evaluation(scene, counted):
+            pass
+
+    _require_ends(lab, loops, draw)
+
+
+def require_passes_to_end(
+    lab: SceneRunner, passes: Sequence[tuple[Source, int]], run: Callable[[Any], None]
+) -> None:
+    """As `require_loops_to_end`, for the passes of a `drivers.Evaluation`, which `run` runs."""
+    loops: list[tuple[Source, int]] = []
+    counted = tuple((count_turns(source, loops), words) for source, words in passes)
+    _require_ends(lab, loops, lambda: run(counted))
+
+
+def _require_ends(
+    lab: SceneRunner, loops: Sequence[tuple[Source, int]], draw: Callable[[], None]
+) -> None:
     if not loops:
         return
     try:
         with lab.backend.storage(len(loops), STORAGE_OF_PROBES) as read:
-            with lab.evaluation(scene, counted):
-                pass
+            draw()
             seen = read()
     except UnsupportedError:
         return
@@ -79,9 +98,11 @@ def _count_draw(draw: PreparedDraw, loops: list[tuple[Source, int]]) -> Prepared
 
 def count_turns(source: Source, loops: list[tuple[Source, int]]) -> Source:
     """A stage that notes in a buffer which of its loops goes on for too long, appended to `loops`
-    with its line; the stage as it is where all of them are short."""
+    with its line; the stage as it is where all of them are short, or its version of GLSL has no
+    such buffer."""
     file, nodes = _parse(source.text)
-    if not nodes:
+    version, profile = source.version
+    if not nodes or version < 140 or profile == "es":
         return source
     inserts: dict[int, str] = {}
     for node in nodes:

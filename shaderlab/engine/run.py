@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import lru_cache
@@ -136,11 +136,14 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
 
     def _require_loops_to_end(self, scene: Scene, programs: Programs) -> None:
         """Raise ShaderError for a loop that goes on until llvmpipe cuts it."""
-        texts = (s.code for draws in programs.values() for d in draws for s in d.authored)
-        if "llvmpipe" in self.driver["renderer"] and any(map(_LOOP.search, texts)):
+        if self.cuts_loops(s for draws in programs.values() for d in draws for s in d.authored):
             from .loops import require_loops_to_end  # few scenes have loops
 
             require_loops_to_end(self, scene, programs)
+
+    def cuts_loops(self, sources: Iterable[Source]) -> bool:
+        """Whether some have loops, and the driver is one that cuts them."""
+        return "llvmpipe" in self.driver["renderer"] and any(_LOOP.search(s.code) for s in sources)
 
     def _record_drawn(self, evaluation: Evaluation, record: RecordBuilder) -> SceneCheck | None:
         """Record what drawing gave besides the pictures; returns the self-check to be made.

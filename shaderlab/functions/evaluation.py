@@ -207,12 +207,20 @@ class Evaluate:
         passes = tuple(
             (as_version(s, min(s.version[0], newest)), n) for s, n in self.evaluation.passes
         )
-        try:
+
+        def run(passes: tuple[tuple[Source, int], ...], results: Array) -> None:
             lab.backend.evaluate(replace(self.evaluation, passes=passes), self.inputs, results)
+
+        try:
+            run(passes, results)
         except ShaderError:
             for source, _ in passes:  # glslang's words are the better ones
                 cached_compiler()((source,), ("glsl",)).require()
             raise
+        if lab.cuts_loops(source for source, _ in passes):
+            from shaderlab.engine.loops import require_passes_to_end  # few functions have loops
+
+            require_passes_to_end(lab, passes, lambda counted: run(counted, results.copy()))
         return results
 
 

@@ -6,9 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab import glsl
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.loops import all_are_short
 from shaderlab.engine.run import SceneRunner
+from shaderlab.errors import ShaderError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
 from tests.gpu import faulty
@@ -59,6 +61,21 @@ def test_a_loop_that_goes_on_is_an_error_by_its_line(
 ) -> None:
     record = run(lab, faulty.write(tmp_path, "a", body=GOES_ON[name]))
     assert record.status == "error" and "a.frag:7 does not end" in record.message
+
+
+def test_a_loop_of_a_function_that_is_called(tmp_path: Path, lab: SceneRunner) -> None:
+    (tmp_path / "l.glsl").write_text(f"float f(float y) {{\n    {ENDLESS}\n    return y;\n}}\n")
+    with pytest.raises(ShaderError, match=r"l\.glsl:2 does not end"):
+        glsl.load(tmp_path / "l.glsl").f(1.0)
+
+
+def test_loops_of_es_are_left_to_the_driver(tmp_path: Path, lab: SceneRunner) -> None:
+    """It has no buffer to count in."""
+    file = faulty.write(tmp_path, "a", body="while (x > 0.5) x = fract(x * 1.5 + .1);")
+    shader = tmp_path / "a.frag"
+    text = shader.read_text().replace("330 core", "300 es\nprecision highp float;")
+    shader.write_text(text)
+    assert run(lab, file).status == "pass"
 
 
 def test_a_long_loop_that_ends_passes(tmp_path: Path, lab: SceneRunner) -> None:
