@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -172,14 +171,10 @@ def _make_request(arguments: ExplainArguments, executor: Executor) -> ExplainFil
 
 def show(explained: Explanation, where: str | None = None) -> None:
     """Print the table, and where precision goes; `where` is said in place of the pixel."""
-    from rich.console import Console
-
-    from shaderlab.cli.showing import make_table
+    from shaderlab.cli.showing import Show, make_table
     from shaderlab.report.text import clean
 
-    console = Console(file=sys.stdout, highlight=False, markup=False, soft_wrap=True)
-    if not console.is_terminal:
-        console.width = 160  # a file has no width, and cut numbers are of no use
+    console = Show().console
     x, y = explained.pixel
     console.print(where or f"pixel ({x}, {y}), counted from the lower left")
     right = ("ulp off", "ulp wide", "lost here")

@@ -164,7 +164,7 @@ class Show:
             soft_wrap=True,
         )
         if not self.console.is_terminal:  # a file has no width, and cut names are of no use
-            self.console.width = max(self.console.width, 120)
+            self.console.width = max(self.console.width, 160)
 
     @contextmanager
     def progress(self, total: int) -> Iterator[Reporter]:
