@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import atexit
+import compileall
 import dataclasses
 import gc
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Mapping, Sequence
+from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import Any
 
@@ -32,11 +35,30 @@ from shaderlab.model.records import (
 if "PYTEST_XDIST_WORKER" not in os.environ:
     os.environ["SHADERLAB_CACHE_DIR"] = tempfile.mkdtemp(prefix="shaderlab-tests-")
     atexit.register(shutil.rmtree, os.environ["SHADERLAB_CACHE_DIR"], ignore_errors=True)
+    # Where PYTHONDONTWRITEBYTECODE is set, each process that tests start would compile what has
+    # changed since `make setup`.
+    for folder in ("shaderlab", "cases"):
+        compileall.compile_dir(Path(__file__).parents[1] / folder, quiet=2)
 # As workers have it. Small matrices are computed 30 times slower by threads that share a processor.
 # NumPy reads this when it is first imported, which nothing does before this file.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# One of several processes has one core: a command's second worker only takes its time to start.
+if "PYTEST_XDIST_WORKER" in os.environ:
+    os.environ.setdefault("SHADERLAB_JOBS", "1")
 
-from shaderlab.analysis import self_check
+
+class AsCompiled:
+    """Finds the lab's modules as `make setup` compiled them. pytest takes the package of a plugin
+    for tests, and compiles each of its modules anew, for the sake of its assertions."""
+
+    @staticmethod
+    def find_spec(name: str, path: Sequence[str] | None = None, _: object = None) -> Any:
+        return PathFinder.find_spec(name, path) if name.startswith("shaderlab.") else None
+
+
+sys.meta_path.insert(0, AsCompiled())
+
+from shaderlab.analysis import self_check  # noqa: E402
 
 self_check.register()  # as each worker does
 
@@ -48,11 +70,14 @@ settings.load_profile("patient")
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
     """What collecting makes, modules and items, lives until the end. Nothing looks for garbage in
-    it: not while it grows, and not whenever a test makes some."""
+    it: not while it grows, and not whenever a test makes some. Modules of tests are compiled once,
+    not in each process of each session."""
     gc.disable()
+    kept, sys.dont_write_bytecode = sys.dont_write_bytecode, False
     try:
         return (yield)
     finally:
+        sys.dont_write_bytecode = kept
         gc.freeze()
         gc.enable()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -9,6 +10,11 @@ import subprocess
 import sys
 from pathlib import Path
 from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from shaderlab.cli import cli
 
 CASE = """
 from shaderlab import Case, Target, exact, fullscreen
@@ -76,14 +82,16 @@ def command(*args: str | Path) -> list[str]:
     return [sys.executable, "-m", "shaderlab", "run", *map(str, args)]
 
 
-def shaderlab(
-    *args: str | Path, cwd: Path, seconds: float = 120.0, **environment: str
-) -> subprocess.CompletedProcess[str]:
-    """Run the command to its end. Output goes to files' ends, never to a terminal."""
-    return subprocess.run(
-        command(*args), cwd=cwd, env=surroundings(**environment), capture_output=True, text=True,
-        timeout=seconds,
-    )  # fmt: skip
+def shaderlab(*args: str | Path, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run the command to its end, in this process; its workers are others. It writes to no
+    terminal."""
+    words = ["run", *map(str, args)]
+    with contextlib.chdir(cwd), pytest.MonkeyPatch.context() as patch:
+        patch.delenv("SHADERLAB_JOBS", raising=False)
+        for name, value in environment.items():
+            patch.setenv(name, value)
+        done = CliRunner().invoke(cli, words, catch_exceptions=False)
+    return subprocess.CompletedProcess(words, done.exit_code, done.stdout, done.stderr)
 
 
 def restore_interrupts() -> None:

@@ -32,7 +32,7 @@ GAMMA = (0.729740,)
 @pytest.fixture(scope="module")
 def out(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     folder = tmp_path_factory.mktemp("json")
-    ids = ["attenuation", "spotlight", "gamma", "blinn-phong"]
+    ids = ["attenuation", "spotlight", "gamma"]
     files = ["--json", str(folder / "out.json"), "--report", str(folder / "out")]
     done = CliRunner().invoke(cli, ["run", *ids, *files, "--no-pictures", "-j", "0"])
     assert done.exit_code == 0, done.output

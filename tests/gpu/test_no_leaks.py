@@ -44,7 +44,7 @@ from shaderlab.model.state import State
 from tests.catalogue import shipped
 
 SEED = 1
-SAMPLE = ("blend-factors", "depth-functions", "mvp", "stencil-functions", "uniform-buffer")
+SAMPLE = ("blend-factors", "mvp", "stencil-outline", "uniform-buffer", "z-fighting")
 SIDE = 24
 
 

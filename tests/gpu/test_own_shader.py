@@ -91,6 +91,7 @@ def test_a_wrong_one_fails_and_says_where(run: Run, tmp_path: Path, mistake: str
     text = (OWN / f"{name}.frag").read_text(encoding="utf-8")
     assert text.count(right) == 1
     case, shader = PLACE[name.partition("_")[0]]
+    case += {"blinn-phong": "[shininess 8]"}.get(case, "")
     result = run(case, "--shader", f"{shader}={written(tmp_path, text.replace(right, wrong))}")
     assert result.exit_code == 1, result.output
     failed = [e for r in outcomes(tmp_path) for e in r["expectations"] if e["status"] == "fail"]

@@ -12,11 +12,11 @@ from shaderlab.compiler.module_edits import add_feedback
 from shaderlab.compiler.sources import Shaders
 from shaderlab.drivers.opengl import device
 from shaderlab.drivers.opengl.linking import SpirvProgram
-from shaderlab.engine.catalogue import load_case, shipped_cases
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.options import RunOptions
 from shaderlab.report.text import format_failure
+from tests.catalogue import judged_only
 
 VERTEX = """#version 330 core
 in vec3 corner;
@@ -52,8 +52,7 @@ def lab() -> Iterator[SceneRunner]:
     ],
 )
 def test_a_case_passes_as_with_text(lab: SceneRunner, case_id: str) -> None:
-    files = {file.stem.replace("_", "-"): file for file in shipped_cases()}
-    scene = list(load_case(files[case_id]).scenes())[-1]
+    scene = list(judged_only(case_id).scenes())[-1]
     record = lab.run(scene)
     assert record.status == "pass", format_failure(record)
     assert record.driver.partition(";")[0].endswith("SPIR-V")

@@ -73,16 +73,16 @@ def test_a_loader_asks_for_its_extra(engine: dict[str, str], example: Path) -> N
 
 
 def test_cases_of_the_course_ask_for_its_extra(engine: dict[str, str], example: Path) -> None:
-    words = ("spotlight", "translate", "texture-compression", "--no-pictures", "--json", "out.json")
+    words = ("diffuse", "translate", "texture-compression", "--no-pictures", "--json", "out.json")
     done = run(engine, example, "run", *words)
     assert done.returncode == 0
     assert statuses(example) == {
-        "spotlight": "pass",
+        "diffuse": "pass",
         "translate": "unsupported",
         "texture-compression": "unsupported",
     }
     # Where nothing is kept of an installation that could import them.
     listed = run({**engine, "SHADERLAB_CACHE_DIR": ""}, example, "list")
-    assert listed.returncode == 0 and "  spotlight " in listed.stdout
+    assert listed.returncode == 0 and "  diffuse " in listed.stdout
     for said in (done.stdout, listed.stderr):
         assert "pip install 'shaderlab[course]'" in said

@@ -28,16 +28,23 @@ def mistaken(shader: str, right: str, wrong: str) -> dict[str, str]:
 
 
 def failures(
-    scene: Scene, texts: Mapping[str, str] | None = None, *, only: Collection[str] = ()
+    scene: Scene,
+    texts: Mapping[str, str] | None = None,
+    *,
+    changed: Collection[str] = (),
+    only: Collection[str] = (),
 ) -> Iterator[Outcome]:
-    """The expectations of a scene that fail, in its order; each is judged when it is asked for.
+    """The expectations of a scene that fail; each is judged when it is asked for.
 
-    Drawn is what the next one needs. Expectations that read nothing of what a text changes are
-    left out: they were judged when the case itself was.
+    Those that need the least drawn come first, and it is drawn once for all that need the same.
+    Expectations that read nothing of what is changed are left out: they were judged when the
+    case itself was.
 
     Args:
         scene: a variant of a case.
         texts: shaders that are replaced.
+        changed: passes that are not the case's own, besides those of `texts`; where neither is
+            said, all may be.
         only: names of the only expectations to judge.
 
     Raises:
@@ -47,13 +54,16 @@ def failures(
     lab.configure(RunOptions(texts=texts or {}))  # for expectations that compile files themselves
     programs = lab.prepare_for_opengl(scene, texts or {})
     about = list(range(len(scene.expect)))
-    if texts:
-        touched = with_readers(scene, _changed(scene, programs))
+    if texts or changed:
+        touched = with_readers(scene, {*changed, *(_rewritten(scene, programs) if texts else ())})
         about = [i for i in about if scene.expect[i].passes(scene) & touched or not touched]
     if only:
         about = [i for i in about if scene.expect[i].name in only]
         assert about, f"nothing that {scene.case.id} judges there is called {' or '.join(only)}"
-    for needed, group in groupby(about, lambda i: _passes(scene, i)):
+    needs = {i: _passes(scene, i) for i in about}
+    work = {needed: _work(scene, needed) for needed in needs.values()}
+    about.sort(key=lambda i: (work[needs[i]], sorted(needs[i])))
+    for needed, group in groupby(about, needs.__getitem__):
         part = replace(
             scene,
             passes=tuple(p for p in scene.passes if p.name in needed),
@@ -67,10 +77,9 @@ def failures(
             evaluation.require_no_other_errors()
 
 
-def _changed(scene: Scene, programs: Programs) -> set[str]:
+def _rewritten(scene: Scene, programs: Programs) -> set[str]:
     """The passes with a program that is not as the scene's own shaders have it."""
-    with SceneRunner() as lab:
-        right = lab.prepare_for_opengl(scene)
+    right = _lab().prepare_for_opengl(scene)
     return {
         name
         for name, draws in programs.items()
@@ -82,6 +91,15 @@ def _passes(scene: Scene, index: int) -> frozenset[str]:
     """What has to be drawn for one of a scene's expectations: all of it if none is named."""
     read = scene.expect[index].passes(scene) or {one.name for one in scene.passes}
     return frozenset(with_inputs(scene, read))
+
+
+def _work(scene: Scene, passes: Collection[str]) -> int:
+    """About how long drawing passes takes: their pixels, and what each draw costs besides."""
+    found = 0
+    for one in (one for one in scene.passes if one.name in passes):
+        width, height = one.target.size or (64, 64)
+        found += width * height * max(one.target.samples, 1) + 5000 * len(one.draws)
+    return found
 
 
 def failing(scene: Scene, texts: Mapping[str, str] | None = None) -> set[str]:

@@ -15,6 +15,7 @@ import pytest
 
 from benchmarks.shipped import load_cases
 from shaderlab.compiler import Shaders
+from shaderlab.compiler.glslang import GLSLANG_WHEEL, find
 from shaderlab.engine.expectations.exact import Exact
 from shaderlab.engine.expectations.figures import Computed, Value
 from shaderlab.engine.expectations.rejections import CompileFails
@@ -23,7 +24,8 @@ from shaderlab.model.frame import Frame
 
 ROOT = Path(__file__).resolve().parents[2]
 SHADERS = ROOT / "shaders"
-GLSLANG = Path(sys.executable).with_name("glslangValidator")
+LIBRARIES = find(GLSLANG_WHEEL, "libglslang.so").parent
+GLSLANG = LIBRARIES.parent / "bin" / "glslangValidator"
 
 FIRST = {
     "ch01_setup": ["orange_triangle"],
@@ -58,7 +60,8 @@ def scenes() -> Iterator[Scene]:
 def compiled(path: Path) -> tuple[int, list[tuple[int, str]]]:
     """glslangValidator's exit status and its error messages by line, as the lab words them:
     without an empty token in front, and without the closing "compilation terminated"."""
-    done = subprocess.run([GLSLANG, path], capture_output=True, text=True, check=False)
+    env = {**os.environ, "LD_LIBRARY_PATH": str(LIBRARIES)}
+    done = subprocess.run([GLSLANG, path], env=env, capture_output=True, text=True, check=False)
     found = re.findall(r"^ERROR: \d+:(\d+): (?:'' : +)?(.*?) *$", done.stdout, re.M)
     told = [(int(line), message) for line, message in found if "terminated" not in message]
     return done.returncode, told
