@@ -5,6 +5,7 @@ Each stand-in is a small shell script put first on the PATH; nothing is really i
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import subprocess
@@ -230,5 +231,7 @@ def test_every_dependency_is_pinned_exactly(repository: Path) -> None:
     while wanted := wanted - seen:
         name = wanted.pop()
         seen.add(name)
-        wanted |= needed(importlib.metadata.requires(name) or [])
+        # `make docs` and `make wheel` install what they need, with all that this needs.
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):
+            wanted |= needed(importlib.metadata.requires(name) or [])
     assert seen - pinned == {"shaderlab"}
