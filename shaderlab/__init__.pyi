@@ -1,6 +1,5 @@
 """The public interface: each name and where it is. The package loads a name at its first use."""
 
-from .analysis.comparison import same_as as same_as
 from .bands import Rules as Rules
 from .engine.expectations.any_order import any_order as any_order, both_ways as both_ways
 from .engine.expectations.boundaries import boundaries as boundaries

@@ -162,23 +162,6 @@ class Plan:
     confirm: Callable[[Program, Hazard], Hazard] | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class InputSearch:
-    """What was found about the inputs of some ranges.
-
-    Attributes:
-        tried: how many invocations and boxes were run.
-        found: a counterexample for each instruction that goes wrong, by its place.
-        first: the random invocations that it began with.
-        proof: the search in boxes.
-    """
-
-    tried: int
-    found: Mapping[Place, Counterexample]
-    first: InputBatch
-    proof: Proof
-
-
 def search_inputs(
     program: Program, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], plan: Plan
 ) -> tuple[dict[Place, Counterexample], InputBatch, Proof]:
@@ -196,7 +179,7 @@ def search_inputs(
     proof = Proof(
         program, inputs, domains,
         refuted=settled,
-        tried=[e.batch.part(np.array([e.row])) for e in found.values()],
+        tried=[e.batch.alone(e.row, program)[0] for e in found.values()],
         counts=None if plan.prove else find_ordinary,
         boxes=BOXES if plan.prove else _BOXES,
     )  # fmt: skip
@@ -322,10 +305,10 @@ def _claims(
         if watched is None and not hazards:
             values = find_written_outputs(program, *batch.alone(row, program))
             own = {n: tuple(map(float, v)) for n, v in values.items() if not np.isfinite(v).all()}
-            inputs = batch.example(row, batch.each)
+            inputs, words = batch.example(row, batch.each), f"refuted: {place.kind}"
             hazards.append(
                 Hazard(
-                    file=program.place(0)[0], line=0, kind=OVERFLOW.kind, message=place.kind,
+                    file=program.place(0)[0], line=0, kind=OVERFLOW.kind, message=words,
                     inputs=inputs, outputs=own,
                 )
             )  # fmt: skip

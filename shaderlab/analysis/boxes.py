@@ -18,10 +18,10 @@ from shaderlab.bands.rounding import LARGEST
 from shaderlab.compiler.spirv import Op
 from shaderlab.model.frame import Array
 
-from .batches import InputBatch
+from .batches import InputBatch, asks_for_neighbours
 from .checks import CHECKS, INDEX, INDEXING, Check, Place, arguments_of, indices_of, number_of
 from .inputs import Input, InputDomain, sample_inputs
-from .interpreter import Bands
+from .interpreter import Bands, Program
 from .interpreter.program import Instruction
 from .interpreter.running import Run
 from .interpreter.textures import TEXTURES
@@ -34,6 +34,7 @@ _LIMITS = {"unit": (-1.0, 1.0), "rotation": (-1.0, 1.0), "affine": (-5.0, 5.0),
 _FRAG_COORD = ([0.0, 0.0, 0.0, 1e-6], [16384.0, 16384.0, 1.0, 1e6])
 _UNIT = 1e-6  # how far from 1 the square of a unit vector's length may be
 _FINEST = 2.0**-40  # of a range: smaller boxes are not halved
+_SLOPE, _PIXELS = 0.01, 64  # of varyings in a quad, in widths of their ranges; in a row of quads
 _UNDERFLOW = 2.0**-63  # the square of what is smaller may be flushed to 0
 _IMAGES = (Op.SampledImage, Op.Image)
 _MOST_TEXELS = 32768  # of a texture's side, or levels or samples
@@ -46,9 +47,12 @@ class Space:
         inputs, domains: by name, as of `domains_of`.
         low, high: the ends of all that is asked about, (columns,).
         whole: which columns are integers.
+        rows: of invocations for a point: a quad's where the program asks for neighbours.
     """
 
-    def __init__(self, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain]) -> None:
+    def __init__(
+        self, program: Program, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain]
+    ) -> None:
         self.inputs, self.domains = inputs, domains
         self._samples = sample_inputs(inputs, domains, 64, 0)
         self._columns: dict[str, tuple[slice, tuple[int, ...]]] = {}
@@ -70,6 +74,11 @@ class Space:
                 into.append(np.broadcast_to(np.float64(np.float32(end)), (size,)))
         self.low, self.high = (np.concatenate([*ends, np.zeros(0)]) for ends in (low, high))
         self.whole = np.array(whole, np.bool_)
+        self.rows = 4 if asks_for_neighbours(program, self._samples.bindings) else 1
+        self._varying = [
+            k for n, (columns, _) in self._columns.items() if not inputs[n].uniform
+            for k in range(columns.start, columns.stop) if not self.whole[k]
+        ]  # fmt: skip
         textures = self._samples.bindings.textures
         self.texels = {id(texels): domains[name] for name, texels in textures.items()}
 
@@ -82,7 +91,14 @@ class Space:
         return InputBatch(each, self._samples.bindings, len(low))
 
     def points(self, values: Array) -> InputBatch:
-        """Inputs (count, columns) as invocations; those that must fit together are samples."""
+        """Inputs (count, columns) as invocations, each the first of its `rows`, in which varyings
+        differ a little; those that must fit together are samples."""
+        if self.rows > 1:
+            values = np.repeat(values, self.rows, axis=0)
+            slopes = np.random.default_rng(7).normal(size=(len(values), len(self._varying)))
+            slopes[:: self.rows] = 0.0
+            values[:, self._varying] += _SLOPE * slopes * (self.high - self.low)[self._varying]
+            values = np.clip(values, self.low, self.high)
         count = len(values)
         samples = self._samples.part(np.arange(count) % self._samples.count)
         each = dict(samples.each)
@@ -92,6 +108,11 @@ class Space:
                 own = values[:, columns].reshape(count, *shape)
                 is_whole = self.whole[columns].any()
                 each[name] = own.astype(np.int64) if is_whole else domain.clip(own)
+        quad, corner = np.divmod(np.arange(count), self.rows)
+        pixels = np.stack([2 * (quad % _PIXELS) + corner % 2, quad // _PIXELS * 2 + corner // 2], 1)
+        each["gl_FragCoord"] = np.concatenate(
+            [pixels + 0.5, samples.each["gl_FragCoord"][:, 2:]], 1
+        )
         return InputBatch(each, samples.bindings, count)
 
     def feasible(self, low: Array, high: Array) -> Flags:

@@ -90,7 +90,7 @@ class Proof:
         self._waiting = boxes  # how many may be run yet
         self.points: dict[Place, Point] = {}
         self._program, self._condition, self._hazards = program, condition, hazards
-        self._space = Space(inputs, domains)
+        self._space = Space(program, inputs, domains)
         self._settled, self._counts = set(refuted), counts
         self._numbers: dict[Place, int] = {}  # the column of each place in what is open
         self._lines: dict[Place, int] = {}
@@ -161,7 +161,7 @@ class Proof:
         if not len(low):
             return low, high, flags
         weights = self._space.relative(low, high)
-        few = max(_POINTS // (2 * low.shape[1] + 3), 1)
+        few = max(_POINTS // (2 * low.shape[1] + 3) // self._space.rows, 1)
         effects = self._effects(low[:few], high[:few], flags[:few])
         effects[weights[:few] * _NARROWER < weights[:few].max(axis=1, keepdims=True)] = 0.0
         has_effect = effects.max(axis=1, keepdims=True) > 0.0
@@ -196,7 +196,8 @@ class Proof:
                 which[number] = len(sizes)
                 sizes.append(found[place].margin if place in found else outputs + sizes[0])
         first = which[flags.argmax(axis=1)]
-        own = np.reshape(sizes, (-1, count, 2 * sides + 3))[first, np.arange(count)]
+        own = np.stack(sizes)[:, :: self._space.rows].reshape(-1, count, 2 * sides + 3)
+        own = own[first, np.arange(count)]
         with np.errstate(all="ignore"):
             changes = np.abs(own[:, 1:-2] - own[:, :1]).reshape(count, sides, 2).max(axis=2)
             return np.asarray(np.nan_to_num(changes, posinf=1e30))

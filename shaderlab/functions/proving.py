@@ -11,6 +11,7 @@ import numpy as np
 
 from shaderlab.analysis.answer import format_inputs
 from shaderlab.analysis.audit import Audit, Hazard
+from shaderlab.analysis.batches import asks_for_neighbours
 from shaderlab.analysis.hazards import find_written_outputs
 from shaderlab.analysis.inputs import domains_of, inputs_of, sample_inputs
 from shaderlab.analysis.interpreter import Program, load
@@ -24,6 +25,7 @@ from shaderlab.functions.evaluation import use_worker
 from shaderlab.functions.interpreting import AuditFunctions, find_entry_points
 from shaderlab.functions.library import Function, Library
 from shaderlab.functions.signatures import PREFIX, Type
+from shaderlab.model.frame import Bindings
 from shaderlab.model.records import Outcome, SourceText
 
 if TYPE_CHECKING:
@@ -111,8 +113,9 @@ def run_on_driver(
         if storage == StorageClass.Output
     }
     outputs = {name: kind for name, kind in outputs.items() if _NUMBERS.fullmatch(kind)}
-    if not outputs or any(name.startswith("gl_") for name in inputs):
-        raise CallError("it reads or writes built-in variables")
+    alone = not asks_for_neighbours(program, Bindings())
+    if not outputs or not alone or any(name.startswith("gl_") for name in inputs):
+        raise CallError("it depends on more than its inputs")
     parameters = ", ".join(f"out {kind} {PREFIX}{name}" for name, kind in outputs.items())
     body = " ".join(f"{PREFIX}{name} = {name};" for name in outputs)
     text = _MAIN.sub(f"void {PREFIX}main(", source.text)

@@ -1,4 +1,4 @@
-"""Shaders compared on what a case gives them: `same_as`, `diff --case`, `diff --against`."""
+"""Shaders compared on what a case gives them: `diff --case`, `diff --against`."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab import Case
+from shaderlab.analysis.answer import Answer
+from shaderlab.analysis.comparison import Plan, compare_programs
+from shaderlab.analysis.interpreter import load
 from shaderlab.analysis.invocations import changed_stages
 from shaderlab.cli.diff import command
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.model.options import RunOptions
-from shaderlab.model.records import Outcome
 
 SHADER = """#version 330 core
 #include "law.glsl"
@@ -36,7 +38,7 @@ void main()
 }
 """
 LAW = "float fade(float d) { return 1.0 / (1.0 + d * d); }\n"
-CASE = """from shaderlab import Case, Ramp, Texture, fullscreen, same_as
+CASE = """from shaderlab import Case, Ramp, Texture, exact, fullscreen
 import numpy as np
 texels = np.linspace(0.1, 1.0, 64).reshape(4, 4, 4)
 case = Case(
@@ -51,7 +53,7 @@ case = Case(
         uniforms={"lamp": (0.5, 1.0, 2.0)},
         textures={"map": Texture(image=texels)},
     ),
-    expect=[same_as("approved.frag", outputs=("color",))],
+    expect=[exact("color", 0.0)],
 )
 """
 
@@ -66,7 +68,6 @@ def lab() -> Iterator[SceneRunner]:
 def folder(tmp_path: Path) -> Path:
     for name, text in {
         "lit.frag": SHADER,
-        "approved.frag": SHADER,
         "law.glsl": LAW,
         "lit.py": CASE,
     }.items():
@@ -82,11 +83,11 @@ def case_in(folder: Path) -> Case:
     return case
 
 
-def outcome(lab: SceneRunner, folder: Path, before: str, after: str) -> Outcome:
-    (folder / "lit.frag").write_text(SHADER.replace(before, after))
-    record = lab.run(case_in(folder).scene("default"))
-    assert record.expectations, record.message
-    return record.expectations[0]
+def compared(lab: SceneRunner, folder: Path, before: str, after: str) -> Answer:
+    change = {"lit.frag": SHADER.replace(before, after)}
+    ((one,),) = changed_stages(lab, case_in(folder), [change])
+    plan = Plan(rounds=1, accuracy=False)
+    return compare_programs(load(one.old), load(one.new), plan, one.given)
 
 
 @pytest.mark.parametrize(
@@ -98,12 +99,12 @@ def outcome(lab: SceneRunner, folder: Path, before: str, after: str) -> Outcome:
         ("rgb * cosine * fade(length(ray))", "rgb * (fade(distance(position, lamp)) * cosine)"),
     ],
 )  # fmt: skip
-def test_a_right_rewrite_is_the_same_as_the_approved_one(
+def test_a_right_rewrite_is_the_same(
     lab: SceneRunner, folder: Path, before: str, after: str
 ) -> None:
-    found = outcome(lab, folder, before, after)
-    assert found.status == "pass", found.message
-    assert found.rows[0].measured.startswith("same") and found.judged >= 256
+    found = compared(lab, folder, before, after)
+    assert found.same, found
+    assert found.outputs[0].judged >= 256
 
 
 @pytest.mark.parametrize(
@@ -119,8 +120,8 @@ def test_a_right_rewrite_is_the_same_as_the_approved_one(
 def test_a_wrong_one_is_not(
     lab: SceneRunner, folder: Path, before: str, after: str, words: str
 ) -> None:
-    found = outcome(lab, folder, before, after)
-    assert found.status == "fail" and words in found.message
+    found = compared(lab, folder, before, after)
+    assert found.same is False and words in str(found.outputs[0])
 
 
 def test_a_library_file_is_compared_in_all_programs_that_include_it(
@@ -130,8 +131,8 @@ def test_a_library_file_is_compared_in_all_programs_that_include_it(
     ((one,),) = changed_stages(lab, case, [{"law.glsl": LAW.replace("1.0 + d", "2.0 + d")}])
     assert one.old.stage == "fragment" and sum(given.count for given in one.given) == 256
     assert "2.0 + d" in one.new.text and "1.0 + d" in one.old.text
-    with pytest.raises(CaseError, match="no draw uses approved"):
-        changed_stages(lab, case, [{"approved.frag": SHADER + "\n"}])
+    with pytest.raises(CaseError, match=r"no draw uses other\.frag"):
+        changed_stages(lab, case, [{"other.frag": SHADER}])
 
 
 def test_a_vertex_stage_that_the_lab_writes_is_not_compared(lab: SceneRunner, folder: Path) -> None:

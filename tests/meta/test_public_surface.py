@@ -17,7 +17,7 @@ PUBLIC = {
     # what must hold
     "formula", "value", "sweep", "boundaries", "exact", "coverage", "computed", "compile_fails",
     "gl_error", "gl_call", "gl_calls", "query", "cost", "attribute_layout", "block_layout",
-    "refused", "inactive_uniforms", "same_as",
+    "refused", "inactive_uniforms",
     "monotone", "bounded", "even", "odd", "symmetric", "energy_conserving",
     "measure", "reading", "any_order", "both_ways",
     "Pixel", "Rules",

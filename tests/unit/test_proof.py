@@ -155,3 +155,15 @@ def test_conditions_of_results_are_proved_or_broken() -> None:
         library.half_of.prove(lambda y: y <= 0.5, x=(0, 1))
     with pytest.raises(CallError, match="lamp_reach has no range"):
         library.fade.prove(lambda y: y >= 0.0, d=(0, 1))
+
+
+def test_derivatives_are_those_of_a_quad(tmp_path: Path) -> None:
+    (tmp_path / "edge.frag").write_text(
+        "#version 330 core\nin vec2 uv;\nuniform float x; // range: 0..1\nout vec4 color;\n"
+        "void main() { float w = max(fwidth(uv.x), 0.001);\n"
+        "color = vec4(sqrt(x) + clamp(uv.x / w, 0.0, 1.0), uv, 1.0); }\n"
+    )
+    words = ["audit", "--prove", str(tmp_path / "edge.frag"), "-j", "0"]
+    result = CliRunner().invoke(cli, words)
+    assert "no hazards" in result.output, result.output  # one invocation alone has no derivative
+    assert "edge.frag:6: proved: no division by 0" in result.output

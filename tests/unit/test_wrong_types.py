@@ -132,7 +132,7 @@ RIGHT: dict[Callable[..., Any], dict[str, Any]] = {
     value: {"output": "c", "at": {"x": 1.0}, "equals": 1.0, "digits": 3},
 }  # fmt: skip
 POSITIONAL = [compile_fails, gl_call, inactive_uniforms, refused]
-OTHER = {"cost", "gl_calls", "same_as", "both_ways", "CompressedTexture", "Rules", "ShaderlabError"}
+OTHER = {"cost", "gl_calls", "both_ways", "CompressedTexture", "Rules", "ShaderlabError"}
 WRONG = [None, "x", b"x", "", 1.5, -1, True, float("nan"), 3 + 4j, [], [None], ["x"], ("a", 1), {},
          {"x": object()}, {1: 2}, object(), law, Path("x"), np.zeros(0), [[1, 2], [3]], {1, 2},
          Target(), np.array(["x"])]  # fmt: skip
