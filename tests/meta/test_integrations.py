@@ -108,3 +108,27 @@ def test_problem_matchers_match_what_is_printed(
     assert places and all(m[3].isdigit() for m in places), lines
     source = (repository / "shaderlab/cli/watch.py").read_text()
     assert watching["background"]["endsPattern"].removeprefix("^") in source
+
+
+def test_each_page_of_the_docs_has_a_place_in_the_site(repository: Path) -> None:
+    site = yaml.safe_load((repository / "mkdocs.yml").read_text())
+    named = set(re.findall(r"[\w/-]+\.md", json.dumps(site["nav"])))
+    made = {"CONTRIBUTING.md", "api/cases.md", "api/functions.md", "api/formulas.md"}
+    docs = repository / "docs"
+    assert named == made | {page.relative_to(docs).as_posix() for page in docs.rglob("*.md")}
+
+
+def test_the_jobs_run_what_there_is(repository: Path) -> None:
+    jobs = yaml.safe_load((repository / ".github/workflows/ci.yml").read_text())["jobs"]
+    commands = [s["run"] for job in jobs.values() for s in job["steps"] if "run" in s]
+    targets = re.findall(r"^([a-z-]+):.*##", (repository / "Makefile").read_text(), re.MULTILINE)
+    for word in commands:
+        program, _, target = word.partition(" ")
+        assert target in targets if program == "make" else os.access(repository / program, os.X_OK)
+    text = (repository / "pyproject.toml").read_text()
+    tested = {
+        v
+        for job in jobs.values()
+        for v in job.get("strategy", {}).get("matrix", {}).get("python", [])
+    }
+    assert tested == set(re.findall(r"Python :: (3\.\d+)", text))
