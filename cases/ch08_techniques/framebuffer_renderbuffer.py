@@ -7,38 +7,37 @@ there is at least one, and when their numbers of samples agree. A framebuffer ha
 points for colour attachments and one each for depth and stencil, but none of them has to be used: a
 depth attachment alone is complete. Sizes may differ; then what all of them cover can be drawn.
 
-Look at: on the left a small near square and a large far one with a depth renderbuffer, on the right
-without one: there the far square, drawn last, hides the near one.
+Look at: a house, and then a mountain behind it. On the left with a depth renderbuffer, on the right
+without one: there the mountain, drawn last, hides the house.
+
+Try: in `ch08_techniques/framebuffer_renderbuffer.vert` write `-depth, 1.0` for `depth, 1.0`: the
+house is behind the mountain now, and both windows are alike.
 """
 
 import numpy as np
 
-from shaderlab import Case, Depth, assets, exact, formula
+from shaderlab import Case, Depth, exact, formula, query
 from shaderlab.engine.expectations.gl_call import Object, call
-from shaderlab.glslmath import swizzle, vec4
 
 from ..scenes.api import ONE_PIXEL, PIXEL, answers, errors, limits, sent
-from ..scenes.draws import drawn
+from ..scenes.cutouts import COLORS, HOUSE, MOUNTAIN, SKY, covered, cutout, layers, placed
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell, picture
 
 COLOR, DEPTH = "GL_COLOR_ATTACHMENT0", "GL_DEPTH_ATTACHMENT"
 ATTACHED = {"target": "GL_FRAMEBUFFER"}
-NEAR, FAR, PAPER = (1.0, 0.72, 0.30, 1.0), (0.16, 0.42, 0.55, 1.0), (0.93, 0.93, 0.92, 1.0)
-
-
-def squares(column, depth):
-    """The near square, and then the far one, in one half of the window."""
-    shader, square = "ch08_techniques/framebuffer_renderbuffer", assets.quad(2.0)
-    state = {"only": ("aPos",), "depth": depth, "cell": cell(column, 2)}
-    for size, z, color in ((0.5, -0.5, NEAR), (0.75, 0.5, FAR)):
-        yield drawn(shader, square, {"size": size, "depth": z, "color": color}, **state)
+NEAREST_FIRST = (HOUSE, MOUNTAIN)
 
 
 def window(name, depth_format):
     """Both halves, over a renderbuffer of one depth format."""
-    both, target = (*squares(0, Depth()), *squares(1, None)), {"depth_storage": "renderbuffer"}
-    return picture(both, (512, 256), name, depth=depth_format, clear=PAPER, **target)
+    both = [
+        cutout(shape, depth=test, cell=cell(column, 2))
+        for column, test in enumerate((Depth(), None))
+        for shape in NEAREST_FIRST
+    ]
+    target = {"depth": depth_format, "depth_storage": "renderbuffer"}
+    return picture(both, (512, 256), name, clear=SKY, **target)
 
 
 def depth_kept_in(name, word, point):
@@ -51,20 +50,6 @@ def depth_kept_in(name, word, point):
         "and nothing else is": ("glFramebufferTexture2D", 1),
     }
     return sent(name, {f"{name}: {what}": row for what, row in rows.items()})
-
-
-def half(tested):
-    """A half of 256 × 256 pixels: paper, the far square, before it perhaps the near one."""
-    block = np.tile(np.asarray(PAPER, np.float32), (256, 256, 1))
-    block[32:224, 32:224] = FAR
-    if tested:
-        block[64:192, 64:192] = NEAR
-    return block
-
-
-def placed(aPos, size, depth):
-    """Scaled across, and put at a depth."""
-    return vec4(swizzle(aPos, "xy") * size, depth, 1.0)
 
 
 FRAMEBUFFER = Object("framebuffer")
@@ -105,7 +90,9 @@ def cleared(*color):
 FILLED = (*ONE_PIXEL, *cleared(0.2, 0.4, 0.6, 1.0))
 NOT_DRAWN = (call("glDrawBuffer", "GL_NONE"), *cleared(1.0, 1.0, 1.0, 1.0))
 BYTES = (51, 102, 153, 255)
-HALVES = np.concatenate([half(True), half(False)], axis=1)
+OVERLAID = [(shape, COLORS[shape]) for shape in NEAREST_FIRST]
+SEEN = np.sum(covered(MOUNTAIN) & ~covered(HOUSE))
+HALVES = np.concatenate([layers(SKY, *OVERLAID[::-1]), layers(SKY, *OVERLAID)], axis=1)
 
 case = Case(
     title="Renderbuffers and completeness",
@@ -118,6 +105,11 @@ case = Case(
     expect=[
         exact("tested.FragColor", HALVES, name="with and without the depth test"),
         exact("24 bits.FragColor", HALVES, name="depth alone does as well as depth and stencil"),
+        # The slopes overlap, at one depth: LESS lets the second pass only where the first is not.
+        *(
+            query("samples_passed", equals=SEEN, draw=1, pass_name=name, name=f"{name}: mountain")
+            for name in ("tested", "24 bits")
+        ),
         *depth_kept_in("tested", "GL_DEPTH24_STENCIL8", "GL_DEPTH_STENCIL_ATTACHMENT"),
         *depth_kept_in("24 bits", "GL_DEPTH_COMPONENT24", "GL_DEPTH_ATTACHMENT"),
         *errors(
@@ -136,8 +128,8 @@ case = Case(
                 "and draws into eight at once or more": ("GL_MAX_DRAW_BUFFERS", 8),
             }
         ),
-        formula("tested.gl_Position", placed, draw=0, name="the near square"),
-        formula("tested.gl_Position", placed, draw=1, name="the far square"),
+        formula("tested.gl_Position", placed, draw=0, name="the house"),
+        formula("tested.gl_Position", placed, draw=1, name="the mountain"),
         formula("tested.FragColor", unchanged("color"), draw=0, name="colour"),
         *status("nothing attached", "INCOMPLETE_MISSING_ATTACHMENT"),
         *status("colour alone", "COMPLETE", renderbuffer("a", COLOR, "GL_RGBA8")),
