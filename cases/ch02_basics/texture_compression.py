@@ -9,16 +9,21 @@ same manner, and BC7 has eight modes to choose from. ETC1 is a part of ETC2: its
 ETC2. Files keep the blocks behind a header, as DDS files do, and nothing has to be decoded to
 upload them.
 
-Look at: the emblem in six formats, four times as large, from the lower left ETC1, ETC2 and ETC2
-with alpha, above BC1, BC3 and BC7. At the rays' edges the blocks show, two or four colours at a
-time; the smooth night sky breaks into steps. BC7 is hard to tell from the original.
+Look at: the emblem in six formats, from the lower left ETC1, ETC2 and ETC2 with alpha, above BC1,
+BC3 and BC7, and over each what it lost, eight times as large, on grey. Losses have the shape of
+blocks, and most are at the rays' edges, where a block holds only two or four colours. BC7 loses
+next to nothing.
+
+Try: in `ch02_basics/texture_loss.frag` write `64.0` for `8.0`: even the smooth sky turns into
+blocks, of BC7 as well.
 """
 
 from pathlib import Path
 
 import numpy as np
 
-from shaderlab import Case, CompressedTexture, Target, assets, exact, fullscreen, measure
+from shaderlab import Case, CompressedTexture, Target, Texture, assets, exact, fullscreen, measure
+from shaderlab.glslmath import swizzle, vec4
 from shaderlab.glslmath.sampling import texture as texel
 
 from ..scenes.block_codecs import compressed, decoded_blocks
@@ -116,13 +121,22 @@ def sampled(image, TexCoords):
     return texel(image, TexCoords)
 
 
+def loss(image, original, TexCoords):
+    """What a format lost at a place, eight times as large, on grey."""
+    lost = texel(image, TexCoords) - texel(original, TexCoords)
+    return vec4(0.5 + 8.0 * swizzle(lost, "rgb"), 1.0)
+
+
 def shown(k, kind):
-    """A field of the picture: a part of the emblem in one format."""
-    domain, textures = (
-        {"TexCoords": square(0.003, 0.996)},
-        {"image": texture(kind, assets.emblem(96))},
+    """The emblem in one format, and above it what that lost."""
+    emblem, place = assets.emblem(96), {"TexCoords": square(0.003, 0.996)}
+    textures = {"image": texture(kind, emblem)}
+    below = 6 * (k // 3) + k % 3
+    yield panel("ch02_basics/textured.frag", place, textures=textures, cell=cell(below, 3, 4))
+    textures = {**textures, "original": Texture(image=emblem)}
+    yield panel(
+        "ch02_basics/texture_loss.frag", place, textures=textures, cell=cell(below + 3, 3, 4)
     )
-    return panel("ch02_basics/textured.frag", domain, textures=textures, cell=cell(k, 3, 2))
 
 
 case = Case(
@@ -131,14 +145,19 @@ case = Case(
     math=r"\text{BC1: } c_k = \tfrac13\left((3 - k)\,c_0 + k\,c_1\right), \qquad "
     r"\frac{8\ \text{bytes}}{16\ \text{texels}} = 4\ \text{bits a texel}",
     passes=(
-        *enlarged((shown(k, kind) for k, kind in enumerate(FORMATS)), (129, 86), 9),
+        *enlarged((d for k, kind in enumerate(FORMATS) for d in shown(k, kind)), (129, 172), 5),
         *(one for kind in FORMATS for one in judged(kind)),
     ),
     picture="picture.FragColor",
     expect=[
         enlarged_check(),
         *each_draw(
-            "small.FragColor", sampled, {k: f"{kind}, on show" for k, kind in enumerate(FORMATS)}
+            "small.FragColor",
+            sampled,
+            {2 * k: f"{kind}, on show" for k, kind in enumerate(FORMATS)},
+        ),
+        *each_draw(
+            "small.FragColor", loss, {2 * k + 1: f"{kind}, lost" for k, kind in enumerate(FORMATS)}
         ),
         *(
             exact(f"{name_of(kind)}.FragColor", decoded(kind), name=f"{kind}, another decoder")
