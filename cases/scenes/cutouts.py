@@ -34,7 +34,8 @@ def cutout(shape: Any, **state: Any) -> Draw:
     >>> cutout(HOUSE).uniforms["depth"]
     -0.5
     """
-    places, fans = [], []
+    places: list[tuple[int, int, int]] = []
+    fans: list[tuple[int, int, int]] = []
     for part in shape:
         fans += [
             (len(places), len(places) + k, len(places) + k + 1) for k in range(1, len(part) - 1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,8 @@ import numpy as np
 import pytest
 
 from shaderlab.model import pictures
+from shaderlab.model.records import Place
+from shaderlab.report.html import write
 from tests.browser.samples import WORST, Sample
 
 PHONE = {"viewport": {"width": 375, "height": 720}}
@@ -126,6 +129,23 @@ def finds_what_cases_say(page: Any) -> None:
         count = "" if len(found) == 2 else f"{len(found)} of 2 shown"
         wait_until(page, lambda: page.locator("#found").text_content() == count)  # noqa: B023
         assert shown_cards(page) == found
+
+
+def test_chinese_titles_can_be_switched_off_and_stay_off(
+    visit: Visit, lamp: Sample, tmp_path: Path
+) -> None:
+    titles = {"lamp": "灯", "blend": "混合"}
+    records = [replace(r, place=Place(title_zh=titles[r.id])) for r in lamp.run.records]
+    page = visit(write(replace(lamp.run, records=tuple(records)), tmp_path))
+    chinese = page.locator("a.card .zh")
+    assert chinese.all_text_contents() == ["灯", "混合"] and chinese.first.is_visible()
+    switch = page.locator("#zh")
+    switch.click()
+    assert not chinese.first.is_visible()
+    page.reload()
+    assert not chinese.first.is_visible() and switch.get_attribute("aria-pressed") == "false"
+    switch.click()
+    assert chinese.first.is_visible()
 
 
 def test_chapters_and_neighbours_are_one_click_away(visit: Visit, lamp: Sample) -> None:

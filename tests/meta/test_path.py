@@ -7,9 +7,14 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from shaderlab.engine.catalogue import chapter_title, place_of
+from shaderlab.model import pictures
+from shaderlab.report import html
 from tests.catalogue import shipped
+from tests.unit.test_report_samples import Page, outcome, record, run
 
 
 @pytest.fixture(scope="module")
@@ -46,3 +51,26 @@ def test_every_title_is_there_in_chinese(course: dict[str, Any]) -> None:
     latin = {title for title in titles if not re.search("[\u4e00-\u9fff]", title)}
     assert latin == {"Uniform", "GLM"}
     assert {case.section for case in shipped().values()} <= set(course["sections"])
+
+
+def test_the_front_page_of_the_whole_course_is_light(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As a learner loads it: 150 kB and 2,500 elements at most."""
+    image = "images/case--default--picture.png"
+    (tmp_path / "images").mkdir()
+    pictures.save_png(tmp_path / image, np.zeros((4, 4, 3), np.uint8))
+    lessons = [
+        record(
+            case.id, title=case.title, section=case.section, lesson=case.lesson,
+            chapter=chapter_title(case.file, case.section),
+            place=place_of(case.file, case.id, case.section),
+            expectations=tuple(outcome(name=each.name) for each in case.expect),
+            images={"picture": image},
+        )
+        for case in shipped().values()
+    ]  # fmt: skip
+    monkeypatch.setattr(html, "_with_neighbours", lambda page: ())  # no pages of cases
+    front = html.write(run(*lessons), tmp_path)
+    assert len(lessons) >= 113 and front.stat().st_size <= 150_000
+    assert 1000 < len(Page(front).tags) <= 2500
