@@ -33,8 +33,8 @@ from ..scenes.panels import picture
 
 DROP, CHECK = "leave such points out with drop_invalid=True", "check the path and its spelling"
 FOLDER = Path(__file__).parent / "point_cloud"
-VIEW = look_at((0.35, 0.95, 1.75), (0.0, -0.05, 0.0))
-LARGE, NIGHT = 22.0, (0.006, 0.008, 0.02, 1.0)
+VIEW = look_at((0.30, 1.45, 2.10), (0.0, 0.0, 0.10))
+LARGE, NIGHT = 26.0, (0.006, 0.008, 0.02, 1.0)
 PROJECTION = perspective(radians(55.0), 1.5, 0.1, 10.0)
 
 
