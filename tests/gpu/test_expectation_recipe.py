@@ -35,8 +35,7 @@ def test_a_new_kind_is_a_file_and_a_line(repository: Path, tmp_path: Path) -> No
     kind = guide[guide.index('"""darker:') :].split("```")[0] + "\ndarker = Darker\n"
 
     package = tmp_path / "shaderlab"
-    leave_out = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(repository / "shaderlab", package, ignore=leave_out, copy_function=os.symlink)
+    shutil.copytree(repository / "shaderlab", package, copy_function=os.symlink)
     (package / "engine" / "expectations" / "darker.py").write_text(kind, encoding="utf-8")
     stub = (package / "__init__.pyi").read_text(encoding="utf-8")
     (package / "__init__.pyi").unlink()

@@ -34,7 +34,8 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     folder = tmp_path_factory.mktemp("json")
     ids = ["attenuation", "spotlight", "gamma"]
     files = ["--json", str(folder / "out.json"), "--report", str(folder / "out")]
-    done = CliRunner().invoke(cli, ["run", *ids, *files, "--no-pictures", "-j", "0"])
+    less = ["--no-pictures", "--no-modules", "--size", "32"]  # figures are of points
+    done = CliRunner().invoke(cli, ["run", *ids, *files, *less, "-j", "0"])
     assert done.exit_code == 0, done.output
     read: dict[str, Any] = json.loads((folder / "out.json").read_text())
     return read

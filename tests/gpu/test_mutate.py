@@ -315,7 +315,7 @@ def test_what_no_expectation_reads_is_missed(
     (tmp_path / "flat.frag").write_text(FLAT)
     (tmp_path / "unread.py").write_text(UNREAD_CASE)
     monkeypatch.chdir(tmp_path)
-    code, output = mutate("./unread.py", "--json", "out.json", "--fail-under", 90, "--jobs", 1)
+    code, output = mutate("./unread.py", "--json", "out.json", "--fail-under", 90, "--jobs", 0)
     (case,) = json.loads((tmp_path / "out.json").read_text())["cases"]
     notes = {s["note"] for s in case["survived"]}
     assert code == 1 and case["score"] < 0.9, output
@@ -549,8 +549,8 @@ def test_the_command_shows_each_survivor_s_place_and_writes_json(
 
 def test_a_sample_and_a_score_to_reach(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(folder)
-    code, _ = mutate("./weak.py", "--limit", 6, "--seed", 3, "--json", "a.json", "--jobs", 1)
-    again, _ = mutate("./weak.py", "--limit", 6, "--seed", 3, "--json", "b.json", "--jobs", 1)
+    code, _ = mutate("./weak.py", "--limit", 6, "--seed", 3, "--json", "a.json", "--jobs", 0)
+    again, _ = mutate("./weak.py", "--limit", 6, "--seed", 3, "--json", "b.json", "--jobs", 0)
     one, other = (json.loads((folder / f"{n}.json").read_text()) for n in "ab")
     for data in (one, other):
         data["cases"][0].pop("seconds")
@@ -558,7 +558,7 @@ def test_a_sample_and_a_score_to_reach(folder: Path, monkeypatch: pytest.MonkeyP
     case = one["cases"][0]
     counted = sum(case[k] for k in ("killed", "equivalent", "invalid"))
     assert counted + len(case["survived"]) + len(case["no_difference"]) == 6
-    code, _ = mutate("./weak.py", "--no-state", "--limit", 6, "--seed", 3, "--fail-under", 100)
+    code, _ = mutate("./weak.py", "--limit", 6, "--seed", 3, "--fail-under", 100, "--jobs", 0)
     assert code == (0 if one["score"] == 1.0 else 1)
 
 
@@ -588,6 +588,6 @@ def test_a_case_that_fails_as_it_is_is_not_measured(
 ) -> None:
     monkeypatch.chdir(folder)
     (folder / "law.glsl").write_text(LAW.replace("+ 0.5", "+ 0.6"))
-    code, output = mutate("./law.py", "--jobs", 1)
+    code, output = mutate("./law.py", "--jobs", 0)
     assert code == 1
     assert "'factor' fails with the case's own shaders" in output

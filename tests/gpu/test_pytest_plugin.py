@@ -92,12 +92,6 @@ def test_one_lab_a_process_and_none_unless_needed(cases: pytest.Pytester) -> Non
     assert "lab opened" not in quiet.stdout.str()
 
 
-def test_xdist(cases: pytest.Pytester) -> None:
-    result = cases.runpytest_subprocess("-n", "1")
-    result.assert_outcomes(passed=1, failed=1)
-    result.stdout.fnmatch_lines(["*worst pixel (3, 17)*"])
-
-
 def test_unsupported_is_skipped_with_its_reason(cases: pytest.Pytester) -> None:
     file = cases.path / "lamp.py"
     file.write_text(file.read_text().replace('"far"', '"mars"'))
@@ -150,10 +144,6 @@ def test_a_case_is_really_drawn_and_judged(pytester: pytest.Pytester, case_folde
     result.stdout.fnmatch_lines(["*FragColor (exact)"])
 
 
-def test_a_case_given_by_its_file_runs_once(pytester: pytest.Pytester, case_folder: Path) -> None:
-    pytester.runpytest_inprocess(case_folder / "lamp.py").assert_outcomes(passed=2)
-
-
 def test_a_case_given_by_its_file_is_not_imported_by_pytest(
     pytester: pytest.Pytester, case_folder: Path
 ) -> None:
@@ -178,25 +168,6 @@ def broken(folder: Path, name: str, act: str, *, when: str = "draw") -> None:
         text.replace("\ncase =", f"\nimport os, signal\n{act}\ncase =")
     )
     (folder / f"{name}.frag").write_text((folder / "lamp.frag").read_text())
-
-
-def test_a_crash_and_a_hang_are_failed_tests(pytester: pytest.Pytester, case_folder: Path) -> None:
-    broken(case_folder, "dies", "os.kill(os.getpid(), 11)")
-    broken(case_folder, "hangs", faulty.HANG)
-    result = pytester.runpytest_inprocess(
-        case_folder, "-o", "shaderlab_timeout=60", "-k", "near or lamp"
-    )
-    result.assert_outcomes(passed=2, failed=2, deselected=2)
-    result.stdout.fnmatch_lines(
-        [
-            "*dies[[]near]*A lamp",
-            "*crash: the process died: signal 11 (SIGSEGV)",
-            "*last step: draw 0 of pass 'main', program dies.frag",
-            "*hangs[[]near]*A lamp",
-            "*timeout: took longer than 60 s",
-            "*last step: draw 0 of pass 'main', program hangs.frag",
-        ]
-    )
 
 
 def test_a_file_that_crashes_or_hangs_on_import_costs_only_itself(
