@@ -42,7 +42,7 @@ from .interpreter import Program
 from .interpreter.values import Flags
 from .portability import Spread, find_spreads, widest_spreads
 from .proof import BOXES, Proof
-from .undefined import divergent, undefined_values
+from .undefined import divergent, sine_hashes, undefined_values
 
 RANDOM, ZERO, EQUAL = range(3)
 """What is special about an invocation: nothing; a place that is 0; two places that are equal."""
@@ -273,6 +273,7 @@ def audit_program(
     spreads: list[Spread] = []
     for batch in batches:
         hazards += undefined_values(program, batch, inputs)
+        hazards += sine_hashes(program, batch, inputs)
         hazards += divergent(program, batch, inputs, made_up=not captured)
         if plan.precision:
             spreads += find_spreads(program, batch, inputs)

@@ -11,15 +11,16 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Integer, TriBool
-from shaderlab.compiler.spirv import Op, StorageClass
+from shaderlab.compiler.spirv import Glsl450, Op, StorageClass
 from shaderlab.model.frame import Array
 
 from .batches import InputBatch, flatten_outputs, quads_of, run_batch
-from .checks import Place
+from .checks import Place, arguments_of, number_of
 from .hazards import Hazard, fill_value, find_dependents
 from .inputs import Input
 from .interpreter import Interpreted, Numbers, Program
 from .interpreter.flow import HANDLERS
+from .interpreter.operations import COMPOSITES
 from .interpreter.program import Instruction
 from .interpreter.running import Run
 from .interpreter.values import PathState, null
@@ -273,3 +274,55 @@ def _smooth(batch: InputBatch, inputs: Mapping[str, Input]) -> InputBatch:
             same = (same + moved).astype(np.float32)
         each[name] = same
     return InputBatch(each, batch.bindings, batch.count)
+
+
+HASH = "sine hash"
+_SINES = {(Op.ExtInst, Glsl450.Sin), (Op.ExtInst, Glsl450.Cos)}
+_PRODUCTS = (Op.FMul, Op.VectorTimesScalar)
+_MAGNIFIED = 100.0  # times: of the 2^-11 that a sine may err, a twentieth of fract's range
+
+
+@dataclass
+class _Hashes:
+    """A `Watch` that follows sines, and keeps where `fract` is taken of large multiples of them."""
+
+    sines: dict[int, tuple[Any, bool]] = field(default_factory=dict)  # kept, and whether magnified
+    found: dict[Place, tuple[int, Instruction]] = field(default_factory=dict)
+
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
+        number = number_of(at.op, at.operands)
+        values = [] if at.op == Op.Variable else arguments_of(at.op, at.operands)
+        known = [
+            self.sines[id(run.results[v])] for v in values if id(run.results.get(v)) in self.sines
+        ]
+        if number in _SINES:
+            self.sines[id(result)] = result, False
+        elif known and at.op in _PRODUCTS:
+            others = [v for v in run.values(at.operands) if id(v) not in self.sines]
+            large = any(np.abs(v).min() >= _MAGNIFIED for v in others)
+            self.sines[id(result)] = result, large or any(flag for _, flag in known)
+        elif known and at.op in COMPOSITES:
+            self.sines[id(result)] = result, any(flag for _, flag in known)
+        elif number == (Op.ExtInst, Glsl450.Fract) and any(flag for _, flag in known):
+            self.found[Place(at.id, tuple(run.calls), HASH)] = int(state.mask.argmax()), at
+        return result
+
+
+def sine_hashes(
+    program: Program, batch: InputBatch, inputs: Mapping[str, Input]
+) -> Iterator[Hazard]:
+    """Random numbers of the last bits of a sine, on which an output depends."""
+    numbers = {number_of(one.op, one.operands) for one in program.definitions.values()}
+    if not numbers & _SINES or (Op.ExtInst, Glsl450.Fract) not in numbers:
+        return
+    watch = _Hashes()
+    run_batch(program, batch, watch=watch)
+    for place, (row, at) in watch.found.items():
+        if outputs := find_dependents(program, batch, row, place):
+            file, line = program.place(at.line)
+            yield Hazard(
+                file=file, line=line, kind=HASH,
+                message=f"{HASH}: fract of a large multiple of a sine, another one on each GPU",
+                inputs=batch.example(row, inputs),
+                outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
+            )  # fmt: skip

@@ -266,3 +266,21 @@ def test_what_is_not_interpreted_names_its_file(
     result = CliRunner().invoke(cli, [*words, "a.frag", "-j", "0"])
     assert result.exit_code in (1, 2)
     assert "a.frag: not interpreted: sampler3D solid" in result.output
+
+
+@pytest.mark.parametrize(
+    ("body", "found"),
+    [
+        ("return fract(sin(dot(p, vec2(12.9898, 78.233))) * 43758.5453);", True),
+        ("float s = sin(p.x * 91.7); s *= 4375.5; return fract(s);", True),
+        ("vec2 s = sin(p * 91.7); return fract(s * 43758.5).x;", True),
+        ("return fract(vec2(cos(p.x), sin(p.y)) * 4000.0).y;", True),
+        ("return fract(sin(p.x) * 4.0 + p.y);", False),
+        ("return sin(p.x) * 43758.5 + fract(p.y * 43758.5);", False),
+    ],
+)
+def test_random_numbers_of_sines_are_hazards(body: str, found: bool) -> None:
+    text = f"#version 330 core\nin vec2 p;\nout float c;\nfloat f()\n{{ {body} }}\n"
+    source = Shaders([]).from_text(text + "void main() { c = f(); }", "fragment", "a.frag")
+    hazards = audit_program(load(source)).hazards
+    assert [(h.kind, h.line) for h in hazards] == ([("sine hash", 5)] if found else [])
