@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import importlib
 import io
 import os
@@ -71,16 +70,11 @@ class Commands(click.Group):
             require_linux()
             _require_limits()
             status = super().invoke(ctx)
-        except ShaderlabError as error:
-            if debug:
+        except (ShaderlabError, OSError) as error:
+            if debug or isinstance(error, BrokenPipeError):  # click knows a reader who has gone
                 raise
             click.echo(f"shaderlab: {_format_error(error)}", err=True)
             status = USAGE if isinstance(error, UsageError) else FAILED
-        except OSError as error:
-            if debug or error.errno == errno.EPIPE:  # click knows a reader who has gone
-                raise
-            click.echo(f"shaderlab: {_format_error(error)}", err=True)
-            status = FAILED
         except KeyboardInterrupt:
             status = INTERRUPTED
         finally:

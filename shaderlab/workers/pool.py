@@ -67,13 +67,11 @@ class ItemResult:
     seconds: float = 0.0
 
 
-@dataclass(eq=False)
-class _Run:
+class _Run(queue.SimpleQueue["ItemResult | BaseException | None"]):
     """The results of one `run`, one for each item: None where none is needed any more, an exception
     where it ends the run. `closed` once nobody reads them."""
 
-    results: queue.SimpleQueue[ItemResult | BaseException | None]
-    closed: bool = False
+    closed = False
 
 
 @dataclass(eq=False)
@@ -108,7 +106,6 @@ class _Worker:
         self._closed = False
         self._process: subprocess.Popen[bytes] | None = None
         self._streams: Sequence[Any] = ()
-        self._ready = False
         self._pid = 0
 
     def answer(self, item: Any) -> tuple[Any, Any]:
@@ -124,8 +121,8 @@ class _Worker:
         self.memory = self.memory or measure_memory(self._pid) or 1
         return kind, value
 
-    def launch(self) -> None:
-        """Start the process, if there is none, without waiting until it is ready.
+    def wait_until_ready(self) -> None:
+        """Start the process, if there is none, and wait for it.
 
         Raises:
             ShaderlabError: none can be started.
@@ -137,18 +134,11 @@ class _Worker:
                 return
             if self._closed:
                 raise ShaderlabError("the pool of workers is closed")
-            self._ready = False
             try:
                 self._start_process()
             except OSError as error:
                 said = f"can't start a worker process: {error.strerror or error}"
                 raise ShaderlabError(said, remedy=suggest_limit(error)) from error
-
-    def wait_until_ready(self) -> None:
-        """Launch the process, if there is none, and wait for it. Raises as `launch`."""
-        self.launch()
-        if self._ready:
-            return
         try:
             self._receive(max(START_SECONDS, self._limits.seconds))
         except WorkerDiedError as error:
@@ -157,10 +147,9 @@ class _Worker:
                 remedy = "wait until this machine is less busy, or allow more time: --timeout S"
             said = f"can't start a worker process: {error.message}"
             raise ShaderlabError(said, remedy=remedy) from error
-        self._ready = True
 
     def close(self) -> None:
-        """End the process, whatever it is doing, and start no other one."""
+        """End the process, and start no other one."""
         with self._lock:
             self._closed = True
             if self._process is not None:
@@ -316,7 +305,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
 
     def start(self, item: Any) -> None:
         """Start the first worker with an item whose result nobody needs, and wait for neither."""
-        self._submit(_Run(queue.SimpleQueue()), -1, item)
+        self._submit(_Run(), -1, item)
 
     def run(self, items: Iterable[Any]) -> Generator[ItemResult]:
         """Yield the items' results as they complete.
@@ -327,13 +316,13 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         Raises:
             ShaderlabError: no worker can be started at all.
         """
-        run = _Run(queue.SimpleQueue())
+        run = _Run()
         numbered = enumerate(items)
         ahead = itertools.islice(numbered, max(self.jobs + 1, AHEAD))
         try:
             left = sum(self._submit(run, *each) for each in ahead)
             while left:
-                result = run.results.get()
+                result = run.get()
                 if isinstance(result, BaseException):
                     raise result
                 left += sum(self._submit(run, *n) for n in itertools.islice(numbered, 1)) - 1
@@ -368,7 +357,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
                 result = None if self._closed else error
             with self._lock:
                 self._unfinished -= number >= 0
-            run.results.put(result)
+            run.put(result)
         worker.end()
 
     def _answer(self, worker: _Worker, number: int, item: Any) -> ItemResult:
