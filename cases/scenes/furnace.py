@@ -6,7 +6,8 @@ bounce only gives back less: what a second bounce would bring out is lost.
 Sources: B. Walter, S. R. Marschner, H. Li, K. E. Torrance, "Microfacet Models for Refraction
 through Rough Surfaces", EGSR 2007, equations 35, 36 and 41 (sampling by D and the weight of a
 sample); E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal
-of Computer Graphics Techniques 3(2), 2014, section 5 (the furnace as a test).
+of Computer Graphics Techniques 3(2), 2014, section 5 (the furnace as a test); C. Kulla, A. Conty,
+"Revisiting Physically Based Shading at Imageworks", SIGGRAPH course notes 2017 (later bounces).
 
 Cosines and factors are (…, 1). α is roughness².
 """
@@ -20,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.glslmath import Value, max, sqrt
-from shaderlab.reference.microfacets import distribution
+from shaderlab.reference.microfacets import PI, distribution
 
 Masking = Callable[[Value, Value], Value]
 
@@ -84,3 +85,19 @@ def reflected_share_by_directions(
     reflected = distribution(normal_half, roughness) * half_of_g(cosine, roughness)
     share = np.mean(reflected, axis=1) @ (0.5 * weights) * (2.0 * math.pi)
     return float(share * half_of_g(normal_view, roughness) / (4.0 * normal_view))
+
+
+def later_bounces(lost: Value, lost_there: Value, mean: Value, f0: Value) -> Value:
+    """The lobe of all bounces but the first, (1 − E(v)) (1 − E(l)) / (π (1 − m)), in colour.
+
+    Args:
+        lost, lost_there: 1 − E towards the viewer and the light.
+        mean: m, E's mean over all directions, 2 ∫ E(μ) μ dμ.
+        f0: the metal's colour; what its mirrors reflect on average is (20 f0 + 1) / 21.
+
+    >>> print(f"{later_bounces(0.5, 0.5, 0.5, 1.0):.6f}")
+    0.159155
+    """
+    mirrors = (20.0 * f0 + 1.0) / 21.0
+    tint = mirrors * mirrors * mean / (1.0 - mirrors * (1.0 - mean))
+    return tint * (lost * lost_there / (PI * (1.0 - mean)))
