@@ -16,8 +16,6 @@ Try: in `ch15_beyond/ibl_specular.frag` write `f0 * factors.x` for `f0 * factors
 plastic's rims vanish.
 """
 
-import math
-
 import numpy as np
 
 from shaderlab import Case, CubeTexture, Output, across, exact, formula, up
@@ -43,16 +41,14 @@ from shaderlab.reference.microfacets import shadowing_under_sky
 
 from ..scenes.cameras import turned
 from ..scenes.drawing import encoded
-from ..scenes.figures import each_draw, figure, results
+from ..scenes.figures import figure, results
 from ..scenes.furnace import reflected_share_by_directions
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import cell, enlarged, panel, panel_pass, picture, square
 from ..scenes.sky import sky_light
+from ..scenes.split_sum import AZIMUTHS, factors, halfway
 
-SAMPLES, BALLS = 32, 6
-TURN = 2.0 * math.pi / SAMPLES * np.arange(SAMPLES)
-AZIMUTHS = np.column_stack([np.cos(TURN), np.sin(TURN)])
-FRACTIONS = [int(f"{k:032b}"[::-1], 2) / 2.0**32 for k in range(SAMPLES)]
+BALLS = 6
 BITS = [int(f"{k * 2654435761 % 2**32:032b}"[::-1], 2) for k in range(64)]
 CAMERA = turned(80.0)[:3, :3]
 GOLD, PLASTIC = (1.0, 0.71, 0.29), (0.04, 0.04, 0.04)
@@ -63,10 +59,16 @@ MORNING = CubeTexture(
 NOISE = CubeTexture(
     faces=list(np.random.default_rng(15).random((6, 4, 4, 4))), filter=SMOOTH, mipmaps=True
 )
+# Past white, and texels as large as the steps of its mirrors.
+NOISE = CubeTexture(
+    faces=list(np.random.default_rng(15).uniform(0.0, 2.0, (6, 4, 4, 4))),
+    filter=SMOOTH,
+    mipmaps=True,
+)
 WHITE = CubeTexture(faces=[np.ones((1, 1, 4))] * 6, filter=SMOOTH, mipmaps=True)
 
 
-def ball(number, f0, sky, at=None):
+def ball(number, f0, sky, at=None, radius=50.0):
     """A ball before the sky: the first of a row is a mirror, the last as rough as can be."""
     uniforms = {
         "azimuths": AZIMUTHS,
@@ -74,7 +76,7 @@ def ball(number, f0, sky, at=None):
         "roughness": number / (BALLS - 1.0),
         "camera": CAMERA,
         "aside": (0.25 * (number - 2.5), 0.0),
-        "radius": 50.0,
+        "radius": radius,
     }
     textures = {"sky": sky, "table": Output("table.factors", filter=("linear", "linear"))}
     domain = {"place": square(-1.08, 1.08)}
@@ -86,28 +88,6 @@ def tabled(name, size):
     domain = {"normalView": across(0.0, 1.0), "roughness": up(0.0, 1.0)}
     uniforms = {"azimuths": AZIMUTHS}
     return panel_pass(name, "ch15_beyond/ibl_specular_table.frag", domain, uniforms, size=size)
-
-
-def halfway(k, azimuth, roughness):
-    """The k-th halfway vector about +z, for mirrors whose D is GGX's."""
-    u, squared = FRACTIONS[k], roughness * roughness * roughness * roughness
-    around = 1.0 - u + squared * u
-    return vec3(sqrt(squared * u / around) * azimuth, sqrt((1.0 - u) / around))
-
-
-def factors(normalView, roughness, azimuths):
-    """A and B: what stands by f0, and what is added (Karis 2013)."""
-    view, total = vec3(sqrt(1.0 - normalView * normalView), 0.0, normalView), 0.0
-    for k, azimuth in enumerate(azimuths):
-        half = halfway(k, azimuth, roughness)
-        upright = swizzle(half, "z")
-        view_half = max(dot(view, half), 0.0)
-        light = max(2.0 * view_half * upright - normalView, 0.0)
-        weight = shadowing_under_sky(light, roughness) * view_half / upright
-        grazing = 1.0 - view_half
-        fresnel = grazing * grazing * (grazing * grazing) * grazing
-        total = total + weight * vec2(1.0 - fresnel, fresnel)
-    return shadowing_under_sky(normalView, roughness) / normalView / float(SAMPLES) * total
 
 
 def blurred(sky, axis, roughness, azimuths):
@@ -158,6 +138,7 @@ def shown(outward, radius, ball, behind):
 
 
 FEW = {"normalView": 0.7, "roughness": 0.5}
+LOW = {"normalView": 0.1, "roughness": 1.0}
 SLOPE = {"normalView": 0.25, "roughness": 0.0}
 SHOWN = [
     ball(number, f0, MORNING, cell(6 * row + number, 6, 2))
@@ -175,16 +156,19 @@ case = Case(
         panel_pass("bits", "ch15_beyond/ibl_specular_bits.frag", {}, size=(64, 1)),
         *enlarged(SHOWN, (24, 8), 27),
         picture([ball(3, GOLD, WHITE)], (8, 8), "white"),
+        picture([ball(3, GOLD, NOISE, radius=5.5)], (12, 12), "noise"),
     ),
     picture="picture.FragColor",
     expect=[
         exact("bits.fraction", np.array(BITS)[None, :, None], name="bits in opposite order"),
         formula("table.factors", factors, name="A and B"),
-        *each_draw("small.FragColor", color, {0: "a mirror", 8: "gold, a little rough"}, "{}"),
+        formula("small.FragColor", color, draw=8, name="gold, a little rough"),
+        formula("noise.FragColor", color, name="a rough ball among random texels"),
         enlarged_check(),
         formula("white.FragColor", even, name="under an even sky there is no approximation"),
         figure("table.factors", "32 points at n·v = 0.7", FEW, (0.831834, 0.004366)),
         figure("table.factors", "without roughness B is (1 − n·v)⁵", SLOPE, (0.762695, 0.237305)),
+        figure("table.factors", "far down on a dull surface", LOW, (0.534594, 0.014161)),
         *results(
             {
                 "A + B at n·v = 0.7, by directions of light": (
