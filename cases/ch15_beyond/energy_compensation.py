@@ -41,7 +41,7 @@ from ..scenes import furnace
 from ..scenes.drawing import encoded
 from ..scenes.figures import each_draw, results
 from ..scenes.panel_checks import enlarged_check
-from ..scenes.panels import cell, enlarged, panel, panel_pass, square
+from ..scenes.panels import cell, enlarged, panel, panel_pass, picture, square
 
 SIDE = 16
 RING = np.cos((np.arange(8) + 0.5) / 8.0 * np.pi)
@@ -49,16 +49,13 @@ ROUGHNESS = (0.2, 0.36, 0.52, 0.68, 0.84, 1.0)
 LAMPS = [(-0.48, 0.64, 0.6), (0.8, 0.0, 0.6), (0.0, -0.96, 0.28)]
 COLORS = [(3.4, 3.3, 3.1), (0.9, 1.1, 1.5), (0.5, 0.35, 0.3)]
 GOLD = (1.0, 0.71, 0.29)
-LINEAR = ("linear", "linear")
-TABLES = {
-    "table": Output("table.share", filter=LINEAR),
-    "means": Output("means.mean", filter=LINEAR),
-}
+TABLES = {"table": Output("table.share", filter=("linear", "linear"))}
+TABLES["means"] = Output("means.mean", filter=("linear", "linear"))
 
 
-def ball(number, later, at=None):
+def ball(number, later, at=None, radius=50.0):
     """A ball of gold, the later bounces left out or not."""
-    uniforms = {"f0": GOLD, "later": later, "lamps": LAMPS, "colors": COLORS, "radius": 50.0}
+    uniforms = {"f0": GOLD, "later": later, "lamps": LAMPS, "colors": COLORS, "radius": radius}
     uniforms["roughness"] = ROUGHNESS[number]
     place = {"place": square(-1.08, 1.08)}
     return panel("ch15_beyond/energy.frag", place, uniforms, textures=TABLES, cell=at)
@@ -78,30 +75,23 @@ def share(normalView, roughness, ring):
 
 def mean(table, frag_coord):
     """2 ∫ E(μ) μ dμ along a row of the table."""
-    total = 0.0
+    total, row = 0.0, swizzle(frag_coord, "y")
     for k in range(SIDE):
-        total = total + swizzle(texelFetch(table, ivec2(k, swizzle(frag_coord, "y"))), "r") * (
-            k + 0.5
-        )
+        total = total + (k + 0.5) * swizzle(texelFetch(table, ivec2(k, row)), "r")
     return 2.0 * total / float(SIDE * SIDE)
 
 
 def metal(view, light, normal, roughness, f0, later, table, means):
     """f · (n·l) of a metal: one bounce, and `later` times the lobe of all others."""
-    cosines = max(dot(normal, view), 0.01), max(dot(normal, light), 0.0)
-    one, other = (swizzle(texture(table, vec2(c, roughness)), "r") for c in cosines)
-    mean = swizzle(texture(means, vec2(0.5, roughness)), "r")
-    lobe = furnace.later_bounces(1.0 - one, 1.0 - other, mean, f0)
-    return microfacets_of(view, light, normal, roughness, f0) + later * lobe * cosines[1]
-
-
-def microfacets_of(view, light, normal, roughness, f0):
-    """One bounce."""
     half = normalize(view + light)
     cosines = max(dot(normal, view), 0.01), max(dot(normal, light), 0.0)
     masks = microfacets.masking(cosines[0], roughness) * microfacets.masking(cosines[1], roughness)
     d = microfacets.distribution_of(normal, half, roughness)
-    return d * masks / (4.0 * cosines[0]) * microfacets.fresnel(dot(half, view), f0)
+    first = d * masks / (4.0 * cosines[0]) * microfacets.fresnel(dot(half, view), f0)
+    one, other = (swizzle(texture(table, vec2(c, roughness)), "r") for c in cosines)
+    mean = swizzle(texture(means, vec2(0.5, roughness)), "r")
+    lobe = furnace.later_bounces(1.0 - one, 1.0 - other, mean, f0)
+    return first + later * lobe * cosines[1]
 
 
 def color(place, roughness, f0, later, lamps, colors, radius, table, means):
@@ -137,6 +127,8 @@ def over_disc(share):
 SLANTED = (0.6, 0.0, 0.8)
 BY_NUMPY = furnace.reflected_share_by_directions
 SUMS = (0.52, 0.68, 0.84)
+OF_TABLE = {"table": Output("table.share")}
+BALLS = [ball(n, 1.0 - row, cell(6 * row + n, 6, 2)) for row in (0, 1) for n in range(6)]
 
 case = Case(
     title="Later bounces",
@@ -152,27 +144,17 @@ case = Case(
             {"ring": RING},
             size=(SIDE, SIDE),
         ),
-        panel_pass(
-            "means",
-            "ch15_beyond/energy_mean.frag",
-            {},
-            textures={"table": Output("table.share")},
-            size=(1, SIDE),
-        ),
+        panel_pass("means", "ch15_beyond/energy_mean.frag", {}, textures=OF_TABLE, size=(1, SIDE)),
         *(summed(k, rough) for k, rough in enumerate(SUMS)),
-        *enlarged(
-            [ball(n, 1.0 - row, cell(6 * row + n, 6, 2)) for row in (0, 1) for n in range(6)],
-            (24, 8),
-            27,
-        ),
+        *enlarged(BALLS, (24, 8), 27),
+        picture([ball(4, 1.0, radius=5.5)], (12, 12), "edge"),
     ),
     picture="picture.FragColor",
     expect=[
         formula("table.share", share, name="E: the share of one bounce"),
         formula("means.mean", mean, name="its mean over all directions"),
-        *each_draw(
-            "small.FragColor", color, {1: "all bounces", 4: "all bounces, rough", 11: "one bounce"}
-        ),
+        *each_draw("small.FragColor", color, {1: "all bounces", 11: "one bounce"}),
+        formula("edge.FragColor", color, name="a rough ball and its edge"),
         enlarged_check(),
         formula("sum-2.first", per_area(0.0), name="one bounce, by directions of light"),
         formula("sum-2.together", per_area(1.0), name="all bounces, by directions of light"),

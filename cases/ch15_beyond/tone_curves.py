@@ -129,8 +129,8 @@ case = Case(
             "hues turned at most, in degrees",
             turned,
             readings=[
-                reading(name, reads=SHOWN, given={"number": k}, between=(0.0, 180.0))
-                for k, name in enumerate(CURVES)
+                reading(name, reads=SHOWN, given={"number": k}, equals=degrees, digits=0)
+                for k, (name, degrees) in enumerate(zip(CURVES, (63, 39, 27, 17), strict=True))
             ],
         ),
     ],
