@@ -58,9 +58,11 @@ def rays():
 
 def walked(direction):
     """How far rays go, in steps of the distance."""
-    far = np.zeros((len(direction), 1))
+    far, away = np.zeros((len(direction), 1)), np.ones((len(direction), 1))
     for _ in range(72):
-        far = np.where(far < 24.0, far + to_scene(np.array(EYE) + far * direction), far)
+        going = (far < 24.0) & (away > 0.0001)
+        away = np.where(going, to_scene(np.array(EYE) + far * direction), away)
+        far = np.where(going, far + away, far)
     return far
 
 

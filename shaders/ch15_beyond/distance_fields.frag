@@ -36,8 +36,11 @@ void main()
 {
     vec3 direction = normalize(ray);
     far = 0.0;
-    for (int i = 0; i < 72 && far < 24.0; ++i)
-        far += toScene(eye + far * direction);
+    float away = 1.0;
+    for (int i = 0; i < 72 && far < 24.0 && away > 0.0001; ++i) {
+        away = toScene(eye + far * direction);
+        far += away;
+    }
 
     vec3 sky = mix(vec3(0.62, 0.75, 0.92), vec3(0.16, 0.33, 0.66), clamp(2.0 * direction.y, 0.0, 1.0));
     vec3 color = sky;
