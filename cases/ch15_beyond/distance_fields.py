@@ -103,9 +103,9 @@ def seen():
 
 
 def unlike(color):
-    """The share of pixels half a code of eight bits or more from the same in float64."""
+    """The share of pixels a thirtieth of a code of eight bits or more from the same in float64."""
     apart = np.abs(color.reshape(-1, 4) - np.asarray(seen())).max(axis=-1)
-    return np.mean(apart >= 0.5 / 255.0)
+    return np.mean(apart >= 2.0**-13)
 
 
 def from_roots(far):
@@ -159,7 +159,7 @@ case = Case(
             "its steepest slope", steepest, reads={"away": "slice.away"}, between=(0.9, 1.0001)
         ),
         measure(
-            "unlike the same in float64", unlike, reads={"color": "judged.FragColor"}, at_most=0.01
+            "unlike the same in float64", unlike, reads={"color": "judged.FragColor"}, at_most=0.005
         ),
         measure(
             "the ball, by its quadratic", from_roots, reads={"far": "judged.far"}, at_most=0.001

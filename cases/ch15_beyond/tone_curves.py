@@ -118,7 +118,7 @@ case = Case(
             for k, (name, curve) in enumerate(CURVES.items())
         ),
         formula("small.light", light),
-        formula("small.lab", lab, name="OKLab"),
+        formula("small.lab", lab, name="the light in OKLab"),
         formula("small.again", again, name="OKLab, there and back"),
         enlarged_check(),
         measure("OKLab by colour-science", from_colour_science, reads=LAB, at_most=0.001),

@@ -7,7 +7,7 @@ Sources: B. Walter, S. R. Marschner, H. Li, K. E. Torrance, "Microfacet Models f
 through Rough Surfaces", EGSR 2007, equations 35, 36 and 41 (sampling by D and the weight of a
 sample); E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal
 of Computer Graphics Techniques 3(2), 2014, section 5 (the furnace as a test); C. Kulla, A. Conty,
-"Revisiting Physically Based Shading at Imageworks", SIGGRAPH course notes 2017 (later bounces).
+"Revisiting Physically Based Shading at Imageworks", SIGGRAPH course, 2017 (later bounces).
 
 Cosines and factors are (…, 1). α is roughness².
 """

@@ -56,7 +56,11 @@ def melted(one: Value, other: Value, width: float) -> Value:
 
 
 def to_scene(place: Value) -> Value:
-    """To a floor with a drop above a ring, a ball and a block."""
+    """To a floor with a drop above a ring, a ball and a block.
+
+    >>> to_scene(np.array([0.0, 1.74, 0.0])).round(6).tolist()
+    [0.5]
+    """
     ring = to_torus(place - np.array([0.0, 0.24, 0.0]), 0.85, 0.24)
     drop = melted(ring, to_sphere(place - np.array([0.0, 0.72, 0.0]), 0.52), 0.5)
     ball = to_sphere(place - np.array([-1.75, 0.5, 0.3]), 0.5)

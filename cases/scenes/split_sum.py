@@ -1,6 +1,6 @@
 """Light from everywhere on a glossy surface, as lib/split_sum.glsl has it.
 
-Sources: B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH course notes 2013 (the split sum); J.
+Sources: B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH course, 2013 (the split sum); J.
 M. Hammersley, D. C. Handscomb, "Monte Carlo Methods", 1964 (points by the radical inverse); Walter
 et al. 2007, equation 35 (halfway vectors as GGX's D is distributed).
 """

@@ -94,6 +94,10 @@ def perceptual(light: Value) -> Value:
 
 
 def hue(light: Any) -> Any:
-    """The angle of OKLab's colour in degrees, in float64, (…)."""
+    """The angle of OKLab's colour in degrees, in float64, (…).
+
+    >>> round(float(hue([1.0, 0.0, 0.0])), 1)
+    29.2
+    """
     lab = np.asarray(to_oklab(np.asarray(light, float)))
     return np.degrees(np.arctan2(lab[..., 2], lab[..., 1]))
