@@ -63,7 +63,7 @@ def test_cases_and_functions_stand_on_one_page(
 ) -> None:
     monkeypatch.setenv("SHADERLAB_JOBS", "0")
     words = ("--shaderlab-report", "out", "-n", "1", "-k", "not far")
-    result = tests.runpytest_subprocess(*words)
+    result = tests.runpytest_inprocess(*words)
     assert "report: out/index.html" in result.stdout.str(), result.stdout.str()
     found = by_variant(tests.path / "out")
     assert {name: r.status for name, r in found.items() if r.id == "test_light"} == {

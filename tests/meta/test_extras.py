@@ -58,7 +58,7 @@ def test_a_case_of_ones_own_needs_no_extra(engine: dict[str, str], example: Path
     done = run(engine, example, "run", "./lambert.py", "--report", "out", "--json", "out.json")
     assert done.returncode == 0, done.stdout + done.stderr
     assert statuses(example) == {"lambert": "pass"}
-    assert run(engine, example, "mutate", "./lambert.py", "--limit", "2").returncode == 0
+    assert run(engine, example, "mutate", "./lambert.py", "--limit", "2", "-j", "0").returncode == 0
 
 
 def test_a_loader_asks_for_its_extra(engine: dict[str, str], example: Path) -> None:

@@ -62,11 +62,11 @@ def test_odd_curves_do_no_harm(tmp_path: Path, values: dict[str, object]) -> Non
     assert not [d for d in drawn if re.search(r"nan|inf|e\+", d)]
 
 
-def test_a_thousand_records_take_less_than_twenty_seconds(tmp_path: Path) -> None:
+def test_five_hundred_records_take_less_than_ten_seconds(tmp_path: Path) -> None:
     tiles = np.random.default_rng(5).random((32, 32, 3))
     pictures.save_png(tmp_path / "p.png", tiles, min_side=256)
     records = []
-    for number in range(1000):
+    for number in range(500):
         text = "#version 330 core\n" + f"uniform float u{number};\n" * 40
         source = SourceText(file=f"s{number // 4}.frag", line=1, language="glsl", text=text)
         program = ProgramRecord(files=(source.file,), sources=(source,), verdicts=())
@@ -81,4 +81,4 @@ def test_a_thousand_records_take_less_than_twenty_seconds(tmp_path: Path) -> Non
         )
     began = time.process_time()  # of this process alone, whatever else the machine does
     write(run(*records), tmp_path)
-    assert time.process_time() - began < 20
+    assert time.process_time() - began < 10
