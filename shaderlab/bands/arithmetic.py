@@ -10,6 +10,8 @@ and rounds where the formula as written happens to be exact. So:
   added to or multiplied with something (a·(b + c) may become a·b + a·c);
 - each further sum, product or quotient rounds by a step of its `mag` more, a product of two such
   values by three (or by the number of its sums, once distributed);
+- a product in which one value is a factor several times keeps it whole: x·x·x·x·x, (x·x)·(x·x)·x
+  and any other order have the band of a power, of the size of the result;
 - a sum of n terms may be added up in an order in which all n − 1 sums are as large as the largest
   of them, whatever they were as written.
 
@@ -136,9 +138,9 @@ def _move_out_by_terms(
 
 @np.errstate(all="ignore")
 def multiply(a: BandT, b: BandT) -> BandT:
-    """a · b, correctly rounded in either direction; a value times itself is not negative."""
-    if a is b:
-        return square(a)
+    """a · b, correctly rounded in either direction; powers of one value are multiplied as such."""
+    if a.base is b.base:
+        return _multiply_powers(a, b)
     for factor, other in ((a, b), (b, a)):
         few = factor.lo is factor.hi and factor.is_plain and factor.lo.size <= 16
         if few and is_power_of_two(factor.lo):
@@ -200,30 +202,38 @@ def _scale_terms(a: Bounds, factor: Float64Array) -> Terms | None:
     return Terms(terms.abs_sum * factor, slack, terms.count, flush_gain)
 
 
-@np.errstate(all="ignore")
 def square(a: BandT) -> BandT:
-    """a · a for one and the same value: never negative, and no compiler expands (b + c)²."""
-    if a.lo is a.hi:
-        product = a.lo * a.lo
-        return a.derive(
-            product, product, terms=_square_terms(a, product) if a.rules.rearrange else None
-        )
-    low, high = a.lo * a.lo, a.hi * a.hi
-    straddles = (a.lo < 0.0) & (a.hi > 0.0)
-    lo, hi = np.where(straddles, 0.0, np.minimum(low, high)), np.maximum(low, high)
+    """a · a for one and the same value: never negative."""
+    return _multiply_powers(a, a)
+
+
+@np.errstate(all="ignore")
+def _multiply_powers(a: BandT, b: BandT) -> BandT:
+    """a · b for two powers of one value, the same in whatever order they are multiplied: no
+    compiler expands (b + c)², so no slack is paid, and 0 never meets infinity."""
+    single = a is b and a.base is a  # the first square, of a value itself
+    if a is not b or a.lo is a.hi:
+        lo, hi = product_bounds(a.lo, a.hi, b.lo, b.hi)
+    else:
+        low, high = a.lo * a.lo, a.hi * a.hi
+        straddles = (a.lo < 0.0) & (a.hi > 0.0)
+        lo, hi = np.where(straddles, 0.0, np.minimum(low, high)), np.maximum(low, high)
     if not a.rules.rearrange:
-        return a.derive(lo, hi)
-    terms = _square_terms(a, hi)
-    step = 0.0 if a.is_plain else terms.step()
-    return a.derive(np.maximum(lo - step, 0.0), hi + step, terms=terms)
-
-
-def _square_terms(a: Bounds, product: Float64Array) -> Terms:
-    mag = np.minimum(product, LARGEST)
-    signed = np.zeros_like(mag, np.bool_) if a.rules.ranges else None
-    return Terms.of(
-        mag, lambda: np.maximum(flush_gain_of(a.abs_sum, a.terms) ** 2, 1.0), a.terms, signed=signed
+        return a.derive(lo, hi, b)
+    gain = flush_gain_of
+    terms = Terms.of(
+        np.minimum(np.maximum(-lo, hi), LARGEST),
+        lambda: np.maximum(gain(a.abs_sum, a.terms) * gain(b.abs_sum, b.terms), 1.0),
+        a.terms,
+        b.terms,
+        signed=lo < 0.0 if a.rules.ranges else None,
     )
+    terms.base = a.base
+    if single and (a.is_plain or lo is hi):
+        return a.derive(lo, hi, terms=terms)
+    low, high = lo - terms.step(), hi + terms.step()
+    low, high = np.maximum(low, np.where(lo >= 0.0, 0.0, low)), np.where(hi > 0.0, high, hi)
+    return a.derive(low, high, b, terms=terms)
 
 
 @np.errstate(all="ignore")

@@ -93,6 +93,7 @@ class Terms:
         flush_gain: the factor by which a flushed partial product may be multiplied; None where no
             term is tiny.
         signed: of ranges, where a term may be negative somewhere; None if that is unknown.
+        base: the value that this is a power of, if it is one.
     """
 
     abs_sum: Float64Array
@@ -101,6 +102,7 @@ class Terms:
     flush_gain: Float64Array | None = None
     signed: Flags | None = None
     _least: float | None = None
+    base: Bounds | None = None
 
     @property
     def least(self) -> float:
@@ -343,6 +345,11 @@ class Bounds(Interval):
     def is_plain(self) -> bool:
         """Whether this is no sum, so that there is nothing to rearrange."""
         return self.terms is None
+
+    @property
+    def base(self) -> Bounds:
+        """The value that this is a power of: itself, if of no other."""
+        return self if self.terms is None or self.terms.base is None else self.terms.base
 
     @property
     def count(self) -> int:

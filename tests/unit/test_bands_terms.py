@@ -60,3 +60,37 @@ def test_what_once_left_its_band(seed: int) -> None:
     check_one(seed, 4096, tally)
     assert tally.samples > 4 * 4096
     assert tally.outside == 0
+
+
+def test_powers_have_one_band_in_any_order() -> None:
+    """1 − c may be multiplied out, but not while a product has it as a factor several times."""
+    c = np.linspace(0.01, 0.999, 200).astype(np.float32).astype(float)[:, None]
+    x = 1.0 - Band.exact(c)
+    squared = x * x
+    orders = (
+        x * x * x * x * x,
+        squared * squared * x,
+        (x * x) * (x * x) * x,
+        x * (x * (x * squared)),
+    )
+    library = g.pow(x, Band.exact([5.0]))
+    narrowest = np.min([order.hi - order.lo for order in orders], axis=0)
+    for order in orders:
+        assert (order.hi - order.lo <= 1.25 * narrowest).all()
+        assert (order.lo >= library.lo).all()
+        assert (order.hi <= library.hi).all()
+        assert order.contains((1.0 - c) ** 5).all()
+
+
+def test_a_power_covers_every_order_at_the_edge_of_what_is_exact() -> None:
+    """x²·x³ of exact x² and x³ is rounded once, x⁴·x twice; flushed squares stay flushed."""
+    rng = np.random.default_rng(3)
+    x = np.ldexp(rng.integers(1, 256, (20000, 1)), rng.integers(-40, 8, (20000, 1)))
+    band = Band.exact(x)
+    for round_ in (chopped, lambda v: v.astype(np.float32).astype(float)):
+        square = round_(x * x)
+        one_by_one = round_(round_(round_(square * x) * x) * x)
+        assert ((band * band) * (band * band) * band).contains(one_by_one).all()
+        assert ((band * band) * ((band * band) * band)).contains(one_by_one).all()
+        by_squares = round_(round_(square * square) * x)
+        assert (band * band * band * band * band).contains(by_squares).all()
