@@ -32,10 +32,7 @@ from shaderlab.errors import NotInterpretedError, UsageError
 from shaderlab.files import display_path
 
 from .answer import Answer, Numerics, OutputAnswer
-from .batches import (
-    InputBatch,
-    merge_batches,
-)
+from .batches import InputBatch, merge_batches
 from .differences import MOST, bands_of, compare_accuracy, discards, first_difference, jumps
 from .inputs import (
     Input,

@@ -17,16 +17,7 @@ from shaderlab.model.frame import Array
 from .answer import format_inputs
 from .batches import InputBatch, flatten_outputs, run_batch
 from .inputs import Input
-from .interpreter import (
-    FLOAT16,
-    FLOAT32,
-    FLOAT64,
-    Arithmetic,
-    Bands,
-    Numbers,
-    Program,
-    Stored,
-)
+from .interpreter import FLOAT16, FLOAT32, FLOAT64, Arithmetic, Bands, Numbers, Program, Stored
 from .interpreter.flow import HANDLERS
 from .interpreter.program import Instruction
 from .interpreter.running import Run, Watch, is_vector, precision_loss

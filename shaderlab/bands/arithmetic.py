@@ -202,37 +202,28 @@ def _scale_terms(a: Bounds, factor: Float64Array) -> Terms | None:
     return Terms(terms.abs_sum * factor, slack, terms.count, flush_gain)
 
 
-def square(a: BandT) -> BandT:
-    """a · a for one and the same value: never negative."""
-    return _multiply_powers(a, a)
-
-
 @np.errstate(all="ignore")
 def _multiply_powers(a: BandT, b: BandT) -> BandT:
     """a · b for two powers of one value, the same in whatever order they are multiplied: no
     compiler expands (b + c)², so no slack is paid, and 0 never meets infinity."""
-    single = a is b and a.base is a  # the first square, of a value itself
-    if a is not b or a.lo is a.hi:
-        lo, hi = product_bounds(a.lo, a.hi, b.lo, b.hi)
-    else:
-        low, high = a.lo * a.lo, a.hi * a.hi
-        straddles = (a.lo < 0.0) & (a.hi > 0.0)
-        lo, hi = np.where(straddles, 0.0, np.minimum(low, high)), np.maximum(low, high)
+    lo, hi = product_bounds(a.lo, a.hi, b.lo, b.hi)
+    if a is b and lo is not hi:
+        lo = np.maximum(lo, 0.0)
     if not a.rules.rearrange:
         return a.derive(lo, hi, b)
-    gain = flush_gain_of
+    mag_a, mag_b = a.abs_sum, b.abs_sum
     terms = Terms.of(
         np.minimum(np.maximum(-lo, hi), LARGEST),
-        lambda: np.maximum(gain(a.abs_sum, a.terms) * gain(b.abs_sum, b.terms), 1.0),
+        lambda: np.maximum(flush_gain_of(mag_a, a.terms) * flush_gain_of(mag_b, b.terms), 1.0),
         a.terms,
         b.terms,
         signed=lo < 0.0 if a.rules.ranges else None,
     )
     terms.base = a.base
-    if single and (a.is_plain or lo is hi):
+    if a is b is a.base and (a.is_plain or lo is hi):
         return a.derive(lo, hi, terms=terms)
     low, high = lo - terms.step(), hi + terms.step()
-    low, high = np.maximum(low, np.where(lo >= 0.0, 0.0, low)), np.where(hi > 0.0, high, hi)
+    low, high = np.where(lo >= 0.0, np.maximum(low, 0.0), low), np.where(hi > 0.0, high, 0.0)
     return a.derive(low, high, b, terms=terms)
 
 

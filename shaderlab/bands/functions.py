@@ -194,7 +194,7 @@ def _is_unspecified(a: Band) -> Flags:
 
 def _arc(a: Band, angles: Callable[[Band], Ends]) -> Band:
     """An angle in a right triangle, made of the leg a and the other one, √(1 - a²)."""
-    rest = arithmetic.add(a.lift(1.0), exact.negate(arithmetic.square(a)))
+    rest = arithmetic.add(a.lift(1.0), exact.negate(arithmetic.multiply(a, a)))
     lo, hi = angles(sqrt(exact.maximum_of(rest, a.lift(0.0))))
     wide_lo, wide_hi = widen_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
     lo, hi = np.minimum(wide_lo, lo - ARC_ERROR), np.maximum(wide_hi, hi + ARC_ERROR)

@@ -198,7 +198,7 @@ def normalize(v: Value) -> Value:
 
 def direction(v: Band) -> Band:
     """The unit vector of a band that is no sum."""
-    squared = arithmetic.sum_last(arithmetic.square(v))
+    squared = arithmetic.sum_last(arithmetic.multiply(v, v))
     quotient = arithmetic.divide(v, functions.sqrt(squared))
     product = arithmetic.multiply(v, functions.inversesqrt(squared))
     either: Band = clamp(exact.union(quotient, product), -_BEYOND_UNIT, _BEYOND_UNIT)
