@@ -283,16 +283,27 @@ def narrow(run: Run, condition: int, holds: bool, state: PathState) -> None:
 def _bound(run: Run, operand: int, state: PathState, low: Any, high: Any) -> None:
     """Bound the variable that an operand was loaded from, if it still holds that value."""
     at: Instruction | None = run.program.definitions.get(operand)
-    pointer = run.value(at.operands[0]) if at is not None and at.op == Op.Load else None
-    if not isinstance(pointer, Pointer) or pointer.path:
-        return
     band: Band = run.value(operand)
-    if state.memory.get(pointer.variable) is not band:
+    if at is not None and at.op == Op.ExtInst and at.operands[1] == G.FAbs:
+        own = run.value(at.operands[2])  # it is as far from 0, on the side that it is on
+        above = np.where(own.lo >= 0.0, low, -high)
+        _bound(run, at.operands[2], state, above, np.where(own.hi <= 0.0, -low, high))
+        return
+    pointer = run.value(at.operands[0]) if at is not None and at.op == Op.Load else None
+    if not isinstance(pointer, Pointer) or (pointer.path and not run.for_ranges):
+        return
+    path, whole = pointer.path, state.memory.get(pointer.variable)
+    if not all(isinstance(index, int) for index in path):
+        return
+    held = run.cache_part(whole, path, lambda: fetch(whole, path, state.mask)) if path else whole
+    if held is not band:
         return
     lo, hi = np.maximum(band.lo, low), np.minimum(band.hi, high)
     crossed = lo > hi  # of other invocations
     lo, hi = np.where(crossed, band.lo, lo), np.where(crossed, band.hi, hi)
-    state.memory[pointer.variable] = Band(lo, hi, band.rules, band.flags, band.terms)
+    new = Band(lo, hi, band.rules, band.flags, band.terms)
+    type_, _ = run.program.variables[pointer.variable]
+    state.memory[pointer.variable] = replace_part(whole, type_, path, new, state.mask)
 
 
 Steps = tuple[list[tuple[Handler, Instruction, bool]], Branch, Instruction]
