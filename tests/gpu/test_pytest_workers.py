@@ -151,6 +151,24 @@ def test_an_interrupt_ends_everything_at_once(cases: Cases) -> None:
         time.sleep(0.01)
 
 
+@pytest.mark.parametrize(("options", "names"), [((), ["inner"]), (("--full-trace",), None)])
+def test_only_the_last_frame_of_an_interrupt_is_looked_at(
+    pytester: pytest.Pytester, options: tuple[str, ...], names: list[str] | None
+) -> None:
+    """Parsing the sources of all takes pytest a second; --full-trace still has them."""
+
+    def inner() -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as raised:
+        inner()
+    hook = pytester.parseconfigure(*options).hook
+    for found in hook.pytest_keyboard_interrupt.get_hookimpls():
+        if found.plugin_name.isdecimal():  # registered without a name
+            found.function(raised)
+    assert len(raised.traceback) == 2 if names is None else raised.traceback[0].name in names
+
+
 def test_under_xdist_each_variant_is_run_once(cases: Cases) -> None:
     for name in "abcdefgh":
         cases.add(name, wrong=name in "ch")
