@@ -12,6 +12,9 @@ stand REPEAT, MIRRORED_REPEAT, CLAMP_TO_EDGE and CLAMP_TO_BORDER, below with NEA
 LINEAR. Where copies meet, LINEAR blurs under REPEAT and has nothing to blur under the mirror. On
 top a block of wood in three dimensions, and four cuts through it and what surrounds it: s grows to
 the right and r upward, and the cut climbs along t a little.
+
+Try: in `ch02_basics/textured.frag` write `texture(image, fract(TexCoords))` for `texture(image,
+TexCoords)`: all four strips repeat the image, whatever their mode.
 """
 
 import numpy as np

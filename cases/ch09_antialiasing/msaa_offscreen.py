@@ -8,6 +8,10 @@ through each other is smoothed like an outline.
 
 Look at: two intersecting boxes, enlarged. On the left of the orange line is only the first of each
 pixel's four samples, on the right the mean of all four.
+
+Try: in `ch09_antialiasing/mean_of_samples.frag` write `0.5 + texelFetch(samples, texel, 0) - mean :
+mean` for `texelFetch(samples, texel, 0) : mean`: on the left only edges are not grey, where the
+first sample is not the mean.
 """
 
 from shaderlab import Case, Output, exact, formula

@@ -11,6 +11,9 @@ pointer is then a number of bytes into the buffer.
 
 Look at: the rosette. If the second piece were written to byte 0, or the pointer left there,
 positions would be used as colours, and three corners with negative coordinates would be black.
+
+Try: in `ch10_buffers/rosette.vert` write `ourColor = abs(aPos)` for `ourColor = aColor`: positions
+are shown as colours, as when the second piece is written to byte 0.
 """
 
 from shaderlab import Case, Erratum, Output, attribute_layout, exact, gl_call, measure
