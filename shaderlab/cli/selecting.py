@@ -20,19 +20,23 @@ import click
 from shaderlab.compiler.shader_files import refuse_other_languages
 from shaderlab.engine.catalogue import (
     case_files,
+    files_below,
     is_case_file,
     shipped_cases,
     sort_key,
 )
 from shaderlab.engine.jobs import CaseInfo, Job, make_jobs
 from shaderlab.errors import CaseError, UsageError, suggest
-from shaderlab.files import display_path
+from shaderlab.files import display_path, read_regular
 
 if TYPE_CHECKING:
     from shaderlab.model.options import RunOptions
     from shaderlab.model.records import Record
 
 Load = Callable[[Sequence[Path]], list[CaseInfo]]
+_NAME = re.compile(r"test_.*\.py|.*_test\.py")
+_LOADS = re.compile(rb"\bshaderlab\b.*\bglsl\b", re.DOTALL)
+_TESTS = re.compile(rb"^\s*(?:async\s+)?def test", re.MULTILINE)
 _WITH_VARIANT = re.compile(r"(?P<id>[^\[\]]+)\[(?P<variant>.*)\]")
 
 
@@ -91,17 +95,26 @@ def find_files(targets: Sequence[str]) -> list[Path]:
     return list(dict.fromkeys(file for target in targets for file, _ in resolve_target(target)))
 
 
+def is_function_test(path: Path) -> bool:
+    """Whether pytest would run tests of a file that uses `shaderlab.glsl`; never raises."""
+    if not _NAME.fullmatch(path.name):
+        return False
+    try:
+        text = read_regular(path)
+    except OSError:
+        return False
+    return bool(_LOADS.search(text) and _TESTS.search(text))
+
+
 def split_targets(targets: Sequence[str]) -> tuple[list[Path], list[str]]:
     """Return the files with tests of GLSL functions that targets stand for, absolute, and the
     targets that stand for cases."""
-    from shaderlab.mutation.function_tests import find_function_tests, is_function_test
-
     tests: dict[Path, None] = {}
     cases = []
     for target in targets:
         path = Path(os.path.abspath(target))
         if path.is_dir():
-            own = list(find_function_tests(path))
+            own = list(filter(is_function_test, files_below(path)))
             has_cases = not own or any(case_files(path))
         else:
             own = [path] if is_function_test(path) and not is_case_file(path) else []

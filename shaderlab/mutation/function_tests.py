@@ -11,7 +11,6 @@ import importlib.util
 import io
 import linecache
 import os
-import re
 import sys
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, redirect_stdout
@@ -22,9 +21,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.compiler.sources import Source
-from shaderlab.engine.catalogue import files_below, is_project_file
+from shaderlab.engine.catalogue import is_project_file
 from shaderlab.errors import CaseError, ShaderError, ShaderlabError, require_extra
-from shaderlab.files import display_path, read_regular
+from shaderlab.files import display_path
 from shaderlab.functions.checks import split_result
 from shaderlab.functions.evaluation import use_worker
 from shaderlab.functions.library import Function, Library, Loads, record_loads, record_of_test
@@ -42,30 +41,11 @@ if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
     from shaderlab.model.records import Record
 
-_NAME = re.compile(r"test_.*\.py|.*_test\.py")
-_LOADS = re.compile(rb"\bshaderlab\b.*\bglsl\b", re.DOTALL)
-_TESTS = re.compile(rb"^\s*(?:async\s+)?def test", re.MULTILINE)
 _PROFILE = "shaderlab-in-worker"
 _SAMPLES = 4096
 """Inputs of each round in which two texts of a function are compared."""
 _RANGES = (1.0, 8.0, 1000.0)
 """How far from 0 the numbers of a round go."""
-
-
-def is_function_test(path: Path) -> bool:
-    """Whether pytest would run tests of a file that uses `shaderlab.glsl`; never raises."""
-    if not _NAME.fullmatch(path.name):
-        return False
-    try:
-        text = read_regular(path)
-    except OSError:
-        return False
-    return bool(_LOADS.search(text) and _TESTS.search(text))
-
-
-def find_function_tests(folder: Path) -> Iterator[Path]:
-    """Return the files of such tests below a folder, sorted. Raises UsageError."""
-    return filter(is_function_test, files_below(folder))
 
 
 @dataclass(frozen=True)
