@@ -81,3 +81,20 @@ def test_a_large_frame_takes_megabytes() -> None:
     tracemalloc.stop()
     result = 5 * values.size * 8  # what the judgement itself holds: five arrays of numbers
     assert peak < result + 150 * 2**20
+
+
+def test_a_nan_is_explained_by_the_formula_and_not_by_a_band_without_an_end() -> None:
+    given = inputs(100)
+    given.each["normal"][:2] = [[2e-39, 1.0, 1.0], [0.0, 1.0, 1.0]]  # a denormal divisor, and 0/0
+    given.each["light"][1] = 0.0
+
+    def quotient(normal: Any, light: Any) -> Any:
+        return light / normal
+
+    with np.errstate(all="ignore"):
+        values = np.divide(given.each["light"], given.each["normal"], dtype=np.float32)
+    values[:2, 0] = np.nan
+    judged = judge_band(values, quotient, given, rules=None)
+    assert np.argwhere(~judged.inside).tolist() == [[0, 0]]
+    values[0, 0] = np.inf
+    assert judge_band(values, quotient, given, rules=None).inside.all()

@@ -257,11 +257,15 @@ def judge_band(
     band = reference_band(
         reference, inputs, shape=measured.shape, rules=rules or Rules(), format=format
     )
+    inside = contains(band.low, band.high, band.nan, measured)
+    if np.any(band.nan) and (rows := np.flatnonzero((np.isnan(measured) & inside).any(-1))).size:
+        # A band without an end allows NaN, but a number that the formula gives does not.
+        inside[rows] &= ~(np.isnan(measured[rows]) & np.isfinite(band.values_at(rows)))
     return Banded(
         measured=measured,
         low=band.low,
         high=band.high,
-        inside=contains(band.low, band.high, band.nan, measured),
+        inside=inside,
         unit=band.unit,
         band=band,
     )
