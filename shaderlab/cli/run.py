@@ -169,9 +169,9 @@ def command(arguments: RunArguments) -> int:
     Each variant runs in a worker process. If it crashes or takes too long, that variant is a
     "crash" or a "timeout", and all others still run.
 
-    Exit code: 0 all passed, 1 something failed, 2 wrong usage. A case that needs a feature which
-    the driver lacks is "unsupported", not a failure. Checks of OpenGL calls are skipped on drivers
-    of another API; the number skipped is reported.
+    Exit code: 0 all passed, 1 something failed or nothing passed, 2 wrong usage. A case that needs
+    a feature which the driver lacks is "unsupported", no failure while another one passes. Checks
+    of OpenGL calls are skipped on drivers of another API; the number skipped is reported.
     """
     arguments.check()
     options, plan, done = arguments.run_options, None, None
