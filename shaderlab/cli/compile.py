@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -39,6 +40,7 @@ from shaderlab.workers.pool import WorkerPool
 _DRIVER = "shaderlab.drivers:driver_verdict"
 _FILES_PER_WORKER = 500
 _MOST_WORKERS = 4
+_FEW = 50
 _DIED = ("crash", "timeout")
 
 
@@ -114,7 +116,9 @@ def command(
     )
     with contextlib.ExitStack() as stack:
         results = _compile(programs, options, drivers, limits, workers, stack)
-        tally, problems = _print_results(results, json_file, outputs, quiet)
+        tally, problems = _print_results(
+            _show_progress(results, len(programs), quiet), json_file, outputs, quiet
+        )
     for name in drivers:
         if name not in tally.targets:
             click.echo(f"{name} gave no verdict; see `shaderlab doctor`", err=True)
@@ -200,6 +204,20 @@ def _print_results(
     if json_file is not None:
         write_json({"files": entries}, json_file)
     return tally, list(write_findings(found, "compile", outputs))
+
+
+def _show_progress(results: Iterator[FileResult], count: int, quiet: bool) -> Iterator[FileResult]:
+    """Yield the results; for many files, with a progress bar on standard error if that is a
+    terminal."""
+    if quiet or count < _FEW or not sys.stderr.isatty():
+        yield from results
+        return
+    from rich.console import Console  # takes as long as compiling fifty files
+    from rich.progress import Progress
+
+    console, redirects = Console(stderr=True), sys.stdout.isatty()  # a pipe gets its messages
+    with Progress(console=console, transient=True, redirect_stdout=redirects) as progress:
+        yield from progress.track(results, total=count, description="compiling")
 
 
 def _parse_macro(word: str) -> tuple[str, str]:

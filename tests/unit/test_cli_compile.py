@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -143,3 +145,21 @@ def test_a_file_that_takes_too_long_is_counted_apart(tmp_path: Path) -> None:
     assert "a.frag: error: timeout: the compiler took too long" in result.output
     assert result.output.splitlines()[-1].split() == ["vulkan", "0", "0", "1"]
     assert compile_(tmp_path, "--timeout", "0").exit_code == 2
+
+
+@pytest.mark.parametrize(("terminal", "drawn"), [(True, True), (False, False)])
+def test_progress_is_drawn_on_a_terminal_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, terminal: bool, drawn: bool
+) -> None:
+    stderr, stdout = io.StringIO(), io.StringIO()
+    monkeypatch.setattr(stderr, "isatty", lambda: terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    for number in range(50):
+        (tmp_path / f"{number}.frag").write_text(GOOD)
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "stderr", stderr)
+        patch.setattr(sys, "stdout", stdout)
+        with pytest.raises(SystemExit):
+            cli(["compile", str(tmp_path), "-j", "0"])
+    assert ("compiling" in stderr.getvalue()) is drawn
+    assert "accepted" in stdout.getvalue() and "compiling" not in stdout.getvalue()
