@@ -105,7 +105,7 @@ def seen():
 def unlike(color):
     """The share of pixels a thirtieth of a code of eight bits or more from the same in float64."""
     apart = np.abs(color.reshape(-1, 4) - np.asarray(seen())).max(axis=-1)
-    return np.mean(apart >= 2.0**-13)
+    return 1.0 - np.mean(apart < 2.0**-13)
 
 
 def from_roots(far):

@@ -37,7 +37,8 @@ ROWS = {
     12: "obj-model",
     13: "skybox",
     14: "point-cloud",
-    15: "ibl-diffuse ibl-specular energy-compensation bloom tone-curves noise distance-fields",
+    15: "ibl-diffuse ibl-specular energy-compensation bloom tone-curves noise "
+    "distance-fields parallax",
 }
 
 # These hold or not whatever the shaders compute: alone they would let any formula pass.
