@@ -53,7 +53,7 @@ def share_unlike(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> float:
     0.5
     """
     apart = np.abs(middles(large, small) - small).max(axis=-1)
-    return float(np.mean((apart >= 0.5 / 255.0) | holes(large, small)))
+    return float(np.mean(~(apart < 0.5 / 255.0) | holes(large, small)))  # NaN is like nothing
 
 
 def share_unlike_but_edges(
@@ -70,7 +70,7 @@ def share_unlike_but_edges(
     """
     middle = middles(large, small)
     apart = np.maximum(to_neighbours(middle, small), to_neighbours(small, middle))
-    unlike = (apart >= 0.5 / 255.0) | holes(large, small)
+    unlike = ~(apart < 0.5 / 255.0) | holes(large, small)
     return at_edges(float(np.mean(unlike)), subpixel_step)
 
 

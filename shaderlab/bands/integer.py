@@ -39,9 +39,15 @@ def _multiply(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
         return a.lo * b.lo, None, None
     corners = [x * y for x in (a.lo, a.hi) for y in (b.lo, b.hi)]
     sizes = [np.abs(x.astype(np.float64) * y) for x in (a.lo, a.hi) for y in (b.lo, b.hi)]
-    far = np.maximum.reduce(sizes) >= _EXACT
+    far = (np.maximum.reduce(sizes) >= _EXACT) & ~_is_single(a, b)
     low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
     return np.where(far, 0, low), np.where(far, RANGE - 1, high), None
+
+
+def _is_single(a: Integer, b: Integer) -> Flags:
+    """Where both are one number each, though they may not be elsewhere."""
+    single: Flags = (a.lo == a.hi) & (b.lo == b.hi)
+    return single
 
 
 def _divide(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
@@ -60,9 +66,11 @@ def _quotient(a: Integers, b: Integers) -> Integers:
 def _remainder(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
     """a - b·(a / b); not defined where either may be negative, or b zero."""
     undefined = (a.lo < 0) | (b.lo <= 0)
+    found = a.lo % np.where(undefined, 1, b.lo)
     if a.known and b.known:
-        return a.lo % np.where(undefined, 1, b.lo), None, undefined
-    return np.zeros_like(a.lo * b.lo), np.minimum(a.hi, np.maximum(b.hi - 1, 0)), undefined
+        return found, None, undefined
+    single, most = _is_single(a, b), np.minimum(a.hi, np.maximum(b.hi - 1, 0))
+    return np.where(single, found, 0), np.where(single, found, most), undefined
 
 
 def _shift_left(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
@@ -85,7 +93,7 @@ def _make_bitwise(operation: Callable[[Any, Any], Any]) -> Callable[..., tuple[A
         found = operation(a.lo, b.lo)
         if a.known and b.known:
             return found, None, None
-        single = (a.lo == a.hi) & (b.lo == b.hi)
+        single = _is_single(a, b)
         return np.where(single, found, 0), np.where(single, found, RANGE - 1), None
 
     return bits

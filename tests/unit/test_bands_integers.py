@@ -156,3 +156,21 @@ def test_components_are_attributes_of_all_values_that_references_get() -> None:
     assert banded.reference[0, 0] == pytest.approx(2.0 + 2.0 / np.sqrt(5.0))
     with pytest.raises(AttributeError, match="xw"):
         Band.exact([1.0, 2.0]).xw  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    ("name", "a", "b", "found"),
+    [
+        ("mul", 3_000_000_000, 4_000_000_001, 3_000_000_000 * 4_000_000_001 % 2**32),
+        ("mod", 3_000_000_000, 7, 3_000_000_000 % 7),
+        ("xor", 3_000_000_000, 5, 3_000_000_000 ^ 5),
+    ],
+)
+def test_a_number_stays_one_beside_another_that_is_undecided(
+    name: str, a: int, b: int, found: int
+) -> None:
+    low, high = np.array([[a], [5]]), np.array([[a], [6]])
+    second = Integer(np.array([[b], [3]]), unsigned=True)
+    result = getattr(Integer(low, high, unsigned=True), f"__{name}__")(second)
+    assert result.lo[0, 0] == result.hi[0, 0] == found
+    assert result.lo[1, 0] < result.hi[1, 0]
