@@ -216,8 +216,9 @@ class Proof:
                 row = int((rows & counted if counts else rows).argmax())
                 self.points[place] = batch, row, watcher.found.get(place)
                 self._settled |= {place} if counts else set()
-        outputs = [v.astype(np.float64).sum(axis=1) for _, v in _floats(result.outputs)]
-        return watcher.found, sum(outputs)
+        with np.errstate(invalid="ignore"):
+            outputs = [v.astype(np.float64).sum(axis=1) for _, v in _floats(result.outputs)]
+            return watcher.found, sum(outputs)
 
     def claims(self) -> list[Claim]:
         """What is proved and what is open, by line; what is refuted is in `points`."""
