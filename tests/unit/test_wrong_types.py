@@ -229,3 +229,9 @@ def test_what_fits_is_taken() -> None:
     assert Pixel(np.int32(1), 2).x == 1
     Ramp(np.zeros(3), dx=[0, np.float32(1), 2])
     Mesh(attributes={"p": [[0, 1], [2, 3]]}, indices=range(2))
+
+
+def test_exact_takes_no_function() -> None:
+    with pytest.raises(CaseError, match="equals is a function") as caught:
+        exact("FragColor", lambda uv: uv)
+    assert caught.value.remedy == "use formula"

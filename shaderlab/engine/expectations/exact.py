@@ -38,6 +38,10 @@ class Exact(OutputExpectation):
     _: KW_ONLY
     pictured: bool = True
 
+    def __post_init__(self) -> None:
+        if callable(self.equals):
+            raise CaseError(f"exact {self.output!r}: equals is a function", remedy="use formula")
+
     def find_reads(self, scene: Scene) -> Iterable[Read]:
         yield Read(self.key(scene)[0], self.own_name(scene))
         if isinstance(self.equals, Output):
