@@ -69,7 +69,7 @@ class Hazard:
         }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Claim:
     """What was shown for all inputs.
 

@@ -36,8 +36,6 @@ _OUTPUT, _UNKNOWN = -1, -2  # ids of places: an output, what could not be run
 _NEEDED = ("gl_FragDepth", "gl_Position")
 
 Condition = Callable[[Mapping[str, Any]], Mapping[str, Any]]  # what has to hold, in words
-
-
 Point = tuple[InputBatch, int, WatchedInstruction | None]  # a row; what goes wrong there
 
 
@@ -222,23 +220,26 @@ class Proof:
 
     def claims(self) -> list[Claim]:
         """What is proved and what is open, by line; what is refuted is in `points`."""
-        found: dict[tuple[str, int, str], Claim] = {}
+        found = []
         unknown = {p.kind: number for p, number in self._numbers.items() if p.id == _UNKNOWN}
+        refuted = {self._name(place) for place in self._settled}
         for place, number in self._numbers.items():
-            if place in self._settled or place.id == _UNKNOWN:
+            key = self._name(place)
+            if key in refuted:
                 continue
             share, note = self._remaining([number, *unknown.values()])
-            file, line = self._program.place(self._lines.get(place, 0))
-            claim = Claim(
-                file=file, line=0 if place.id == _OUTPUT else line,
-                what=place.kind if place.id == _OUTPUT else f"no {place.kind}",
-                status="open" if note else "proved", share=share,
-                note=", ".join([note, *unknown] if note else ()),
-            )  # fmt: skip
-            known = found.setdefault((file, claim.line, claim.what), claim)
-            if (claim.status, share) > (known.status, known.share) or known.status == "proved":
-                found[file, claim.line, claim.what] = claim
-        return sorted(found.values(), key=lambda c: (c.line == 0, c.line, c.what))
+            note = ", ".join([note, *unknown] if note else ())
+            found.append(Claim(*key, "open" if note else "proved", share, note))
+        found.sort(key=lambda c: (c.status == "open", c.share))
+        worst = {(c.file, c.line, c.what): c for c in found}
+        return sorted(worst.values(), key=lambda c: (c.line == 0, c.line, c.what))
+
+    def _name(self, place: Place) -> tuple[str, int, str]:
+        """What is claimed of a place: one claim for all of a kind in a line."""
+        if place.id < 0:
+            what = place.kind if place.id == _OUTPUT else "nothing goes wrong"
+            return self._program.place(0)[0], 0, what
+        return *self._program.place(self._lines.get(place, 0)), f"no {place.kind}"
 
     def _remaining(self, numbers: list[int]) -> tuple[float, str]:
         """The share of the range in which one of these is open, and the largest box of it."""

@@ -11,6 +11,8 @@ from click.testing import CliRunner
 
 from benchmarks.proving import Case, cases, find_escapes
 from shaderlab import glsl, glslmath as g
+from shaderlab.analysis.inputs import domains_of, inputs_of
+from shaderlab.analysis.proof import Proof
 from shaderlab.bands import Band, Rules
 from shaderlab.cli import cli
 from shaderlab.engine.worker import Worker
@@ -72,6 +74,40 @@ def test_what_is_open_is_said_and_what_is_assumed(tmp_path: Path) -> None:
     assert "proved: result is a finite number in turns" not in lines
     assert "law.glsl:5: sqrt of a negative number" in lines
     assert "far: b: 1..2 (given)" in lines
+
+
+BOTH = "inversesqrt(x * x + 1e-40)", "inversesqrt(x + 1.0)"
+
+
+@pytest.mark.parametrize("order", [BOTH, BOTH[::-1]])
+def test_a_line_is_proved_only_where_all_of_it_is(order: tuple[str, str], worker: Worker) -> None:
+    code = f"float f(float x) {{ return {order[0]} + {order[1]}; }}"
+    audit = Case("both", False, code, {"x": "0:1"}).audit(worker)
+    assert not audit.hazards
+    assert {claim.status for claim in audit.claims} == {"open"}
+
+
+def test_a_line_with_a_refuted_place_is_not_proved_besides(worker: Worker) -> None:
+    code = "float f(float x) { return 1.0 / x + 1.0 / (x + 1.0); }"
+    audit = Case("beside", True, code, {"x": "0:1"}).audit(worker)
+    assert len(audit.hazards) == 1
+    assert "no division by 0" not in {claim.what for claim in audit.claims}
+
+
+ENDLESS = """float f(float x) {
+    float d = (x * 3.0 - x * 2.0) - x;
+    int n = 0;
+    while (float(n) * 1e-6 < abs(d) - 1e-6) ++n;
+    return 1.0 / (float(n) - 5.0);
+}"""
+
+
+def test_what_can_not_be_run_in_boxes_is_open(worker: Worker) -> None:
+    program = Case("endless", False, ENDLESS, {"x": "0:1"}).program(worker)
+    inputs = inputs_of(program)
+    proof = Proof(program, inputs, domains_of(inputs, [program], {"x": "0:1"}), boxes=8192)
+    (claim,) = proof.claims()
+    assert claim.status == "open" and claim.share == 1.0 and "goes on after" in claim.note
 
 
 def test_a_refutation_is_run_on_the_driver(tmp_path: Path) -> None:
