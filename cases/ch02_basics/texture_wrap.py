@@ -7,11 +7,10 @@ that colour over a texel's width. Wrapping applies to texel numbers, not to coor
 mixes across the seam, from the last texel to the first. A texture in three dimensions is a stack of
 layers, between which LINEAR mixes as well, and has a third wrap mode, for r.
 
-Look at: one image and u and v from −1.5 to 2.5, so that it fits four times. From left to right
-stand REPEAT, MIRRORED_REPEAT, CLAMP_TO_EDGE and CLAMP_TO_BORDER, below with NEAREST and above with
-LINEAR. Where copies meet, LINEAR blurs under REPEAT and has nothing to blur under the mirror. On
-top a block of wood in three dimensions, and four cuts through it and what surrounds it: s grows to
-the right and r upward, and the cut climbs along t a little.
+Look at: a letter of 8 × 8 texels, and u and v from −1.5 to 2.5, so that it fits four times. Where
+copies meet, LINEAR blurs under REPEAT and has nothing to blur under the mirror. Above it a block of
+wood in three dimensions, and four cuts through it and what surrounds it: s grows to the right and r
+upward, and the cut climbs along t a little.
 
 Try: in `ch02_basics/textured.frag` write `texture(image, fract(TexCoords))` for `texture(image,
 TexCoords)`: all four strips repeat the image, whatever their mode.
@@ -25,7 +24,6 @@ from shaderlab import (
     Target,
     Texture,
     Texture3D,
-    assets,
     formula,
     fullscreen,
     gl_call,
@@ -41,14 +39,22 @@ from ..scenes.panels import cell, enlarged, panel, picture, square
 WRAPS = ("repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border")
 FIELDS = [(word, wrap) for word in ("nearest", "linear") for wrap in WRAPS]
 
-# The picture's image, and one of 5 × 3 texels that are all different, to be judged.
-CHART = assets.uv_grid(64, 4)
+# One of 5 × 3 texels that are all different, to be judged.
 TEXELS = np.random.default_rng(24).random((3, 5, 4))
 SOLID_TEXELS = np.random.default_rng(24).random((4, 3, 5, 4))
 VOLUME = (call("glBindTexture", "GL_TEXTURE_3D", Object("texture")),)
 BORDER = (0.93, 0.55, 0.20, 1.0)
 
 cut_through = sampled("solid")  # the same equations with a third coordinate
+
+
+def letter():
+    """The picture's image: an F on a field that grows red to the right and green upward."""
+    rows = ("", "", " *", " *", " ***", " *", " *****", "")
+    y, x = (np.indices((8, 8)) + 0.5) / 8.0
+    field = np.stack([0.1 + 0.7 * x, 0.15 + 0.6 * y, 0.75 - 0.5 * x, np.ones((8, 8))], axis=-1)
+    field[[[c == "*" for c in row.ljust(8)] for row in rows]] = (1.0, 0.97, 0.86, 1.0)
+    return field
 
 
 def wood():
@@ -106,7 +112,7 @@ case = Case(
     r"\operatorname{mir}\bigl((i \bmod 2n) - n\bigr), \qquad "
     r"\text{edge: } \operatorname{clamp}(i, 0, n - 1)",
     passes=(
-        *enlarged([*wrapped(CHART, 3), *cuts(wood(), FIELDS[4:], 8, 3)], (116, 87), 9),
+        *enlarged([*wrapped(letter(), 3), *cuts(wood(), FIELDS[4:], 8, 3)], (116, 87), 9),
         # 40 and 32 pixels over 20 and 12 texels: none of them lies on a texel's edge or centre.
         picture(wrapped(TEXELS), (160, 64), "judged"),
         picture(cuts(SOLID_TEXELS, FIELDS, 0, 2), (160, 68), "solid"),
@@ -116,12 +122,14 @@ case = Case(
         *texels("border", "clamp_to_border", (10.0, 20.0, 30.0, 40.0), "linear"),
     ),
     picture="picture.FragColor",
+    columns=("REPEAT", "MIRRORED_REPEAT", "CLAMP_TO_EDGE", "CLAMP_TO_BORDER"),
+    rows=("three dimensions", "LINEAR", "NEAREST"),
     expect=[
         enlarged_check(),
         *each_draw(
             "small.FragColor",
             sampled("image"),
-            {k: f"the chart, {wrap}, {word}" for k, (word, wrap) in enumerate(FIELDS)},
+            {k: f"the letter, {wrap}, {word}" for k, (word, wrap) in enumerate(FIELDS)},
         ),
         *(
             formula(

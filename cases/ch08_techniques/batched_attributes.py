@@ -7,26 +7,28 @@ attribute changes each frame: it takes one glBufferSubData. Only stride and offs
 which one it is: 24 bytes and 0, 12 for seven interleaved vertices, 12 bytes and 0, 84 for the same
 ones batched.
 
-Look at: the rosette, read from buffers of the same numbers in three orders: 111 and 222, 123123123,
-111222333. The pictures do not differ in a single bit.
+Look at: the rosette, and below it the 42 numbers that it is read from, in the order of memory:
+places in greys, colours in red, green and blue. The order differs each time, and the rosettes do
+not in a single bit.
 """
 
 from shaderlab import Case, Output, attribute_layout, exact, query
 
 from ..scenes.draws import drawn
 from ..scenes.figures import each_draw, results
+from ..scenes.flat_figures import memory_map, pictured, pictured_checks
 from ..scenes.laws import device_place
-from ..scenes.panels import cell, picture
-from ..scenes.rosette import encoded, rosette, rosette_checks, window
-
-LIGHT = (0.93, 0.93, 0.92, 1.0)
-
+from ..scenes.panels import cell
+from ..scenes.rosette import LIGHT, encoded, rosette, rosette_checks, window
 
 UPLOADS = {"separate": "data", "interleaved": "data", "batched": "sub_data"}
-SIDE_BY_SIDE = [
-    drawn("ch10_buffers/rosette", rosette(layout=layout, upload=upload), cell=cell(k, 3))
-    for k, (layout, upload) in enumerate(UPLOADS.items())
+MESHES = [rosette(layout=layout, upload=upload) for layout, upload in UPLOADS.items()]
+SHOWN = (*MESHES, *map(memory_map, MESHES))
+ALL = [
+    drawn("ch10_buffers/rosette", mesh, cell=cell(k, 3, 2, from_above=True))
+    for k, mesh in enumerate(SHOWN)
 ]
+NAMES = dict(enumerate((*UPLOADS, *(f"memory, {layout}" for layout in UPLOADS))))
 
 
 def size_of(layout):
@@ -40,16 +42,19 @@ case = Case(
     math=r"\text{interleaved: } s_i = \textstyle\sum_k b_k,\ o_i = \sum_{k<i} b_k \qquad "
     r"\text{batched: } s_i = b_i,\ o_i = n \sum_{k<i} b_k",
     passes=(
-        picture(SIDE_BY_SIDE, (960, 320), clear=LIGHT),
+        *pictured(ALL, (960, 640), LIGHT),
         *(
             window(layout, clear=LIGHT, layout=layout, upload=upload)
             for layout, upload in UPLOADS.items()
         ),
     ),
     picture="picture.FragColor",
+    columns=("111 and 222", "123123123", "111222333"),
+    rows=("drawn", "in memory"),
     expect=[
-        *each_draw("picture.FragColor", encoded, dict(enumerate(UPLOADS)), "{}, in the picture"),
-        *each_draw("picture.gl_Position", device_place, dict(enumerate(UPLOADS)), "{}: places"),
+        *pictured_checks(),
+        *each_draw("judged.FragColor", encoded, NAMES, "{}, in the picture"),
+        *each_draw("judged.gl_Position", device_place, NAMES, "{}: places"),
         exact("batched.FragColor", Output("interleaved.FragColor"), name="111222 equals 123123"),
         exact("batched.FragColor", Output("separate.FragColor"), name="… and two buffers"),
         attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, name="batched: 111222"),

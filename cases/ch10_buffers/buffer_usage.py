@@ -6,18 +6,19 @@ the program for OpenGL, READ OpenGL for the program, COPY OpenGL for itself. Tog
 for where to put the memory, and that is all. Every one of the nine draws the same pixels, a STATIC
 buffer may be written to any number of times, and a READ one may be drawn from.
 
-Look at: the nine rosettes: from left to right DRAW, READ and COPY, from bottom to top STREAM,
-STATIC and DYNAMIC. All were made empty and written to afterwards.
+Look at: nine butterflies, one for each hint, and nothing tells them apart. All of their buffers
+were made empty and written to afterwards.
 """
 
-from shaderlab import Case, Erratum, Output, attribute_layout, coverage, exact, gl_calls
+from shaderlab import Case, Erratum, Output, attribute_layout, exact, gl_calls
 from shaderlab.engine.expectations.gl_call import Object, call
 
 from ..scenes.api import answers
 from ..scenes.draws import drawn
 from ..scenes.figures import each_draw
+from ..scenes.flat_figures import butterfly, pictured, pictured_checks
 from ..scenes.panels import cell, picture
-from ..scenes.rosette import PAPER, encoded, rosette, rosette_checks
+from ..scenes.rosette import LIGHT, encoded, rosette_checks
 
 OFTEN = ("stream", "static", "dynamic")
 WHO = ("draw", "read", "copy")
@@ -25,14 +26,14 @@ USAGES = tuple(f"{often}_{who}" for often in OFTEN for who in WHO)
 
 
 def hinted(usage, place=None):
-    """The rosette, its buffer made with a hint and then written to."""
-    mesh = rosette(layout="batched", usage=usage, upload="sub_data")
+    """The butterfly, its buffer made with a hint and then written to."""
+    mesh = butterfly(layout="batched", usage=usage, upload="sub_data")
     return drawn("ch10_buffers/rosette", mesh, cell=place)
 
 
 def alone(usage):
-    """A window with this one rosette."""
-    return picture([hinted(usage)], (128, 128), usage, clear=PAPER)
+    """A window with this one butterfly."""
+    return picture([hinted(usage)], (128, 128), usage, clear=LIGHT)
 
 
 def written(usage, times):
@@ -57,7 +58,7 @@ case = Case(
     math=r"\{\mathtt{STREAM}, \mathtt{STATIC}, \mathtt{DYNAMIC}\} \times "
     r"\{\mathtt{DRAW}, \mathtt{READ}, \mathtt{COPY}\}, \qquad 3 \cdot 3 = 9",
     passes=(
-        picture(ALL, (576, 576), clear=PAPER),
+        *pictured(ALL, (576, 576), LIGHT),
         *(alone(usage) for usage in USAGES),
     ),
     picture="picture.FragColor",
@@ -65,19 +66,19 @@ case = Case(
     rows=[name.upper() for name in reversed(OFTEN)],
     expect=[
         *rosette_checks("stream_draw"),
-        *each_draw(
-            "picture.FragColor", encoded, {k: f"picture, {u}" for k, u in enumerate(USAGES)}
-        ),
-        coverage(9360, pass_name="stream_draw", name="pixels of one rosette"),
+        *pictured_checks(),
+        *each_draw("judged.FragColor", encoded, {k: f"picture, {u}" for k, u in enumerate(USAGES)}),
         attribute_layout(
-            {"aPos": (0, 12), "aColor": (84, 12)}, pass_name="static_draw", name=LAYOUT
+            {"aPos": (0, 12), "aColor": (12 * butterfly().vertices, 12)},
+            pass_name="static_draw",
+            name=LAYOUT,
         ),
         *(
             gl_calls(
                 "glBufferData",
                 usage=f"GL_{usage.upper()}",
                 data="NULL",
-                size=168,
+                size=24 * butterfly().vertices,
                 times=1,
                 pass_name=usage,
                 name=f"{usage.upper()} is what the driver is told",

@@ -6,11 +6,11 @@ be drawn any number of times with different uniforms, and its buffers stay uncha
 deletes what the constructor created: a deleted name is free, a bound buffer is unbound, and a
 program in use is deleted once another one is used.
 
-Look at: sixteen rosettes of one mesh, each drawn with an offset and a size of its own. The vertex
+Look at: sixteen clown fish of one mesh, each drawn with an offset and a size of its own. The vertex
 array is described once: stride and offsets are the same behind the last draw as behind the first.
 
 Try: in `ch10_buffers/mesh_class.vert` write `size * (aPos.xy + offset)` for `size * aPos.xy +
-offset`: the places are scaled as well, and the rosettes crowd together.
+offset`: the places are scaled as well, and the shoal crowds together.
 """
 
 from shaderlab import (
@@ -19,7 +19,6 @@ from shaderlab import (
     Output,
     attribute_layout,
     cost,
-    coverage,
     exact,
     gl_calls,
     query,
@@ -30,25 +29,25 @@ from shaderlab.glslmath import swizzle, vec4
 
 from ..scenes.api import answers, errors
 from ..scenes.draws import drawn
+from ..scenes.flat_figures import fish, pictured, pictured_checks
 from ..scenes.panels import picture
-from ..scenes.rosette import PAPER, rosette, rosette_checks
+from ..scenes.rosette import rosette_checks
 
-SIDE = 4
-ROSETTE = rosette(layout="interleaved")
-PLACES = [((2 * k + 1) / SIDE - 1.0, (2 * j + 1) / SIDE - 1.0) for j in range(SIDE)
-          for k in range(SIDE)]  # fmt: skip
-# The first and the last are as large as their cells, those between them smaller and smaller.
-SIZES = [(1.0 - 0.04 * (k % (len(PLACES) - 1))) / SIDE for k in range(len(PLACES))]
+SEA = (0.10, 0.38, 0.52, 1.0)
+FISH = fish(layout="interleaved")
+# Row by row from above, the smallest first: the nearest fish are drawn last.
+PLACES = [(0.45 * k - 0.75 + 0.12 * (row % 2), 0.74 - 0.48 * row + 0.07 * (k % 3))
+          for row in range(4) for k in range(4)]  # fmt: skip
+SIZES = [0.1 + 0.01 * k for k in range(len(PLACES))]
 
 
-def window(name, meshes):
+def shoal(meshes):
     """All sixteen, each with an offset and a size of its own, and of the mesh that is its turn."""
     shaders = ("ch10_buffers/mesh_class.vert", "ch10_buffers/rosette.frag")
-    draws = (
+    return [
         drawn(shaders, mesh, {"offset": place, "size": size})
         for mesh, place, size in zip(meshes, PLACES, SIZES, strict=True)
-    )
-    return picture(draws, (512, 512), name, clear=PAPER)
+    ]
 
 
 def moved(aPos, offset, size):
@@ -72,10 +71,13 @@ case = Case(
     math=r"\mathbf{q}_{k,i} = (s\,x_i + o_{k,x},\; s\,y_i + o_{k,y},\; z_i,\; 1), \qquad "
     r"k = 0 \ldots 15",
     passes=(
-        window("kept", [ROSETTE] * SIDE**2),
-        window("made anew", [rosette(layout="interleaved") for _ in PLACES]),
+        *pictured(shoal([fish()] * 16), (640, 640), SEA),
+        picture(shoal([FISH] * 16), (512, 512), "kept", clear=SEA),
+        picture(
+            shoal([fish(layout="interleaved") for _ in PLACES]), (512, 512), "made anew", clear=SEA
+        ),
     ),
-    picture="kept.FragColor",
+    picture="picture.FragColor",
     expect=[
         exact("kept.FragColor", Output("made anew.FragColor"), name="same as 16 meshes"),
         attribute_layout(LAYOUT, pass_name="kept", draw=0, name="layout, first draw"),
@@ -92,9 +94,8 @@ case = Case(
             }
         ),
         *errors({"deleting 0 is no error": (call("glDeleteBuffers", 1, (0,)), "no_error")}),
-        query("vertices_submitted", equals=18, pass_name="kept", name="vertices of one draw"),
-        coverage(9360, pass_name="kept", draw=0, name="pixels of the first"),
-        coverage(9360, pass_name="kept", draw=-1, name="pixels of the last"),
+        query("vertices_submitted", equals=87, pass_name="kept", name="vertices of one draw"),
+        *pictured_checks(),
         *rosette_checks("kept", places=moved, draw=6),
         value(
             "kept.gl_Position",
@@ -105,8 +106,8 @@ case = Case(
         cost(
             {"kept": {16: "kept"}, "made anew": {16: "made anew"}},
             draw_calls={"kept": lambda n: n, "made anew": lambda n: n},
-            vertices={"kept": lambda n: 18 * n, "made anew": lambda n: 18 * n},
-            over="rosettes",
+            vertices={"kept": lambda n: 87 * n, "made anew": lambda n: 87 * n},
+            over="fish",
             name="cost of drawing",
         ),
     ],

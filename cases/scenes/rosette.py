@@ -19,7 +19,7 @@ from .draws import drawn
 from .laws import device_place, unchanged
 from .panels import picture
 
-PAPER = (0.13, 0.14, 0.17, 1.0)
+PAPER, LIGHT = (0.13, 0.14, 0.17, 1.0), (0.93, 0.93, 0.92, 1.0)
 color_of = unchanged("aColor")
 RIM = ((1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 1, 1), (0, 0, 1), (1, 0, 1))
 

@@ -30,6 +30,6 @@ void main()
     upright = normal;
 
     float diffuse = max(dot(normal, lightDir), 0.0) * 4.5 / (1.0 + dot(ray, ray));
-    FragColor = vec4(Color * (vec3(0.035, 0.04, 0.055)
+    FragColor = vec4(Color * (vec3(0.07, 0.08, 0.11)
                               + (1.0 - shadow) * diffuse * vec3(1.0, 0.84, 0.62)), 1.0);
 }
