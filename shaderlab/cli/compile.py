@@ -235,7 +235,6 @@ class Tally:
 
     @property
     def targets(self) -> tuple[str, ...]:
-        """All that gave verdicts."""
         return tuple(self._counts)
 
     def add(self, result: FileResult) -> None:

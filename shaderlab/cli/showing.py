@@ -243,13 +243,11 @@ class Show:
             self.console.print(f"on {renderer}", style="dim")
 
     def gl_calls(self, run: Run) -> None:
-        """The calls of OpenGL that were recorded."""
         for record in run.records:
             for line in format_gl_calls(record):
                 self.console.print(line, highlight=False, markup=False)
 
     def where(self, page: Path) -> None:
-        """The path of the page."""
         self.console.print(f"report: {display_path(page)}")
 
 
@@ -278,7 +276,6 @@ class Reporter:
             self.ends(record)
 
     def starts(self, case_id: str, variant: str, driver: str = "") -> None:
-        """A scene starts."""
         name = format_label(case_id, variant) + (f" on {driver}" if driver else "")
         self._bar.update(self._task, description=f"{name:<32}")
         now = time.monotonic()
@@ -291,14 +288,12 @@ class Reporter:
             self._print_line(f"{self._done} of {self._total} done{left}; running {name}")
 
     def ends(self, record: Record) -> None:
-        """A scene is done."""
         self.advance()
         if has_failed(record):
             where = f" on {record.driver_name}" if record.driver_name else ""
             self._print_line(f"{record.status}: {format_label(record.id, record.variant)}{where}")
 
     def advance(self) -> None:
-        """A scene, or something else, is done."""
         self._bar.advance(self._task)
         self._done += 1
 

@@ -125,7 +125,6 @@ class _Wanted:
                 yield from files_below(Path(os.path.abspath(folder)))
 
     def jobs(self, facts: Sequence[CaseInfo]) -> list[Job]:
-        """The jobs of case files, in order."""
         from shaderlab.cli.selecting import make_ids_distinct, select_variants
 
         return [

@@ -76,7 +76,6 @@ class Session:
         self._watched: dict[Path, Watched] = {}
 
     def close(self) -> None:
-        """End the workers."""
         self._executor.close()
 
     @property

@@ -168,7 +168,6 @@ class Result:
         return not has_errors(self.diagnostics)
 
     def verdict(self, target: str) -> Verdict:
-        """Return the result as plain data."""
         return Verdict(
             target=target,
             ok=self.ok,
@@ -245,7 +244,6 @@ def _finish(linked: Linked, sources: Sequence[Source], target: str) -> Result:
 def _validate(
     modules: Mapping[str, bytes], sources: Sequence[Source], target: str
 ) -> list[Diagnostic]:
-    """SPIRV-Tools' errors."""
     environment = SETTINGS[target].environment
     made = [source for source in sources if source.stage in modules]
     messages = [validate(modules[source.stage], environment) for source in made]

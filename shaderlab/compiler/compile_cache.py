@@ -186,12 +186,10 @@ class CompileCache:
         self._compilers = functools.cache(compilers)
 
     def compile(self, stages: Sequence[Source], targets: Sequence[str]) -> Compiled:
-        """As `compile_program`."""
         ordered = tuple(order_stages(stages, targets))
         return self._get(ordered, targets, targets, lambda: compile_program(ordered, targets))
 
     def compile_with_lines(self, source: Source) -> Compiled:
-        """As the function of this name."""
         return self._get((source,), ("lines",), (), lambda: _compile_with_lines(source))
 
     def _get(

@@ -69,7 +69,6 @@ class CompileJob:
 
     @property
     def path(self) -> str:
-        """The files' paths, joined by " + "."""
         return " + ".join(file.path for file in self.files)
 
 

@@ -205,7 +205,6 @@ class Module:
         return literals[0] if literals else None
 
     def member(self, id_: int, index: int) -> Mapping[int, tuple[int, ...]]:
-        """Return the decorations of a struct's member."""
         return self.member_decorations.get((id_, index), {})
 
 

@@ -161,7 +161,6 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         return bind.bind(draw.draw, draw.interface, self._textures.texels)
 
     def extent(self, description: Pass) -> Size:
-        """Return the size in pixels of a pass's target."""
         return description.target.size or self.size
 
     def _target(self, description: Pass) -> TargetKind:

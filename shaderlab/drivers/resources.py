@@ -205,7 +205,6 @@ class ProgramCache(Generic[Program]):
         return program
 
     def release(self) -> None:
-        """Release all programs."""
         while self._made:
             self.drop(self._made.popitem()[1])
 

@@ -63,7 +63,6 @@ class PictureWriter:
         self._picture: tuple[Image, PictureFiles] | None = None
 
     def write_picture(self, image: Image) -> PictureFiles:
-        """Write the case's picture."""
         if self._folder is None:
             return PictureFiles()
         display = _display(image)

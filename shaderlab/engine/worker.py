@@ -52,7 +52,6 @@ class Worker:
         backends.preload()
 
     def __call__(self, request: Request) -> Any:
-        """Perform a request in a worker process."""
         if self._lab is not None and self._lab.exhausted:
             # What ran out of memory may have left the driver half way. A new process costs less
             # than a doubt about every later record; the parent starts it and asks again.
@@ -121,6 +120,5 @@ class Worker:
             self._channel.restart_limit(seconds)
 
     def close(self) -> None:
-        """Close the lab."""
         if self._lab is not None:
             self._lab.close()

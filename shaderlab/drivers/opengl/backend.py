@@ -62,7 +62,6 @@ def count_events(drawing: Drawing, key: PassDraw, counter: str) -> int:
 
 
 def read_attributes(drawing: Drawing, key: PassDraw) -> Mapping[str, AttributeReading]:
-    """Read where OpenGL finds each attribute of a draw of a mesh."""
     draw = drawing.programs[key[0]][key[1]]
     if draw.draw.mesh is None:
         return {}
@@ -91,8 +90,6 @@ def find_locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
 
 
 class OpenGLSession(Drawing):
-    """One scene on an OpenGL device."""
-
     capture_outputs = drawing.capture_outputs
 
     def capture_fragments(self, key: PassDraw) -> Fragments:
@@ -121,8 +118,6 @@ class OpenGLSession(Drawing):
 
 
 class OpenGLBackend(DeviceBackend):
-    """Draws scenes on one device; keeps linked programs from one to the next."""
-
     linker_class = Linker
     session_class = OpenGLSession
     device: Device

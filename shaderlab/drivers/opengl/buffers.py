@@ -40,7 +40,6 @@ class DeviceBuffer:
             context.objects.append(self)
 
     def release(self) -> None:
-        """Delete it."""
         GL.glDeleteBuffers(1, np.array([self.glo], np.uint32))
 
 
@@ -56,7 +55,6 @@ class VertexArray:
     indices: Any = None
 
     def render(self, mode: int, *, instances: int = 1) -> None:
-        """Issue the draw call."""
         GL.glUseProgram(self.program.glo)
         GL.glBindVertexArray(self.made.glo)
         if self.indices is None:

@@ -36,8 +36,6 @@ from .textures import BoundTextures, bind_images, read_images
 
 
 class Drawing(PassSession[RenderTarget, Linker]):
-    """One scene on the device: its targets and textures, kept until the session ends."""
-
     device: Device
     _textures: BoundTextures
 
@@ -165,7 +163,6 @@ def require_glsl(device: Device, draw: PreparedDraw) -> None:
 
 
 def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
-    """Issue the draw call itself."""
     description = draw.draw
     if description.state.point_size is None:
         # A shader that gives points no size gets the default one, a pixel.
@@ -234,7 +231,6 @@ def dispatch(
 def evaluate(
     device: Device, linker: Linker, evaluation: Evaluation, inputs: Array, outputs: Array
 ) -> None:
-    """As `Backend.evaluate`."""
     context, size = device.context, evaluation.size
     context.enable_only(moderngl.NOTHING)
     # The framebuffer that is bound may be a scene's, which is gone by now.

@@ -324,14 +324,12 @@ class SpirvProgram:
             self._context.objects.append(self)
 
     def release(self) -> None:
-        """Delete it."""
         GL.glDeleteProgram(self.glo)
 
     def __contains__(self, name: str) -> bool:
         return self.get(name, None) is not None
 
     def get(self, name: str, default: Any) -> Uniform | Attribute | Any:
-        """Return an active uniform or attribute."""
         attribute = self._interface.attributes.get(name)
         if attribute is not None and attribute.location in self._active["program_input"]:
             shape = {"i": "i", "u": "I"}.get(attribute.type[0], "f")

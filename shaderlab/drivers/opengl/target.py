@@ -39,7 +39,6 @@ def apply_state(state: State, size: tuple[int, int], version: int) -> None:
 def _list_calls(
     state: State, size: tuple[int, int], version: int
 ) -> Sequence[tuple[str, Sequence[Any]]]:
-    """List the calls that set a state: functions and their arguments."""
     switches = {
         "polygon_offset_line": False,  # a driver may take it for that of filled polygons
         "framebuffer_srgb": state.srgb,
@@ -60,8 +59,6 @@ def _list_calls(
 
 
 class RenderTarget(Attachments):
-    """As `Attachments`, on a device."""
-
     def __init__(
         self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
     ) -> None:

@@ -125,7 +125,6 @@ class DeviceTexture:
         return gl_constant(_TARGETS[self.kind])
 
     def release(self) -> None:
-        """Release its memory."""
         GL.glDeleteTextures(1, [self.glo])
 
 
@@ -205,7 +204,6 @@ def upload_compressed(device: Device, blocks: Blocks) -> tuple[DeviceTexture, li
 
 
 def generate_levels(texture: DeviceTexture) -> None:
-    """Have the driver make all smaller levels."""
     GL.glBindTexture(texture.target, texture.glo)
     GL.glGenerateMipmap(texture.target)
     # llvmpipe (Mesa 22.3) draws the levels later, and hands out empty ones until it has.

@@ -107,7 +107,6 @@ class CallRecorder:
         return self._context.__exit__(*error)
 
     def release(self) -> None:
-        """Give the context back."""
         self._context.release()
 
     def make(self, name: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:

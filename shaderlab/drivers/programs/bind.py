@@ -260,7 +260,6 @@ _PLACE = attrgetter("offset", "size", "array_stride", "matrix_stride")
 
 
 def uniform_blocks(interface: Interface) -> dict[str, Block]:
-    """The uniform blocks that a program declares."""
     return {name: block for name, block in interface.blocks.items() if block.kind == "uniform"}
 
 

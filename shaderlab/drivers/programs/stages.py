@@ -198,12 +198,10 @@ def may_drop_fragments(text: str) -> bool:
 
 
 def may_discard(text: str) -> bool:
-    """Whether a fragment shader may discard fragments."""
     return "discard" in text
 
 
 def writes_depth(text: str) -> bool:
-    """Whether a fragment shader may give fragments another depth."""
     return "gl_FragDepth" in text
 
 

@@ -50,7 +50,6 @@ class Slot:
 
 
 def storage_blocks(interface: Interface) -> dict[str, Block]:
-    """The storage blocks that a program declares."""
     return {name: block for name, block in interface.blocks.items() if block.kind == "storage"}
 
 
@@ -247,7 +246,6 @@ _NEAREST, _EDGE = ("nearest",) * 2, ("clamp_to_edge",) * 2
 
 
 def image_variables(interface: Interface) -> dict[str, Variable]:
-    """The images that a program declares."""
     return {name: v for name, v in interface.uniforms.items() if "image" in v.type}
 
 

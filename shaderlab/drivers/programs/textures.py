@@ -65,7 +65,6 @@ DEPTH = {word: Format(1, np.float32, stencil="stencil" in word) for word in DEPT
 
 
 def format_of(word: str) -> Format:
-    """A colour or depth format by its name."""
     return DEPTH[word] if word in DEPTH else COLOR[word]
 
 

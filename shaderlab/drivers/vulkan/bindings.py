@@ -245,7 +245,6 @@ class Ready:
     descriptors: Any
 
     def record(self, commands: Commands, target: RenderTarget) -> None:
-        """Record the draw into a target."""
         structs, handle = commands.structs, commands.handle
         box, scissor = viewport(self.state, target.size)
         target.begin(commands, self.locations, srgb=self.state.srgb)

@@ -382,7 +382,6 @@ class Resources:
         return Buffer(handle, contents)
 
     def bind_image_memory(self, image: Any) -> None:
-        """Give a new image its memory."""
         needs = ffi.new("VkMemoryRequirements *")
         lib.vkGetImageMemoryRequirements(self.device.handle, image, needs)
         memory = self._allocate(needs, 0, _DEVICE_LOCAL)
@@ -462,7 +461,6 @@ class Commands:
         check(lib.vkQueueWaitIdle(device.queue), "running commands")
 
     def release(self) -> None:
-        """Free the command buffer."""
         own = self.structs.array("VkCommandBuffer", [self.handle])
         lib.vkFreeCommandBuffers(self.device.handle, self.device.pool, 1, own)
 

@@ -48,7 +48,6 @@ class DeviceImage:
 
     @property
     def sizes(self) -> list[Size]:
-        """Each level's size."""
         return level_sizes(*self.size)[: self.levels]
 
     @property
@@ -236,7 +235,6 @@ def find_missing_uses(device: Device, word: str, *uses: str) -> list[str]:
 
 
 def aspects(word: str) -> int:
-    """Return the aspects that an image of a format has."""
     if word not in DEPTH:
         return COLOR_ASPECT
     return DEPTH_ASPECT | (STENCIL_ASPECT if DEPTH[word].stencil else 0)
@@ -302,8 +300,6 @@ _PLACES = {
 
 
 class RenderTarget(Attachments):
-    """As `Attachments`, on a device."""
-
     def __init__(
         self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
     ) -> None:
@@ -400,7 +396,6 @@ class RenderTarget(Attachments):
         lib.vkCmdBeginRendering(commands.handle, info)
 
     def end(self, commands: Commands) -> None:
-        """Draw into it no longer."""
         lib.vkCmdEndRendering(commands.handle)
         commands.barrier()
 

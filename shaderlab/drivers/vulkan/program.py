@@ -187,7 +187,6 @@ class VertexLayout:
     topology: int = PRIMITIVES.index("triangles")
 
     def input_state(self, structs: Structs) -> Any:
-        """Return the structure that tells a pipeline."""
         return structs(
             "PipelineVertexInputStateCreateInfo",
             vertexBindingDescriptionCount=len(self.streams),
@@ -252,7 +251,6 @@ class Program:
         self.pipeline = functools.cache(self._new_pipeline)
 
     def release(self) -> None:
-        """Release all of it."""
         self._resources.release()
 
     def locations(self, names: Mapping[str, Any]) -> dict[int, str]:
@@ -315,8 +313,6 @@ def _variables(data: bytes, storage: int) -> dict[str, Variable]:
 
 
 class Linker(ProgramCache[Program]):
-    """Programs by their stages' text."""
-
     device: Device
 
     def link(self, texts: Mapping[str, str], known: Sequence[Source] = ()) -> Program:
@@ -397,7 +393,6 @@ def multisample_state(structs: Structs, device: Device, state: State, samples: i
 
 
 def depth_stencil_state(structs: Structs, state: State) -> Any:
-    """Return the tests of depth and stencil."""
     depth = state.depth or Depth()
     front = state.stencil or Stencil()
     return structs(

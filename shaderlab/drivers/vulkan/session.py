@@ -83,8 +83,6 @@ _STORES = "vertexPipelineStoresAndAtomics"
 
 
 class VulkanSession(PassSession[RenderTarget, Linker]):
-    """One scene on the device: its targets and textures, kept until the session ends."""
-
     device: Device
     _textures: BoundTextures
 
@@ -149,7 +147,6 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         )  # fmt: skip
 
     def program(self, draw: PreparedDraw) -> Program:
-        """Link the program of a draw."""
         own = draw.texts
         if "fragment" in own:
             own["fragment"] = adapt_fragment(own["fragment"])
@@ -280,8 +277,6 @@ _WORD = "r32ui"
 
 
 class VulkanBackend(DeviceBackend):
-    """Draws scenes on one device; keeps programs from one to the next."""
-
     linker_class = Linker
     session_class = VulkanSession
     device: Device

@@ -145,7 +145,6 @@ class Objects:
         return made
 
     def release(self) -> None:
-        """Release them all."""
         while self._made:
             kind, made = self._made.pop()
             self.gl.release(kind, made.number)

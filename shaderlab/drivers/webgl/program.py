@@ -134,7 +134,6 @@ class Program:
         }
 
     def release(self) -> None:
-        """Delete it."""
         self._objects.release()
 
 
@@ -220,7 +219,6 @@ def check_state(state: State, *, samples: int, encodes: bool) -> None:
 
 
 def apply_state(gl: Calls, state: State, size: tuple[int, int]) -> None:
-    """Make the context's state what `state` says, for a target of `size` pixels."""
     for call in state_calls(state, size, {"rasterizer_discard": False}):
         gl.make(*call)
 

@@ -51,7 +51,6 @@ class VertexArray:
     locations: Mapping[str, tuple[int, int]]
 
     def draw(self, gl: Calls, instances: int) -> None:
-        """Issue the draw call."""
         gl.bindVertexArray(self.handle)
         mode = getattr(gl, self.primitive.upper())
         if self.indexed:
@@ -105,8 +104,6 @@ _FRAGMENT = "#version 330 core\nvoid main() {}\n"
 
 
 class WebGLSession(PassSession[RenderTarget, Linker]):
-    """One scene on the device: its targets and textures, kept until the session ends."""
-
     device: Device
     _textures: BoundTextures
 
@@ -188,7 +185,6 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
     def _blocks(
         self, own: Objects, program: Program, draw: PreparedDraw, bindings: Bindings
     ) -> None:
-        """A buffer for each uniform block."""
         gl = self.device.gl
         for point, (name, block) in enumerate(bind.uniform_blocks(draw.interface).items()):
             self._shared.check(draw.draw.blocks[name], block)
@@ -327,8 +323,6 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
 
 
 class WebGLBackend(DeviceBackend):
-    """Draws scenes in one browser; keeps programs from one to the next."""
-
     linker_class = Linker
     session_class = WebGLSession
     device: Device

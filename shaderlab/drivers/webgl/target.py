@@ -25,8 +25,6 @@ from .textures import (
 
 
 class RenderTarget(Attachments):
-    """As `Attachments`, on a device."""
-
     def __init__(
         self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
     ) -> None:

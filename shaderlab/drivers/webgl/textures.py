@@ -62,7 +62,6 @@ class Stored:
 
 
 def texture_format(word: str) -> Stored:
-    """Return the constants of a colour or depth format."""
     if word in _DEPTHS:
         internal, kind = _DEPTHS[word]
         return Stored(internal, "DEPTH_STENCIL" if "stencil" in word else "DEPTH_COMPONENT", kind)

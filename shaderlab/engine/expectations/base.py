@@ -112,7 +112,6 @@ class OutputExpectation(Expectation):
         return scene.draw_key(scene.split_output(self.output)[0], self.draw)
 
     def own_name(self, scene: Scene) -> str:
-        """The output's name inside its pass."""
         return scene.split_output(self.output)[1]
 
     def find_reads(self, scene: Scene) -> Iterable[Read]:

@@ -128,7 +128,6 @@ class Reading(Bounded):
 
     @property
     def word(self) -> str:
-        """Its label as a word."""
         return self.label if isinstance(self.label, str) else f"{self.label:g}"
 
     def row(self, figure: float) -> Row:
