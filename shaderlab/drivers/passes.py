@@ -107,11 +107,9 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         """Run a compute shader, and take what it leaves in its buffers for images of its pass."""
         raise UnsupportedError("compute passes: this driver has none")
 
-    def at(self, pass_name: str, draw: int | None = None) -> None:
-        """Note the pass and the draw that calls are made for from now on."""
-
-    def reading(self) -> None:
-        """Note that calls are the lab's own from now on: it reads what was drawn."""
+    def at(self, pass_name: str | None, draw: int | None = None) -> None:
+        """Note the pass and the draw that calls are made for from now on; None for the lab's own,
+        by which it reads what was drawn."""
 
     def finish(self) -> None:
         """Wait until all is drawn."""
@@ -153,7 +151,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
             # Drivers draw when they are made to: a program that hangs, hangs here.
             self.finish()
         with phase("read", f"reading pass {description.name!r}"):
-            self.reading()
+            self.at(None)
             self._read(description, target)
 
     def bind(self, draw: PreparedDraw) -> Bindings:
@@ -177,7 +175,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
             target.clear()
         self.targets[description.name] = target
         if description.target.samples:
-            self.reading()
+            self.at(None)
             self._sample_positions[description.name] = target.sample_positions()
         return target
 
@@ -213,7 +211,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         name, errors = changed.name, self._gl_errors
         self._gl_errors = {}  # they were raised before, in the pass itself
         try:
-            self.reading()
+            self.at(None)
             with self.new_target(changed.target, self.targets[name].colors, (width, height)) as one:
                 for index, draw in enumerate(self.programs[name]):
                     state = changed.draws[index].state
@@ -330,7 +328,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
     def _attachment(self, pass_name: str, name: str) -> Image:
         if (pass_name, name) in self.images:
             return self.images[pass_name, name]
-        self.reading()
+        self.at(None)
         return self.targets[pass_name].read(name)
 
     def find_errors(self, key: PassDraw) -> Sequence[int]:

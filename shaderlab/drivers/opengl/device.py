@@ -10,6 +10,7 @@ import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -62,23 +63,20 @@ _NOTHING = "#version 330 core\nvoid main() { gl_Position = vec4(0.0); }\n"
 LIBRARIES = {"libgl": "libGL.so.1", "libegl": "libEGL.so.1"}
 
 
+@dataclass(eq=False)
 class Device:
     """An open `moderngl.Context`. Several may be open in one process, and used in turn; `recorder`
-    writes the calls of one that is not the driver's own down. One that `takes_spirv` gets programs
-    as SPIR-V modules."""
+    writes the calls of one that is not the driver's own down."""
 
-    def __init__(
-        self,
-        context: Any,
-        info: Mapping[str, str],
-        driver: str = "default",
-        recorder: CallRecorder | None = None,
-    ) -> None:
-        self.context = context
-        self.info = info
-        self.driver = driver
-        self.recorder = recorder
-        self.takes_spirv = driver.endswith(SPIRV)
+    context: Any
+    info: Mapping[str, str]
+    driver: str = "default"
+    recorder: CallRecorder | None = None
+
+    @property
+    def takes_spirv(self) -> bool:
+        """Whether it gets programs as SPIR-V modules."""
+        return self.driver.endswith(SPIRV)
 
     @cached_property
     def any_program(self) -> Any:
@@ -96,15 +94,10 @@ class Device:
         found = re.match(r"(\d+)\.(\d\d)", self.info["glsl"])
         return int(found[1]) * 100 + int(found[2]) if found else REQUIRED_VERSION
 
-    def at(self, pass_name: str, draw: int | None = None) -> None:
-        """Note the pass and the draw that calls are made for from now on."""
+    def at(self, pass_name: str | None, draw: int | None = None) -> None:
+        """As `PassSession.at`."""
         if self.recorder is not None:
-            self.recorder.place = (pass_name, draw)
-
-    def reading(self) -> None:
-        """Note that calls are the lab's own from now on: it reads what was drawn."""
-        if self.recorder is not None:
-            self.recorder.place = None
+            self.recorder.place = None if pass_name is None else (pass_name, draw)
 
     def make_current(self) -> None:
         """Make the context the one that calls go to, and give back what Python has dropped.

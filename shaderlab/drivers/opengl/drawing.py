@@ -57,11 +57,8 @@ class Drawing(PassSession[RenderTarget, Linker]):
     def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
         return RenderTarget(self.device, target, colors, size)
 
-    def at(self, pass_name: str, draw: int | None = None) -> None:
+    def at(self, pass_name: str | None, draw: int | None = None) -> None:
         self.device.at(pass_name, draw)
-
-    def reading(self) -> None:
-        self.device.reading()
 
     def finish(self) -> None:
         self.device.context.finish()
@@ -215,7 +212,7 @@ def dispatch(
         GL.glMemoryBarrier(GL.GL_BUFFER_UPDATE_BARRIER_BIT | GL.GL_TEXTURE_UPDATE_BARRIER_BIT)
         # Drivers compute when they are made to: a program that hangs, hangs here.
         device.context.finish()
-        device.reading()
+        device.at(None)
         changed = read_images(textures, bindings.images)
         left = {n: i for n, i in changed.items() if not draw.interface.uniforms[n].readonly}
         for buffer, data, inside in buffers:

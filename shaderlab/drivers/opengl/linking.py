@@ -302,26 +302,20 @@ class Uniform:
             call(location, count, values)
 
 
+@dataclass(eq=False)
 class SpirvProgram:
     """A linked program, with what the lab uses of a `moderngl.Program`; it is deleted with the
-    last reference to it.
+    last reference to it. `glo` is OpenGL's name, `geometry_output` what its geometry stage emits,
+    None without one."""
 
-    Attributes:
-        glo: OpenGL's name.
-        geometry_output: what its geometry stage emits, None without one.
-    """
-
-    def __init__(
-        self, device: Device, glo: int, interface: Interface, geometry_output: int | None
-    ) -> None:
-        self._context = device.context
-        self.glo = glo
-        self.geometry_output = geometry_output
-        self._interface = interface
+    device: Device
+    glo: int
+    interface: Interface
+    geometry_output: int | None
 
     def __del__(self) -> None:
-        if self._context.gc_mode == "context_gc":  # see Device.make_current
-            self._context.objects.append(self)
+        if self.device.context.gc_mode == "context_gc":  # see Device.make_current
+            self.device.context.objects.append(self)
 
     def release(self) -> None:
         GL.glDeleteProgram(self.glo)
@@ -330,31 +324,31 @@ class SpirvProgram:
         return self.get(name, None) is not None
 
     def get(self, name: str, default: Any) -> Uniform | Attribute | Any:
-        attribute = self._interface.attributes.get(name)
+        attribute = self.interface.attributes.get(name)
         if attribute is not None and attribute.location in self._active["program_input"]:
             shape = {"i": "i", "u": "I"}.get(attribute.type[0], "f")
             return Attribute(attribute.location or 0, shape)
-        uniform = self._interface.uniforms.get(name)
+        uniform = self.interface.uniforms.get(name)
         if uniform is not None and uniform.location in self._active["uniform"]:
             return Uniform(self.glo, uniform)
         return default
 
     def location(self, name: str) -> int:
         """Find an active uniform's location, −1 for none."""
-        uniform = self._interface.uniforms.get(name)
+        uniform = self.interface.uniforms.get(name)
         if uniform is None or uniform.location not in self._active["uniform"]:
             return -1
         return uniform.location or 0
 
     def output(self, name: str) -> int:
         """Find a fragment output's location, −1 for none."""
-        output = self._interface.outputs.get(name)
+        output = self.interface.outputs.get(name)
         return -1 if output is None else output.location or 0
 
     def block(self, name: str) -> int | None:
         """Find an active uniform block's index. Its binding is this program's own: another of the
         same vertex stage may number its blocks otherwise."""
-        block = self._interface.blocks.get(name)
+        block = self.interface.blocks.get(name)
         return None if block is None else self._blocks.get(block.binding or 0)
 
     @cached_property

@@ -8,9 +8,9 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -331,27 +331,13 @@ class Buffer:
     bytes: Array
 
 
-class Resources:
-    """Makes objects on the device, and releases all of them together, the last one first."""
+class Resources(ExitStack):
+    """Makes objects on the device; `close` releases all of them, the last one first, as does the
+    end of a `with`. The device must be done with them."""
 
     def __init__(self, device: Device) -> None:
+        super().__init__()
         self.device = device
-        self._made: list[tuple[str, Any]] = []
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.release()
-
-    def release(self) -> None:
-        """Release everything; the device must be done with it."""
-        while self._made:
-            kind, handle = self._made.pop()
-            if kind == "Memory":
-                lib.vkFreeMemory(self.device.handle, handle, NULL)
-            else:
-                self.device.destroy(kind, handle)
 
     def create(self, kind: str, info: Any) -> Any:
         """Make a new object, such as `create("Sampler", info)`."""
@@ -360,7 +346,7 @@ class Resources:
 
     def own(self, kind: str, handle: Any) -> Any:
         """Release this object, too, in the end."""
-        self._made.append((kind, handle))
+        self.callback(self.device.destroy, kind, handle)
         return handle
 
     def buffer(self, usage: str, data: bytes | Array | None = None, *, size: int = 0) -> Buffer:
@@ -397,7 +383,8 @@ class Resources:
         made = ffi.new("VkDeviceMemory *")
         what = f"allocating {needs.size} bytes"
         check(lib.vkAllocateMemory(self.device.handle, info, NULL, made), what)
-        return self.own("Memory", made[0])
+        self.callback(lib.vkFreeMemory, self.device.handle, made[0], NULL)
+        return made[0]
 
 
 _ONE_TIME = constant("COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT")

@@ -341,7 +341,7 @@ class RenderTarget(Attachments):
             self._depth_view = new_view(own, self.depth_image)
 
     def release(self) -> None:
-        self._resources.release()
+        self._resources.close()
 
     def formats(self, locations: Mapping[int, str], *, srgb: bool = False) -> dict[int, str]:
         """Return the attachments' formats by the locations of outputs."""

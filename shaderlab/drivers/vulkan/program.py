@@ -251,7 +251,7 @@ class Program:
         self.pipeline = functools.cache(self._new_pipeline)
 
     def release(self) -> None:
-        self._resources.release()
+        self._resources.close()
 
     def locations(self, names: Mapping[str, Any]) -> dict[int, str]:
         """Return where the program writes those of its outputs that have these names."""

@@ -15,7 +15,7 @@ import shutil
 import subprocess
 import threading
 from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import Any, TypeVar
@@ -131,29 +131,18 @@ def decode(data: str, kind: Any) -> Array:
     return np.frombuffer(base64.b64decode(data), kind).copy()
 
 
-class Objects:
-    """Makes objects, and releases them together. As a context manager it does so in the end."""
+class Objects(ExitStack):
+    """Makes objects, which `close` releases together, as does the end of a `with`."""
 
     def __init__(self, gl: Calls) -> None:
+        super().__init__()
         self.gl = gl
-        self._made: list[tuple[str, Object]] = []
 
     def new(self, kind: str, *given: Any) -> Object:
         """Make a new object of a kind such as "Texture"."""
         made = self.gl.new(f"create{kind}", *given)
-        self._made.append((kind, made))
+        self.callback(self.gl.release, kind, made.number)
         return made
-
-    def release(self) -> None:
-        while self._made:
-            kind, made = self._made.pop()
-            self.gl.release(kind, made.number)
-
-    def __enter__(self) -> Objects:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.release()
 
 
 try:

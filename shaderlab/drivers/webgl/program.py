@@ -134,7 +134,7 @@ class Program:
         }
 
     def release(self) -> None:
-        self._objects.release()
+        self._objects.close()
 
 
 class Linker(ProgramCache[Program]):

@@ -46,7 +46,7 @@ class RenderTarget(Attachments):
         self._attached: dict[int, str] | None = None
 
     def release(self) -> None:
-        self._objects.release()
+        self._objects.close()
 
     def bind(self, locations: Mapping[int, str]) -> None:
         """Draw into this target from now on, with a program that writes its outputs at these
