@@ -89,9 +89,7 @@ def load_obj(path: str | Path) -> tuple[Part, ...]:
         made = trimesh.exchange.obj.load_obj(io.StringIO(text), resolver=resolver)
     except Exception as error:  # its parser raises many kinds
         raise AssetError(
-            f"trimesh can't read it ({type(error).__name__}: {error})",
-            file=source,
-            remedy=_EXPORT,
+            f"trimesh can't read it ({type(error).__name__}: {error})", file=source, remedy=_EXPORT
         ) from error
     found = made.get("geometry") or {names[0] if names else "": made}
     parts = {_material_name(arrays): _make_part(arrays) for arrays in found.values()}

@@ -234,10 +234,7 @@ def _finish(linked: Linked, sources: Sequence[Source], target: str) -> Result:
     if valid and len(sources) > 1:
         modules = match_locations(linked.modules, sources)
         changed = {s: m for s, m in modules.items() if m != linked.modules[s]}
-        problems = [
-            *find_unwritten_inputs(sources, modules),
-            *_validate(changed, sources, target),
-        ]
+        problems = [*find_unwritten_inputs(sources, modules), *_validate(changed, sources, target)]
     return Result((*diagnostics, *problems), {} if problems else modules, valid)
 
 
@@ -319,9 +316,7 @@ def literal_of(name: str) -> float | None:
 _OPAQUE = re.compile(r"[iu]?(?:sampler|image)")
 
 
-def lift_samplers(
-    sources: Sequence[Source],
-) -> tuple[Sequence[Source], tuple[Diagnostic, ...]]:
+def lift_samplers(sources: Sequence[Source]) -> tuple[Sequence[Source], tuple[Diagnostic, ...]]:
     """Return the stages with samplers lifted out of uniform structs, and a note on each struct."""
     lifted, notes = [], []
     for source in sources:

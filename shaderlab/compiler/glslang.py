@@ -137,11 +137,7 @@ class SpirvText(c.Structure):
 class SpirvDiagnostic(c.Structure):
     """`spv_diagnostic_t`: the validator's message; `position` is its line, column and word."""
 
-    _fields_ = [
-        ("position", c.c_size_t * 3),
-        ("error", c.c_char_p),
-        ("is_text_source", c.c_bool),
-    ]
+    _fields_ = [("position", c.c_size_t * 3), ("error", c.c_char_p), ("is_text_source", c.c_bool)]
 
 
 # The wheel and the file of each library.
@@ -209,8 +205,7 @@ def find(wheel: str, name: str, folder: str = "lib") -> Path:
         if path.is_file():
             return path
     raise ShaderError(
-        f"the GLSL compiler's package {wheel} is not installed, or holds no {name}",
-        remedy=INSTALL,
+        f"the GLSL compiler's package {wheel} is not installed, or holds no {name}", remedy=INSTALL
     )
 
 

@@ -57,10 +57,7 @@ _COMPARISONS = {
 _HOW_OFTEN = ("STATIC", "STREAM", "DYNAMIC")
 _WHO = ("DRAW", "READ", "COPY")
 _USAGES = {
-    f"GL_{often}_{who}": (
-        f"GL_{_HOW_OFTEN[(i + 1) % 3]}_{who}",
-        f"GL_{often}_{_WHO[(k + 1) % 3]}",
-    )
+    f"GL_{often}_{who}": (f"GL_{_HOW_OFTEN[(i + 1) % 3]}_{who}", f"GL_{often}_{_WHO[(k + 1) % 3]}")
     for i, often in enumerate(_HOW_OFTEN)
     for k, who in enumerate(_WHO)
 }

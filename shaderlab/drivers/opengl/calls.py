@@ -23,14 +23,7 @@ from shaderlab.model.calls import Call, Location, Object, Program
 from shaderlab.model.frame import Reply
 
 from . import environment
-from .device import (
-    GL,
-    LIBRARIES,
-    REQUIRED_VERSION,
-    Device,
-    GLError,
-    NullFunctionError,
-)
+from .device import GL, LIBRARIES, REQUIRED_VERSION, Device, GLError, NullFunctionError
 from .drawing import drain_errors
 from .linking import compile_shader, link_program
 

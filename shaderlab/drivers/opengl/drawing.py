@@ -79,12 +79,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
             self._gl_errors[key] = errors
 
     def use(
-        self,
-        program: Any,
-        draw: PreparedDraw,
-        bindings: Bindings,
-        *,
-        only_active: bool = False,
+        self, program: Any, draw: PreparedDraw, bindings: Bindings, *, only_active: bool = False
     ) -> None:
         """Set the program's uniforms and bind its textures; `only_active`: uniforms that it does
         not know are left out."""

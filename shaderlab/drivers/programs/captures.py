@@ -28,8 +28,7 @@ _REMEDY = "judge it over the frame (formula, or value at a Pixel)"
 
 
 DrawPoints = Callable[
-    [PreparedDraw, Bindings, Target, Mapping[str, str], tuple[int, int]],
-    Mapping[str, Array],
+    [PreparedDraw, Bindings, Target, Mapping[str, str], tuple[int, int]], Mapping[str, Array]
 ]
 """Draws points with their uniforms and textures into a target, with colours (format by output) and
 a size; gives the colours and the stencil, if there is one."""
@@ -184,11 +183,7 @@ def capture_fragments(
 
 
 def redraw_with_text(
-    draws: Sequence[PreparedDraw],
-    index: int,
-    redraw: Redraw,
-    text: str,
-    outputs: Mapping[str, str],
+    draws: Sequence[PreparedDraw], index: int, redraw: Redraw, text: str, outputs: Mapping[str, str]
 ) -> Mapping[str, Array]:
     """Redraw a pass with another fragment text for one draw; returns these outputs of it (formats
     by name), 0 where the draw is not seen."""

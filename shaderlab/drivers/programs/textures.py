@@ -269,10 +269,7 @@ def find_image(source: Output, images: Images) -> Image:
     key = (source.pass_name, source.name)
     if key not in images:
         known = [f"{p}.{n}" for p, n in images]
-        raise CaseError(
-            f"no earlier pass gives {source.path}",
-            remedy=suggest(source.path, known),
-        )
+        raise CaseError(f"no earlier pass gives {source.path}", remedy=suggest(source.path, known))
     return images[key]
 
 

@@ -14,13 +14,7 @@ from shaderlab.model.frame import Array, Image
 from shaderlab.model.mesh import PRIMITIVES, Mesh
 from shaderlab.model.scene import Target
 from shaderlab.model.state import COMPARISONS, State
-from shaderlab.model.textures import (
-    WRAPS,
-    CompressedTexture,
-    Output,
-    TextureSource,
-    level_sizes,
-)
+from shaderlab.model.textures import WRAPS, CompressedTexture, Output, TextureSource, level_sizes
 
 from ..programs import bind
 from ..programs.textures import (

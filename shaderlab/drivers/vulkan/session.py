@@ -16,13 +16,7 @@ from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv import ExecutionMode, parse
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.case import Scene
-from shaderlab.model.frame import (
-    Array,
-    AttributeReading,
-    Bindings,
-    BlockReading,
-    PassDraw,
-)
+from shaderlab.model.frame import Array, AttributeReading, Bindings, BlockReading, PassDraw
 from shaderlab.model.records import Verdict
 from shaderlab.model.scene import Target
 
@@ -45,17 +39,7 @@ from .bindings import (
     new_set,
     upload,
 )
-from .device import (
-    Buffer,
-    Device,
-    Resources,
-    Structs,
-    check,
-    constant,
-    ffi,
-    lib,
-    recording,
-)
+from .device import Buffer, Device, Resources, Structs, check, constant, ffi, lib, recording
 from .images import RenderTarget, fill, new_image, new_view
 from .program import (
     Layout,

@@ -14,13 +14,7 @@ from shaderlab.compiler.reflection import Variable
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.case import Scene
-from shaderlab.model.frame import (
-    Array,
-    AttributeReading,
-    Bindings,
-    BlockReading,
-    PassDraw,
-)
+from shaderlab.model.frame import Array, AttributeReading, Bindings, BlockReading, PassDraw
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.records import Verdict
 from shaderlab.model.scene import Target

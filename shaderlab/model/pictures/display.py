@@ -71,11 +71,7 @@ class Display(NamedTuple):
     caption: str
 
 
-def to_display(
-    array: NDArray[Any],
-    *,
-    value_range: tuple[float, float] | None = None,
-) -> Display:
+def to_display(array: NDArray[Any], *, value_range: tuple[float, float] | None = None) -> Display:
     """An array as a plain OpenGL window would show it, or in false colour.
 
     Three and four channels of floats are clipped to 0…1 without any gamma, and 8-bit values
