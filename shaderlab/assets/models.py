@@ -98,10 +98,7 @@ def load_obj(path: str | Path) -> tuple[Part, ...]:
 
 def read_bytes(source: Path, what: str, limit: int, too_large: str) -> bytes:
     """Read a model's file: `what` names its kind, `too_large` the remedy above `limit` bytes.
-
-    Raises:
-        AssetError: it is missing, a folder, unreadable or too large.
-    """
+    Raises AssetError: it is missing, a folder, unreadable or too large."""
     if source.is_dir():
         raise AssetError(f"is a folder, not {what}", file=source, remedy=_SPELLING)
     if not source.is_file():

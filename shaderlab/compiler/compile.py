@@ -67,11 +67,8 @@ class Compiled:
         )
 
     def require(self) -> None:
-        """Raise unless every target accepts the program.
-
-        Raises:
-            ShaderError: the first error of the first target that refuses it.
-        """
+        """Raise ShaderError unless every target accepts the program: the first error of the first
+        target that refuses it."""
         for verdict in self.verdicts:
             if not verdict.ok:
                 errors = [d for d in verdict.diagnostics if d.severity == "error"]

@@ -290,11 +290,8 @@ def encode(entry: Entry) -> bytes:
 
 
 def decode(data: bytes) -> Entry:
-    """Return the entry again. Builds plain data only; nothing in `data` is executed.
-
-    Raises:
-        ValueError: the bytes are not an entry.
-    """
+    """Return the entry again. Builds plain data only; nothing in `data` is executed. Raises
+    ValueError: the bytes are not an entry."""
     try:
         text = zlib.decompressobj().decompress(data, _LARGEST)
         entry = json.loads(text, object_hook=_from_plain)

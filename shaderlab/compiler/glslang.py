@@ -195,11 +195,8 @@ class Glslang:
 
 
 def find(wheel: str, name: str, folder: str = "lib") -> Path:
-    """Find an installed wheel's file, in the folder "lib" or "bin" of its prefix.
-
-    Raises:
-        ShaderError: the wheel is not installed or holds no such file.
-    """
+    """Find an installed wheel's file, in the folder "lib" or "bin" of its prefix. Raises
+    ShaderError: the wheel is not installed or holds no such file."""
     for entry in sys.path:
         path = Path(entry) / _PREFIX / folder / name
         if path.is_file():
@@ -365,11 +362,8 @@ def link(sources: Sequence[Source], target: str, *, lines: bool = False) -> Link
 
 
 def find_versions() -> Mapping[str, str]:
-    """Return versions by "glslang" and "SPIRV-Tools", and the path of each library.
-
-    Raises:
-        ShaderError: the libraries are not installed, or can't be loaded.
-    """
+    """Return versions by "glslang" and "SPIRV-Tools", and the path of each library. Raises
+    ShaderError: the libraries are not installed, or can't be loaded."""
     from importlib.metadata import version  # costs 20 ms, and only `doctor` needs it
 
     load_glslang()

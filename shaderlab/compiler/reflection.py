@@ -275,11 +275,8 @@ class Interface:
 
 
 def reflect(modules: Mapping[str, bytes]) -> Interface:
-    """Return a program's interface, read from its modules by stage, made for OpenGL.
-
-    Raises:
-        ShaderError: bytes that are not a SPIR-V module.
-    """
+    """Return a program's interface, read from its modules by stage, made for OpenGL. Raises
+    ShaderError: bytes that are not a SPIR-V module."""
     parsed = {stage: parse(data) for stage, data in modules.items()}
     none = Module(())
     vertex, fragment = parsed.get("vertex", none), parsed.get("fragment", none)

@@ -47,11 +47,8 @@ MAX_BYTES = 4 << 20
 
 
 def read_shader(path: str | Path) -> str:
-    """Return the file's text with "\\n" line ends and no byte order mark.
-
-    Raises:
-        ShaderError: no such file, no regular file, unreadable, too large, empty, or not UTF-8.
-    """
+    """Return the file's text with "\\n" line ends and no byte order mark. Raises ShaderError: no
+    such file, no regular file, unreadable, too large, empty, or not UTF-8."""
     try:
         with open(open_regular(path), "rb") as file:
             # Read by its size, since a buffer of the limit would be allocated for every file.
@@ -103,11 +100,8 @@ def refuse_other_languages(path: str | Path) -> None:
 
 
 def decode(data: bytes, path: str | Path) -> str:
-    """UTF-8 bytes as text, without a byte order mark.
-
-    Raises:
-        ShaderError: the bytes are not UTF-8; the message names the first bad byte's offset.
-    """
+    """UTF-8 bytes as text, without a byte order mark. Raises ShaderError: the bytes are not UTF-8;
+    the message names the first bad byte's offset."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -123,11 +117,8 @@ def decode(data: bytes, path: str | Path) -> str:
 
 
 def normalise(text: str, path: str | Path) -> str:
-    """Text with "\\n" line ends.
-
-    Raises:
-        ShaderError: the text is empty or holds a NUL character, at which compilers stop reading.
-    """
+    """Text with "\\n" line ends. Raises ShaderError: the text is empty or holds a NUL character, at
+    which compilers stop reading."""
     text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     if not text.strip():
         raise ShaderError("the shader is empty", file=path)
@@ -165,11 +156,8 @@ def version_of(code: str) -> tuple[int, str] | None:
 
 
 def stage_of(name: str, text: str, path: str | None = None) -> str:
-    """Return the stage that a file's extension or its `#pragma shader_stage(…)` names.
-
-    Raises:
-        ShaderError: there is neither, or the pragma names no stage.
-    """
+    """Return the stage that a file's extension or its `#pragma shader_stage(…)` names. Raises
+    ShaderError: there is neither, or the pragma names no stage."""
     stem, suffix = posixpath.splitext(name)
     if suffix == ".glsl":
         suffix = posixpath.splitext(stem)[1]
@@ -276,11 +264,8 @@ class Roots:
         self._overrides = dict(overrides)
 
     def shader(self, name: str) -> File:
-        """Read the named shader.
-
-        Raises:
-            ShaderError: it is in no root, leads out of them, or can't be read.
-        """
+        """Read the named shader. Raises ShaderError: it is in no root, leads out of them, or can't
+        be read."""
         try:
             file = self.find(normalise_name(name))
         except OutsideError as error:
@@ -400,11 +385,8 @@ def rename_words(text: str, renames: Mapping[str, str]) -> str:
 
 
 def normalise_name(name: str, folder: str = "") -> str:
-    """`name`, seen from `folder` (itself a name inside the roots), normalised.
-
-    Raises:
-        OutsideError: it is absolute, has backslashes or a drive, or names a folder.
-    """
+    """`name`, seen from `folder` (itself a name inside the roots), normalised. Raises OutsideError:
+    it is absolute, has backslashes or a drive, or names a folder."""
     if "\\" in name:
         raise OutsideError("has a backslash; write / between folders")
     if name.startswith("/") or re.match(r"[A-Za-z]:", name):

@@ -210,11 +210,8 @@ class Module:
 
 @functools.lru_cache(maxsize=8)  # matching, checking and reflecting stages parse them in turn
 def parse(data: bytes) -> Module:
-    """Return the declarations of a module.
-
-    Raises:
-        ShaderError: the bytes are not a SPIR-V module in this machine's byte order.
-    """
+    """Return the declarations of a module. Raises ShaderError: the bytes are not a SPIR-V module in
+    this machine's byte order."""
     if len(data) < 20 or len(data) % 4:
         raise ShaderError(f"not a SPIR-V module: {len(data)} bytes")
     words = struct.unpack(f"{len(data) // 4}I", data)

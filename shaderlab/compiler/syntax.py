@@ -348,11 +348,8 @@ def _declarators(node: Node) -> list[Node]:
 
 
 def check_brackets(text: str) -> None:
-    """Check that brackets match in a text without comments and directives.
-
-    Raises:
-        ShaderError: one of them is never closed, or closes nothing; it has the text's line.
-    """
+    """Check that brackets match in a text without comments and directives. Raises ShaderError: one
+    of them is never closed, or closes nothing; it has the text's line."""
     open_brackets: list[tuple[str, int]] = []
     for match in re.finditer(r"[][(){}]", text):
         bracket, line = match.group(), text.count("\n", 0, match.start()) + 1

@@ -210,11 +210,8 @@ class Backend(ABC):
 
     @abstractmethod
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
-        """The driver's own verdict on a program, as a target named "driver".
-
-        Raises:
-            DriverError: the driver has no such stage.
-        """
+        """The driver's own verdict on a program, as a target named "driver". Raises DriverError:
+        the driver has no such stage."""
 
     def require_compute(self) -> None:
         """Raise UnsupportedError where there are no compute passes."""
@@ -265,11 +262,8 @@ DRIVERS = tuple(MODULES)
 
 
 def known_driver(name: str | None = None) -> str:
-    """The driver to use: `name`, or else SHADERLAB_DRIVER, or else "llvmpipe".
-
-    Raises:
-        UsageError: it is not one of DRIVERS.
-    """
+    """The driver to use: `name`, or else SHADERLAB_DRIVER, or else "llvmpipe". Raises UsageError:
+    it is not one of DRIVERS."""
     chosen = name or os.environ.get("SHADERLAB_DRIVER") or DRIVERS[0]
     if chosen not in MODULES:
         raise UsageError(f"unknown driver {chosen!r}", remedy=suggest(chosen, MODULES))

@@ -63,11 +63,8 @@ class Judge:
         self._call_traces: dict[str, Sequence[TracedCall]] = {}
 
     def judge(self, mutant: Mutant) -> MutantResult:
-        """Return what came of one mutant.
-
-        Raises:
-            PartError: it ended in an error, and so does the same part of the case without it.
-        """
+        """Return what came of one mutant. Raises PartError: it ended in an error, and so does the
+        same part of the case without it."""
         trials: list[Trial] = []
         try:
             trials = self.trials(mutant)
@@ -102,11 +99,8 @@ class Judge:
 
     @contextmanager
     def evaluation(self, trial: Trial, *, everything: bool = False) -> Iterator[Pair]:
-        """Draw a trial's scene; gives its evaluation and that of the same scene unmutated.
-
-        Raises:
-            ShaderError: the mutant does not compile.
-        """
+        """Draw a trial's scene; gives its evaluation and that of the same scene unmutated. Raises
+        ShaderError: the mutant does not compile."""
         part = trial.part(everything)
         original = self._originals[part.variant]
         programs = self._prepare(trial, part)

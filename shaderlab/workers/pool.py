@@ -109,11 +109,8 @@ class _Worker:
         self._pid = 0
 
     def answer(self, item: Any) -> tuple[Any, Any]:
-        """Return the answer to an item: "done" or "error", and what that gives.
-
-        Raises:
-            WorkerDiedError: it crashed or took too long.
-        """
+        """Return the answer to an item: "done" or "error", and what that gives. Raises
+        WorkerDiedError: it crashed or took too long."""
         self._send(item)
         kind, value = self._receive(self._limits.seconds)
         while kind == "limit":
@@ -122,11 +119,8 @@ class _Worker:
         return kind, value
 
     def wait_until_ready(self) -> None:
-        """Start the process, if there is none, and wait for it.
-
-        Raises:
-            ShaderlabError: none can be started.
-        """
+        """Start the process, if there is none, and wait for it. Raises ShaderlabError: none can be
+        started."""
         if self.memory and measure_memory(self._pid) - self.memory > GROWTH:
             self.end()
         with self._lock:

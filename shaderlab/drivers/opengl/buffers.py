@@ -66,10 +66,7 @@ class VertexArray:
 
 def make_vertex_array(device: Device, program: Any, mesh: Mesh | None) -> VertexArray:
     """Make a vertex array of `mesh` for `program`, or one of three vertices without attributes.
-
-    Raises:
-        DriverError: a buffer can't be mapped.
-    """
+    Raises DriverError: a buffer can't be mapped."""
     context = device.context
     # moderngl makes and deletes it; a program of modules is none of moderngl's.
     owner = program if has_names(program) else device.any_program
@@ -198,10 +195,7 @@ class UniformBuffers:
 
 def bind_storage_buffer(program: Any, block: Block, buffer: Any, point: int) -> None:
     """Bind a buffer to a storage block of a program; a module says the block's binding itself.
-
-    Raises:
-        DriverError: the driver lays the block out differently.
-    """
+    Raises DriverError: the driver lays the block out differently."""
     if not has_names(program):
         buffer.bind_to_storage_buffer(block.binding or 0)
         return
@@ -247,11 +241,8 @@ def read_block(program: Any, block: Block) -> BlockReading:
 
 
 def check_layout(program: Any, block: Block) -> None:
-    """Compare the lab's layout of an active block with the driver's.
-
-    Raises:
-        DriverError: they disagree; names the first member that lies elsewhere.
-    """
+    """Compare the lab's layout of an active block with the driver's. Raises DriverError: they
+    disagree; names the first member that lies elsewhere."""
     reading, of_uniforms = read_block(program, block), block.kind == "uniform"
     layout = "std140" if of_uniforms else "std430"
     remedy = f"declare the block layout ({layout}), so that its layout is fixed"

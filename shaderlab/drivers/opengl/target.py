@@ -261,10 +261,7 @@ def read_samples(
     device: Device, texture: DeviceTexture, size: tuple[int, int], samples: int
 ) -> Array:
     """Read all samples of a float or normalised texture, as float32 (samples, height, width, 4).
-
-    Raises:
-        UnsupportedError: the driver can't fetch single samples.
-    """
+    Raises UnsupportedError: the driver can't fetch single samples."""
     context = device.context
     try:
         program = context.program(vertex_shader=COVERING, fragment_shader=_FETCH)

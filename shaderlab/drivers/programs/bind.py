@@ -111,11 +111,8 @@ def convert_value(variable: Variable, value: Any, what: str = "uniform") -> tupl
 
 
 def check_attributes(draw: Draw, interface: Interface) -> None:
-    """Compare a mesh's attributes with the vertex shader's inputs, by name and size.
-
-    Raises:
-        CaseError: one is missing, not read by the shader, or has another number of components.
-    """
+    """Compare a mesh's attributes with the vertex shader's inputs, by name and size. Raises
+    CaseError: one is missing, not read by the shader, or has another number of components."""
     assert draw.mesh is not None
     compare(
         "attribute",
@@ -132,11 +129,8 @@ def check_attributes(draw: Draw, interface: Interface) -> None:
 
 
 def check_domain(draw: Draw, inputs: Mapping[str, Variable]) -> None:
-    """Compare a domain's ramps with the fragment shader's inputs.
-
-    Raises:
-        CaseError: an input has no ramp, or a ramp has no input.
-    """
+    """Compare a domain's ramps with the fragment shader's inputs. Raises CaseError: an input has no
+    ramp, or a ramp has no input."""
     compare("input", draw, _ramps(draw, inputs), inputs, place="domain")
 
 
@@ -224,11 +218,7 @@ def compare(
     place: str | None = None,
 ) -> None:
     """Compare what a draw gives, in `place`, with what its program declares; `what` is what these
-    are called.
-
-    Raises:
-        CaseError: something is missing or surplus.
-    """
+    are called. Raises CaseError: something is missing or surplus."""
     program = " + ".join(draw.shaders)
     for name in given:
         if name in declared:

@@ -194,11 +194,8 @@ def output_types(draws: Iterable[PreparedDraw]) -> dict[str, str]:
 
 
 def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[str, str]:
-    """Return the pass's colour attachments: format by output name.
-
-    Raises:
-        CaseError: the target names an output that none of its programs writes.
-    """
+    """Return the pass's colour attachments: format by output name. Raises CaseError: the target
+    names an output that none of its programs writes."""
     outputs = output_types(draws)
     asked = description.target.colors
     if asked is None:

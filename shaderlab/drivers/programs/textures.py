@@ -133,12 +133,8 @@ def level_bytes(format: str, size: tuple[int, int]) -> int:
 
 
 def read_dds(path: Path) -> Blocks:
-    """The blocks of a two-dimensional DDS file.
-
-    Raises:
-        AssetError: there is no such file, it is no DDS file, it is cut short, or its format is
-            none of those known here.
-    """
+    """The blocks of a two-dimensional DDS file. Raises AssetError: there is no such file, it is no
+    DDS file, it is cut short, or its format is none of those known here."""
     try:
         data = read_regular(path)
     except OSError as error:
@@ -345,11 +341,8 @@ def texture_kind(source: TextureSource, declared: str, samples: int, layers: int
 def check_sampler(
     program: str, variable: Variable, source: TextureSource, kind: str, format: str
 ) -> None:
-    """Check that a sampler's type is that of its texture.
-
-    Raises:
-        CaseError: it is another; names the sampler's type and the texture's.
-    """
+    """Check that a sampler's type is that of its texture. Raises CaseError: it is another; names
+    the sampler's type and the texture's."""
     shadow = source.compare is not None
     fitting = f"{format_of(format).scalar}sampler{kind}{'Shadow' * shadow}"
     if variable.type == fitting:
