@@ -78,7 +78,7 @@ def test_nothing_is_left_on_a_device_that_is_closed(
     from shaderlab.drivers.vulkan.device import Resources
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Resources, "release", lambda _: None)
+        patch.setattr(Resources, "callback", lambda *_: None)
         wave(lab, tmp_path, RIGHT)
         lab.close()
     assert "has not been destroyed" in capfd.readouterr().out or not installed()
