@@ -151,7 +151,7 @@ def judge_function(function: Function, law: Law | CallLaw | Reference, call: Cal
         kept = np.asarray(~mask.all(axis=tuple(range(len(call.batch), mask.ndim))))
     if not isinstance(law, Law | CallLaw):
         inputs = match_inputs(law, call, kept.reshape(-1), function.folder)
-        return [_judge_reference(function, law, call, part, inputs, kept) for part in found]
+        return [judge_reference(function, law, call, part, inputs, kept) for part in found]
     if not isinstance(got, np.ndarray | np.generic):
         names = ", ".join(part.named("").removeprefix(".") for part in found)
         raise CallError(
@@ -174,9 +174,10 @@ def function_source(function: Function, call: Call) -> SourceText:
     return SourceText(file=file, line=line, language="glsl", text=call.signature.definition)
 
 
-def _judge_reference(
+def judge_reference(
     function: Function, reference: Reference, call: Call, part: Part, inputs: Inputs, kept: Array
 ) -> Outcome:
+    """The outcome of a part of a call's result under a reference."""
     measured = part.rows(kept)
     banded = judge_band(measured, part.of(reference), inputs, rules=None)
     status, message = banded.verdict()
@@ -256,7 +257,8 @@ class Part:
 
     def rows(self, kept: Array) -> Array:
         """Its numbers for the elements that are kept, (count, numbers); booleans as 0.0 and 1.0."""
-        found = np.ma.getdata(self.values).reshape(kept.size, -1)[kept.reshape(-1)]
+        found = np.ma.getdata(self.values).reshape(kept.size, -1)
+        found = found if kept.all() else found[kept.reshape(-1)]
         return found.astype(np.float32) if found.dtype == bool else found
 
     def of(self, reference: Reference) -> Reference:
@@ -399,5 +401,6 @@ def _number_inputs(call: Call, kept: Array) -> Inputs:
             shared[word] = exact.reshape(own)
         else:
             whole = np.broadcast_to(exact, (*call.batch, exact.shape[-1]))
-            each[word] = whole.reshape(-1, *own)[kept]
+            rows = whole.reshape(-1, *own)
+            each[word] = rows if kept.all() else rows[kept]
     return Inputs(shared=shared, each=each, arrays=frozenset(arrays))

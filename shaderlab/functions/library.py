@@ -232,7 +232,12 @@ class Function:
             raise error.with_traceback(_short_traceback(error)) from error.__cause__
 
     def check(
-        self, law: Law | CallLaw | Callable[..., Any], /, *arguments: Any, **named: Any
+        self,
+        law: Law | CallLaw | Callable[..., Any],
+        /,
+        *arguments: Any,
+        every: bool | int = False,
+        **named: Any,
     ) -> None:
         """Check the function at these arguments.
 
@@ -243,6 +248,9 @@ class Function:
                 has other names, stand in their order. For a structure, or with `out` parameters,
                 it returns a mapping, a named tuple or a tuple of all parts; for an array a list.
             arguments, named: as in a call.
+            every: whether to check all numbers of ranges, such as `distance=(0, 50)` for each
+                float32 from 0 to 50: of one float or integer, or several with at most 2³³
+                combinations; between two `np.float16`, the floats of 16 bits. 16 checks each 16th.
 
         Raises:
             AssertionError: it does not hold; the message shows where.
@@ -250,8 +258,13 @@ class Function:
         """
         __tracebackhide__ = True
         try:
-            call = self.bind(*arguments, **named)
-            outcomes = checks.judge_function(self, law, call)
+            if every:
+                from shaderlab.functions.exhaustive import judge_every
+
+                call, outcomes = judge_every(self, law, int(every), arguments, named)
+            else:
+                call = self.bind(*arguments, **named)
+                outcomes = checks.judge_function(self, law, call)
         except ShaderlabError as error:
             raise error.with_traceback(_short_traceback(error)) from error.__cause__
         found = self._note(call)

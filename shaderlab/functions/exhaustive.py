@@ -1,0 +1,225 @@
+"""Checks of every number: all floats and integers of some ranges, none left out."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.bands import Integer
+from shaderlab.engine.judging.banded import judge_band
+from shaderlab.engine.judging.laws import Law
+from shaderlab.engine.judging.references import Inputs, Reference, evaluate, match_parameters
+from shaderlab.errors import CallError
+from shaderlab.functions.call import Call
+from shaderlab.functions.checks import (
+    CallLaw,
+    judge_function,
+    judge_reference,
+    match_inputs,
+    split_result,
+)
+from shaderlab.functions.signatures import DTYPES
+from shaderlab.model.frame import Array
+from shaderlab.model.records import Outcome
+
+if TYPE_CHECKING:
+    from shaderlab.functions.library import Function
+
+_BLOCK = 1 << 20  # values of a draw
+_PART = 1 << 14  # of them for which a formula is evaluated at a time
+_FIRST = 1 << 14  # values from all over, whose bands are evaluated whatever they are
+_MOST = 1 << 33
+_SECONDS = 0.2  # between two looks at how far it is
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """All numbers of one type from `low` to `high`, both included, in order: -0 before 0."""
+
+    low: Any
+    high: Any
+    dtype: np.dtype[Any]
+
+    def __len__(self) -> int:
+        return max(self._number(self.high) - self._number(self.low) + 1, 0)
+
+    def __getitem__(self, indices: Array) -> Array:
+        ordinals = indices + self._number(self.low)
+        if self.dtype.kind != "f":
+            return ordinals.astype(self.dtype)
+        words = ordinals.astype(f"i{self.dtype.itemsize}")
+        return (words ^ ((words >> self._sign) & np.iinfo(words.dtype).max)).view(self.dtype)
+
+    @property
+    def _sign(self) -> int:
+        return 8 * self.dtype.itemsize - 1
+
+    def _number(self, value: Any) -> int:
+        """How many numbers lie between 0 and this one, less than 0 for negative ones."""
+        exact = np.array(value, self.dtype)
+        if self.dtype.kind != "f":
+            return int(exact)
+        word = int(exact.view(f"i{self.dtype.itemsize}"))
+        return word if word >= 0 else word ^ ((1 << self._sign) - 1)
+
+
+class Grid:
+    """All combinations of the numbers of several arguments, or each `step`-th.
+
+    Raises:
+        CallError: there is no range, or one that is none; or there are too many values.
+    """
+
+    def __init__(
+        self, function: Function, arguments: Sequence[Any], named: Mapping[str, Any], step: int
+    ) -> None:
+        if len(function.signatures) > 1:
+            raise CallError(f"{function.__name__} is overloaded", remedy="choose one by its types")
+        signature = function.signatures[0]
+        self._function, self._step = function, step
+        given = {p.name: v for p, v in zip(signature.given, arguments, strict=False)}
+        self._fixed = {**given, **named}
+        self._ranges: dict[str, Numbers] = {}
+        for one in (*signature.given, *signature.globals):
+            ends = self._fixed.get(one.name)
+            if one.type.name in ("float", "int", "uint") and np.shape(ends) == (2,):
+                dtype = np.dtype(DTYPES[one.type.kind])
+                if all(type(end) is np.float16 for end in ends) and dtype.kind == "f":
+                    dtype = np.dtype(np.float16)
+                self._ranges[one.name] = Numbers(*ends, dtype)
+        whole = math.prod(map(len, self._ranges.values()))
+        self.count = -(-whole // step)
+        if not self._ranges or step < 1 or not 0 < self.count <= _MOST:
+            raise CallError(
+                f"{function.__name__}: every={step} takes 1 to {_MOST:,} values, not {self.count:,}"
+                if self._ranges
+                else f"{function.__name__}: every= takes ranges",
+                remedy="give both ends for a float or an integer, such as distance=(0, 50), and "
+                "every=16 for each 16th value",
+            )
+
+    def __str__(self) -> str:
+        return ", ".join(f"{n} from {r.low} to {r.high}" for n, r in self._ranges.items())
+
+    def bind(self, indices: Array) -> Call:
+        """The calls of these numbers."""
+        rest, values = indices * self._step, dict(self._fixed)
+        for name, numbers in self._ranges.items():
+            rest, own = np.divmod(rest, len(numbers)) if len(self._ranges) > 1 else (rest, rest)
+            values[name] = numbers[own]
+        return self._function.bind(**values)
+
+    def blocks(self) -> Iterator[Array]:
+        """All of them; the first one of a block is the last one of the block before, as well."""
+        for start in range(0, self.count, _BLOCK):
+            yield np.arange(max(start - 1, 0), min(start + _BLOCK, self.count))
+
+
+def judge_every(
+    function: Function,
+    law: Law | CallLaw | Callable[..., Any],
+    step: int,
+    arguments: Sequence[Any],
+    named: Mapping[str, Any],
+) -> tuple[Call, list[Outcome]]:
+    """Check a function at each combination of numbers, up to the first block that fails.
+
+    Values all over the ranges are judged as `check` does. Of the others those are within their
+    bands that are one of the two floats about what the formula gives in float64: a band holds that,
+    and ends at floats. So bands are evaluated for the rest alone.
+
+    Returns:
+        The calls that show a failure, else some of them all over the range; and the outcomes.
+    """
+    grid = Grid(function, arguments, named, step)
+    some = np.unique(np.linspace(0, grid.count - 1, _FIRST).astype(np.int64))
+    first = grid.bind(some)
+    outcomes = judge_function(function, law, first)
+    if any(one.status != "pass" for one in outcomes):
+        return first, outcomes
+    started = shown = time.monotonic()
+    with ThreadPoolExecutor(1) as threads:
+        waiting = None
+        for indices in grid.blocks():
+            call = grid.bind(indices)
+            if isinstance(law, Law | CallLaw):
+                failed = _failing(call, judge_function(function, law, call))
+            else:
+                got = function.evaluate(call)
+                failed = waiting and waiting.result()
+                waiting = threads.submit(_judge_block, function, law, grid, indices, call, got)
+            if failed:
+                return failed
+            if time.monotonic() - shown > _SECONDS and sys.stderr.isatty():
+                shown, share = time.monotonic(), (indices[-1] + 1) / grid.count
+                print(f"\r{share:6.1%} of {grid.count:,} values", end="\r", file=sys.stderr)
+        failed = waiting and waiting.result()
+        if failed:
+            return failed
+    seconds = time.monotonic() - started
+    each = "each" if step == 1 else f"one in {step}"
+    print(f"{function.__name__}: {grid.count:,} values, {each} of {grid}, in {seconds:.0f} s")
+    return first, [replace(one, judged=one.judged // len(some) * grid.count) for one in outcomes]
+
+
+def _failing(call: Call, outcomes: list[Outcome]) -> tuple[Call, list[Outcome]] | None:
+    return (call, outcomes) if any(one.outside for one in outcomes) else None
+
+
+def _judge_block(
+    function: Function, law: Reference, grid: Grid, indices: Array, call: Call, got: Any
+) -> tuple[Call, list[Outcome]] | None:
+    """The calls of a block and their outcomes if there is a value outside its band."""
+    parts = split_result(call.signature.outputs, got)
+    kept = np.ones(call.batch, np.bool_)
+    inputs = match_inputs(law, call, kept, function.folder)
+    unsure = np.zeros(call.batch, np.bool_)
+    for part in parts:
+        if isinstance(part.values, np.ma.MaskedArray):
+            return _failing(call, judge_function(function, law, call))
+        unsure |= ~find_next_to(part.rows(kept), part.of(law), inputs)
+    rows = np.flatnonzero(unsure)
+    some = inputs.part(rows)
+    for part in parts:
+        measured = part.rows(kept)[rows]
+        if rows.size and judge_band(measured, part.of(law), some, rules=None).outside:
+            break
+    else:
+        return None
+    call = grid.bind(indices[rows])
+    inputs = match_inputs(law, call, kept[rows], function.folder)
+    shown = [replace(part, values=np.asarray(part.values)[rows]) for part in parts]
+    return call, [judge_reference(function, law, call, p, inputs, kept[rows]) for p in shown]
+
+
+@np.errstate(all="ignore")
+def find_next_to(got: Array, reference: Reference, inputs: Inputs) -> Array:
+    """Which values are one of the two floats about what a formula gives in float64, (count,), or
+    the same integers; False for what is no number of full precision."""
+    found = np.zeros(len(got), np.bool_)
+    parameters = match_parameters(reference, inputs)
+    for start in range(0, len(got), _PART):
+        rows = slice(start, start + _PART)
+        exact = evaluate(
+            reference, inputs.part(rows), rules=None, decimal=False, parameters=parameters
+        )
+        values = got[rows]
+        if isinstance(exact, Integer):
+            same = (values == exact.lo) & ~exact.anything & (values.dtype.kind in "iu")
+        elif values.dtype != np.float32:
+            continue
+        else:
+            near = exact.astype(np.float32)
+            same = (near == values) & np.isfinite(values)
+            if not same.all():
+                other = np.nextafter(near, np.where(exact > near, np.inf, -np.inf), dtype="f4")
+                same |= (other == values) & (near != exact) & np.isfinite(values)
+        found[rows] = same.all(axis=-1)
+    return found
