@@ -6,7 +6,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +36,7 @@ _BLOCK = 1 << 20  # values of a draw
 _PART = 1 << 14  # of them for which a formula is evaluated at a time
 _FIRST = 1 << 14  # values from all over, whose bands are evaluated whatever they are
 _MOST = 1 << 33
+Failure = tuple[Call, list[Outcome]] | None
 _SECONDS = 0.2  # between two looks at how far it is
 
 
@@ -55,7 +56,8 @@ class Numbers:
         if self.dtype.kind != "f":
             return ordinals.astype(self.dtype)
         words = ordinals.astype(f"i{self.dtype.itemsize}")
-        return (words ^ ((words >> self._sign) & np.iinfo(words.dtype).max)).view(self.dtype)
+        words ^= (words >> self._sign) & np.iinfo(words.dtype).max
+        return words.view(self.dtype)
 
     @property
     def _sign(self) -> int:
@@ -88,12 +90,12 @@ class Grid:
         self._fixed = {**given, **named}
         self._ranges: dict[str, Numbers] = {}
         for one in (*signature.given, *signature.globals):
-            ends = self._fixed.get(one.name)
+            ends: Any = self._fixed.get(one.name)
             if one.type.name in ("float", "int", "uint") and np.shape(ends) == (2,):
                 dtype = np.dtype(DTYPES[one.type.kind])
                 if all(type(end) is np.float16 for end in ends) and dtype.kind == "f":
                     dtype = np.dtype(np.float16)
-                self._ranges[one.name] = Numbers(*ends, dtype)
+                self._ranges[one.name] = Numbers(ends[0], ends[1], dtype)
         whole = math.prod(map(len, self._ranges.values()))
         self.count = -(-whole // step)
         if not self._ranges or step < 1 or not 0 < self.count <= _MOST:
@@ -146,21 +148,21 @@ def judge_every(
         return first, outcomes
     started = shown = time.monotonic()
     with ThreadPoolExecutor(1) as threads:
-        waiting = None
+        waiting: Future[Failure] | None = None
         for indices in grid.blocks():
             call = grid.bind(indices)
             if isinstance(law, Law | CallLaw):
                 failed = _failing(call, judge_function(function, law, call))
             else:
                 got = function.evaluate(call)
-                failed = waiting and waiting.result()
+                failed = waiting.result() if waiting else None
                 waiting = threads.submit(_judge_block, function, law, grid, indices, call, got)
             if failed:
                 return failed
             if time.monotonic() - shown > _SECONDS and sys.stderr.isatty():
                 shown, share = time.monotonic(), (indices[-1] + 1) / grid.count
                 print(f"\r{share:6.1%} of {grid.count:,} values", end="\r", file=sys.stderr)
-        failed = waiting and waiting.result()
+        failed = waiting.result() if waiting else None
         if failed:
             return failed
     seconds = time.monotonic() - started
@@ -169,13 +171,13 @@ def judge_every(
     return first, [replace(one, judged=one.judged // len(some) * grid.count) for one in outcomes]
 
 
-def _failing(call: Call, outcomes: list[Outcome]) -> tuple[Call, list[Outcome]] | None:
+def _failing(call: Call, outcomes: list[Outcome]) -> Failure:
     return (call, outcomes) if any(one.outside for one in outcomes) else None
 
 
 def _judge_block(
     function: Function, law: Reference, grid: Grid, indices: Array, call: Call, got: Any
-) -> tuple[Call, list[Outcome]] | None:
+) -> Failure:
     """The calls of a block and their outcomes if there is a value outside its band."""
     parts = split_result(call.signature.outputs, got)
     kept = np.ones(call.batch, np.bool_)
