@@ -38,7 +38,7 @@ ROWS = {
     13: "skybox",
     14: "point-cloud",
     15: "ibl-diffuse ibl-specular energy-compensation bloom tone-curves noise "
-    "distance-fields parallax order-independent",
+    "distance-fields parallax order-independent fxaa taa",
 }
 
 # These hold or not whatever the shaders compute: alone they would let any formula pass.
