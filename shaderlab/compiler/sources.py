@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from .syntax import GlslDeclaration
 
 MAX_DEPTH = 64
-MAX_INCLUDES = 1000
+MAX_INCLUDES = 10_000
 
 _DIRECTIVE = re.compile(r"[ \t]*#[ \t]*(include|pragma|line|extension)\b[ \t]*(.*)")
 _ANY_DIRECTIVE = re.compile(r"#[ \t]*(?:include|pragma|line|extension)\b")
@@ -46,7 +46,8 @@ _VERSION_LINE = re.compile(r"[ \t]*#[ \t]*version\b")
 _ONCE = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+once[ \t]*$", re.MULTILINE)
 _PATH = re.compile(r'"([^"]*)"[ \t]*|<([^>]*)>[ \t]*')
 _LINE = re.compile(r'(\d+)(?:[ \t]+(?:\d+|"([^"]*)"))?[ \t]*')
-_CONTINUED = re.compile(r"(//[^\n]*)\\$", re.MULTILINE)
+_ONE_COMMENT = re.compile(r"//[^\n]*|/\*.*?(?:\*/|\Z)", re.DOTALL)
+_CONTINUED = re.compile(r"\\$", re.MULTILINE)
 _INCLUDE_EXTENSIONS = ("GL_GOOGLE_include_directive", "GL_ARB_shading_language_include")
 
 _Trail = tuple[tuple[File, int], ...]
@@ -125,8 +126,9 @@ class Expansion:
         self.parts.setdefault(file.path, file.text)
         text = file.text
         if "\\\n" in text and self._version < 420 and self._version != 300:
-            # Lines can't be continued before GLSL 4.20 and ES 3.00; glslang continues comments.
-            text = _CONTINUED.sub(r"\1 ", text)
+            # Lines can't be continued before GLSL 4.20 and ES 3.00, where glslang takes a backslash
+            # in a comment for that.
+            text = _ONE_COMMENT.sub(lambda match: _CONTINUED.sub(" ", match[0]), text)
             code = strip_comments(text)
         rows, codes = text.split("\n"), code.split("\n")
         if trail and rows[-1] == "":
@@ -187,7 +189,7 @@ class Expansion:
         self._includes += 1
         if self._includes > MAX_INCLUDES:
             remedy = "include files that are needed in many places once, from the main file"
-            raise _error(f"includes more than {MAX_INCLUDES} times in all", trail, remedy)
+            raise _error(f"includes more than {MAX_INCLUDES:,} times in all", trail, remedy)
         match = _PATH.fullmatch(rest)
         if match is None:
             remedy = 'write #include "file.glsl"'
