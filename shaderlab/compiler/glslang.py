@@ -16,7 +16,7 @@ from typing import Any
 
 from shaderlab.errors import ShaderError, suggest
 
-from .shader_files import STAGES
+from .shader_files import STAGES, is_embedded, version_of
 from .sources import Source
 
 _SPV_RULES, _VULKAN_RULES = 1 << 3, 1 << 4
@@ -156,6 +156,7 @@ _GLSLANG: _Signatures = {
     "glslang_shader_create": (_P, _INPUT),
     "glslang_shader_delete": (None, _P),
     "glslang_shader_set_options": (None, _P, _INT),
+    "glslang_shader_set_preamble": (None, _P, c.c_char_p),
     "glslang_shader_preprocess": (_INT, _P, _INPUT),
     "glslang_shader_parse": (_INT, _P, _INPUT),
     "glslang_shader_get_info_log": (_TEXT, _P),
@@ -381,6 +382,9 @@ def _parse(source: Source, settings: TargetSettings) -> tuple[int, bool, str]:
     """Return a parsed shader, whether it is free of errors, and the log."""
     front = load_glslang().front
     handle, input_ = _create(source, settings, _escape_strings(source.text))
+    if is_embedded(*source.version):
+        preamble = _rename_later_functions(source).encode()  # which is not copied
+        front.glslang_shader_set_preamble(handle, preamble)
     ok = front.glslang_shader_preprocess(handle, c.byref(input_))
     ok = ok and front.glslang_shader_parse(handle, c.byref(input_))
     return handle, bool(ok), _text(front.glslang_shader_get_info_log(handle))
@@ -404,6 +408,28 @@ def _create(source: Source, settings: TargetSettings, text: str) -> tuple[int, I
     handle: int = lib.front.glslang_shader_create(c.byref(input_))
     lib.front.glslang_shader_set_options(handle, settings.options)
     return handle, input_
+
+
+_EXTENSIONS_FUNCTIONS = (
+    "absoluteDifference|addSaturate|average|averageRounded|countLeadingZeros|countTrailingZeros|"
+    "multiply32x16|subtractSaturate"
+)
+_LATER_FUNCTIONS = (
+    "bitCount|bitfieldExtract|bitfieldInsert|bitfieldReverse|findLSB|findMSB|fma|frexp|ldexp|"
+    "packSnorm4x8|packUnorm4x8|textureGather|uaddCarry|umulExtended|unpackSnorm4x8|"
+    "unpackUnorm4x8|usubBorrow"
+)
+
+
+def _rename_later_functions(source: Source) -> str:
+    """Return macros that rename the author's own functions where glslang takes them for built-in
+    ones, which ES forbids to redefine: they came with an extension, or with ES 3.10, in which a
+    stage that was written in ES 1.00 or 3.00 is compiled."""
+    written = version_of(source.parts[0][1]) or (100, "")
+    later = f"|{_LATER_FUNCTIONS}" if written[0] <= 300 else ""
+    definition = rf"(?<!\breturn)(?<=\w)\s+({_EXTENSIONS_FUNCTIONS}{later})\s*\("
+    names = set(re.findall(definition, source.text))
+    return "".join(f"#define {name} {name}_\n" for name in sorted(names))
 
 
 def _escape_strings(text: str) -> str:

@@ -197,7 +197,8 @@ class Expansion:
         path = match[2] if match[1] is None else match[1]
         folder = "" if match[1] is None else posixpath.dirname(trail[-1][0].name)
         outside = None
-        endings = ("",) if posixpath.splitext(path)[1] else ("", ".glsl", SCRIPT)
+        # First with an ending: a folder may have the name itself.
+        endings = ("",) if posixpath.splitext(path)[1] else (".glsl", SCRIPT, "")
         paths = [path + ending for ending in endings]
         for start, tried in itertools.product(dict.fromkeys([folder, ""]), paths):
             try:

@@ -192,13 +192,15 @@ class Call:
     batch: tuple[int, ...]
 
     @property
-    def fit(self) -> int:
+    def fit(self) -> tuple[int, int]:
         """How well it fits: the more of an argument's axes are the type's own, the better. Whole
-        numbers fit integers better, signed ones `int` unless they are unsigned in NumPy."""
-        return sum(
+        numbers fit integers better, signed ones `int` unless they are unsigned in NumPy. Then the
+        fewer parameters are left out, the better."""
+        types = sum(
             4 * len(given.type.shape) - _misfit_of(given.type.kind, given.whole)
             for given in self.values.values()
         )
+        return types, -len(self.signature.parameters)
 
 
 def bind_arguments(

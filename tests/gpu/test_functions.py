@@ -88,6 +88,13 @@ def test_overloads_of_integers_follow_their_sign() -> None:
     assert f(np.arange(3, dtype=np.uint32)).tolist() == [7, 6, 5] and f(np.uint8(3)) == 4
 
 
+def test_an_overload_without_a_parameter_is_called_before_one_that_writes_it() -> None:
+    text = "float f(float x, out float slope) { slope = 2.0; return x * 2.0; } float f(float x) "
+    library = glsl.load(f"#version 330 core\n{text}{{ float slope; return f(x, slope) + 1.0; }}")
+    assert library.f(3.0) == 7.0
+    assert len(library.f["float, float"](3.0)) == 2
+
+
 def test_matrices_are_rows_and_columns(kinds: glsl.Library) -> None:
     m, v = np.arange(9.0).reshape(3, 3), np.array([1.0, 2.0, 3.0])
     assert kinds.turned(m, v).tolist() == (m @ v).tolist()

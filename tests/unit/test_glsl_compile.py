@@ -396,3 +396,16 @@ def test_importing_loads_no_library() -> None:
         "assert 'moderngl' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+@pytest.mark.parametrize(
+    ("version", "name", "allowed"),
+    [("300 es", "average", True), ("300 es", "frexp", True), ("300 es", "textureGather", True),
+     ("310 es", "average", True), ("310 es", "frexp", False), ("300 es", "mix", False)],
+)  # fmt: skip
+def test_functions_may_be_named_as_later_built_in_ones(
+    version: str, name: str, allowed: bool
+) -> None:
+    own = f"precision highp float; float {name}(vec3 c) {{ return c.x; }} out vec4 o;"
+    text = f"#version {version}\n{own} void main() {{ o = vec4({name}(vec3(1.0))); }}"
+    assert compile_program([Shaders([]).from_text(text, "fragment", "o.frag")]).ok is allowed

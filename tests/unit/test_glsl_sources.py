@@ -113,7 +113,9 @@ def test_a_backslash_continues_a_comment_where_lines_can_be(
 
 def test_a_backslash_in_a_comment_continues_no_line(tmp_path: Path) -> None:
     comments = "// a \\\n/* b \\\n c \\\n */\n"
-    write(tmp_path, a_frag=f"#version 330\n{comments}out vec4 c; void main() {{ c = vec4(1.0); }}\n")
+    write(
+        tmp_path, a_frag=f"#version 330\n{comments}out vec4 c; void main() {{ c = vec4(1.0); }}\n"
+    )
     source = Shaders([tmp_path]).load("a.frag")
     assert compile_program([source], targets=("glsl",)).ok
     assert source.place(6) == (str(tmp_path / "a.frag"), 6)
