@@ -16,6 +16,7 @@ from shaderlab.analysis.interpreter import Program, adopt_names, load, read_file
 from shaderlab.compiler.shader_files import ShaderFile
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.syntax import Syntax
+from shaderlab.compiler.translation import MODULES
 from shaderlab.errors import FormulaError, NotInterpretedError, UsageError, in_file
 from shaderlab.files import display_path
 from shaderlab.model.options import RunOptions
@@ -41,13 +42,13 @@ class ShaderOfFile:
         """As the interpreter runs it, where conditions are met. Raises as `load`, `assume`."""
         with in_file(self.file.path):
             if self.is_module and not conditions:
-                return read_file(Path(self.file.path))
+                return read_file(Path(self.file.path), stage)
             return load(assume(self.source(stage), conditions))
 
     @property
     def is_module(self) -> bool:
-        """Whether it is SPIR-V, and no text."""
-        return self.file.path.endswith(".spv")
+        """Whether it is SPIR-V or becomes it, and no GLSL."""
+        return self.file.path.lower().endswith(MODULES)
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,8 @@ SCRIPT = ".glsl.js"
 """What files are called that hold GLSL in a script's template strings, as those of three.js."""
 _LANGUAGES = {
     ".hlsl": "HLSL", ".hlsli": "HLSL", ".fx": "HLSL", ".usf": "HLSL", ".cg": "Cg", ".wgsl": "WGSL",
-    ".metal": "the Metal Shading Language", ".slang": "Slang", ".gdshader": "Godot's language",
+    ".metal": "the Metal Shading Language", ".slang": "Slang", ".spvasm": "SPIR-V assembly",
+    ".gdshader": "Godot's language",
 }  # fmt: skip
 
 
@@ -95,7 +96,7 @@ def refuse_other_languages(path: str | Path) -> None:
         raise ShaderError(
             f"is {language}; the lab reads GLSL and SPIR-V",
             file=path,
-            remedy="compile it to a .spv file, for audit, diff and explain",
+            remedy="audit, diff and explain take it as SPIR-V of its own compiler",
         )
 
 
@@ -225,7 +226,9 @@ def is_embedded(version: int, profile: str) -> bool:
     return profile == "es" or version == 100
 
 
-_SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tes[ce]?|tcs|comp|cs|glsl|inc|h|spv)")
+_SHADER_SUFFIXES = re.compile(
+    r"\.(vert|vs|frag|fs|geom|gs|tes[ce]?|tcs|comp|cs|glsl|inc|h|spv|spvasm|hlsl|slang|wgsl)"
+)
 _NO_SHADERS = frozenset({"__pycache__", "node_modules", "site-packages"})
 MOST_FILES = 20_000
 """How many files below a shader folder are searched for names like a misspelt one."""

@@ -101,3 +101,29 @@ def test_glsl_for_vulkan_is_audited_and_compared(tmp_path: Path) -> None:
 def test_a_module_is_not_compiled(tmp_path: Path) -> None:
     status, said = call("compile", compile_to_file(tmp_path, "uv.x"))
     assert status == 1 and "is a SPIR-V module" in said
+
+
+@pytest.mark.parametrize("suffix", [".hlsl", ".slang", ".wgsl", ".spvasm"])
+def test_other_languages_are_compared_as_modules_of_their_compilers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+) -> None:
+    text = compile_to_file(tmp_path, "uv.x * k", name="b").with_suffix(".frag")
+    module = compile_to_file(tmp_path, "uv.x * k * 1.01")
+    if suffix == ".spvasm":
+        command = [TOOLS / "spirv-dis", module, "-o", module.with_suffix(suffix)]
+        subprocess.run(command, check=True)
+    else:  # a compiler that writes the module into its last argument, and refuses "bad"
+        module.with_suffix(suffix).write_text("an example")
+        compiler = tmp_path / ("naga" if suffix == ".wgsl" else "slangc")
+        refuse = 'for word; do grep -sq bad -- "$word" && exit 1; done'
+        compiler.write_text(f'#!/bin/sh\n{refuse}\ncp "{module}" "$word"\n')
+        compiler.chmod(0o755)
+        monkeypatch.setenv("PATH", "/usr/bin:/bin")
+        status, said = call("diff", text, module.with_suffix(suffix))
+        assert status == 2 and f"needs {compiler.name}" in said
+        monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    status, said = call("diff", text, module.with_suffix(suffix))
+    assert status == 1 and "different at" in said
+    module.with_suffix(suffix).write_text("bad")
+    status, said = call("audit", module.with_suffix(suffix))
+    assert status == 2 and "refuses it" in said

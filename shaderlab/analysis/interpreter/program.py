@@ -23,8 +23,8 @@ from shaderlab.compiler.spirv import (
     parse,
     unwrap,
 )
+from shaderlab.compiler.translation import read_module
 from shaderlab.errors import NotInterpretedError, ShaderError
-from shaderlab.files import open_regular
 
 # In NonSemantic.Shader.DebugInfo.100.
 DEBUG_LINE = 103
@@ -291,24 +291,23 @@ def load(source: Source) -> Program:
     raise ShaderError("does not become SPIR-V", file=source.path)
 
 
-def read_file(path: Path) -> Program:
-    """The program of a SPIR-V file, of whatever language it was made. Its lines are those that the
-    module states, or the numbers of its instructions.
+def read_file(path: Path, stage: str | None = None) -> Program:
+    """The program of a SPIR-V file, or of a shader that another language's compiler makes SPIR-V
+    of. Its lines are those that the module states, or the numbers of its instructions.
 
     Raises:
         ShaderError: it can't be read, or is no valid module.
         NotInterpretedError: as `load`.
     """
     try:
-        with open(open_regular(path), "rb") as file:
-            data = file.read()
+        data = read_module(path, stage)
         message = validate(data, "spv1.6")
     except OSError as error:
         message = str(error.strerror)
     if message:
         raise ShaderError(message, file=path)
-    stage = STAGES[parse(data).model]
-    return read(data, Source(path.name, str(path), stage, "", LineMap(), ()))
+    source = Source(path.name, str(path), STAGES[parse(data).model], "", LineMap(), ())
+    return read(data, source)
 
 
 def adopt_names(program: Program, other: Program) -> Program:

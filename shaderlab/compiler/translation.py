@@ -1,0 +1,63 @@
+"""SPIR-V of shaders in other languages, made by those languages' own compilers."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from shaderlab.errors import ShaderError
+from shaderlab.files import open_regular
+
+_SLANG = "slangc {file} -target spirv -O0 -g -stage {stage} -entry main -o {module}"
+_COMMANDS = {
+    ".hlsl": _SLANG,
+    ".slang": _SLANG,
+    ".wgsl": "naga -g {file} {module}",
+    ".spvasm": "spirv-as {file} -o {module}",
+}
+MODULES = (".spv", *_COMMANDS)
+"""How files end that are SPIR-V, or become it."""
+_LIMIT = 60  # seconds
+
+
+def read_module(path: Path, stage: str | None) -> bytes:
+    """Return the SPIR-V of a module's file, or of a shader whose entry point is `main`; a stage
+    that neither an attribute in the text nor the file's name (`a.vert.hlsl`) says is `stage`, or
+    else the fragment stage.
+
+    Raises:
+        ShaderError: the language's compiler is not installed, or refuses the file.
+        OSError: the file can't be read.
+    """
+    with open(open_regular(path), "rb") as file:
+        data = file.read()
+    command = _COMMANDS.get(path.suffix.lower())
+    if command is None:
+        return data
+    with tempfile.TemporaryDirectory() as folder:
+        module = Path(folder, "module.spv")
+        inner = {".vert": "vertex", ".comp": "compute"}.get(Path(path.stem).suffix)
+        if b"[shader(" in data:  # then every entry point has its stage
+            command = re.sub(r" -stage.*main", "", command)
+        places = {"file": str(path), "module": str(module)}
+        places["stage"] = stage or inner or "fragment"
+        name, *words = (word.format(**places) for word in command.split())
+        own = os.path.dirname(sys.executable)  # where wheels put their commands
+        program = shutil.which(name) or shutil.which(name, path=own)
+        if program is None:
+            shown = command.format_map(places | {"module": path.with_suffix(".spv")})
+            remedy = f"put {name} on PATH, or compile the file elsewhere: {shown}"
+            raise ShaderError(f"needs {name}, which is not installed", file=path, remedy=remedy)
+        try:
+            done = subprocess.run([program, *words], capture_output=True, timeout=_LIMIT)
+        except subprocess.TimeoutExpired:
+            raise ShaderError(f"{name} takes over {_LIMIT} s", file=path) from None
+        if done.returncode or not module.exists():
+            said = (done.stderr or done.stdout).decode(errors="replace").strip()
+            raise ShaderError(f"{name} refuses it:\n{said}", file=path)
+        return module.read_bytes()
