@@ -113,8 +113,7 @@ def _format_error(error: OSError | ShaderlabError) -> str:
 
 
 @click.command(
-    cls=Commands,
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}
 )
 @click.version_option(None, "-V", "--version", package_name="shaderlab", message="%(version)s")
 @click.option(

@@ -178,10 +178,7 @@ def _add_verdicts(
 
 
 def _print_results(
-    results: Iterator[FileResult],
-    json_file: str | None,
-    outputs: Mapping[str, str],
-    quiet: bool,
+    results: Iterator[FileResult], json_file: str | None, outputs: Mapping[str, str], quiet: bool
 ) -> tuple[Tally, list[ShaderlabError]]:
     """Print each result as it comes, then the summary; write all as JSON to `json_file`, and
     what is wrong to `outputs`. Returns what can't be written as well."""

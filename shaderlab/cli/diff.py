@@ -151,11 +151,8 @@ class _Comparison:
     def compare(
         self, old: Path, new: Path, then: Callable[[Path], Path] | None = None
     ) -> list[Answer]:
-        """The answers on two files; `then` says where the old one and what it includes is.
-
-        Raises:
-            ShaderlabError: there is none.
-        """
+        """The answers on two files; `then` says where the old one and what it includes is. Raises
+        ShaderlabError: there is none."""
         with contextlib.closing(
             make_executor(None, self.limits, self.workers, early=False)
         ) as executor:
@@ -164,11 +161,7 @@ class _Comparison:
         return answers
 
     def _make_request(
-        self,
-        old: Path,
-        new: Path,
-        then: Callable[[Path], Path] | None,
-        executor: Executor,
+        self, old: Path, new: Path, then: Callable[[Path], Path] | None, executor: Executor
     ) -> object:
         from shaderlab.analysis import requests
 
@@ -262,11 +255,8 @@ class Revision:
 
 @contextmanager
 def check_out(path: Path, name: str) -> Iterator[Revision]:
-    """The revision `name` of the repository that the file is in.
-
-    Raises:
-        UsageError: there is no Git, no repository or no such revision, or the file was not in it.
-    """
+    """The revision `name` of the repository that the file is in. Raises UsageError: there is no
+    Git, no repository or no such revision, or the file was not in it."""
     here = path.resolve().parent
     top = Path(_git(here, "rev-parse", "--show-toplevel").decode().rstrip("\n"))
     commit = _git(here, "rev-parse", "--verify", "--end-of-options", f"{name}^{{commit}}")

@@ -243,11 +243,8 @@ def make_run_folder(parent: Path = REPORTS) -> Path:
 
 
 def make_report_folder(folder: Path) -> Path:
-    """Make the folder of `--report`, which may exist already.
-
-    Raises:
-        UsageError: it can't be made, or has files of others.
-    """
+    """Make the folder of `--report`, which may exist already. Raises UsageError: it can't be made,
+    or has files of others."""
     try:
         claim_folder(folder)
     except OSError as error:
@@ -263,11 +260,8 @@ def point_latest(folder: Path) -> None:
 
 
 def find_latest(parent: Path = REPORTS) -> Path:
-    """The latest run's folder: what `latest` points to, else the last one by name.
-
-    Raises:
-        UsageError: there is no run.
-    """
+    """The latest run's folder: what `latest` points to, else the last one by name. Raises
+    UsageError: there is no run."""
     pointer = parent / LATEST
     if (pointer / "run.json").is_file():
         return pointer.resolve()
@@ -310,11 +304,7 @@ def _with_options(command: Command, formats: Sequence[Format]) -> Command:
 
 
 def uses_stdout(outputs: Mapping[str, str]) -> bool:
-    """Whether one of the outputs goes to standard output.
-
-    Raises:
-        UsageError: several do.
-    """
+    """Whether one of the outputs goes to standard output. Raises UsageError: several do."""
     names = [f"--{name}" for name, file in outputs.items() if file == "-"]
     if len(names) > 1:
         raise UsageError(f"only one of {' and '.join(names)} can go to standard output")

@@ -230,10 +230,7 @@ def load_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
 
 
 def run_plan(
-    executor: Executor,
-    plan: RunPlan,
-    show: Show,
-    done: Sequence[Record] | None = None,
+    executor: Executor, plan: RunPlan, show: Show, done: Sequence[Record] | None = None
 ) -> RecordedRun:
     """Run all jobs of the plan, with their records in its order; write each to the journal.
 
@@ -272,12 +269,7 @@ def run_plan(
 
 
 def finish(
-    recorded: RecordedRun,
-    show: Show,
-    *,
-    verdict: int,
-    is_latest: bool,
-    outputs: Mapping[str, str],
+    recorded: RecordedRun, show: Show, *, verdict: int, is_latest: bool, outputs: Mapping[str, str]
 ) -> int:
     """Write and show where everything is; return the exit status.
 

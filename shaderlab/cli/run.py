@@ -138,9 +138,7 @@ class RunArguments:
     "--pictures/--no-pictures", default=True, help="Render pictures for the report, or only judge."
 )
 @click.option(
-    "--gl-calls",
-    is_flag=True,
-    help="List the OpenGL calls of each pass, here and in the report.",
+    "--gl-calls", is_flag=True, help="List the OpenGL calls of each pass, here and in the report."
 )
 @click.option(
     "--modules/--no-modules",

@@ -219,11 +219,8 @@ Replacements = Mapping[str, Path]
 def replace_shaders(
     options: RunOptions, shaders: Sequence[str], renames: Sequence[str], jobs: Iterable[Job]
 ) -> RunOptions:
-    """Return the options with the files of `--shader` and the names of `--rename`.
-
-    Raises:
-        UsageError: a word is malformed, no shader has the name, or the file doesn't fit.
-    """
+    """Return the options with the files of `--shader` and the names of `--rename`. Raises
+    UsageError: a word is malformed, no shader has the name, or the file doesn't fit."""
     if not shaders and not renames:
         return options
     files = parse_replacements(shaders)
@@ -233,11 +230,8 @@ def replace_shaders(
 
 
 def parse_replacements(words: Sequence[str]) -> Replacements:
-    """What stands on both sides of each NAME=FILE.
-
-    Raises:
-        UsageError: it is not of that form, or there is no such file.
-    """
+    """What stands on both sides of each NAME=FILE. Raises UsageError: it is not of that form, or
+    there is no such file."""
     found: dict[str, Path] = {}
     for word in words:
         name, equals, file = word.partition("=")
@@ -252,12 +246,8 @@ def parse_replacements(words: Sequence[str]) -> Replacements:
 def resolve_replacements(
     replacements: Replacements, jobs: Iterable[Job], include: Sequence[Path] = ()
 ) -> Replacements:
-    """Each name as the jobs' cases know it: its whole path, or the end of one, if only one ends
-    so.
-
-    Raises:
-        UsageError: there is no shader of that name, or more than one.
-    """
+    """Each name as the jobs' cases know it: its whole path, or the end of one, if only one ends so.
+    Raises UsageError: there is no shader of that name, or more than one."""
     if not replacements:
         return {}
     from shaderlab.engine.catalogue import shaders_of
@@ -312,11 +302,8 @@ _DECLARED = re.compile(
 
 
 def parse_renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]:
-    """What each OLD=NEW says: a name in one of the files, and what the case calls it.
-
-    Raises:
-        UsageError: it is not of that form, no file has the old name, or one has the new one too.
-    """
+    """What each OLD=NEW says: a name in one of the files, and what the case calls it. Raises
+    UsageError: it is not of that form, no file has the old name, or one has the new one too."""
     from shaderlab.compiler.shader_files import read_shader, strip_comments
 
     found: dict[str, str] = {}

@@ -17,14 +17,7 @@ from typing import TYPE_CHECKING
 import click
 
 from shaderlab.cli import OK
-from shaderlab.cli.options import (
-    DRIVER,
-    INCLUDE,
-    TARGET,
-    jobs_option,
-    limits_option,
-    make_executor,
-)
+from shaderlab.cli.options import DRIVER, INCLUDE, TARGET, jobs_option, limits_option, make_executor
 from shaderlab.engine.catalogue import files_below
 from shaderlab.errors import UsageError
 from shaderlab.files import display_path

@@ -26,13 +26,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from shaderlab.engine.settings import load_settings
-from shaderlab.errors import (
-    CaseError,
-    MissingPackageError,
-    ShaderlabError,
-    UsageError,
-    suggest,
-)
+from shaderlab.errors import CaseError, MissingPackageError, ShaderlabError, UsageError, suggest
 from shaderlab.files import read_regular, search_folder
 
 if TYPE_CHECKING:
@@ -225,10 +219,7 @@ def _neighbour(path: Path, level: int, module: str, name: str) -> Path | None:
 
 def data_folder(kind: str) -> Path:
     """The folder of the shipped "shaders" or "cases", in the installed package or the checkout.
-
-    Raises:
-        UsageError: there is none: the installation is incomplete.
-    """
+    Raises UsageError: there is none: the installation is incomplete."""
     package = Path(__file__).resolve().parents[1]
     for candidate in (package / "_data" / kind, package.parent / kind):
         if candidate.is_dir():
@@ -265,11 +256,8 @@ def chapter_title(file: str | Path, section: str) -> str:
 
 
 def place_of(file: str | Path, id: str, section: str) -> Place:
-    """Where a lesson stands in its course, as the cases.toml of its tree says.
-
-    Raises:
-        CaseError: the cases.toml is wrong.
-    """
+    """Where a lesson stands in its course, as the cases.toml of its tree says. Raises CaseError:
+    the cases.toml is wrong."""
     from shaderlab.model.records import Place  # late, as for all commands that read cases
 
     tree = tree_of(Path(file)) / TREE_FILE

@@ -71,11 +71,8 @@ class Evaluation:
         return DiscardCheck(self.scene, self.programs, whole)
 
     def gather(self, expectation: Expectation) -> None:
-        """Ask for all that an expectation needs.
-
-        Raises:
-            ShaderlabError: it names what is not there, or there is no answer.
-        """
+        """Ask for all that an expectation needs. Raises ShaderlabError: it names what is not there,
+        or there is no answer."""
         with phase("draw"):
             for need in self.needs(expectation):
                 self.answer(need)

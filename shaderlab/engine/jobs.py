@@ -18,13 +18,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-from shaderlab.errors import (
-    CaseError,
-    MissingPackageError,
-    UsageError,
-    require_linux,
-    suggest,
-)
+from shaderlab.errors import CaseError, MissingPackageError, UsageError, require_linux, suggest
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.workers.pool import ItemResult, WorkerPool
 

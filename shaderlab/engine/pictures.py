@@ -276,11 +276,8 @@ def _find_read_passes(description: Pass) -> set[str]:
 
 
 def save_frames(folder: Path, case_id: str, variant: str, images: Images) -> None:
-    """Store a scene's images as "pass.output", uncompressed: they are read once and deleted.
-
-    Raises:
-        OSError: they can't be written.
-    """
+    """Store a scene's images as "pass.output", uncompressed: they are read once and deleted. Raises
+    OSError: they can't be written."""
     folder.mkdir(parents=True, exist_ok=True)
     arrays = {".".join(key): image.values for key, image in images.items()}
     with replace_file(_frames_file(folder, case_id, variant)) as draft, draft.open("wb") as file:

@@ -146,11 +146,8 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
         return "llvmpipe" in self.driver["renderer"] and any(_LOOP.search(s.code) for s in sources)
 
     def _record_drawn(self, evaluation: Evaluation, record: RecordBuilder) -> SceneCheck | None:
-        """Record what drawing gave besides the pictures; returns the self-check to be made.
-
-        Raises:
-            DriverError: a draw raised an error of OpenGL that no expectation is about.
-        """
+        """Record what drawing gave besides the pictures; returns the self-check to be made. Raises
+        DriverError: a draw raised an error of OpenGL that no expectation is about."""
         scene, drawn, options = evaluation.scene, evaluation.drawn, self.options
         if options.frames is not None:
             with record.notice_if_unwritable("the values that drivers are compared by"):
@@ -302,11 +299,8 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
     def prepare_for_opengl(
         self, scene: Scene, texts: Mapping[str, str | Path] = _NO_TEXTS
     ) -> Programs:
-        """Compile a scene's programs for OpenGL alone, with some shaders replaced.
-
-        Raises:
-            ShaderError, CaseError: a program does not compile, or does not fit the scene's data.
-        """
+        """Compile a scene's programs for OpenGL alone, with some shaders replaced. Raises
+        ShaderError, CaseError: a program does not compile, or does not fit the scene's data."""
         folder = str(Path(scene.case.file).parent)
         preparer = self._preparer(folder, opengl=True)
         if texts:
@@ -320,11 +314,8 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
     def evaluation(
         self, scene: Scene, programs: Programs, *, like: Evaluation | None = None
     ) -> Iterator[Evaluation]:
-        """Draw a scene, and keep it on the device for judging; for `like` see `Evaluation`.
-
-        Raises:
-            ShaderError, UnsupportedError, CaseError: it can't be drawn.
-        """
+        """Draw a scene, and keep it on the device for judging; for `like` see `Evaluation`. Raises
+        ShaderError, UnsupportedError, CaseError: it can't be drawn."""
         preparer = self._preparer(str(Path(scene.case.file).parent))
         size = (self.options.size, self.options.size)
         with self.backend.session(scene, programs, size) as session:
@@ -426,10 +417,7 @@ def _make_failed_judgement(expectation: Expectation, error: ShaderlabError) -> J
 
 def _picture_of(scene: Scene, images: Mapping[tuple[str, str], Image]) -> tuple[str, str]:
     """The (pass, output) that is the case's picture: the one it names, or the last pass's first.
-
-    Raises:
-        CaseError: the case names an output that is not there.
-    """
+    Raises CaseError: the case names an output that is not there."""
     named = scene.picture
     if named is None:
         last = scene.passes[-1].name

@@ -76,11 +76,8 @@ class Settings:
 
 
 def load_settings(folder: str | Path) -> Settings:
-    """The settings of the project that a folder belongs to.
-
-    Raises:
-        UsageError: they can't be read, or say something that does not exist.
-    """
+    """The settings of the project that a folder belongs to. Raises UsageError: they can't be read,
+    or say something that does not exist."""
     try:
         return _settings(os.path.abspath(folder))
     except FileNotFoundError:  # the working folder is gone
