@@ -9,22 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from shaderlab.cli import FAILED, USAGE
-from shaderlab.cli.options import (
-    DRIVER,
-    INCLUDE,
-    JSON,
-    RANGES,
-    finding_options,
-    jobs_option,
-    limits_option,
-    make_executor,
-    report_problems,
-    resolve_shaders,
-    uses_stdout,
-    write_findings,
-    write_json,
-)
+from shaderlab.cli import FAILED, USAGE, options as shared
 from shaderlab.compiler.shader_files import EXTENSIONS, STAGES, is_library
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
@@ -39,7 +24,7 @@ NO_ANSWER = USAGE
 
 @click.command("audit")
 @click.argument("targets", nargs=-1, required=True, metavar="FILE | FOLDER | ID | CASE.py…")
-@RANGES
+@shared.RANGES
 @click.option(
     "--possible", is_flag=True, help="Also print possible hazards for which no input was found."
 )
@@ -60,12 +45,12 @@ NO_ANSWER = USAGE
 @click.option(
     "--stage", type=click.Choice(STAGES), help="The stage of all files, whatever their names."
 )
-@INCLUDE
-@DRIVER
-@limits_option("Stop a shader that takes longer than S seconds.", seconds=60.0)
-@jobs_option("1")
-@JSON
-@finding_options
+@shared.INCLUDE
+@shared.DRIVER
+@shared.limits_option("Stop a shader that takes longer than S seconds.", seconds=60.0)
+@shared.jobs_option("1")
+@shared.JSON
+@shared.finding_options
 def command(
     targets: tuple[str, ...],
     ranges: dict[str, str],
@@ -103,9 +88,9 @@ def command(
     from shaderlab.analysis.audit import Plan
 
     files = dict(outputs) if json_file is None else {**outputs, "json": json_file}
-    to_stderr = uses_stdout(files)
+    to_stderr = shared.uses_stdout(files)
     audits: list[Audit] = []
-    with contextlib.closing(make_executor(driver, limits, workers, early=False)) as executor:
+    with contextlib.closing(shared.make_executor(driver, limits, workers, early=False)) as executor:
         options = RunOptions(driver=driver, include=includes, limits=limits)
         plan = Plan(ranges=ranges, precision=precision, prove=prove, assume=assume)
         requests = list(_make_requests(targets, plan, stage, options))
@@ -117,9 +102,9 @@ def command(
                 for name, role in audit.inputs.items():
                     click.echo(f"  {name}: {role}", err=to_stderr)
     if json_file is not None:
-        write_json([audit.data() for audit in audits], json_file)
+        shared.write_json([audit.data() for audit in audits], json_file)
     findings = [finding for audit in audits for finding in _make_findings(audit)]
-    unwritten = report_problems(list(write_findings(findings, "audit", outputs)))
+    unwritten = shared.report_problems(list(shared.write_findings(findings, "audit", outputs)))
     found = {audit.clean for audit in audits}
     if False in found:
         return FAILED
@@ -134,7 +119,7 @@ def _make_requests(
     from shaderlab.cli.selecting import find_files
 
     shaders = [Path(t) for t in targets if _is_shader(t)]
-    for shader in resolve_shaders(shaders, options.include):
+    for shader in shared.resolve_shaders(shaders, options.include):
         request: Any = AuditFile(shader, stage, plan)
         if stage is None and is_library(shader.file.path):
             from shaderlab.functions.interpreting import AuditFunctions

@@ -13,19 +13,7 @@ from typing import Any
 
 import click
 
-from shaderlab.cli import FAILED
-from shaderlab.cli.options import (
-    INCLUDE,
-    JSON,
-    TARGET,
-    finding_options,
-    jobs_option,
-    limits_option,
-    report_problems,
-    uses_stdout,
-    write_findings,
-    write_json,
-)
+from shaderlab.cli import FAILED, options as shared
 from shaderlab.compiler.glslang import TARGETS
 from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_files
 from shaderlab.compiler.shader_files import STAGES, ShaderFile, find_shaders
@@ -46,7 +34,7 @@ _DIED = ("crash", "timeout")
 
 @click.command("compile")
 @click.argument("paths", nargs=-1, required=True, metavar="PATH…")
-@TARGET
+@shared.TARGET
 @click.option(
     "--stage",
     type=click.Choice(STAGES),
@@ -60,7 +48,7 @@ _DIED = ("crash", "timeout")
     metavar="NAME[=VALUE]",
     help="Define a macro; may be repeated.",
 )
-@INCLUDE
+@shared.INCLUDE
 @click.option("--link", is_flag=True, help="Link the files as stages of one program.")
 @click.option(
     "--driver",
@@ -70,10 +58,10 @@ _DIED = ("crash", "timeout")
     callback=lambda context, option, names: tuple(map(check_driver, dict.fromkeys(names))),
     help="Compile with this driver as well (names as for `run`); may be repeated.",
 )
-@limits_option("Stop a file that takes longer than S seconds.", seconds=10.0)
-@jobs_option(f"one per {_FILES_PER_WORKER} files, at most {_MOST_WORKERS}")
-@JSON
-@finding_options
+@shared.limits_option("Stop a file that takes longer than S seconds.", seconds=10.0)
+@shared.jobs_option(f"one per {_FILES_PER_WORKER} files, at most {_MOST_WORKERS}")
+@shared.JSON
+@shared.finding_options
 @click.option("--quiet", "-q", is_flag=True, help="Print compiler messages only.")
 def command(
     paths: tuple[str, ...],
@@ -122,7 +110,7 @@ def command(
     for name in drivers:
         if name not in tally.targets:
             click.echo(f"{name} gave no verdict; see `shaderlab doctor`", err=True)
-    unwritten = report_problems(problems)
+    unwritten = shared.report_problems(problems)
     return FAILED if tally.refused else unwritten
 
 
@@ -186,7 +174,7 @@ def _print_results(
     entries: list[dict[str, Any]] = []
     found: list[Finding] = []
     files = dict(outputs) if json_file is None else {**outputs, "json": json_file}
-    to_stderr = uses_stdout(files)
+    to_stderr = shared.uses_stdout(files)
     for result in results:
         for line in format_messages(result):
             click.echo(line, err=to_stderr)
@@ -199,8 +187,8 @@ def _print_results(
         for line in tally.lines():
             click.echo(line, err=to_stderr)
     if json_file is not None:
-        write_json({"files": entries}, json_file)
-    return tally, list(write_findings(found, "compile", outputs))
+        shared.write_json({"files": entries}, json_file)
+    return tally, list(shared.write_findings(found, "compile", outputs))
 
 
 def _show_progress(results: Iterator[FileResult], count: int, quiet: bool) -> Iterator[FileResult]:

@@ -15,18 +15,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shaderlab.cli import FAILED, OK, USAGE
-from shaderlab.cli.options import (
-    INCLUDE,
-    JSON,
-    RANGES,
-    jobs_option,
-    limits_option,
-    make_executor,
-    perform_one,
-    resolve_shader,
-    write_json,
-)
+from shaderlab.cli import FAILED, OK, USAGE, options as shared
 from shaderlab.compiler.shader_files import STAGES, is_library, is_shader
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
@@ -53,7 +42,7 @@ ONLY_IF = 3
     "--case", metavar="ID | FILE.py",
     help="Use the inputs that this case gives OLD, which may be an included file.",
 )  # fmt: skip
-@RANGES
+@shared.RANGES
 @click.option("--strict", is_flag=True, help="Exit with 1 also if only the accuracy changes.")
 @click.option(
     "--assume", is_flag=True, help="Exit with 0 also if they are the same only under conditions."
@@ -62,10 +51,10 @@ ONLY_IF = 3
     "--stage", type=click.Choice(STAGES), help="The stage of both files, whatever their names."
 )
 @click.option("--inputs", "show_inputs", is_flag=True, help="Print the values of each input.")
-@INCLUDE
-@limits_option("Stop after S seconds.", seconds=60.0)
-@jobs_option("1")
-@JSON
+@shared.INCLUDE
+@shared.limits_option("Stop after S seconds.", seconds=60.0)
+@shared.jobs_option("1")
+@shared.JSON
 def command(
     old: Path,
     new: Path | None,
@@ -124,7 +113,7 @@ def command(
         plain = answer.same is True and not answer.conditional
         _print(answer, show_inputs or not plain, to_stderr, len(answers) > 1)
     if json_file is not None:
-        write_json([answer.data() for answer in answers], json_file)
+        shared.write_json([answer.data() for answer in answers], json_file)
     return _status(answers, strict=strict, assume=assume)
 
 
@@ -154,10 +143,10 @@ class _Comparison:
         """The answers on two files; `then` says where the old one and what it includes is. Raises
         ShaderlabError: there is none."""
         with contextlib.closing(
-            make_executor(None, self.limits, self.workers, early=False)
+            shared.make_executor(None, self.limits, self.workers, early=False)
         ) as executor:
             request = self._make_request(old, new, then, executor)
-            answers: list[Answer] = perform_one(executor, request)
+            answers: list[Answer] = shared.perform_one(executor, request)
         return answers
 
     def _make_request(
@@ -166,7 +155,10 @@ class _Comparison:
         from shaderlab.analysis import requests
 
         if self.case is None:
-            shaders = resolve_shader(old, self.includes, then), resolve_shader(new, self.includes)
+            shaders = (
+                shared.resolve_shader(old, self.includes, then),
+                shared.resolve_shader(new, self.includes),
+            )
             if self.stage is None and all(is_library(s.file.path) for s in shaders):
                 from shaderlab.functions.interpreting import CompareFunctions
 

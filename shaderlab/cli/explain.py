@@ -10,20 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shaderlab.cli import FAILED, OK
-from shaderlab.cli.options import (
-    DRIVER,
-    INCLUDE,
-    JSON,
-    RANGES,
-    collect,
-    jobs_option,
-    limits_option,
-    make_executor,
-    perform_one,
-    resolve_shader,
-    write_json,
-)
+from shaderlab.cli import FAILED, OK, options as shared
 from shaderlab.compiler.shader_files import is_library, is_shader
 from shaderlab.errors import UsageError, suggest
 from shaderlab.model.options import Limits, RunOptions
@@ -86,13 +73,13 @@ class ExplainArguments:
     "--size", type=click.IntRange(1, 4096), default=RunOptions.size, show_default=True,
     help="The side of the rendered frame in pixels.",
 )  # fmt: skip
-@RANGES
-@INCLUDE
-@DRIVER
-@jobs_option("1")
-@limits_option("Stop after S seconds.")
-@JSON
-@collect(ExplainArguments, "arguments")
+@shared.RANGES
+@shared.INCLUDE
+@shared.DRIVER
+@shared.jobs_option("1")
+@shared.limits_option("Stop after S seconds.")
+@shared.JSON
+@shared.collect(ExplainArguments, "arguments")
 def command(arguments: ExplainArguments) -> int:
     """Show what each line of a case's fragment shader stores at one pixel: the driver's value, the
     float64 value, the band that the precision rules allow, and the precision that the line loses.
@@ -116,10 +103,10 @@ def command(arguments: ExplainArguments) -> int:
     from shaderlab.analysis.answer import format_inputs
 
     with contextlib.closing(
-        make_executor(arguments.driver, arguments.limits, arguments.workers, early=False)
+        shared.make_executor(arguments.driver, arguments.limits, arguments.workers, early=False)
     ) as executor:
         request = _make_request(arguments, executor)
-        value = perform_one(executor, request)
+        value = shared.perform_one(executor, request)
     explained: Explanation = value
     where, others = None, {}
     if arguments.is_shader:
@@ -129,7 +116,7 @@ def command(arguments: ExplainArguments) -> int:
     if arguments.json_file is not None:
         from shaderlab.model.store import to_plain
 
-        write_json({**to_plain(explained), **others}, arguments.json_file)
+        shared.write_json({**to_plain(explained), **others}, arguments.json_file)
     if arguments.json_file != "-":
         show(explained, where)
     return FAILED if any(s.by_driver and not s.inside for s in explained.steps) else OK
@@ -147,7 +134,7 @@ def _make_request(arguments: ExplainArguments, executor: Executor) -> ExplainFil
                 file=arguments.target,
                 remedy="name the shader that includes it; audit and diff take functions alone",
             )
-        shader = resolve_shader(Path(arguments.target), arguments.includes)
+        shader = shared.resolve_shader(Path(arguments.target), arguments.includes)
         return ExplainFile(shader, arguments.ranges)
     if arguments.ranges:
         raise UsageError("--range can't be combined with a case, whose inputs are known")

@@ -12,16 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from shaderlab.cli import FAILED, INTERRUPTED, OK
-from shaderlab.cli.options import (
-    JSON,
-    jobs_option,
-    limits_option,
-    make_executor,
-    make_report_folder,
-    report_option,
-    write_json,
-)
+from shaderlab.cli import FAILED, INTERRUPTED, OK, options as shared
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits
@@ -59,10 +50,10 @@ if TYPE_CHECKING:
 @click.option(
     "--seed", type=int, default=0, metavar="N", help="The seed of the sample that --limit takes."
 )
-@limits_option("Count a mutant as killed after S seconds.", seconds=20.0)
-@jobs_option()
-@JSON
-@report_option("Add the results to the run in DIR and to its page.")
+@shared.limits_option("Count a mutant as killed after S seconds.", seconds=20.0)
+@shared.jobs_option()
+@shared.JSON
+@shared.report_option("Add the results to the run in DIR and to its page.")
 @click.option(
     "--fail-under", type=click.FloatRange(0, 100), metavar="PERCENT",
     help="Exit with 1 if the score is lower.",
@@ -144,7 +135,7 @@ def _measure(
 
     shown = Show(to_stderr=to_stderr)
     console = shown.console
-    with contextlib.closing(make_executor(None, limits, workers, early=False)) as executor:
+    with contextlib.closing(shared.make_executor(None, limits, workers, early=False)) as executor:
         run = MutationRun(_targets(targets, every, plan, executor), executor)
         stopped = not _judge(run, shown)
     results = run.results(complete=stopped)
@@ -171,10 +162,10 @@ def _write(
         data["interrupted"] = True
     try:
         if folder is not None:
-            _into_report(data, make_report_folder(Path(folder)))
+            _into_report(data, shared.make_report_folder(Path(folder)))
     finally:  # what took so long to measure is written wherever it can be
         if json_file is not None:
-            write_json(data, json_file)
+            shared.write_json(data, json_file)
 
 
 def _into_report(data: Mapping[str, Any], folder: Path) -> None:
@@ -185,7 +176,7 @@ def _into_report(data: Mapping[str, Any], folder: Path) -> None:
     path = folder / page.MUTATION_NAME
     if page.load_mutants(folder):
         data = page.merge_mutants(json.loads(path.read_text(encoding="utf-8")), data)
-    write_json(data, str(path))
+    shared.write_json(data, str(path))
     if (folder / store.FILE_NAME).is_file():
         click.echo(f"report: {html.write(store.load(folder), folder)}", err=True)
 

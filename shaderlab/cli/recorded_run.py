@@ -20,19 +20,7 @@ from typing import IO, TYPE_CHECKING
 
 import click
 
-from shaderlab.cli import INTERRUPTED
-from shaderlab.cli.options import (
-    FILE_NAME,
-    KEEP,
-    REPORTS,
-    make_report_folder,
-    make_run_folder,
-    mark_named,
-    point_latest,
-    remove_old_runs,
-    report_problems,
-    write_outputs,
-)
+from shaderlab.cli import INTERRUPTED, options as shared
 from shaderlab.cli.selecting import find_unused
 from shaderlab.engine.jobs import Job, package_versions
 from shaderlab.engine.settings import load_settings
@@ -72,7 +60,7 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
     """
 
     def __init__(self, folder: Path, plan: RunPlan | None) -> None:
-        path = self._path = folder / FILE_NAME
+        path = self._path = folder / shared.FILE_NAME
         self._synced = time.monotonic()
         self.problem: ShaderlabError | None = None
         try:
@@ -148,7 +136,7 @@ def read_journal(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
     """
     from shaderlab.model import store
 
-    path = folder / FILE_NAME
+    path = folder / shared.FILE_NAME
     try:
         with open(open_regular(path), "rb") as file:
             *lines, _ = file.read().split(b"\n")
@@ -200,7 +188,7 @@ class RecordedRun:
 
 def new_plan(jobs: Sequence[Job], options: RunOptions, folder: str | None) -> RunPlan:
     """A plan to run these jobs now, in `folder` or a new one, which is made."""
-    made = make_run_folder() if folder is None else make_report_folder(Path(folder))
+    made = shared.make_run_folder() if folder is None else shared.make_report_folder(Path(folder))
     now = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
     return RunPlan(started=now, options=replace(options, folder=made), jobs=tuple(jobs))
 
@@ -214,15 +202,17 @@ def load_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
         UsageError: there is no such run.
     """
     if not word:
-        begun = sorted(REPORTS.glob(f"*/{FILE_NAME}"), key=lambda path: path.stat().st_mtime)
+        begun = sorted(
+            shared.REPORTS.glob(f"*/{shared.FILE_NAME}"), key=lambda path: path.stat().st_mtime
+        )
         if not begun:
-            raise UsageError(f"there is no run in {REPORTS}/", remedy="name its folder")
+            raise UsageError(f"there is no run in {shared.REPORTS}/", remedy="name its folder")
     folder = Path(word) if word else begun[-1].parent
     if word:
-        mark_named(folder)
+        shared.mark_named(folder)
     plan, done, damaged = read_journal(folder)
     for line in damaged:
-        place = display_path(folder / FILE_NAME, line)
+        place = display_path(folder / shared.FILE_NAME, line)
         click.echo(f"shaderlab: {place}: this record is damaged; its job runs again", err=True)
     frames = plan.options.frames and folder / plan.options.frames.name
     options = replace(plan.options, folder=folder, limits=limits, frames=frames)
@@ -282,11 +272,11 @@ def finish(
     """
     page, problems = write_report(recorded, outputs)
     if is_latest:
-        point_latest(recorded.folder)
+        shared.point_latest(recorded.folder)
         _remove_old(recorded.folder.parent)
     if page is not None:
         show.where(page)
-    unwritten = report_problems(problems)
+    unwritten = shared.report_problems(problems)
     if not recorded.complete:
         folder = display_path(recorded.folder)
         show.console.print(f"resume with: shaderlab run --resume {folder}")
@@ -298,7 +288,7 @@ def finish(
 
 def _remove_old(parent: Path) -> None:
     keep = load_settings(Path()).keep
-    count = remove_old_runs(parent, KEEP if keep is None else keep)
+    count = shared.remove_old_runs(parent, shared.KEEP if keep is None else keep)
     if count:
         what = "an old run" if count == 1 else f"{count} old runs"
         click.echo(f"removed {what} from {parent}/ (keep in [tool.shaderlab])", err=True)
@@ -321,5 +311,5 @@ def write_report(
         page = html.write(recorded.run, recorded.folder)
     except ShaderlabError as error:
         problems.append(error)
-    problems += write_outputs(recorded.run, outputs)
+    problems += shared.write_outputs(recorded.run, outputs)
     return page, [*problems, *recorded.problems]

@@ -7,15 +7,7 @@ from pathlib import Path
 
 import click
 
-from shaderlab.cli.options import (
-    find_latest,
-    mark_named,
-    output_options,
-    report_problems,
-    uses_stdout,
-    write_output,
-    write_outputs,
-)
+from shaderlab.cli import options as shared
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 
@@ -27,7 +19,7 @@ from shaderlab.files import display_path
     metavar="FILE",
     help="Also write the report as one self-contained file, for mailing.",
 )
-@output_options
+@shared.output_options
 def command(run_folder: str | None, single_file: str | None, outputs: Mapping[str, str]) -> int:
     """Rebuild the pages of a run from the run.json in its folder.
 
@@ -41,8 +33,8 @@ def command(run_folder: str | None, single_file: str | None, outputs: Mapping[st
     from shaderlab.model import store
     from shaderlab.report import html
 
-    to_stderr = uses_stdout(outputs)
-    folder = find_latest() if run_folder is None else _run_folder(Path(run_folder))
+    to_stderr = shared.uses_stdout(outputs)
+    folder = shared.find_latest() if run_folder is None else _run_folder(Path(run_folder))
     run = store.load(folder)
     problems: list[ShaderlabError] = []
     try:
@@ -52,16 +44,16 @@ def command(run_folder: str | None, single_file: str | None, outputs: Mapping[st
         problems.append(error)
     if single_file is not None:
         try:
-            write_output(html.render_single(run, folder), single_file)
+            shared.write_output(html.render_single(run, folder), single_file)
             click.echo(f"report in one file: {single_file}", err=to_stderr)
         except ShaderlabError as error:
             problems.append(error)
-    problems += write_outputs(run, outputs)
-    return report_problems(problems)
+    problems += shared.write_outputs(run, outputs)
+    return shared.report_problems(problems)
 
 
 def _run_folder(folder: Path) -> Path:
-    mark_named(folder)
+    shared.mark_named(folder)
     if not (folder / "run.json").is_file():
         raise UsageError(
             "there is no run.json in this folder",

@@ -11,19 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shaderlab.cli import FAILED, OK
-from shaderlab.cli.options import (
-    DRIVER,
-    INCLUDE,
-    TARGET,
-    collect,
-    jobs_option,
-    limits_option,
-    make_executor,
-    output_options,
-    report_option,
-    uses_stdout,
-)
+from shaderlab.cli import FAILED, OK, options as shared
 from shaderlab.engine.jobs import check_driver
 from shaderlab.errors import UsageError
 from shaderlab.files import display_path
@@ -114,13 +102,13 @@ class RunArguments:
     metavar="NAME=OTHER",
     help="Rename NAME in the files of --shader to OTHER, the name in the case.",
 )
-@output_options
-@INCLUDE
-@TARGET
-@DRIVER
-@jobs_option()
-@limits_option("Stop a variant that takes longer than S seconds.")
-@report_option("Write the report to DIR instead of a new folder in reports/.")
+@shared.output_options
+@shared.INCLUDE
+@shared.TARGET
+@shared.DRIVER
+@shared.jobs_option()
+@shared.limits_option("Stop a variant that takes longer than S seconds.")
+@shared.report_option("Write the report to DIR instead of a new folder in reports/.")
 @click.option(
     "--drivers",
     metavar="A,B,…",
@@ -146,7 +134,7 @@ class RunArguments:
     help="Check every pixel of every draw against its own shader as well, or none.  [default: a "
     "sample of each program]",
 )
-@collect(RunArguments, "arguments")
+@shared.collect(RunArguments, "arguments")
 def command(arguments: RunArguments) -> int:
     """Run cases: compile, render, judge every pixel, and write a report.
 
@@ -180,14 +168,14 @@ def command(arguments: RunArguments) -> int:
         options = plan.options
     # The first worker gets ready while what follows is imported.
     with contextlib.closing(
-        make_executor(options.driver, arguments.limits, arguments.workers)
+        shared.make_executor(options.driver, arguments.limits, arguments.workers)
     ) as executor:
         from shaderlab.cli.recorded_run import run_plan
         from shaderlab.cli.showing import Show
         from shaderlab.report import html
 
         _ = html  # what writes the page takes 0.15 s to import
-        show = Show(to_stderr=uses_stdout(arguments.outputs))
+        show = Show(to_stderr=shared.uses_stdout(arguments.outputs))
         plan = plan or _make_plan(arguments, options, executor)
         recorded = run_plan(executor, plan, show, done)
         if plan.options.frames is not None and recorded.complete:

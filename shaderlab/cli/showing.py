@@ -24,20 +24,7 @@ from rich.text import Text
 
 from shaderlab.files import display_path
 from shaderlab.model.records import Outcome, Record, Run
-from shaderlab.report.text import (
-    MARKS,
-    clean,
-    duration,
-    format_conditions,
-    format_failure,
-    format_gl_calls,
-    format_label,
-    format_summary,
-    format_tally,
-    format_unread,
-    has_failed,
-    share,
-)
+from shaderlab.report import text
 
 if TYPE_CHECKING:
     from shaderlab.engine.jobs import Job
@@ -91,7 +78,7 @@ def make_case_table(records: Iterable[Record]) -> Table:
             table.add_row(*_cells(passed[0].id, passed, f"{len(passed)}/{len(group)}", tells))
         for record in group:
             if record.status != "pass":
-                name = format_label(record.id, record.variant)
+                name = text.format_label(record.id, record.variant)
                 table.add_row(*_cells(name, [record], "", tells))
     return table
 
@@ -113,8 +100,8 @@ def _cells(name: str, group: Sequence[Record], variants: str, tells: bool) -> Se
     )
     # Texts, not strings: a name is no markup, and parsing markup takes half of a table's time.
     return (
-        Text(MARKS[status], STYLES.get(status, "red")),
-        *(Text(clean(cell)) for cell in plain),
+        Text(text.MARKS[status], STYLES.get(status, "red")),
+        *(Text(text.clean(cell)) for cell in plain),
         _format_compiled(group),
         *([Text(_format_informative(outcomes))] if tells else []),
     )
@@ -122,7 +109,7 @@ def _cells(name: str, group: Sequence[Record], variants: str, tells: bool) -> Se
 
 def _format_informative(outcomes: Sequence[Outcome]) -> str:
     shares = [o.informative for o in outcomes if o.informative is not None]
-    return share(min(shares)) if shares else ""
+    return text.share(min(shares)) if shares else ""
 
 
 def _format_share(widths: float) -> str:
@@ -198,15 +185,16 @@ class Show:
             words = f"not listed: {passed:,} that passed; the report has all"
             self.console.print(words, style="dim")
         for record in run.records:
-            if has_failed(record):
+            if text.has_failed(record):
                 self.console.print()
                 self._failure(record)
         notes = [
-            f"{format_label(r.id, r.variant)} is unsupported: {' '.join(clean(r.message).split())}"
+            f"{text.format_label(r.id, r.variant)} is unsupported: "
+            + " ".join(text.clean(r.message).split())
             for r in run.records
             if r.status == "unsupported"
         ]
-        notes += [*format_conditions(run), *format_unread(run.records)]
+        notes += [*text.format_conditions(run), *text.format_unread(run.records)]
         if notes:
             self.console.print()
         for line in notes[:MOST_ROWS]:
@@ -214,25 +202,27 @@ class Show:
         if len(notes) > MOST_ROWS:
             self.console.print(f"… and {len(notes) - MOST_ROWS} more", style="yellow")
         self.console.print()
-        self._summary(run, format_summary(run), bad=any(map(has_failed, run.records)))
+        self._summary(run, text.format_summary(run), bad=any(map(text.has_failed, run.records)))
 
     def verdict(self, record: Record) -> None:
         """A record's verdict as soon as it is there: a line, or a failure in full."""
-        if has_failed(record):
+        if text.has_failed(record):
             self._failure(record)
         else:
-            name = format_label(record.id, record.variant)
+            name = text.format_label(record.id, record.variant)
             said = f" ({record.message})" if record.message else ""
-            self.console.print(f"{MARKS[record.status]} {name}{said}", style=STYLES[record.status])
+            self.console.print(
+                f"{text.MARKS[record.status]} {name}{said}", style=STYLES[record.status]
+            )
 
     def total(self, records: Sequence[Record], seconds: float) -> None:
         """The line that sums up some records, and the time from a save to it."""
-        style = "bold red" if any(map(has_failed, records)) else "bold green"
-        self.console.print(f"{format_tally(records)} in {duration(seconds)}", style=style)
+        style = "bold red" if any(map(text.has_failed, records)) else "bold green"
+        self.console.print(f"{text.format_tally(records)} in {text.duration(seconds)}", style=style)
 
     def _failure(self, record: Record) -> None:
-        for line in format_failure(record):
-            style = "red" if line.lstrip().startswith(MARKS["fail"]) else None
+        for line in text.format_failure(record):
+            style = "red" if line.lstrip().startswith(text.MARKS["fail"]) else None
             self.console.print(line, style=style)
 
     def _summary(self, run: Run, words: str, *, bad: bool) -> None:
@@ -244,7 +234,7 @@ class Show:
 
     def gl_calls(self, run: Run) -> None:
         for record in run.records:
-            for line in format_gl_calls(record):
+            for line in text.format_gl_calls(record):
                 self.console.print(line, highlight=False, markup=False)
 
     def where(self, page: Path) -> None:
@@ -276,7 +266,7 @@ class Reporter:
             self.ends(record)
 
     def starts(self, case_id: str, variant: str, driver: str = "") -> None:
-        name = format_label(case_id, variant) + (f" on {driver}" if driver else "")
+        name = text.format_label(case_id, variant) + (f" on {driver}" if driver else "")
         self._bar.update(self._task, description=f"{name:<32}")
         now = time.monotonic()
         if now >= self._next:
@@ -284,14 +274,16 @@ class Reporter:
             left = ""
             if self._done:
                 seconds = (now - self._began) / self._done * (self._total - self._done)
-                left = f", about {duration(seconds)} left"
+                left = f", about {text.duration(seconds)} left"
             self._print_line(f"{self._done} of {self._total} done{left}; running {name}")
 
     def ends(self, record: Record) -> None:
         self.advance()
-        if has_failed(record):
+        if text.has_failed(record):
             where = f" on {record.driver_name}" if record.driver_name else ""
-            self._print_line(f"{record.status}: {format_label(record.id, record.variant)}{where}")
+            self._print_line(
+                f"{record.status}: {text.format_label(record.id, record.variant)}{where}"
+            )
 
     def advance(self) -> None:
         self._bar.advance(self._task)

@@ -29,17 +29,8 @@ from shaderlab.model.phases import phase
 from shaderlab.model.scene import Draw, Pass, Target
 
 from . import Answers, Backend, Drawn, Session, Size
-from .programs import bind, captures
-from .programs.captures import probe_fragments
-from .programs.prepare import (
-    PreparedDraw,
-    Programs,
-    check_continues,
-    check_reads,
-    describe_draw,
-    output_types,
-    pass_colors,
-)
+from .programs import bind, captures, prepare
+from .programs.prepare import PreparedDraw, Programs
 from .programs.stages import NUMBER, VaryingPart
 from .programs.textures import components_of
 from .resources import Attachments, ProgramCache, SceneTextures
@@ -133,7 +124,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         draws = self.programs[description.name]
         if description.computes:
             self.at(description.name, 0)
-            check_reads(self.scene, description, draws[0].draw, self.targets)
+            prepare.check_reads(self.scene, description, draws[0].draw, self.targets)
             self.compute((description.name, 0), draws[0])
             return
         with phase("draw", f"making the target of pass {description.name!r}"):
@@ -141,8 +132,8 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         for index, draw in enumerate(draws):
             key = (description.name, index)
             self.at(*key)
-            check_reads(self.scene, description, draw.draw, self.targets)
-            with phase("draw", describe_draw(key, draw)):
+            prepare.check_reads(self.scene, description, draw.draw, self.targets)
+            with phase("draw", prepare.describe_draw(key, draw)):
                 self.bindings[key] = self.bind(draw)
                 self.issue(key, draw, target)
         with phase("draw"):
@@ -163,11 +154,11 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
 
     def _target(self, description: Pass) -> TargetKind:
         """Make a target for a pass, cleared, or find the one that it goes on in."""
-        colors = dict(pass_colors(description, self.programs[description.name]))
+        colors = dict(prepare.pass_colors(description, self.programs[description.name]))
         self.at(description.name)
         if description.onto:
             earlier = {name: target.colors for name, target in self.targets.items()}
-            check_continues(self.scene, description, colors, earlier)
+            prepare.check_continues(self.scene, description, colors, earlier)
             target = self.targets[description.onto]
         else:
             target = self.new_target(description.target, colors, self.extent(description))
@@ -180,7 +171,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         return target
 
     def _read(self, description: Pass, target: TargetKind) -> None:
-        kinds = output_types(self.programs[description.name])
+        kinds = prepare.output_types(self.programs[description.name])
         for name in target.colors:
             image = target.read(name)
             if description.target.colors is None:
@@ -200,7 +191,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         description = self.scene.find_pass(pass_name)
         if description.computes:
             raise UnsupportedError(f"drawing pass {pass_name!r} once more: it is a dispatch")
-        colors = pass_colors(description, self.programs[pass_name])
+        colors = prepare.pass_colors(description, self.programs[pass_name])
         return self.new_target(description.target, colors, self.extent(description))
 
     def redraw_pass(self, changed: Pass, output: str, largest: int) -> Array:
@@ -284,7 +275,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
             return [
                 captures.probe_vertices(draw, each, inputs, self.capture_outputs) for each in runs
             ]
-        return probe_fragments(draw, runs, inputs, self._draw_points)
+        return captures.probe_fragments(draw, runs, inputs, self._draw_points)
 
     def _draw_points(
         self,

@@ -27,28 +27,11 @@ from shaderlab.errors import (
     UnsupportedError,
 )
 from shaderlab.files import display_path
+from shaderlab.model import records
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement
 from shaderlab.model.frame import Image, PassDraw, TracedCall
 from shaderlab.model.mesh import Mesh
-from shaderlab.model.records import (
-    BufferPart,
-    BufferRecord,
-    CallsRecord,
-    Curve,
-    Declared,
-    DrawnOutput,
-    ErratumNote,
-    ModulesRecord,
-    Outcome,
-    PassRecord,
-    Plot,
-    ProgramRecord,
-    Record,
-    SourceText,
-    Status,
-    Verdict,
-)
 from shaderlab.model.scene import Ramp, UniformBuffer
 
 from .catalogue import chapter_title, place_of
@@ -71,22 +54,22 @@ class RecordBuilder:
     def __init__(self, scene: Scene) -> None:
         self.unread: tuple[str, ...] = ()
         self.picture = PictureFiles()
-        self.passes: tuple[PassRecord, ...] = ()
+        self.passes: tuple[records.PassRecord, ...] = ()
         self.drawn: Mapping[tuple[str, str], Image] = {}
         self._scene = scene
-        self._status: Status = "pass"
+        self._status: records.Status = "pass"
         self._message = ""
-        self._programs: dict[tuple[Source, ...], ProgramRecord] = {}
+        self._programs: dict[tuple[Source, ...], records.ProgramRecord] = {}
         self._drawn_by: dict[PassDraw, tuple[Source, ...]] = {}
-        self._outcomes: list[Outcome] = []
-        self._curves: list[Curve] = []
-        self._plots: list[Plot] = []
+        self._outcomes: list[records.Outcome] = []
+        self._curves: list[records.Curve] = []
+        self._plots: list[records.Plot] = []
         self._notices: list[str] = []
         self._not_asked: tuple[str, ...] = ()
-        self._gl_calls: tuple[CallsRecord, ...] = ()
-        self._modules: ModulesRecord | None = None
+        self._gl_calls: tuple[records.CallsRecord, ...] = ()
+        self._modules: records.ModulesRecord | None = None
         self._outside: Collection[tuple[str, str]] = ()
-        self._buffers: tuple[BufferRecord, ...] = ()
+        self._buffers: tuple[records.BufferRecord, ...] = ()
         self._driver, self._size, self._picture_size = "", 0, 0
 
     def set_error(self, error: BaseException, driver: str | None) -> None:
@@ -130,7 +113,9 @@ class RecordBuilder:
                     self._programs[draw.sources] = _program_record(draw, file)
         self._buffers = _buffer_records(programs)
 
-    def add_driver_verdicts(self, verdict_of: Callable[[tuple[Source, ...]], Verdict]) -> None:
+    def add_driver_verdicts(
+        self, verdict_of: Callable[[tuple[Source, ...]], records.Verdict]
+    ) -> None:
         """Add the driver's own verdict on each program so far to those of the compilers."""
         for sources, program in self._programs.items():
             verdicts = mark_disagreement((*program.verdicts, _for_display(verdict_of(sources))))
@@ -140,13 +125,13 @@ class RecordBuilder:
         """Set the calls that change something, by pass and draw."""
         effective = [call for call in trace if call.effective]
         self._gl_calls = tuple(
-            CallsRecord(pass_name=name, draw=draw, calls=tuple(map(str, calls)))
+            records.CallsRecord(pass_name=name, draw=draw, calls=tuple(map(str, calls)))
             for (name, draw), calls in groupby(effective, lambda c: (c.pass_name, c.draw))
         )
 
     def set_self_check(
         self,
-        modules: ModulesRecord,
+        modules: records.ModulesRecord,
         judgement: Judgement,
         outside: Collection[tuple[str, str]],
         *,
@@ -180,7 +165,7 @@ class RecordBuilder:
         for name in sorted(names):
             self._notices.append(f"uniform {name} is declared but inactive: it changes no output")
 
-    def add_outcome(self, outcome: Outcome, judgement: Judgement) -> None:
+    def add_outcome(self, outcome: records.Outcome, judgement: Judgement) -> None:
         """Add one expectation's outcome, with its curve and plot if it has any."""
         where = [replace(s, file=display_path(s.file)) for s in outcome.sources]
         if judgement.output is not None:
@@ -191,11 +176,11 @@ class RecordBuilder:
         if judgement.plot is not None:
             self._plots.append(judgement.plot)
 
-    def build(self, seconds: float, timings: Mapping[str, float]) -> Record:
+    def build(self, seconds: float, timings: Mapping[str, float]) -> records.Record:
         """Build the record; `timings` are seconds by phase."""
         case = self._scene.case
         verdicts = _by_target(self._programs.values())
-        return Record(
+        return records.Record(
             id=case.id,
             variant=self._scene.variant,
             title=case.title,
@@ -215,7 +200,7 @@ class RecordBuilder:
             curves=tuple(self._curves),
             plots=tuple(self._plots),
             errata=tuple(
-                ErratumNote(
+                records.ErratumNote(
                     section=e.section or case.section, says=e.says, truth=e.truth, proof=e.proof
                 )
                 for e in case.errata
@@ -238,7 +223,7 @@ class RecordBuilder:
             drawn=tuple(self._find_drawn_outputs()),
         )
 
-    def _find_drawn_outputs(self) -> Iterator[DrawnOutput]:
+    def _find_drawn_outputs(self) -> Iterator[records.DrawnOutput]:
         """Each output with the expectations that read it and fail."""
         failed = {key: ["its own shader"] for key in self._outside}
         judged = zip(self._scene.expect, self._outcomes, strict=False)
@@ -248,14 +233,14 @@ class RecordBuilder:
                     failed.setdefault((read.pass_name, read.output), []).append(outcome.name)
         for key, image in self.drawn.items():
             height, width = image.values.shape[:2]
-            yield DrawnOutput(
+            yield records.DrawnOutput(
                 name=".".join(key),
                 size=(width, height),
                 digest=digest_values(image.values),
                 failed=tuple(dict.fromkeys(failed.get(key, ()))),
             )
 
-    def _final_status(self, verdicts: Mapping[str, str]) -> Status:
+    def _final_status(self, verdicts: Mapping[str, str]) -> records.Status:
         if self._status != "pass":
             return self._status
         statuses = {outcome.status for outcome in self._outcomes}
@@ -265,7 +250,7 @@ class RecordBuilder:
             return "fail"
         return "pass"
 
-    def _find_assignment(self, key: PassDraw, output: str) -> list[SourceText]:
+    def _find_assignment(self, key: PassDraw, output: str) -> list[records.SourceText]:
         """The last line of a draw's program that assigns to an output."""
         sources = self._drawn_by[key]
         name = output.rpartition(".")[2].partition("[")[0]  # blocks go by another name in a shader
@@ -278,16 +263,16 @@ class RecordBuilder:
         return []
 
 
-def _program_record(draw: PreparedDraw, assembly: str) -> ProgramRecord:
+def _program_record(draw: PreparedDraw, assembly: str) -> records.ProgramRecord:
     modules = draw.compiled.spirv
     parts: dict[str, str] = {}
     for source in draw.authored:
         parts.update(dict(source.parts))
     sources = [
-        SourceText(file=display_path(path), line=1, language="glsl", text=text)
+        records.SourceText(file=display_path(path), line=1, language="glsl", text=text)
         for path, text in parts.items()
     ]
-    return ProgramRecord(
+    return records.ProgramRecord(
         files=tuple(source.file for source in sources),
         sources=tuple(sources),
         verdicts=tuple(
@@ -298,7 +283,7 @@ def _program_record(draw: PreparedDraw, assembly: str) -> ProgramRecord:
     )
 
 
-def _declarations(interface: Interface | None) -> Iterator[Declared]:
+def _declarations(interface: Interface | None) -> Iterator[records.Declared]:
     """What a program declares, stage inputs first."""
     if interface is None:
         return
@@ -313,11 +298,11 @@ def _declarations(interface: Interface | None) -> Iterator[Declared]:
             if name.startswith("shaderlab_"):  # of the vertex stage that the lab writes
                 continue
             size = "" if v.array is None else f"[{v.array or ''}]"
-            yield Declared(
+            yield records.Declared(
                 kind=kind, name=name, type=v.type + size, location=v.location, used=v.used
             )
     for name, block in interface.blocks.items():
-        yield Declared(
+        yield records.Declared(
             kind="block",
             name=name,
             type=f"{block.kind} block of {block.size} bytes",
@@ -326,7 +311,7 @@ def _declarations(interface: Interface | None) -> Iterator[Declared]:
         )
 
 
-def _status_of(error: BaseException, driver: str | None) -> tuple[Status, ShaderlabError]:
+def _status_of(error: BaseException, driver: str | None) -> tuple[records.Status, ShaderlabError]:
     """The status of a scene that an exception ended, and the error to show."""
     match error:
         case UnsupportedError():
@@ -356,14 +341,14 @@ def format_error(error: ShaderlabError) -> str:
     return f"{place}{error.message}{remedy}"
 
 
-def _for_display(verdict: Verdict, assembly: str = "") -> Verdict:
+def _for_display(verdict: records.Verdict, assembly: str = "") -> records.Verdict:
     if not (verdict.diagnostics or assembly):
         return verdict
     diagnostics = (replace(d, file=display_path(d.file)) for d in verdict.diagnostics)
     return replace(verdict, diagnostics=tuple(diagnostics), assembly=assembly)
 
 
-def _by_target(programs: Iterable[ProgramRecord]) -> dict[str, str]:
+def _by_target(programs: Iterable[records.ProgramRecord]) -> dict[str, str]:
     verdicts: dict[str, str] = {}
     for program in programs:
         for verdict in program.verdicts:
@@ -405,13 +390,13 @@ def _numbers(value: object) -> list[float]:
     return [float(v) for v in np.ravel(np.asarray(value, np.float64))]
 
 
-def _buffer_records(prepared: Programs) -> tuple[BufferRecord, ...]:
+def _buffer_records(prepared: Programs) -> tuple[records.BufferRecord, ...]:
     """A scene's uniform buffers, and the vertex buffers of meshes that ask for a layout; each
     appears once."""
     return tuple([*_uniform_buffers(prepared), *_vertex_buffers(prepared)][:_MOST_BUFFERS])
 
 
-def _uniform_buffers(prepared: Programs) -> Iterator[BufferRecord]:
+def _uniform_buffers(prepared: Programs) -> Iterator[records.BufferRecord]:
     users: dict[int, list[tuple[str, UniformBuffer, PreparedDraw]]] = {}
     for draws in prepared.values():
         for draw in draws:
@@ -423,15 +408,17 @@ def _uniform_buffers(prepared: Programs) -> Iterator[BufferRecord]:
         block = None if interface is None else bind.uniform_blocks(interface).get(name)
         if block is not None:
             parts = tuple(
-                BufferPart(name=member.name, offset=member.offset, stride=member.array_stride)
+                records.BufferPart(
+                    name=member.name, offset=member.offset, stride=member.array_stride
+                )
                 for member in block.members.values()
             )
-            yield BufferRecord(
+            yield records.BufferRecord(
                 name=name, kind="uniform", size=block.size, used=len(uses), parts=parts
             )
 
 
-def _vertex_buffers(prepared: Programs) -> Iterator[BufferRecord]:
+def _vertex_buffers(prepared: Programs) -> Iterator[records.BufferRecord]:
     meshes: dict[int, tuple[str, Mesh, int]] = {}
     for name, draws in prepared.items():
         for draw in draws:
@@ -442,13 +429,15 @@ def _vertex_buffers(prepared: Programs) -> Iterator[BufferRecord]:
     for name, mesh, count in meshes.values():
         places = mesh.placements()
         for number, pieces in enumerate(mesh.parts()):
-            yield BufferRecord(
+            yield records.BufferRecord(
                 name=f"{name}, buffer {number}",
                 kind="vertex",
                 size=sum(len(piece) for _, piece in pieces),
                 used=count,
                 parts=tuple(
-                    BufferPart(name=attribute, offset=p.offset, stride=p.stride, divisor=p.divisor)
+                    records.BufferPart(
+                        name=attribute, offset=p.offset, stride=p.stride, divisor=p.divisor
+                    )
                     for attribute, p in places.items()
                     if p.buffer == number
                 ),

@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+from shaderlab import errors
 from shaderlab.compiler.compile import Compiled, find_below_highp
 from shaderlab.compiler.compile_cache import cached_compiler
 from shaderlab.compiler.glslang import TARGETS
@@ -18,15 +19,6 @@ from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Backend, open_backend
 from shaderlab.drivers.programs.prepare import Preparer, Programs
 from shaderlab.engine.settings import load_settings
-from shaderlab.errors import (
-    CaseError,
-    DeviceLostError,
-    DriverError,
-    MissingPackageError,
-    ShaderlabError,
-    UnsupportedError,
-    suggest,
-)
 from shaderlab.model.calls import CallEdit
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Judgement
@@ -90,12 +82,12 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
             raise
         except BaseException as error:
             # A defect of the lab itself costs this scene only; the other scenes go on.
-            known = isinstance(error, ShaderlabError | MemoryError)
+            known = isinstance(error, errors.ShaderlabError | MemoryError)
             if isinstance(error, Exception) and not known and _is_debugging():
                 raise
             self.exhausted |= isinstance(error, MemoryError)
             record.set_error(error, self.options.driver)
-            if isinstance(error, DeviceLostError):
+            if isinstance(error, errors.DeviceLostError):
                 self.close()  # the next scene opens another one
         return record.build(time.perf_counter() - started, timer.timings())
 
@@ -189,7 +181,7 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
         record: RecordBuilder,
         pictures: PictureWriter,
         check: SceneCheck | None = None,
-    ) -> dict[int, UnsupportedError]:
+    ) -> dict[int, errors.UnsupportedError]:
         """Capture for each expectation and judge it, one after the other, and write its pictures;
         with the self-check of what they capture.
 
@@ -205,7 +197,7 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
                 evaluation.gather(expectation)
                 # The first failure is explained: others mostly fail for the same reason.
                 explained |= self._judge(evaluation, record, pictures, index, explain=not explained)
-            except UnsupportedError as error:
+            except errors.UnsupportedError as error:
                 unanswered[index] = error
         return unanswered
 
@@ -236,9 +228,9 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
                         outcome.worst.pixel if outcome.worst else None,
                         passed=outcome.status == "pass",
                     )
-        except MissingPackageError:
+        except errors.MissingPackageError:
             raise
-        except ShaderlabError as error:  # in a picture: of values that nothing else looked at
+        except errors.ShaderlabError as error:  # of values that only a picture looks at
             judgement = _make_failed_judgement(expectation, error)
             outcome = judgement.outcome
         formula = expectation if isinstance(expectation, Formula) else None
@@ -270,10 +262,10 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
             ):
                 explanation = FEATURES.explain(copy, formula, outcome)
         except Exception as error:
-            if not isinstance(error, ShaderlabError) and _is_debugging():
+            if not isinstance(error, errors.ShaderlabError) and _is_debugging():
                 raise
             pixel = (outcome.worst.pixel if outcome.worst else None) or (0, 0)
-            message = error.message if isinstance(error, ShaderlabError) else repr(error)
+            message = error.message if isinstance(error, errors.ShaderlabError) else repr(error)
             explanation = Explanation(pixel=pixel, steps=(), refused=message)
         pass_name, draw = formula.key(scene)
         lower = list(filter(None, map(find_below_highp, programs[pass_name][draw].authored)))
@@ -351,7 +343,7 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
         """What the driver says of itself; "renderer" is "none" while no device could be opened."""
         try:
             return self.backend.info
-        except DriverError as error:
+        except errors.DriverError as error:
             return {"renderer": "none", "vendor": "", "version": error.message, "glsl": ""}
 
     def configure(self, options: RunOptions) -> None:
@@ -404,7 +396,7 @@ def _compile_for_opengl(sources: Sequence[Source], _: Sequence[str]) -> Compiled
     return cached_compiler()(sources, ("glsl", "opengl")).only(["glsl"])
 
 
-def _make_failed_judgement(expectation: Expectation, error: ShaderlabError) -> Judgement:
+def _make_failed_judgement(expectation: Expectation, error: errors.ShaderlabError) -> Judgement:
     return Judgement(
         outcome=Outcome(
             name=expectation.name,
@@ -424,8 +416,8 @@ def _picture_of(scene: Scene, images: Mapping[tuple[str, str], Image]) -> tuple[
         return next(key for key in images if key[0] == last)
     if (named.pass_name, named.name) not in images:
         known = [".".join(key) for key in images]
-        raise CaseError(
+        raise errors.CaseError(
             f"there is no output {scene.case.picture!r} to be the picture",
-            remedy=suggest(scene.case.picture, known),
+            remedy=errors.suggest(scene.case.picture, known),
         )
     return named.pass_name, named.name

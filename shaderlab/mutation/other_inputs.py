@@ -25,19 +25,10 @@ from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.base import Named
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import UnsupportedError
+from shaderlab.model import textures
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, PassDraw, Texels, differ
 from shaderlab.model.scene import UNIT_SQUARE, Ramp, Target, UniformBuffer
-from shaderlab.model.textures import (
-    TEXTURE_FORMATS,
-    CompressedTexture,
-    CubeTexture,
-    Output,
-    Sampling,
-    Texture,
-    TextureArray,
-    TextureSource,
-)
 from shaderlab.mutation.mutants import Trial, part_of, with_inputs
 
 _ROUNDS = 6
@@ -223,11 +214,11 @@ class _InputMaker:
                 n: self._number(v, kinds.get(n, "float")) for n, v in draw.uniforms.items()
             }
             changes["buffers"] = {
-                n: v if isinstance(v, Output) else self._contents(bindings.buffers[n])
+                n: v if isinstance(v, textures.Output) else self._contents(bindings.buffers[n])
                 for n, v in draw.buffers.items()
             }
             changes["images"] = {
-                n: v if isinstance(v, Output) else self._image(bindings.images[n])
+                n: v if isinstance(v, textures.Output) else self._image(bindings.images[n])
                 for n, v in draw.images.items()
             }
             changes["blocks"] = {n: self._once(b, self._buffer) for n, b in draw.blocks.items()}
@@ -256,24 +247,26 @@ class _InputMaker:
             self._shared[id(thing)] = (thing, make(thing, *more))
         return self._shared[id(thing)][1]
 
-    def _texture(self, source: TextureSource, texels: Texels) -> TextureSource:
+    def _texture(self, source: textures.TextureSource, texels: Texels) -> textures.TextureSource:
         shape, format = texels.values.shape, texels.format
-        if isinstance(source, CubeTexture):
+        if isinstance(source, textures.CubeTexture):
             return replace(source, faces=[self._texels(shape[1:], format) for _ in range(6)])
-        if isinstance(source, TextureArray):
+        if isinstance(source, textures.TextureArray):
             return replace(source, layers=[self._texels(shape[1:], format) for _ in source.layers])
-        if isinstance(source, Texture):
+        if isinstance(source, textures.Texture):
             levels: Any = source.mipmaps
             if not isinstance(levels, bool):
                 levels = [self._texels(level.shape, format) for level in texels.smaller]
             return replace(source, image=self._texels(shape, format), mipmaps=levels)
-        if isinstance(source, CompressedTexture):
+        if isinstance(source, textures.CompressedTexture):
             format = "rgba8"
-        if texels.kind != "2D" or format not in TEXTURE_FORMATS:
+        if texels.kind != "2D" or format not in textures.TEXTURE_FORMATS:
             return source  # samples, or a stencil: only drawing makes these
-        sampling = {f.name: getattr(source, f.name) for f in fields(Sampling)}
+        sampling = {f.name: getattr(source, f.name) for f in fields(textures.Sampling)}
         image = self._texels((*shape[:2], format_of(format).components), format)
-        return Texture(image=image, format=format, mipmaps="mipmap" in source.filter[0], **sampling)
+        return textures.Texture(
+            image=image, format=format, mipmaps="mipmap" in source.filter[0], **sampling
+        )
 
     def _texels(self, shape: Sequence[int], format: str) -> Array:
         known = format_of(format)

@@ -16,16 +16,7 @@ from shaderlab.model.scene import Target
 from shaderlab.model.state import COMPARISONS, State
 from shaderlab.model.textures import WRAPS, CompressedTexture, Output, TextureSource, level_sizes
 
-from ..programs import bind
-from ..programs.textures import (
-    DEPTH,
-    find_image,
-    format_of,
-    load_blocks,
-    numpy_type,
-    texture_contents,
-    texture_kind,
-)
+from ..programs import bind, textures
 from ..resources import COVERING, UNREADABLE, DeviceTexels, SceneTextures
 from .device import (
     GENERAL,
@@ -85,11 +76,11 @@ def layout_of(mesh: Mesh | None, declared: Mapping[str, Variable]) -> VertexLayo
         if variable is None or variable.location is None:
             continue
         array = mesh.inputs[name]
-        if array.dtype.kind in "iu" and numpy_type(variable.type) is np.float32:
+        if array.dtype.kind in "iu" and textures.numpy_type(variable.type) is np.float32:
             raise UnsupportedError(f"{name}: integers for a {variable.type}: Vulkan converts none")
         columns = array.shape[2] if array.ndim == 3 else 1
         size = array.shape[1]
-        letter = "u" if numpy_type(variable.type) is np.uint32 else array.dtype.kind
+        letter = "u" if textures.numpy_type(variable.type) is np.uint32 else array.dtype.kind
         channels = "".join(f"{channel}32" for channel in "RGBA"[:size])
         format = constant(f"FORMAT_{channels}_{_FORMATS[letter]}")
         for column in range(columns):
@@ -310,7 +301,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         ))  # fmt: skip
 
     def attachment(self, source: Output, kind: str) -> DeviceTexels:
-        image = find_image(source, self.images)
+        image = textures.find_image(source, self.images)
         target = self.targets[source.pass_name]
         if kind == "2DMS":
             return self._fetch_samples(source, image, target)
@@ -335,15 +326,15 @@ class BoundTextures(SceneTextures[RenderTarget]):
             fetch_texels(self.linker, view, "2DMS", number, target.size, "rgba32f")
             for number in range(target.samples)
         ]
-        channels = format_of(image.format).components
+        channels = textures.format_of(image.format).components
         return DeviceTexels(source, view, image.format, np.stack(each)[..., :channels])
 
     def upload(self, source: TextureSource) -> DeviceTexels:
         assert not isinstance(source, Output)
         if isinstance(source, CompressedTexture):
             return self._upload_compressed(source)
-        kind = texture_kind(source, "", 0)
-        images = texture_contents(source, self.folder, self.images)
+        kind = textures.texture_kind(source, "", 0)
+        images = textures.texture_contents(source, self.folder, self.images)
         height, width = images.layers[0].shape[:2]
         format = choose_format(self._device, source.format, "sampled_image")
         given = [np.stack(images.layers), *(level[None] for level in images.smaller)]
@@ -353,17 +344,17 @@ class BoundTextures(SceneTextures[RenderTarget]):
         )  # fmt: skip
         fill(self._device, made, given)
         values, smaller = images.layers[0], tuple(images.smaller)
-        if kind != "2D" or format in DEPTH:
+        if kind != "2D" or format in textures.DEPTH:
             # A depth is rounded to its format's codes on the way.
             values = self._read(made, 0)
         if source.mipmaps is True:
             generate_levels(self._device, made)
-        if source.mipmaps is True or (smaller and format in DEPTH):
+        if source.mipmaps is True or (smaller and format in textures.DEPTH):
             smaller = self._smaller(made)
         return DeviceTexels(source, self._view(made), format, values, smaller)
 
     def _upload_compressed(self, source: CompressedTexture) -> DeviceTexels:
-        blocks = load_blocks(source, self.folder)
+        blocks = textures.load_blocks(source, self.folder)
         choose_format(self._device, blocks.format, "sampled_image")
         sizes = level_sizes(*blocks.size)[: len(blocks.levels)]
         made = new_image(

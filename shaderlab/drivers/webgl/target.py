@@ -12,16 +12,8 @@ from shaderlab.model.scene import Target
 
 from ..programs.textures import COLOR, DEPTH
 from ..resources import Attachments, multisampled_error
+from . import textures
 from .device import Device, Object, Objects
-from .textures import (
-    draw_to_floats,
-    fetch_texels,
-    read_attached,
-    read_pixels,
-    read_stencil,
-    texture_format,
-    use_own_program,
-)
 
 
 class RenderTarget(Attachments):
@@ -130,13 +122,15 @@ class RenderTarget(Attachments):
     def read(self, name: str) -> Image:
         if name in self.colors:
             word = self.colors[name]
-            return Image(read_attached(self._device, self.textures[name], word, self.size), word)
+            return Image(
+                textures.read_attached(self._device, self.textures[name], word, self.size), word
+            )
         if self.depth_texture is None:
             raise multisampled_error(name)
         if name == "stencil":
             own = {self._depth_point: self.depth_texture}
-            return Image(read_stencil(self._device, own, self.size), "stencil8")
-        values = fetch_texels(self._device, self.depth_texture, self.size)
+            return Image(textures.read_stencil(self._device, own, self.size), "stencil8")
+        values = textures.fetch_texels(self._device, self.depth_texture, self.size)
         return Image(np.ascontiguousarray(values[..., :1]), self.depth)
 
     @property
@@ -148,7 +142,9 @@ class RenderTarget(Attachments):
         gl, made = self._device.gl, self._objects.new("Texture")
         gl.activeTexture(gl.TEXTURE0)
         gl.bindTexture(gl.TEXTURE_2D, made)
-        gl.texStorage2D(gl.TEXTURE_2D, 1, getattr(gl, texture_format(word).internal), *self.size)
+        gl.texStorage2D(
+            gl.TEXTURE_2D, 1, getattr(gl, textures.texture_format(word).internal), *self.size
+        )
         return made
 
     def _make_buffers(self) -> tuple[dict[str, Object], Object | None]:
@@ -160,7 +156,7 @@ class RenderTarget(Attachments):
         def buffer(word: str) -> Object:
             made = self._objects.new("Renderbuffer")
             gl.bindRenderbuffer(gl.RENDERBUFFER, made)
-            internal = getattr(gl, texture_format(word).internal)
+            internal = getattr(gl, textures.texture_format(word).internal)
             gl.renderbufferStorageMultisample(gl.RENDERBUFFER, self.samples, internal, *self.size)
             return made
 
@@ -185,7 +181,7 @@ class RenderTarget(Attachments):
         words = [*self.colors.values(), *([self.depth] if self.depth else [])]
         offered = {1, 2, 4, 8, 16}
         for word in words:
-            offered &= {1, *gl.ask("samples", getattr(gl, texture_format(word).internal))}
+            offered &= {1, *gl.ask("samples", getattr(gl, textures.texture_format(word).internal))}
         found = sorted(count for count in offered if count >= asked)
         if not found:
             what = ", ".join(words)
@@ -216,9 +212,9 @@ def measure_sample_positions(device: Device, samples: int) -> Array:
     device.require(_EXTENSION, "sample positions")
     gl, found = device.gl, []
     with Objects(gl) as own:
-        program = use_own_program(device, _TELLING)
+        program = textures.use_own_program(device, _TELLING)
         # What is read is the average of all samples, of which one is not zero.
-        frame = draw_to_floats(device, own, (1, 1))
+        frame = textures.draw_to_floats(device, own, (1, 1))
         several, buffer = own.new("Framebuffer"), own.new("Renderbuffer")
         gl.bindRenderbuffer(gl.RENDERBUFFER, buffer)
         gl.renderbufferStorageMultisample(gl.RENDERBUFFER, samples, gl.RGBA32F, 1, 1)
@@ -234,6 +230,6 @@ def measure_sample_positions(device: Device, samples: int) -> Array:
             gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, frame)
             gl.blitFramebuffer(0, 0, 1, 1, 0, 0, 1, 1, gl.COLOR_BUFFER_BIT, gl.NEAREST)
             gl.bindFramebuffer(gl.FRAMEBUFFER, frame)
-            x, y, _, share = read_pixels(device, "rgba32f", (1, 1))[0, 0]
+            x, y, _, share = textures.read_pixels(device, "rgba32f", (1, 1))[0, 0]
             found.append((x / share, y / share))
     return np.array(found, np.float32)

@@ -19,14 +19,7 @@ from shaderlab.model.textures import CompressedTexture, Output, TextureSource, l
 
 from .. import Size
 from ..gl_state import sampler_calls
-from ..programs.textures import (
-    DEPTH,
-    find_image,
-    format_of,
-    load_blocks,
-    texture_contents,
-    texture_kind,
-)
+from ..programs import textures
 from ..resources import COVERING, UNREADABLE, DeviceTexels, SceneTextures
 from .device import ARRAYS, Device, Object, Objects, decode
 
@@ -65,14 +58,14 @@ def texture_format(word: str) -> Stored:
     if word in _DEPTHS:
         internal, kind = _DEPTHS[word]
         return Stored(internal, "DEPTH_STENCIL" if "stencil" in word else "DEPTH_COMPONENT", kind)
-    found = format_of(word)
+    found = textures.format_of(word)
     channels = _CHANNELS[found.components] + ("_INTEGER" if found.integer else "")
     return Stored(word.upper(), channels, _TYPES[found.numpy])
 
 
 def encode_texels(word: str, values: Array) -> Array:
     """Texels as they are handed over: depths as codes, those of 24 bits as the nearest of 32."""
-    if word not in DEPTH or word == "depth32f":
+    if word not in textures.DEPTH or word == "depth32f":
         return np.ascontiguousarray(values)
     most = 0xFFFF if word == "depth16" else 0xFFFFFF
     codes = np.rint(np.clip(values.astype(np.float64), 0.0, 1.0) * most).astype(np.uint32)
@@ -81,7 +74,7 @@ def encode_texels(word: str, values: Array) -> Array:
 
 def round_depths(word: str, values: Array) -> Array:
     """Texels as shaders get them after `uploaded`: depths are those that their codes stand for."""
-    if word not in DEPTH or word == "depth32f":
+    if word not in textures.DEPTH or word == "depth32f":
         return values
     codes = encode_texels(word, values)
     return (codes / float(np.iinfo(codes.dtype).max)).astype(np.float32)
@@ -98,9 +91,9 @@ def require_filtered(device: Device, word: str, filters: tuple[str, str], compar
     """Raise UnsupportedError where WebGL2 does not filter a format."""
     if all(name in ("nearest", "nearest_mipmap_nearest") for name in filters):
         return
-    if word in DEPTH and not compared:
+    if word in textures.DEPTH and not compared:
         raise UnsupportedError(f"filtering {word}: WebGL2 filters depths only as it compares them")
-    if word.endswith("32f") and word not in DEPTH:
+    if word.endswith("32f") and word not in textures.DEPTH:
         device.require("OES_texture_float_linear", f"filtering {word}")
 
 
@@ -138,7 +131,7 @@ def read_attached(
 def read_pixels(device: Device, word: str, size: Size) -> Array:
     """Return the first attachment of the framebuffer that is bound, (height, width, channels).
     Raises DriverError: it can't be read."""
-    gl, found = device.gl, format_of(word)
+    gl, found = device.gl, textures.format_of(word)
     read = found.numpy if found.numpy in _READ else np.float32
     format, kind = (getattr(gl, name) for name in _READ[read])
     how = (format, kind, ARRAYS[np.dtype(read)], found.components)
@@ -268,7 +261,7 @@ class BoundTextures(SceneTextures[Any]):
     def attachment(self, source: Output, kind: str) -> DeviceTexels:
         if kind == "2DMS":
             raise UnsupportedError("sampler2DMS: WebGL2 has no multisampled textures")
-        image, target = find_image(source, self.images), self.targets[source.pass_name]
+        image, target = textures.find_image(source, self.images), self.targets[source.pass_name]
         if source.name == "stencil":
             raise UnsupportedError("sampling the stencil of this target")
         drawn = target.textures.get(source.name, target.depth_texture)
@@ -287,10 +280,10 @@ class BoundTextures(SceneTextures[Any]):
         assert not isinstance(source, Output)
         if isinstance(source, CompressedTexture):
             return self._upload_compressed(source)
-        kind, word = texture_kind(source, "", 0), source.format
+        kind, word = textures.texture_kind(source, "", 0), source.format
         if kind == "3D":
             raise UnsupportedError("sampler3D on this backend", remedy="--driver opengl draws it")
-        images = texture_contents(source, self.folder, self.images)
+        images = textures.texture_contents(source, self.folder, self.images)
         height, width = images.layers[0].shape[:2]
         given: list[Sequence[Array]] = [images.layers, *([level] for level in images.smaller)]
         whole = source.mipmaps is True
@@ -302,7 +295,7 @@ class BoundTextures(SceneTextures[Any]):
         values, smaller = images.layers[0], tuple(images.smaller)
         if kind != "2D":
             values = np.stack([round_depths(word, each) for each in images.layers])
-        elif word in DEPTH:  # a depth is rounded to its format's codes on the way
+        elif word in textures.DEPTH:  # a depth is rounded to its format's codes on the way
             values = fetch_texels(self._device, texture.handle, texture.size)[..., :1]
             sizes = level_sizes(width, height)[1:count]
             smaller = tuple(
@@ -315,7 +308,7 @@ class BoundTextures(SceneTextures[Any]):
         return DeviceTexels(source, texture, word, values, smaller)
 
     def _upload_compressed(self, source: CompressedTexture) -> DeviceTexels:
-        gl, blocks = self._device.gl, load_blocks(source, self.folder)
+        gl, blocks = self._device.gl, textures.load_blocks(source, self.folder)
         name, extension = COMPRESSED[blocks.format]
         self._device.require(extension, blocks.format)
         texture = DeviceTexture(self._own.new("Texture"), "2D", "rgba8", blocks.size)
@@ -372,7 +365,7 @@ class BoundTextures(SceneTextures[Any]):
     def _generate(self, texture: DeviceTexture) -> None:
         """Halve each level into the next one."""
         gl = self._device.gl
-        if texture.word in _NO_LEVELS or texture.word in DEPTH:
+        if texture.word in _NO_LEVELS or texture.word in textures.DEPTH:
             raise UnsupportedError(f"mipmaps=True: WebGL2 makes no levels of {texture.word}")
         require_filtered(self._device, texture.word, ("linear", "linear"), False)
         gl.bindTexture(getattr(gl, texture.target), texture.handle)
