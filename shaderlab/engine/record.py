@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +37,7 @@ from shaderlab.model.scene import Ramp, UniformBuffer
 
 from .catalogue import chapter_title, place_of
 from .judging.banded import format_value
-from .pictures import PictureFiles, PictureWriter, digest_values
+from .pictures import PictureWriter, digest_values
 
 _MOST_BUFFERS = 24
 
@@ -45,37 +46,47 @@ class RecordBuilder:
     """Collects what a record is made of, in the order in which a scene runs.
 
     Attributes:
-        unread: the outputs that no expectation reads.
-        picture: the case's picture.
-        passes: the scene's passes, with their pictures.
+        record: what is known so far; `set` adds to it.
         drawn: what was drawn, where it is to be compared with what another driver draws.
     """
 
     def __init__(self, scene: Scene) -> None:
-        self.unread: tuple[str, ...] = ()
-        self.picture = PictureFiles()
-        self.passes: tuple[records.PassRecord, ...] = ()
+        case = scene.case
         self.drawn: Mapping[tuple[str, str], Image] = {}
         self._scene = scene
-        self._status: records.Status = "pass"
-        self._message = ""
         self._programs: dict[tuple[Source, ...], records.ProgramRecord] = {}
         self._drawn_by: dict[PassDraw, tuple[Source, ...]] = {}
-        self._outcomes: list[records.Outcome] = []
-        self._curves: list[records.Curve] = []
-        self._plots: list[records.Plot] = []
-        self._notices: list[str] = []
-        self._not_asked: tuple[str, ...] = ()
-        self._gl_calls: tuple[records.CallsRecord, ...] = ()
-        self._modules: records.ModulesRecord | None = None
         self._outside: Collection[tuple[str, str]] = ()
-        self._buffers: tuple[records.BufferRecord, ...] = ()
-        self._driver, self._size, self._picture_size = "", 0, 0
+        self.record = records.Record(
+            id=case.id,
+            variant=scene.variant,
+            title=case.title,
+            section=case.section,
+            chapter=chapter_title(case.file, case.section),
+            place=place_of(case.file, case.id, case.section),
+            lesson=case.lesson,
+            formula=case.math,
+            file=display_path(case.file),
+            status="pass",
+            errata=tuple(
+                records.ErratumNote(
+                    section=e.section or case.section, says=e.says, truth=e.truth, proof=e.proof
+                )
+                for e in case.errata
+            ),
+            inputs=_format_inputs(scene),
+            columns=tuple(case.columns),
+            rows=tuple(case.rows),
+        )
+
+    def set(self, **fields: Any) -> None:
+        """Set fields of the record."""
+        self.record = replace(self.record, **fields)
 
     def set_error(self, error: BaseException, driver: str | None) -> None:
         """Set the exception that ended the scene, with the status that it gives the record."""
-        self._status, shown_error = _status_of(error, driver)
-        self._message = format_error(shown_error)
+        status, shown_error = _status_of(error, driver)
+        self.set(status=status, message=format_error(shown_error))
 
     def set_unanswered(self, unanswered: Mapping[int, UnsupportedError]) -> None:
         """Set the expectations, by number, that the driver has no answer for, and why.
@@ -87,19 +98,14 @@ class RecordBuilder:
             return
         expect = self._scene.expect
         lacking = {i: e for i, e in unanswered.items() if not isinstance(e, OtherApiError)}
-        self._not_asked = tuple(expect[i].name for i in unanswered if i not in lacking)
+        self.set(not_asked=tuple(expect[i].name for i in unanswered if i not in lacking))
         if lacking:
             names = ", ".join(repr(expect[index].name) for index in lacking)
             self.add_notice(f"not judged on this driver: {names}")
-        passed = all(outcome.status == "pass" for outcome in self._outcomes)
+        passed = all(outcome.status == "pass" for outcome in self.record.expectations)
         if passed and (lacking or len(unanswered) == len(expect)):
-            self._status = "unsupported"
-            self._message = format_error(next(iter((lacking or unanswered).values())))
-
-    def set_device(self, driver: Mapping[str, str], size: int, picture_size: int) -> None:
-        """Set what the drawn values depend on besides the case."""
-        self._driver = f"{driver['renderer']}; {driver['version']}"
-        self._size, self._picture_size = size, picture_size
+            message = format_error(next(iter((lacking or unanswered).values())))
+            self.set(status="unsupported", message=message)
 
     def add_programs(self, programs: Programs, pictures: PictureWriter) -> None:
         """Add each different program's sources and verdicts, and the layout of the buffers."""
@@ -111,7 +117,7 @@ class RecordBuilder:
                     with self.notice_if_unwritable():
                         file = pictures.write_assembly(draw.compiled.spirv)
                     self._programs[draw.sources] = _program_record(draw, file)
-        self._buffers = _buffer_records(programs)
+        self.set(buffers=_buffer_records(programs))
 
     def add_driver_verdicts(
         self, verdict_of: Callable[[tuple[Source, ...]], records.Verdict]
@@ -124,10 +130,10 @@ class RecordBuilder:
     def set_gl_calls(self, trace: Sequence[TracedCall]) -> None:
         """Set the calls that change something, by pass and draw."""
         effective = [call for call in trace if call.effective]
-        self._gl_calls = tuple(
+        self.set(gl_calls=tuple(
             records.CallsRecord(pass_name=name, draw=draw, calls=tuple(map(str, calls)))
             for (name, draw), calls in groupby(effective, lambda c: (c.pass_name, c.draw))
-        )
+        ))  # fmt: skip
 
     def set_self_check(
         self,
@@ -140,14 +146,15 @@ class RecordBuilder:
         """Set what holding draws against their own shaders gave: what was judged, its outcome,
         which is shown where it fails, or `always`, and the outputs that their shader does not
         allow."""
-        self._modules, self._outside = modules, outside
+        self.set(modules=modules)
+        self._outside = outside
         if always or judgement.outcome.message:
             self.add_outcome(judgement.outcome, judgement)
 
     def add_notice(self, text: str) -> None:
         """Add a message that changes no verdict."""
-        if text not in self._notices:
-            self._notices.append(text)
+        if text not in self.record.notices:
+            self.set(notices=(*self.record.notices, text))
 
     @contextmanager
     def notice_if_unwritable(self, what: str = "a picture") -> Iterator[None]:
@@ -163,70 +170,38 @@ class RecordBuilder:
     def add_inactive_uniforms(self, names: frozenset[str]) -> None:
         """Add a notice for each declared uniform that the driver found to have no effect."""
         for name in sorted(names):
-            self._notices.append(f"uniform {name} is declared but inactive: it changes no output")
+            self.add_notice(f"uniform {name} is declared but inactive: it changes no output")
 
     def add_outcome(self, outcome: records.Outcome, judgement: Judgement) -> None:
         """Add one expectation's outcome, with its curve and plot if it has any."""
         where = [replace(s, file=display_path(s.file)) for s in outcome.sources]
         if judgement.output is not None:
             where += self._find_assignment(*judgement.output)
-        self._outcomes.append(replace(outcome, sources=tuple(where)))
+        known, outcome = self.record, replace(outcome, sources=tuple(where))
+        self.set(expectations=(*known.expectations, outcome))
         if judgement.curve is not None:
-            self._curves.append(judgement.curve)
+            self.set(curves=(*known.curves, judgement.curve))
         if judgement.plot is not None:
-            self._plots.append(judgement.plot)
+            self.set(plots=(*known.plots, judgement.plot))
 
     def build(self, seconds: float, timings: Mapping[str, float]) -> records.Record:
         """Build the record; `timings` are seconds by phase."""
-        case = self._scene.case
         verdicts = _by_target(self._programs.values())
-        return records.Record(
-            id=case.id,
-            variant=self._scene.variant,
-            title=case.title,
-            section=case.section,
-            chapter=chapter_title(case.file, case.section),
-            place=place_of(case.file, case.id, case.section),
-            lesson=case.lesson,
-            formula=case.math,
-            file=display_path(case.file),
+        return replace(
+            self.record,
             status=self._final_status(verdicts),
-            message=self._message or _refusal_message(verdicts),
+            message=self.record.message or _refusal_message(verdicts),
             seconds=seconds,
             timings=timings,
             compile=verdicts,
             programs=tuple(self._programs.values()),
-            expectations=tuple(self._outcomes),
-            curves=tuple(self._curves),
-            plots=tuple(self._plots),
-            errata=tuple(
-                records.ErratumNote(
-                    section=e.section or case.section, says=e.says, truth=e.truth, proof=e.proof
-                )
-                for e in case.errata
-            ),
-            inputs=_format_inputs(self._scene),
-            notices=tuple(self._notices),
-            images=self.picture.files,
-            captions=self.picture.captions,
-            columns=tuple(case.columns),
-            rows=tuple(case.rows),
-            passes=self.passes,
-            buffers=self._buffers,
-            driver=self._driver,
-            size=self._size,
-            picture_size=self._picture_size,
-            unread=self.unread,
-            not_asked=self._not_asked,
-            gl_calls=self._gl_calls,
-            modules=self._modules,
             drawn=tuple(self._find_drawn_outputs()),
         )
 
     def _find_drawn_outputs(self) -> Iterator[records.DrawnOutput]:
         """Each output with the expectations that read it and fail."""
         failed = {key: ["its own shader"] for key in self._outside}
-        judged = zip(self._scene.expect, self._outcomes, strict=False)
+        judged = zip(self._scene.expect, self.record.expectations, strict=False)
         for expectation, outcome in judged if self.drawn else ():
             if outcome.status != "pass":
                 for read in expectation.find_reads(self._scene):
@@ -241,9 +216,9 @@ class RecordBuilder:
             )
 
     def _final_status(self, verdicts: Mapping[str, str]) -> records.Status:
-        if self._status != "pass":
-            return self._status
-        statuses = {outcome.status for outcome in self._outcomes}
+        if self.record.status != "pass":
+            return self.record.status
+        statuses = {outcome.status for outcome in self.record.expectations}
         if "error" in statuses:
             return "error"
         if "fail" in statuses or "fail" in verdicts.values():

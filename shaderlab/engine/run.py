@@ -119,11 +119,13 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
         self._require_compute(scene)
         for expectation in scene.expect:
             tuple(expectation.needs(scene, programs))  # raises for a name that is not there
-        record.unread = unread_outputs(scene, programs)
+        record.set(unread=unread_outputs(scene, programs))
         with phase("link"):
             record.add_driver_verdicts(self.driver_verdict)
         picture_size = 0 if self.options.picture_folder is None else self.options.picture_size
-        record.set_device(self.driver, self.options.size, picture_size)
+        driver, size = self.driver, self.options.size
+        described = f"{driver['renderer']}; {driver['version']}"
+        record.set(driver=described, size=size, picture_size=picture_size)
         return programs
 
     def _require_loops_to_end(self, scene: Scene, programs: Programs) -> None:
@@ -167,8 +169,9 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
                     images = enlarge(self.backend, scene, evaluation.programs, images, side)
                 picture = images[_picture_of(scene, images)]
                 with record.notice_if_unwritable():
-                    record.picture = pictures.write_picture(picture)
-                    record.passes = pictures.write_passes(scene, images)
+                    files = pictures.write_picture(picture)
+                    record.set(images=files.files, captions=files.captions)
+                    record.set(passes=pictures.write_passes(scene, images))
         except MemoryError:
             raise
         except Exception as error:
