@@ -60,16 +60,16 @@ class MutationPlan:
 
 @dataclass(frozen=True)
 class MutationTarget(ABC):
-    """What mistakes are made in, and what judges them: a case, or a file of tests. Results have
-    its `id`."""
+    """What mistakes are made in, and what judges them: a case, or a file of tests. As a request it
+    makes them. Results have its `id`."""
 
     file: Path
     id: str
     plan: MutationPlan
 
     @abstractmethod
-    def make(self) -> Request:
-        """Return the request for its mutants."""
+    def perform(self, worker: Worker) -> list[Mutant]:
+        """Return its mutants."""
 
     @abstractmethod
     def judge(self, mutant: Any) -> Request:
@@ -77,20 +77,8 @@ class MutationTarget(ABC):
 
 
 class CaseTarget(MutationTarget):
-    def make(self) -> MakeMutants:
-        return MakeMutants(self.file, self.plan)
-
-    def judge(self, mutant: Mutant) -> JudgeMutant:
-        return JudgeMutant(self.file, self.plan.variants, mutant)
-
-
-@dataclass(frozen=True)
-class MakeMutants:
-    """Requests a case's mutants. Raises ShaderError if a shader can't be read; for mutants of calls
-    the case is drawn, and whatever is wrong with that is raised."""
-
-    file: Path
-    plan: MutationPlan
+    """A case. Raises ShaderError if a shader can't be read; for mutants of calls the case is drawn,
+    and whatever is wrong with that is raised."""
 
     def perform(self, worker: Worker) -> list[Mutant]:
         case, plan = worker.case(str(self.file)), self.plan
@@ -98,6 +86,9 @@ class MakeMutants:
             return make_mutants(case, plan)
         calls = mutate_calls(worker.lab(RunOptions()), case, plan.seed, plan.variants)
         return plan.sample(calls)
+
+    def judge(self, mutant: Mutant) -> JudgeMutant:
+        return JudgeMutant(self.file, self.plan.variants, mutant)
 
 
 @dataclass(frozen=True)
@@ -153,7 +144,7 @@ class MutationRun:
     def __init__(self, targets: Sequence[MutationTarget], executor: Executor) -> None:
         self._executor = executor
         self._runs = [_TargetRun(target) for target in targets]
-        for result in executor.perform([target.make() for target in targets]):
+        for result in executor.perform(targets):
             if result.status != "done":
                 if isinstance(result.value, ShaderlabError):
                     raise result.value

@@ -30,7 +30,7 @@ from shaderlab.functions.library import Function, Library, Loads, record_loads, 
 from shaderlab.functions.properties import Domain, bools, floats, hints_of, ints
 from shaderlab.functions.signatures import Type
 from shaderlab.model.frame import Array
-from shaderlab.mutation.campaign import OPENING_SECONDS, MutationPlan, MutationTarget
+from shaderlab.mutation.campaign import OPENING_SECONDS, MutationTarget
 from shaderlab.mutation.mutants import Mutant, MutantResult
 from shaderlab.mutation.shader_mutants import ShaderMutant, mutate_stage
 from shaderlab.report.text import has_failed
@@ -168,24 +168,13 @@ class FunctionMutant(ShaderMutant):
 
 
 class TestFileTarget(MutationTarget):
-    __test__ = False  # pytest takes it for no test
+    """A file of tests: its mutants are those of the functions that it loads. Raises CaseError: all
+    tests fail as they are, or none loads any function."""
 
-    def make(self) -> MakeFunctionMutants:
-        return MakeFunctionMutants(self.file, self.plan)
+    __test__ = False  # pytest takes it for no test
 
     def judge(self, mutant: FunctionMutant) -> JudgeFunctionMutant:
         return JudgeFunctionMutant(self.file, mutant)
-
-
-@dataclass(frozen=True)
-class MakeFunctionMutants:
-    """Requests the mutants of the functions that tests load.
-
-    Raises CaseError: all tests fail as they are, or none loads any function.
-    """
-
-    file: Path
-    plan: MutationPlan
 
     def perform(self, worker: Worker) -> list[Mutant]:
         worker.restart_limit(OPENING_SECONDS)

@@ -17,8 +17,8 @@ from shaderlab.mutation import MutationPlan
 from shaderlab.mutation.function_tests import (
     FunctionMutant,
     JudgeFunctionMutant,
-    MakeFunctionMutants,
     RunTestFile,
+    TestFileTarget,
     compare_texts,
 )
 
@@ -80,7 +80,7 @@ def worker() -> Worker:
 def made(worker: Worker, file: Path) -> dict[tuple[str, str], FunctionMutant]:
     """The mutants by what they make of what."""
     found = {}
-    for mutant in MakeFunctionMutants(file, MutationPlan()).perform(worker):
+    for mutant in TestFileTarget(file, "", MutationPlan()).perform(worker):
         assert isinstance(mutant, FunctionMutant)
         found[mutant.before, mutant.after] = mutant
     return found
@@ -172,10 +172,10 @@ def test_what_can_not_be_measured_is_said(worker: Worker, folder: Path) -> None:
     file = folder / "test_light.py"
     file.write_text("def test_red(): assert 0\n")
     with pytest.raises(CaseError, match="fails as it is: test_red"):
-        MakeFunctionMutants(file, MutationPlan()).perform(worker)
+        TestFileTarget(file, "", MutationPlan()).perform(worker)
     file.write_text("from shaderlab import glsl\ndef test_nothing(): pass\n")
     with pytest.raises(CaseError, match="asks for a function"):
-        MakeFunctionMutants(file, MutationPlan()).perform(worker)
+        TestFileTarget(file, "", MutationPlan()).perform(worker)
 
 
 def test_the_command_tells_which_tests_notice(folder: Path) -> None:
