@@ -93,6 +93,7 @@ def product(order):
 
 # The letter of each order, where it ends up.
 LETTERS = {4 * k + 3: order for k, order in enumerate(ORDERS)}
+FLOORS = {4 * k: f"floor of {order}" for k, order in enumerate(ORDERS)}
 ONE, AT_ONCE = {"aPos": (1.0, 0.0, 0.0)}, {"one product of matrices": placed_at_once}
 BY_GLM = "(1, 0, 0) by glm::scale, and then glm::rotate"
 FROM_ZEROS = "(1, 0, 0), begun with zeros: there is no place left, w is 0"
@@ -110,6 +111,7 @@ case = Case(
         *stage.checks(),
         *each_draw("judged.Placed", placed, LETTERS, "{} of every vertex", also=AT_ONCE),
         *stage.color_checks(LETTERS),
+        *stage.color_checks(FLOORS),
         *(
             figure("judged.Placed", order, ONE, (*ORDERS[order], 1.0), reference=placed, draw=draw)
             for draw, order in LETTERS.items()

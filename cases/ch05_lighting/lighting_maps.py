@@ -132,6 +132,7 @@ case = Case(
             ),
             clear=(0.004, 0.005, 0.008, 1.0),
         ),
+        lit.glow((1.0, 0.92, 0.72)),
         picture([FOUR_TEXELS], (16, 16), "four"),
     ),
     picture="picture.FragColor",
@@ -142,6 +143,7 @@ case = Case(
         *lit.vertex_stage_checks("FragPos", "Normal", "TexCoords", pass_name="judged"),
         *each_draw("judged.highlight", highlight, HIGHLIGHTS, "highlight {}"),
         *each_draw("judged.FragColor", color, COLOURS, "colour {}"),
+        lit.glow_check(),
         *lit.picture_checks(),
         *figures(
             "four.FragColor",

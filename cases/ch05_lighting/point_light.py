@@ -48,11 +48,14 @@ case = Case(
     section="5.5.2",
     math=r"C = F(d)\,(L_a \odot M_d + n\,L_d \odot M_d + s\,L_s \odot M_s), \qquad "
     r"F(d) = \frac{1}{K_c + K_l\,d + K_q\,d^2}",
-    passes=plaza.photographed(
-        "ch05_lighting/point_light.frag",
-        BULB,
-        clear=(0.003, 0.004, 0.008, 1.0),
-        bulbs=[lit.bulb(LAMP, (1.0, 0.95, 0.80), 0.11, plaza.CAMERA)],
+    passes=(
+        lit.glow((1.0, 0.95, 0.80)),
+        *plaza.photographed(
+            "ch05_lighting/point_light.frag",
+            BULB,
+            clear=(0.003, 0.004, 0.008, 1.0),
+            bulbs=[lit.bulb(LAMP, (1.0, 0.95, 0.80), 0.11, plaza.CAMERA)],
+        ),
     ),
     picture="picture.FragColor",
     expect=[
@@ -62,6 +65,7 @@ case = Case(
         formula("factor", light_sources.fading),
         formula("FragColor", gated_or_not(COLOR, highlight=mirrored_lobe)),
         formula("FragColor", lit.glowing, draw=0, name="the bulb"),
+        lit.glow_check(),
         *lit.picture_checks(),
         figure("factor", "left at the point, 2.537716 away", POINT, 0.697119),
         figure("factor", "left there with Kc = 2", {**POINT, "light.constant": 2.0}, 0.410766),

@@ -27,7 +27,7 @@ from ..scenes.cameras import camera, turned
 from ..scenes.draws import twins
 from ..scenes.figures import each_draw
 from ..scenes.laws import opaque, unchanged
-from ..scenes.panels import picture
+from ..scenes.panels import panel_pass, picture
 from ..scenes.props import tile
 from ..scenes.studio import handed_on, studio_color
 
@@ -39,6 +39,7 @@ BOX = solids.box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
 BOXES = [solids.painted(BOX, color) for color in ((0.10, 0.36, 0.42), (0.36, 0.16, 0.30))]
 FLOOR = stage.prop(tile(2.2, 0.5), CAMERA)
 JUDGED = (96, 54)
+ORANGE = (0.98, 0.62, 0.12)
 COLOR = opaque(unchanged("color"))
 
 
@@ -48,7 +49,7 @@ def single(k, model, state):
     return replace(
         plain,
         fragment="ch06_tests/single_color.frag",
-        uniforms={**plain.uniforms, "color": (0.98, 0.62, 0.12)},
+        uniforms={**plain.uniforms, "color": ORANGE},
         state=state,
     )
 
@@ -85,6 +86,7 @@ case = Case(
             reordered=[*MARKED[::-1], FLOOR, *OUTLINED[::-1]],
         ),
         *twins(picture([FLOOR, *MARKED], JUDGED, "boxes", depth="depth24_stencil8")),
+        panel_pass("filled", "ch06_tests/single_color.frag", {}, {"color": ORANGE}, size=(16, 16)),
         silhouette("objects", MODELS),
         silhouette("larger", [model @ GROWN for model in MODELS]),
     ),
@@ -95,6 +97,8 @@ case = Case(
         *stage.prop_checks(),
         *each_draw("judged.FragColor", studio_color, {1: "box 1", 2: "box 2"}),
         *each_draw("judged.FragColor", COLOR, {3: "outline 1", 4: "outline 2"}),
+        formula("filled.FragColor", COLOR, name="the outlines' colour at each pixel"),
+        formula("filled.outline", lambda: 1.0, name="and each is marked"),
         *each_draw("judged.Normal", world_normal, {3: "normals 1", 4: "normals 2"}),
         *each_draw("judged.Color", handed_on, {3: "colours 1", 4: "colours 2"}),
         formula("judged.outline", lambda: 1.0, name="where an outline is"),

@@ -35,6 +35,7 @@ from shaderlab.reference.transforms import (
 
 from .draws import tested, twins
 from .laws import Law, unchanged
+from .panels import panel_pass
 from .studio import finished, handed_on
 
 Matrix = npt.NDArray[Any]
@@ -125,6 +126,24 @@ def bulb(place: Vector, glow: Vector, radius: float, camera: Uniforms) -> Draw:
 def glowing(glow: Any) -> Any:
     """A lamp's own light, as a bulb shows it."""
     return vec4(glow, 1.0)
+
+
+def glow(color: Vector) -> Pass:
+    """A pass that a bulb's light fills: a bulb itself has few pixels where it is judged.
+
+    >>> glow((1.0, 0.9, 0.8)).target.size
+    (16, 16)
+    """
+    return panel_pass("glow", "ch05_lighting/lamp.frag", {}, {"glow": color}, size=(16, 16))
+
+
+def glow_check() -> Any:
+    """Each pixel of `glow`.
+
+    >>> glow_check().output
+    'glow.FragColor'
+    """
+    return formula("glow.FragColor", glowing, name="a lamp's light at each pixel")
 
 
 def photographed(
