@@ -5,8 +5,6 @@ so the default front face of OpenGL is the outer one. Attributes are named as th
 them: `aPos` (n, 3), `aNormal` (n, 3) of length 1, `aTexCoords` (n, 2); all float32.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any, TypedDict
 

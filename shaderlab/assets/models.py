@@ -9,8 +9,6 @@ binary_compressed (LZF). It trusts the header, so the header is checked against 
 first: nothing is allocated for points that can't be there.
 """
 
-from __future__ import annotations
-
 import io
 import math
 import re

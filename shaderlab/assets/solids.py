@@ -5,8 +5,6 @@ Attributes are `aPos` (n, 3), `aNormal` (n, 3) of length 1 and `aColor` (n, 3), 
 0…1; all float32. `Mesh(**painted(cube(), RED))` draws one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any

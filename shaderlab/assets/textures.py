@@ -4,8 +4,6 @@ Each is a float32 array (height, width, channels) of values in 0…1. Row 0 is t
 column 0 the left one, as OpenGL uploads them, so texture coordinate (0, 0) is the lower left.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

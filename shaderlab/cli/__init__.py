@@ -1,7 +1,5 @@
 """The command line: each command is a module, imported when it is called."""
 
-from __future__ import annotations
-
 import importlib
 import io
 import os

@@ -1,8 +1,6 @@
 """`shaderlab run --drivers`: how far the pixels of each scene lie apart on several drivers, and
 which driver lies outside the reference's band."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """`shaderlab doctor`: check that a machine has what the lab needs by using each part once."""
 
-from __future__ import annotations
-
 import dataclasses
 import importlib.metadata
 import platform

@@ -1,7 +1,5 @@
 """`shaderlab list`: list cases by chapter."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """`shaderlab report`: rebuild the pages of a run."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Older dialects of GLSL in the words of newer ones, which can become SPIR-V."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -3,8 +3,6 @@
 What is wrong with a text is never an exception.
 """
 
-from __future__ import annotations
-
 import ctypes as c
 import functools
 import re

@@ -1,8 +1,6 @@
 """Changes to SPIR-V modules: locations and bindings that agree between a program's stages, and
 transform feedback."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 """Shader files: their text, their stage, and where they are: by name inside the shader folders, or
 below paths that a user names."""
 
-from __future__ import annotations
-
 import codecs
 import contextlib
 import functools

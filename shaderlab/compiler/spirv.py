@@ -4,8 +4,6 @@ Layout and numbers: Khronos, SPIR-V Specification 1.6, sections 2.3 and 3, and t
 instruction set GLSL.std.450. A row of names has consecutive numbers.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 import struct

@@ -1,7 +1,5 @@
 """GLSL as a syntax tree, by tree-sitter's grammar, and what a file declares at its top level."""
 
-from __future__ import annotations
-
 import re
 import warnings
 from collections.abc import Iterable, Iterator

@@ -1,7 +1,5 @@
 """SPIR-V of shaders in other languages, made by those languages' own compilers."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

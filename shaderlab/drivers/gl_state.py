@@ -1,8 +1,6 @@
 """Fixed-function state and samplers as the calls that OpenGL and WebGL2 have in common: the name of
 a function without "gl", then its arguments, constants by their names in lower case."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

@@ -1,8 +1,6 @@
 """Sessions that draw a scene pass by pass, the same way for every graphics API: a driver says how
 a target is made and how a draw is issued."""
 
-from __future__ import annotations
-
 import time
 from abc import abstractmethod
 from collections.abc import Container, Iterator, Mapping, Sequence

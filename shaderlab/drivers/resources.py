@@ -1,8 +1,6 @@
 """What a scene keeps on a device, the same for every graphics API: the attachments that a pass
 draws into, the textures that samplers read, linked programs."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field

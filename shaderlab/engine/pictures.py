@@ -3,8 +3,6 @@
 A scene is drawn once more in the size for people. What several drivers drew is stored here, too.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re

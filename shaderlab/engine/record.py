@@ -1,7 +1,5 @@
 """Collects a record while its scene runs, so that a failure half way loses nothing."""
 
-from __future__ import annotations
-
 import re
 import traceback
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence

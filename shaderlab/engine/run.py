@@ -1,7 +1,5 @@
 """Runs scenes on one open device: prepare → draw → capture → judge → record."""
 
-from __future__ import annotations
-
 import os
 import re
 import time

@@ -3,8 +3,6 @@
 Every command reads them here. What the command line says goes before them.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass

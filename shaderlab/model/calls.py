@@ -5,8 +5,6 @@ are resolved when it is made: "GL_TEXTURE_2D" to its number, an `Object` to the 
 that the lab makes and deletes, a `Location` to where a program has a uniform.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

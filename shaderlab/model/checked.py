@@ -1,8 +1,6 @@
 """Fields and arguments that must have the types they are annotated with, checked when they are
 given: a mistake in a case fails where it was written, in one sentence."""
 
-from __future__ import annotations
-
 import collections.abc
 import functools
 import inspect

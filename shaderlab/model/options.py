@@ -1,7 +1,5 @@
 """How scenes are run, as one value that every package takes and that crosses processes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """What is drawn: draws, targets, passes, and passes of one draw or dispatch. Pure data, no GL."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any

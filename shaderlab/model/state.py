@@ -5,8 +5,6 @@ written and not where the driver meets it. Defaults are OpenGL's, with one test 
 Rectangles are (x, y, width, height) in pixels, from the target's lower left corner.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

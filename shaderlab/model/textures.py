@@ -1,7 +1,5 @@
 """What samplers read: textures of every shape, and the attachments of earlier passes. Pure data."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,8 +1,6 @@
 """Mistakes in the calls of OpenGL that drawing a scene makes: one dropped, another argument given,
 one repeated for each draw, two in the other order; and whether other calls came to the same."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Judges the mutants of one case: does an expectation fail, and if not, does an output differ?"""
 
-from __future__ import annotations
-
 import functools
 import shutil
 import subprocess

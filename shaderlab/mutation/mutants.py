@@ -1,7 +1,5 @@
 """A mutant: what it changes in a scene, what has to be drawn to judge it, and what came of it."""
 
-from __future__ import annotations
-
 import random
 from abc import ABC, abstractmethod
 from collections import Counter

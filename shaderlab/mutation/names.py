@@ -3,8 +3,6 @@
 Enough of GLSL's types is known here to swap like for like.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ A generator may propose what does not compile: a compiler tells faster and bette
 out here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 

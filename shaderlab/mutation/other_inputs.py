@@ -6,8 +6,6 @@ numbers for a program's stages: around zero, of every size, and those at which f
 and each constant of the shader.
 """
 
-from __future__ import annotations
-
 import functools
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence

@@ -1,7 +1,5 @@
 """All mutants of shaders: each operator applied to each node of their syntax trees."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace

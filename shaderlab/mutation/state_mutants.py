@@ -2,8 +2,6 @@
 mask, blend factor or equation, another winding, a face culled or not, a rectangle that is a pixel
 off, a depth range or an offset the other way round, a test forgotten."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Any

@@ -4,8 +4,6 @@ A crash, a hang or runaway memory costs one item, no more. A worker is a fresh P
 no threads, no OpenGL context and no `__main__`.
 """
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import itertools

@@ -1,7 +1,5 @@
 """What imported code may have changed for everything else that runs in its process."""
 
-from __future__ import annotations
-
 import _thread
 import builtins
 import contextlib

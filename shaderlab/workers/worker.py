@@ -3,8 +3,6 @@
 Little is imported here: everything that takes time is imported by the work itself.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import gc

@@ -1,7 +1,5 @@
 """OpenGL behind the protocol of `shaderlab.drivers`: the backend, and its sessions' queries."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import ClassVar

@@ -1,8 +1,6 @@
 """Buffers on the device: meshes and the vertex arrays that read them, uniform blocks, storage
 blocks."""
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack

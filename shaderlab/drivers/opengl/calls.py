@@ -5,8 +5,6 @@ The C functions are called as they are (PyOpenGL's raw prototypes): its convenie
 some arguments themselves, and would answer in the driver's place.
 """
 
-from __future__ import annotations
-
 import ctypes
 import importlib
 import os

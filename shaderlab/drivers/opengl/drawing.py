@@ -1,7 +1,5 @@
 """Drawing a scene's passes, and reading back what they drew."""
 
-from __future__ import annotations
-
 from collections.abc import Container, Mapping, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace

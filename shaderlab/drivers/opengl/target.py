@@ -1,7 +1,5 @@
 """Render targets, and the fixed-function state that draws into them have."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from functools import lru_cache

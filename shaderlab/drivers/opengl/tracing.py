@@ -5,8 +5,6 @@ down and passes it on. PyOpenGL's functions are replaced while calls are recorde
 What is written down is what the driver gets: an edit of one call comes before that.
 """
 
-from __future__ import annotations
-
 import ctypes
 import hashlib
 import re

@@ -4,8 +4,6 @@ Every value comes out twice: as the float32 (or integer) array that the shader w
 float64 numbers that the case wrote.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from operator import attrgetter
 from typing import Any

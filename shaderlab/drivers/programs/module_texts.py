@@ -1,8 +1,6 @@
 """Programs made into modules for other interfaces than OpenGL's: what those count or write
 otherwise is put into the text."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Mapping, Sequence

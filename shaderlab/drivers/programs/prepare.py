@@ -1,7 +1,5 @@
 """From a draw to a compiled program: sources read, stages generated, interface known. No device."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

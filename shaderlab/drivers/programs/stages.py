@@ -6,8 +6,6 @@ the instance is called. A shader's text has to be read for what the interface le
 instance's name, and the declarations that a vertex stage must repeat to the letter.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

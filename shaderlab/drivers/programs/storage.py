@@ -6,8 +6,6 @@ std430). Layers of an image2DArray or image3D lie one above the other in a pass'
 one lowest.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -3,8 +3,6 @@
 Source: OpenGL 4.5 core profile specification, tables 8.10 to 8.13 (sized internal formats).
 """
 
-from __future__ import annotations
-
 import functools
 import math
 import struct

@@ -1,7 +1,5 @@
 """What a draw reads on the device: vertices, uniforms, textures; and a draw that is ready."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -3,8 +3,6 @@
 Source: Khronos, Vulkan 1.3 Specification.
 """
 
-from __future__ import annotations
-
 import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence

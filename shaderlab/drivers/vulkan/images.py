@@ -1,7 +1,5 @@
 """Images on the device: made, filled, halved into mipmap levels, drawn to, and read back."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

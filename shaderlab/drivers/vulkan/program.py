@@ -4,8 +4,6 @@ Pictures lie in memory with their lowest row first, as in OpenGL, and nothing is
 takes that row for the upper one, so that what it calls clockwise is counter-clockwise to OpenGL.
 """
 
-from __future__ import annotations
-
 import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence

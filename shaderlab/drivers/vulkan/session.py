@@ -1,7 +1,5 @@
 """Vulkan behind the protocol of `shaderlab.drivers`: the backend and its sessions."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Programs of ESSL 3.00, which SPIRV-Cross makes of SPIR-V modules, and fixed-function state."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from collections.abc import Mapping, Sequence

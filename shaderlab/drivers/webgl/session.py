@@ -1,7 +1,5 @@
 """WebGL2 behind the protocol of `shaderlab.drivers`: the backend and its sessions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass

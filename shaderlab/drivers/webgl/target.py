@@ -1,7 +1,5 @@
 """Render targets in WebGL2: a pass's attachments, cleared, drawn into, and read back."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -4,8 +4,6 @@ Source: OpenGL ES 3.0 specification, tables 3.2 and 3.13; WEBGL_compressed_textu
 WEBGL_compressed_texture_s3tc and EXT_texture_compression_bptc.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

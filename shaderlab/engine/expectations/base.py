@@ -1,7 +1,5 @@
 """What kinds of expectation share: what is about one draw or one output, and what scenes read."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass

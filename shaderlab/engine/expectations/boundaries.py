@@ -1,7 +1,5 @@
 """boundaries: the band holds on both sides of the places where the reference changes most."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass

@@ -1,8 +1,6 @@
 """cost: a table of what passes cost by a number N: draw calls, vertices, and time, which is shown
 but never judged."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, field, replace

@@ -5,8 +5,6 @@ An expectation that reads an attachment judges what is there. Whatever its kind,
 fragments of the draws into this attachment are missing, or are visible and should be discarded.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any

@@ -1,8 +1,6 @@
 """What the driver says of one draw: layouts in memory, counters, errors, inactive uniforms, and how
 many pixels show it."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass

@@ -1,7 +1,5 @@
 """energy_conserving: the light that leaves a surface is no more than what falls on it."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass

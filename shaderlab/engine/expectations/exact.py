@@ -1,7 +1,5 @@
 """exact: an output equals an array, or another pass's output, bit for bit, at every pixel."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, fields, is_dataclass, replace
 from typing import Any

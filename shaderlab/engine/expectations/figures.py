@@ -1,8 +1,6 @@
 """value and computed: a printed figure follows from a reference in float64; for a value, the shader
 must lie in its band, too."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any

@@ -1,8 +1,6 @@
 """formula and sweep: an output lies in the band derived from a reference, at every covered pixel or
 vertex, or along one input."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field

@@ -3,8 +3,6 @@
 What serves such calls alone is imported from here: `call`, `Object`, `Program`, `Location`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

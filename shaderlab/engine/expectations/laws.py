@@ -5,8 +5,6 @@ inputs that it does not vary stay as the case has them, or as `at` says. Inputs 
 gathered into one draw; a uniform costs a draw for each of its values.
 """
 
-from __future__ import annotations
-
 import functools
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence

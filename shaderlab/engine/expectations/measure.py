@@ -4,8 +4,6 @@ A measure is for what no single pixel shows: the share of pixels in the wrong sh
 distance from another one, the energy that a model of reflection loses.
 """
 
-from __future__ import annotations
-
 import inspect
 import math
 import re

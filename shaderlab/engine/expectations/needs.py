@@ -1,7 +1,5 @@
 """What a stage got and gave, in a draw or on given inputs; the values that are judged."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,8 +1,6 @@
 """compile_fails and refused: the compilers reject a shader, or the lab rejects something, with
 exactly these messages."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any

@@ -2,8 +2,6 @@
 OpenImageIO draws it, and those of places in a band, as red, green and blue from 0 to 255.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

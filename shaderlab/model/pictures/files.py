@@ -1,7 +1,5 @@
 """Bytes packed in zlib's format (RFC 1950) as quickly as may be: a run's pictures and numbers."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 from pathlib import Path
