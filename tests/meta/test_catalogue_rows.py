@@ -38,7 +38,8 @@ ROWS = {
     13: "skybox",
     14: "point-cloud",
     15: "ibl-diffuse ibl-specular energy-compensation bloom tone-curves noise "
-    "distance-fields parallax order-independent fxaa taa",
+    "distance-fields parallax order-independent fxaa taa ambient-occlusion "
+    "light-volumes",
 }
 
 # These hold or not whatever the shaders compute: alone they would let any formula pass.
