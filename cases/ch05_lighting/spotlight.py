@@ -12,6 +12,7 @@ Try: in `lib/spotlight.glsl` write `spotRatio(light, fragPos)` for `clamp(spotRa
 0.0, 1.0)`: the beam is too bright in its middle, and negative outside of the outer cone.
 """
 
+from functools import partial
 from math import cos, radians, sin, tan
 
 import numpy as np
@@ -27,6 +28,8 @@ from ..scenes.figures import figure, results
 LIGHT = {"light.position": (0.0, 0.0, 0.0), "light.direction": (0.0, 0.0, -1.0)}
 TANGENTS = [tan(radians(angle)) for angle in np.linspace(-45.0, 45.0, 121)]
 SLICE = {"FragPos": Ramp((-0.8, 0.0, -1.45), (1.6, 0.0, 0.0), (0.0, 0.0, 1.6))}
+# Where the arc crosses both cones.
+NEAR_BY = {"FragPos": Ramp((0.15, 0.0, -1.05), (0.5, 0.0, 0.0), (0.0, 0.0, 0.5))}
 
 
 def cone(inner, outer):
@@ -48,12 +51,13 @@ def below(tangent, light_position, light_direction, light_cutOff, light_outerCut
 
 
 def dusty_air(
-    FragPos, frag_coord, light_position, light_direction, light_cutOff, light_outerCutOff
+    FragPos, frag_coord, light_position, light_direction, light_cutOff, light_outerCutOff,
+    corner=(-0.8, -1.45),
 ):  # fmt: skip
     """The picture: the beam in a slice of air, both cones, and an arc one unit from the lamp."""
     cone = (light_position, light_direction, light_cutOff, light_outerCutOff)
     across = vec2(swizzle(FragPos, "x"), swizzle(FragPos, "z"))
-    size = pixel_size(across, (-0.8, -1.45), frag_coord)
+    size = pixel_size(across, corner, frag_coord)
 
     def place_of(across):
         return vec3(swizzle(across, "x"), swizzle(FragPos, "y"), swizzle(across, "y"))
@@ -121,7 +125,8 @@ case = Case(
     math=r"I = \operatorname{clamp}\!\left(\frac{\cos\theta - \cos\gamma}"
     r"{\cos\varphi - \cos\gamma},\ 0,\ 1\right)",
     passes=(
-        *shown("spotlight_picture", "picture", SLICE, size=(256, 256)),
+        *shown("spotlight_picture", "picture", SLICE),
+        *shown("spotlight_picture", "crossing", NEAR_BY, size=(96, 96)),
         *shown("spotlight_edge", "edge", {"tangent": across(-1.0, 1.0)}),
         *shown("spotlight", "main", SLICE),
     ),
@@ -130,6 +135,7 @@ case = Case(
         formula("ratio", spot_ratio),
         formula("intensity", spot_intensity),
         formula("picture.FragColor", dusty_air, name="the picture"),
+        formula("crossing.FragColor", partial(dusty_air, corner=(0.15, -1.05)), name="its lines"),
         sweep("edge.intensity", below, over="tangent", values=TANGENTS, name="from edge to edge"),
     ],
     variants=[

@@ -6,12 +6,12 @@ source times one, back faces are those seen clockwise. A frame has to clear what
 what the last frame left in the depth buffer hides what this one draws behind it, though the colours
 of the last frame are gone.
 
-Look at: the second frame, a mountain, twice. In the first frame a house was nearer. On the left its
-depth was cleared with its colour; on the right only the colour was, and the house is a hole in the
-mountain, in the colour of the sky.
+Look at: the second frame, mountains and a meadow, twice. In the first frame a house was nearer. On
+the left its depth was cleared with its colour; on the right only the colour was, and the house is a
+hole in the landscape, in the colour of the sky.
 
 Try: in `ch08_techniques/framebuffer_renderbuffer.vert` write `-depth, 1.0` for `depth, 1.0`: the
-mountain is in front of the house, so the hole is gone. On the left nothing is in front of the sky.
+mountains are in front of the house: the hole is gone. On the left nothing is in front of the sky.
 """
 
 import numpy as np
@@ -20,10 +20,14 @@ from shaderlab import Case, Depth, Pass, Target, exact, formula, gl_call, query
 
 from ..scenes.cutouts import (
     COLORS,
+    DEPTHS,
     HOUSE,
+    LANDSCAPE,
+    MEADOW,
     MOUNTAIN,
     SIDE,
     SKY,
+    SNOW,
     WHOLE,
     covered,
     cutout,
@@ -53,23 +57,24 @@ STATES = (
 
 
 def two_frames(column, cleared):
-    """The house; the sky over it, and its depth as well if it is cleared; then the mountain."""
+    """The house; the sky over it, and its depth as well if it is cleared; then the landscape."""
     half = cell(column, 2)
     return (
         cutout(HOUSE, depth=Depth(), cell=half),
         cutout(WHOLE, depth=Depth(func="always", write=cleared), cell=half),
-        cutout(MOUNTAIN, depth=Depth(), cell=half),
+        *(cutout(shape, depth=Depth(), cell=half) for shape in LANDSCAPE),
     )
 
 
-def second_frame(sky, mountain, hole):
-    """The window at the end: on the left the mountain, on the right the mountain with a hole."""
-    left = ((MOUNTAIN, mountain),)
-    return np.concatenate([layers(sky, *left), layers(sky, *left, (HOUSE, hole))], axis=1)
+def second_frame(sky, values, hole):
+    """The window at the end: on the left the landscape, on the right the same with a hole."""
+    behind = [(shape, values[shape]) for shape in reversed(LANDSCAPE)]
+    return np.concatenate([layers(sky, *behind), layers(sky, *behind, (HOUSE, hole))], axis=1)
 
 
-HOUSE_PIXELS, MOUNTAIN_PIXELS = (covered(shape) for shape in (HOUSE, MOUNTAIN))
-SECOND_FRAME = second_frame(SKY, COLORS[MOUNTAIN], SKY)
+HOUSE_PIXELS = covered(HOUSE)
+MOUNTAIN_PIXELS = covered(MOUNTAIN) & ~covered(SNOW) & ~covered(MEADOW)
+LEFT = {shape: (0.5 * z + 0.5,) for shape, z in DEPTHS.items()}
 
 case = Case(
     title="Default states, and depth that is not cleared",
@@ -84,21 +89,19 @@ case = Case(
     ],
     columns=("depth cleared", "depth left over"),
     expect=[
-        exact(
-            "FragColor", second_frame(SKY, COLORS[MOUNTAIN], SKY), name="the second frame, twice"
-        ),
-        exact("depth", second_frame((1.0,), 0.75, 0.25), name="the depth that is left"),
+        exact("FragColor", second_frame(SKY, COLORS, SKY), name="the second frame, twice"),
+        exact("depth", second_frame((1.0,), LEFT, 0.25), name="the depth that is left"),
         *(
             query("samples_passed", equals=passed, draw=k, name=name)
             for k, passed, name in (
                 (0, HOUSE_PIXELS.sum(), "house left"),
-                (2, MOUNTAIN_PIXELS.sum(), "the mountain where depth was cleared"),
-                (3, HOUSE_PIXELS.sum(), "house right"),
-                (5, (MOUNTAIN_PIXELS & ~HOUSE_PIXELS).sum(), "the mountain where it was not"),
+                (4, MOUNTAIN_PIXELS.sum(), "the mountain where depth was cleared"),
+                (6, HOUSE_PIXELS.sum(), "house right"),
+                (10, (MOUNTAIN_PIXELS & ~HOUSE_PIXELS).sum(), "the mountain where it was not"),
             )
         ),
-        *(formula("gl_Position", placed, draw=k, name=f"places of draw {k}") for k in range(6)),
-        formula("FragColor", unchanged("color"), draw=2, name="the mountain's colour"),
+        *(formula("gl_Position", placed, draw=k, name=f"places of draw {k}") for k in range(12)),
+        formula("FragColor", unchanged("color"), draw=4, name="the mountain's colour"),
         *(
             gl_call(function, word, returns=at_first, name=f"{word} at first")
             for function, word, at_first in STATES

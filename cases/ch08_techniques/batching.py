@@ -34,10 +34,11 @@ COUNTS = (1, 16, 64, 256)
 SIDE = 512
 PAPER = (0.93, 0.93, 0.88, 1.0)
 FOLDER = "ch08_techniques"
-# A leaf of four triangles in a square of 1/8. All coordinates are multiples of 2⁻⁹, so that they
-# add without rounding, in NumPy as in a shader.
-LEAF = np.array([(0, -30), (24, -6), (0, 30), (-24, 6), (0, 0)]) / 512.0
-LEAF_INDICES = np.array([4, 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0])
+# A leaf and its stalk, nine triangles in a square of 1/8. All coordinates are multiples of 2⁻⁹, so
+# that they add without rounding, in NumPy as in a shader.
+RIM = [(-12, -14), (4, -16), (18, -4), (24, 12), (26, 28), (10, 26), (-6, 16), (-14, 2)]
+LEAF = np.array([(0, 0), *RIM, (-28, -28), (-24, -30)]) / 512.0
+LEAF_INDICES = np.array([*((0, k, k % 8 + 1) for k in range(1, 9)), (1, 9, 10)]).ravel()
 
 
 def places(count):
@@ -170,17 +171,17 @@ case = Case(
         ),
         query(
             "vertices_submitted",
-            equals=12 * MOST,
+            equals=27 * MOST,
             pass_name=f"instanced {MOST}",
             name="instanced: vertices",
         ),
-        coverage(92160, pass_name=f"instanced {MOST}", name="pixels of 256 leaves"),
+        coverage(256 * 303, pass_name=f"instanced {MOST}", name="pixels of 256 leaves"),
         cost(
             {way: {count: f"{way} {count}" for count in COUNTS} for way in WAYS},
             claim="one draw call takes less time than N",
             cheaper=("instanced", "one by one"),
             draw_calls={"one by one": lambda n: n, "merged": lambda n: 1, "instanced": lambda n: 1},
-            vertices={way: lambda n: 12 * n for way in WAYS},
+            vertices={way: lambda n: 27 * n for way in WAYS},
             repeats=3,
         ),
     ],

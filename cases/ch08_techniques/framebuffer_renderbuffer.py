@@ -7,11 +7,11 @@ there is at least one, and when their numbers of samples agree. A framebuffer ha
 points for colour attachments and one each for depth and stencil, but none of them has to be used: a
 depth attachment alone is complete. Sizes may differ; then what all of them cover can be drawn.
 
-Look at: a house, and then a mountain behind it. On the left with a depth renderbuffer, on the right
-without one: there the mountain, drawn last, hides the house.
+Look at: a house, and mountains and a meadow drawn after it. On the left a depth renderbuffer keeps
+them behind it; on the right there is none, and what is drawn last hides the house.
 
 Try: in `ch08_techniques/framebuffer_renderbuffer.vert` write `-depth, 1.0` for `depth, 1.0`: the
-house is behind the mountain now, and both windows are alike.
+house is behind the mountains now, and both windows are alike.
 """
 
 import numpy as np
@@ -20,13 +20,28 @@ from shaderlab import Case, Depth, exact, formula, query
 from shaderlab.engine.expectations.gl_call import Object, call
 
 from ..scenes.api import ONE_PIXEL, PIXEL, answers, errors, limits, sent
-from ..scenes.cutouts import COLORS, HOUSE, MOUNTAIN, SKY, covered, cutout, layers, placed
+from ..scenes.cutouts import (
+    COLORS,
+    DOOR,
+    FIRS,
+    LANDSCAPE,
+    MOUNTAIN,
+    PANES,
+    ROOF,
+    SKY,
+    WALL,
+    covered,
+    cutout,
+    layers,
+    placed,
+)
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell, picture
 
 COLOR, DEPTH = "GL_COLOR_ATTACHMENT0", "GL_DEPTH_ATTACHMENT"
 ATTACHED = {"target": "GL_FRAMEBUFFER"}
-NEAREST_FIRST = (HOUSE, MOUNTAIN)
+NEAREST_FIRST = (DOOR, PANES, ROOF, WALL, FIRS, *LANDSCAPE)
+PLACE = NEAREST_FIRST.index(MOUNTAIN)
 
 
 def window(name, depth_format):
@@ -91,7 +106,8 @@ FILLED = (*ONE_PIXEL, *cleared(0.2, 0.4, 0.6, 1.0))
 NOT_DRAWN = (call("glDrawBuffer", "GL_NONE"), *cleared(1.0, 1.0, 1.0, 1.0))
 BYTES = (51, 102, 153, 255)
 OVERLAID = [(shape, COLORS[shape]) for shape in NEAREST_FIRST]
-SEEN = np.sum(covered(MOUNTAIN) & ~covered(HOUSE))
+BEFORE = [covered(shape) for shape in NEAREST_FIRST[:PLACE]]
+SEEN = np.sum(covered(MOUNTAIN) & ~np.any(BEFORE, axis=0))
 HALVES = np.concatenate([layers(SKY, *OVERLAID[::-1]), layers(SKY, *OVERLAID)], axis=1)
 
 case = Case(
@@ -107,8 +123,8 @@ case = Case(
         exact("24 bits.FragColor", HALVES, name="depth alone does as well as depth and stencil"),
         # The slopes overlap, at one depth: LESS lets the second pass only where the first is not.
         *(
-            query("samples_passed", equals=SEEN, draw=1, pass_name=name, name=f"{name}: mountain")
-            for name in ("tested", "24 bits")
+            query("samples_passed", equals=SEEN, draw=PLACE, pass_name=of, name=f"{of}: mountain")
+            for of in ("tested", "24 bits")
         ),
         *depth_kept_in("tested", "GL_DEPTH24_STENCIL8", "GL_DEPTH_STENCIL_ATTACHMENT"),
         *depth_kept_in("24 bits", "GL_DEPTH_COMPONENT24", "GL_DEPTH_ATTACHMENT"),
@@ -128,8 +144,8 @@ case = Case(
                 "and draws into eight at once or more": ("GL_MAX_DRAW_BUFFERS", 8),
             }
         ),
-        formula("tested.gl_Position", placed, draw=0, name="the house"),
-        formula("tested.gl_Position", placed, draw=1, name="the mountain"),
+        formula("tested.gl_Position", placed, draw=0, name="the door"),
+        formula("tested.gl_Position", placed, draw=PLACE, name="the mountain"),
         formula("tested.FragColor", unchanged("color"), draw=0, name="colour"),
         *status("nothing attached", "INCOMPLETE_MISSING_ATTACHMENT"),
         *status("colour alone", "COMPLETE", renderbuffer("a", COLOR, "GL_RGBA8")),

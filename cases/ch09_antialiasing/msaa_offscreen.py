@@ -24,16 +24,16 @@ from ..scenes import stage
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figures
 from ..scenes.panels import panel_pass, picture, rectangle
-from ..scenes.props import tile
 from ..scenes.studio import handed_on, studio_color
 
 SIZE = (96, 64)
 PIXELS, HALF = {"at": rectangle((0.0, 0.0), SIZE)}, {"half_": SIZE[0] / 2.0 + 0.5}
-CAMERA = camera((1.3, 1.5, 3.4), (0.0, 0.35, 0.0), 36.0, 1.5)
+CAMERA = camera((1.3, 1.6, 3.4), (0.06, 0.40, 0.1), 27.5, 1.5)
 CUBE = solids.box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
+FLOOR = solids.painted(solids.box((-1.1, -0.1, -1.1), (1.1, 0.0, 1.1)), (0.62, 0.58, 0.50))
 TEAL, RUST = (solids.painted(CUBE, c) for c in ((0.12, 0.42, 0.48), (0.72, 0.30, 0.16)))
 DRAWS = (
-    stage.prop(tile(1.5, 0.5), CAMERA),
+    stage.prop(FLOOR, CAMERA),
     stage.prop(TEAL, CAMERA, model=translate((-0.12, 0.5, 0.0)) @ turned(20.0)),
     stage.prop(RUST, CAMERA, model=translate((0.30, 0.42, 0.22)) @ turned(52.0, (0.3, 1.0, 0.1))),
 )

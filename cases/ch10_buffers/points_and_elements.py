@@ -6,9 +6,10 @@ neither is better: both draw seven vertices, and any order of the indices will d
 point covers another. An index is an unsigned byte, short or int; signed types are not allowed. A
 point is a square of gl_PointSize pixels around its vertex.
 
-Look at: the seven squares, 24 pixels wide each: 576 pixels, 4032 together. They are the same on
-both sides. A line strip of the same vertices runs through them, on the left in the order of the
-buffer, on the right in that of a list of seven bytes, which takes every third one.
+Look at: the seven stars of the Plough, squares of 24 pixels: 576 pixels each, 4032 together. They
+are the same on both sides. A line strip of the same vertices runs through them: on the left in the
+order of the buffer, along the handle and around the bowl, on the right in that of a list of seven
+bytes, which takes every third one.
 
 Try: in `ch10_buffers/points.vert` write `PointSize = size * (0.4 + 0.2 * float(gl_VertexID))` for
 `PointSize = size`: points grow with their number in the buffer, on both sides alike, in whatever
@@ -25,14 +26,18 @@ from ..scenes.draws import drawn
 from ..scenes.figures import each_draw
 from ..scenes.laws import device_place
 from ..scenes.panels import cell, picture
-from ..scenes.rosette import PAPER, color_of, encoded, rosette, rosette_checks
+from ..scenes.rosette import color_of, encoded, rosette_checks
 
 SIDE, SIZE = 256, 24.0
+NIGHT = (0.03, 0.05, 0.12, 1.0)
 # Device coordinates of corners between pixels, where a square of even size covers whole pixels.
-PLACES = np.array([(0, 0), (80, 0), (40, 72), (-40, 72), (-80, 0), (-40, -72), (40, -72)])
+# From the handle's end to the bowl's; the star where they meet is in the middle, and white.
+PLACES = np.array([(-112, 44), (-76, 66), (-38, 36), (0, 0), (16, -78), (98, -70), (92, 30)])
+STARS = [(0.6, 0.8, 1.0), (1.0, 0.9, 0.7), (0.7, 0.9, 1.0), (1.0, 1.0, 1.0), (0.8, 0.9, 1.0),
+         (1.0, 0.95, 0.8), (1.0, 0.6, 0.25)]  # fmt: skip
 VERTICES = {
     "aPos": np.column_stack([PLACES / (SIDE / 2.0), np.zeros(7)]),
-    "aColor": rosette().attributes["aColor"],
+    "aColor": np.array(STARS),
 }
 EVERY_THIRD = np.arange(7) * 3 % 7
 BYTES = EVERY_THIRD.astype(np.uint8)
@@ -48,7 +53,7 @@ def through(indices, primitive="points", **state):
 
 def window(name, *draws, wide=1):
     """One of the windows, or two side by side."""
-    return picture(draws, (wide * SIDE, SIDE), name, clear=PAPER)
+    return picture(draws, (wide * SIDE, SIDE), name, clear=NIGHT)
 
 
 def size_of(size):
@@ -117,6 +122,7 @@ case = Case(
         window("elements", through(EVERY_THIRD)),
     ),
     picture="picture.FragColor",
+    columns=("glDrawArrays", "glDrawElements"),
     expect=[
         *each_draw("picture.FragColor", encoded, enumerate(SHOWN)),
         *each_draw("picture.ourColor", color_of, enumerate(f"{name}: colours" for name in SHOWN)),

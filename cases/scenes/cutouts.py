@@ -1,5 +1,5 @@
-"""A house and a mountain, flat shapes of one colour and one depth each, in windows of 256
-pixels: which pixels they cover follows from their corners alone."""
+"""A house before mountains, flat shapes of one colour and one depth each, in windows of 256 pixels:
+which pixels they cover follows from their corners alone."""
 
 from __future__ import annotations
 
@@ -15,16 +15,50 @@ from .draws import drawn
 
 SIDE = 256
 SKY = (0.80, 0.88, 0.94, 1.0)
-HOUSE = (((-58, -70), (6, -70), (6, -10), (-26, 24), (-58, -10)),)
-MOUNTAIN = (((-120, -70), (60, -70), (-20, 100)), ((-10, -70), (122, -70), (62, 48)))
+# Shapes: the corners of their convex parts, counter-clockwise, in pixels from the middle.
+WALL = (((-58, -94), (6, -94), (6, -18), (-58, -18)),)
+ROOF = (((-68, -20), (16, -20), (-26, 24)),)
+DOOR = (((-34, -94), (-18, -94), (-18, -60), (-34, -60)),)
+PANES = (
+    ((-50, -58), (-40, -58), (-40, -44), (-50, -44)),
+    ((-12, -58), (-2, -58), (-2, -44), (-12, -44)),
+)
+HOUSE = (*WALL, *ROOF)
+FIRS = (
+    ((50, -88), (88, -88), (69, -52)),
+    ((55, -66), (83, -66), (69, -34)),
+    ((88, -80), (116, -80), (102, -52)),
+    ((92, -63), (112, -63), (102, -40)),
+)
+MEADOW = (((-128, -128), (128, -128), (128, -72), (0, -66), (-128, -72)),)
+SNOW = (
+    ((-34, 70), (-9, 70), (-20, 98)),
+    ((-30, 56), (-22, 70), (-34, 70)),
+    ((-13, 54), (-9, 70), (-22, 70)),
+    ((54, 31), (69, 31), (62, 47)),
+)
+MOUNTAIN = (((-120, -90), (60, -90), (-20, 100)), ((-10, -90), (122, -90), (62, 48)))
+SUN = (((104, 86), (104, 98), (95, 108), (81, 108), (72, 98), (72, 86), (81, 76), (95, 76)),)
 WHOLE = (((-128, -128), (128, -128), (128, 128), (-128, 128)),)
-"""Shapes: the corners of their convex parts, counter-clockwise, in pixels from the middle."""
+LANDSCAPE = (MEADOW, SNOW, MOUNTAIN, SUN)
+"""What stands behind the house, the nearest first."""
 COLORS = {
+    DOOR: (0.36, 0.22, 0.14, 1.0),
+    PANES: (0.30, 0.48, 0.62, 1.0),
+    ROOF: (0.76, 0.25, 0.16, 1.0),
+    WALL: (0.95, 0.90, 0.78, 1.0),
     HOUSE: (0.76, 0.25, 0.16, 1.0),
-    MOUNTAIN: (0.27, 0.42, 0.50, 1.0),
+    FIRS: (0.13, 0.36, 0.26, 1.0),
+    MEADOW: (0.52, 0.68, 0.36, 1.0),
+    SNOW: (0.97, 0.98, 1.00, 1.0),
+    MOUNTAIN: (0.36, 0.50, 0.58, 1.0),
+    SUN: (1.00, 0.82, 0.35, 1.0),
     WHOLE: SKY,
 }
-DEPTHS = {HOUSE: -0.5, MOUNTAIN: 0.5, WHOLE: 1.0}
+DEPTHS = {
+    DOOR: -0.75, PANES: -0.75, ROOF: -0.625, WALL: -0.5, HOUSE: -0.5, FIRS: -0.25, MEADOW: 0.125,
+    SNOW: 0.25, MOUNTAIN: 0.5, SUN: 0.75, WHOLE: 1.0,
+}  # fmt: skip
 """In normalised device coordinates."""
 
 
@@ -49,8 +83,8 @@ def cutout(shape: Any, **state: Any) -> Draw:
 def covered(shape: Any) -> npt.NDArray[np.bool_]:
     """The pixels of a window whose centres lie in the shape, (SIDE, SIDE). None is on an edge.
 
-    >>> int(covered(HOUSE).sum())
-    4928
+    >>> int(covered(DOOR).sum())
+    544
     """
     x, y = np.meshgrid(*[np.arange(SIDE) + 0.5 - SIDE / 2] * 2)
     found = np.zeros((SIDE, SIDE), bool)
@@ -69,7 +103,7 @@ def covered(shape: Any) -> npt.NDArray[np.bool_]:
 def layers(ground: Any, *shapes: tuple[Any, Any]) -> npt.NDArray[np.float32]:
     """A window of one value, and shapes of other values over it in this order.
 
-    >>> layers(SKY[:1], (HOUSE, 0.25)).shape
+    >>> layers(SKY[:1], (SUN, 0.25)).shape
     (256, 256, 1)
     """
     found = np.tile(np.float32(ground), (SIDE, SIDE, 1))
