@@ -9,6 +9,8 @@ binary_compressed (LZF). It trusts the header, so the header is checked against 
 first: nothing is allocated for points that can't be there.
 """
 
+from __future__ import annotations
+
 import io
 import math
 import re
@@ -17,13 +19,16 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from shaderlab.assets.meshes import Geometry
 from shaderlab.errors import AssetError, require_extra, suggest
+
+if TYPE_CHECKING:
+    from pypcd4.pypcd4 import MetaData
 
 Array = npt.NDArray[Any]
 
@@ -40,11 +45,6 @@ Corner = tuple[int, int, int]
 PCD_MAX_BYTES = 256 << 20
 """The largest file that is read, and the largest cloud that is unpacked from one."""
 
-_VERSIONS = ("0.7", ".7")
-_LISTS = ("FIELDS", "SIZE", "TYPE", "COUNT")
-_COUNTS = ("WIDTH", "HEIGHT", "POINTS")
-_ENCODINGS = ("ascii", "binary", "binary_compressed")
-_TYPES = {("F", 4), ("F", 8)} | {(sign, size) for sign in "IU" for size in (1, 2, 4, 8)}
 _SAVE = "save the cloud again"
 
 
@@ -279,21 +279,6 @@ class Cloud:
     height: int
 
 
-@dataclass(frozen=True)
-class _Header:
-    fields: tuple[str, ...]
-    stride: int
-    columns: int
-    width: int
-    height: int
-    encoding: str
-    start: int
-
-    @property
-    def points(self) -> int:
-        return self.width * self.height
-
-
 def load_pcd(path: str | Path, *, drop_invalid: bool = False) -> Cloud:
     """A point cloud.
 
@@ -308,12 +293,11 @@ def load_pcd(path: str | Path, *, drop_invalid: bool = False) -> Cloud:
     """
     source = Path(path)
     data = read_bytes(source, "a PCD file", PCD_MAX_BYTES, "thin the cloud out")
-    with _add_place(source):
-        header = _parse_header(data)
-        _check_size(header, data)
     with require_extra("models", "a PCD file", source):
         from pypcd4.pypcd4 import PointCloud
-
+    with _add_place(source):
+        header, start = _parse_header(data)
+        _check_size(header, data[start:])
     try:
         loaded = PointCloud.from_fileobj(io.BufferedReader(io.BytesIO(data)))
         columns = {name: np.asarray(loaded.pc_data[name]) for name in header.fields}
@@ -340,82 +324,63 @@ def load_pcd(path: str | Path, *, drop_invalid: bool = False) -> Cloud:
     )
 
 
-def _parse_header(data: bytes) -> _Header:
-    said: dict[str, list[str]] = {}
+def _parse_header(data: bytes) -> tuple[MetaData, int]:
+    """The header, and where the points begin."""
+    from pypcd4.pypcd4 import PCD_TYPE_TO_NUMPY_TYPE, MetaData
+
+    rows: list[str] = []
     at = 0
-    while "DATA" not in said:
+    while not rows or not rows[-1].startswith("DATA"):
         end = data.find(b"\n", at)
         if end < 0 or end - at > 4096:
-            raise _pcd_error("its header has no end" if said else "is no PCD file")
-        row = data[at:end].split(b"#")[0].decode("latin-1").split()
+            raise _pcd_error("its header has no end" if rows else "is no PCD file")
+        row = data[at:end].decode("latin-1").strip()
         at = end + 1
-        if row:
-            if not said and row[0] != "VERSION":
-                raise _pcd_error(f"is no PCD file: it begins with {row[0][:16]!r}")
-            said[row[0]] = row[1:]
-    if said["VERSION"][:1] not in ([v] for v in _VERSIONS):
-        raise _pcd_error(f"is version {' '.join(said['VERSION'])}; 0.7 is read")
-    for word in (*_LISTS[:3], *_COUNTS[:1]):
-        if not said.get(word):
-            raise _pcd_error(f"its header has no {word}")
-    fields = said["FIELDS"]
-    counts = _parse_counts(said.get("COUNT") or ["1"] * len(fields), "COUNT")
-    sizes = _parse_counts(said["SIZE"], "SIZE")
-    width = _parse_counts(said["WIDTH"], "WIDTH")[0]
-    height = _parse_counts(said.get("HEIGHT") or ["1"], "HEIGHT")[0]
-    types = list(zip(said["TYPE"], sizes, strict=False))
-    if len({len(fields), len(counts), len(sizes), len(said["TYPE"])}) > 1:
+        if row and not row.startswith("#"):
+            rows.append(row)
+            if not rows[0].startswith("VERSION"):
+                raise _pcd_error(f"is no PCD file: it begins with {row[:16]!r}")
+    try:
+        header = MetaData.parse_header(rows)
+    except ValueError as error:  # what pydantic says of the first field, or what Python says
+        said = " ".join(map(str.strip, str(error).splitlines()[1:3] or [str(error)]))
+        raise _pcd_error(f"its header can't be read: {said}") from None
+    if len({len(header.fields), len(header.size), len(header.type), len(header.count)}) > 1:
         raise _pcd_error("its FIELDS, SIZE, TYPE and COUNT differ in length")
-    if not set(types) <= _TYPES or min(counts) < 1:
-        raise _pcd_error("its SIZE, TYPE or COUNT is unknown")
-    missing = [axis for axis in "xyz" if axis not in fields]
+    if not PCD_TYPE_TO_NUMPY_TYPE.keys() >= set(zip(header.type, header.size, strict=True)):
+        raise _pcd_error("its SIZE or TYPE is unknown")
+    missing = [axis for axis in "xyz" if axis not in header.fields]
     if missing:
         raise AssetError(f"has no field {' '.join(missing)}", remedy="it needs x, y and z")
-    points = _parse_counts(said.get("POINTS") or [str(width * height)], "POINTS")[0]
-    if points != width * height:
-        raise _pcd_error(f"promises {points} points, but is {width} × {height}")
-    encoding = " ".join(said["DATA"])
-    if encoding not in _ENCODINGS:
-        raise _pcd_error(f"its DATA is {encoding!r}, not {', '.join(_ENCODINGS)}")
-    stride = sum(size * count for size, count in zip(sizes, counts, strict=True))
-    return _Header(tuple(fields), stride, sum(counts), width, height, encoding, at)
+    if header.points != header.width * header.height:
+        size = f"{header.width} × {header.height}"
+        raise _pcd_error(f"promises {header.points} points, but is {size}")
+    return header, at
 
 
-def _check_size(header: _Header, data: bytes) -> None:
+def _check_size(header: MetaData, data: bytes) -> None:
     """The points must be there, and no more than fit into memory."""
-    needed, there = header.points * header.stride, len(data) - header.start
-    if header.encoding == "ascii":
-        rows = [row.split() for row in data[header.start :].splitlines() if row.strip()]
-        if len(rows) != header.points:
-            raise _cut_error(f"it promises {header.points} points and has {len(rows)}")
+    points, there, kind = header.points, len(data), header.build_dtype()
+    needed = points * kind.itemsize
+    if header.data == "ascii":
+        rows = [row.split() for row in data.splitlines() if row.strip()]
+        if len(rows) != points:
+            raise _cut_error(f"it promises {points} points and has {len(rows)}")
         for number, row in enumerate(rows):
-            if len(row) != header.columns:
-                raise _cut_error(f"point {number} has {len(row)} numbers, not {header.columns}")
+            if len(row) != sum(header.count):
+                raise _cut_error(f"point {number} has {len(row)} numbers, not {sum(header.count)}")
         return
-    if header.encoding == "binary":
+    if header.data == "binary":
         if there < needed:
-            raise _cut_error(f"it promises {header.points} points and has {there // header.stride}")
+            raise _cut_error(f"it promises {points} points and has {there // kind.itemsize}")
         return
     if there < 8:
         raise _cut_error("it ends before its data")
-    packed, unpacked = struct.unpack_from("<II", data, header.start)
+    packed, unpacked = struct.unpack_from("<II", data)
     if unpacked != needed or needed > PCD_MAX_BYTES:
-        raise _pcd_error(
-            f"promises {header.points} points, {needed} bytes, but unpacks to {unpacked}"
-        )
+        raise _pcd_error(f"promises {points} points, {needed} bytes, but unpacks to {unpacked}")
     if there - 8 < packed:
         raise _cut_error(f"it promises {packed} packed bytes and has {there - 8}")
-
-
-def _parse_counts(words: list[str], name: str) -> list[int]:
-    """Return the counts in a line of a header.
-
-    >>> _parse_counts(["4", "4", "1"], "SIZE")
-    [4, 4, 1]
-    """
-    if not all(word.isdecimal() and len(word) < 16 for word in words):
-        raise _pcd_error(f"its {name} is {' '.join(words)!r}, which is no count")
-    return [int(word) for word in words]
 
 
 def _pcd_error(message: str) -> AssetError:
