@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import resource
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,7 @@ SPOILERS = {
     "NumPy's random": "np.random.seed(1)",
     "rounding": "ctypes.CDLL(None).fesetround(0x800)",
     "umask": "os.umask(0o777)",
+    "open files": "files = [os.dup(1) for _ in range(250 - os.dup(1))]",
     "limit": "resource.setrlimit(resource.RLIMIT_NOFILE, (20, 20))",
     "thread": "threading.Thread(target=time.sleep, args=[600], daemon=True).start()",
     "child": "subprocess.Popen(['sleep', '600'])",
@@ -58,6 +60,7 @@ def changed_by(code: str, folder: Path) -> bool:
             os.chdir(folder)
             names: dict[str, object] = {}
             exec(IMPORTS, names)
+            resource.setrlimit(resource.RLIMIT_NOFILE, (256, 256))
             state = ProcessState()
             exec(code, names)
             status = int(state.has_changed())
