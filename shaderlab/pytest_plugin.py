@@ -187,23 +187,15 @@ def _settings(config: pytest.Config) -> Settings:
 
 
 def _limits(config: pytest.Config) -> Limits:
-    usual = _settings(config).limits
-    return Limits(
-        seconds=_number(config, "shaderlab_timeout", usual.seconds),
-        gigabytes=_number(config, "shaderlab_memory", usual.gigabytes),
-    )
-
-
-def _number(config: pytest.Config, name: str, default: float) -> float:
-    if not config.getini(name):
-        return default
+    seconds, gigabytes = (config.getini(f"shaderlab_{name}") for name in ("timeout", "memory"))
     try:
-        value = float(config.getini(name))
-    except ValueError:
-        value = -1.0
-    if not (value > 0.0 or (value == 0.0 and name == "shaderlab_memory")):
-        raise pytest.UsageError(f"{name} is {config.getini(name)!r}: give it a positive number")
-    return value
+        usual = _settings(config).limits
+        return Limits(
+            seconds=float(seconds or usual.seconds), gigabytes=float(gigabytes or usual.gigabytes)
+        )
+    except (ValueError, ShaderlabError) as error:
+        said = f"shaderlab_timeout is {seconds!r}, shaderlab_memory is {gigabytes!r}"
+        raise pytest.UsageError(f"{said}: {error}") from None
 
 
 class NoCaseWarning(pytest.PytestWarning):

@@ -118,7 +118,7 @@ def command(
 
 def _is_too_low(reached: float | None, least: float | None) -> bool:
     """Whether a score is below the least percentage; one of no mutants is."""
-    return least is not None and (reached is None or 100.0 * reached < least)
+    return least is not None and (reached is None or not 100.0 * reached >= least)
 
 
 def _measure(

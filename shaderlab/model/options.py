@@ -5,6 +5,8 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from shaderlab.errors import UsageError
+
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
@@ -14,10 +16,18 @@ class Limits:
         seconds: of time.
         gigabytes: of address space, 2^30 bytes each; 0 for any amount. It holds where the system
             limits processes (Linux, not Windows).
+
+    Raises:
+        UsageError: one is negative, no number, or more than a system can count.
     """
 
     seconds: float = 30.0
     gigabytes: float = 4.0
+
+    def __post_init__(self) -> None:
+        if not (0.0 < self.seconds <= 1e9 and 0.0 <= self.gigabytes <= 1e9):
+            said = f"a time limit of {self.seconds:g} s and {self.gigabytes:g} GB of memory"
+            raise UsageError(f"{said} can't be set", remedy="give positive numbers up to 1e9")
 
 
 CALL_LIMITS: ContextVar[Limits] = ContextVar("CALL_LIMITS")

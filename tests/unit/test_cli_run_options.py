@@ -100,6 +100,7 @@ def test_what_an_interrupt_left_out_is_run_later(
         ("--drivers", "llvmpipe,softpipe", "--resume", "out"),
         ("--drivers", "llvmpipe,softpipe", "-j", "0"),
         ("--driver", "mystery"),
+        *((name, x) for name in ("--timeout", "--memory") for x in ("nan", "inf", "1e12", "-1")),
     ],
 )
 def test_options_that_do_not_go_together_are_wrong_usage(

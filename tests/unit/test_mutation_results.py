@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 
 import pytest
 
+from shaderlab.cli.mutate import _is_too_low
 from shaderlab.engine.expectations.exact import exact
 from shaderlab.model.case import Case
 from shaderlab.model.mesh import Mesh
@@ -42,6 +44,11 @@ def test_the_score_leaves_out_what_nobody_could_notice() -> None:
     assert one.score == 0.75
     assert score([one], state=True) is None
     assert result("equivalent", "invalid").score is None
+
+
+def test_no_score_reaches_what_is_no_number() -> None:
+    scores = [(0.5, 50.0), (1.0, math.nan), (None, 0.0), (1.0, None)]
+    assert [_is_too_low(*each) for each in scores] == [False, True, True, False]
 
 
 def test_state_has_a_score_of_its_own() -> None:
