@@ -281,9 +281,7 @@ def finish(
         folder = display_path(recorded.folder)
         show.console.print(f"resume with: shaderlab run --resume {folder}")
         return INTERRUPTED
-    if problems:
-        return verdict or unwritten
-    return verdict
+    return verdict or unwritten
 
 
 def _remove_old(parent: Path) -> None:

@@ -46,9 +46,7 @@ class Settings:
     @property
     def limits(self) -> Limits:
         """Those of one job."""
-        seconds = Limits.seconds if self.timeout is None else self.timeout
-        gigabytes = Limits.gigabytes if self.memory is None else self.memory
-        return Limits(seconds=seconds, gigabytes=gigabytes)
+        return Limits(**dict(_drop_missing(seconds=self.timeout, gigabytes=self.memory)))
 
     def shader_folders(self, folder: Path) -> tuple[Path, ...]:
         """Where the shaders are that files in `folder` name, in the order of the search.
