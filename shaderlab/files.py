@@ -123,7 +123,7 @@ def claim_folder(folder: Path) -> None:
     """Make a folder for a report, or take one that is empty or has one already.
 
     Raises:
-        UsageError: it has files of others, or a link by which a report would be written elsewhere.
+        UsageError: it has files of others, or a link, as `refuse_links` says.
         OSError: it can't be made.
     """
     folder.mkdir(parents=True, exist_ok=True)
@@ -133,6 +133,13 @@ def claim_folder(folder: Path) -> None:
             file=folder,
             remedy="name an empty folder, or a new one",
         )
+    refuse_links(folder)
+    (folder / REPORT_MARK).touch()
+
+
+def refuse_links(folder: Path) -> None:
+    """Raise UsageError where a report in this folder would be written elsewhere, by a link, or
+    something else has one of its places."""
     for path in (folder / name for name in (*_REPORT_FOLDERS, "records.jsonl", "mutants.json")):
         is_folder = path.name in _REPORT_FOLDERS
         if path.is_symlink() or (path.exists() and path.is_dir() != is_folder):
@@ -140,7 +147,6 @@ def claim_folder(folder: Path) -> None:
             raise UsageError(
                 f"a report has a {what} of its own here", file=path, remedy="remove what is there"
             )
-    (folder / REPORT_MARK).touch()
 
 
 def _holds_report(folder: Path) -> bool:

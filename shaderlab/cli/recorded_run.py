@@ -25,7 +25,7 @@ from shaderlab.cli.selecting import find_unused
 from shaderlab.engine.jobs import Job, package_versions
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import display_path, open_regular
+from shaderlab.files import display_path, open_regular, read_regular, refuse_links, write_bytes
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Record, Run
 
@@ -64,6 +64,8 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
         self._synced = time.monotonic()
         self.problem: ShaderlabError | None = None
         try:
+            if path.exists() and path.stat().st_nlink > 1:  # a copy by links is not written to
+                write_bytes(path, read_regular(path))
             descriptor = open_regular(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
         except OSError as error:
             raise UsageError(f"can't write here: {error.strerror}", file=path) from error
@@ -210,6 +212,7 @@ def load_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
     folder = Path(word) if word else begun[-1].parent
     if word:
         shared.mark_named(folder)
+    refuse_links(folder)
     plan, done, damaged = read_journal(folder)
     for line in damaged:
         place = display_path(folder / shared.FILE_NAME, line)

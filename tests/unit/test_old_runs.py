@@ -13,8 +13,12 @@ from click.testing import CliRunner
 
 from shaderlab.cli import cli
 from shaderlab.cli.options import make_report_folder, mark_named, remove_old_runs
+from shaderlab.cli.recorded_run import Journal, RunPlan, load_plan
 from shaderlab.errors import UsageError
 from shaderlab.files import REPORT_MARK
+from shaderlab.model.options import Limits, RunOptions
+from shaderlab.model.records import Run
+from shaderlab.report import html
 
 
 def run(parent: Path, name: str, age: int) -> Path:
@@ -65,14 +69,36 @@ def test_a_folder_with_files_of_others_takes_no_report(tmp_path: Path, name: str
     assert [path for path in (tmp_path / "site").rglob("*") if path.is_file()] == [file]
 
 
+EMPTY = Run(driver={}, versions={}, started="", seconds=0.0, records=())
+TAKING: dict[str, Callable[[Path], object]] = {
+    "run": make_report_folder,
+    "run --resume": lambda folder: load_plan(str(folder), Limits()),
+    "report": lambda folder: html.write(EMPTY, folder),
+}
+
+
 @pytest.mark.parametrize("name", ["images", "page", "records.jsonl"])
-def test_a_report_is_not_written_through_links(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize("command", TAKING)
+def test_a_report_is_not_written_through_links(tmp_path: Path, name: str, command: str) -> None:
     folder = make_report_folder(tmp_path / "run")
     assert make_report_folder(folder) == folder
     (folder / name).symlink_to(tmp_path / "elsewhere")
     with pytest.raises(UsageError, match="of its own here"):
-        make_report_folder(folder)
+        TAKING[command](folder)
     assert not (tmp_path / "elsewhere").exists()
+
+
+def test_a_copy_that_shares_a_run_s_files_keeps_what_it_has(tmp_path: Path) -> None:
+    """As `cp -al` makes one: a new run into either folder is not written into the other."""
+    folder = make_report_folder(tmp_path / "run")
+    with Journal(folder, RunPlan(started="earlier", options=RunOptions())):
+        pass
+    (tmp_path / "copy").hardlink_to(folder / "records.jsonl")
+    kept = (tmp_path / "copy").read_bytes()
+    with Journal(folder, RunPlan(started="now", options=RunOptions())):
+        pass
+    assert (tmp_path / "copy").read_bytes() == kept and b"earlier" in kept
+    assert b'"now"' in (folder / "records.jsonl").read_bytes()
 
 
 def test_a_run_removes_what_the_project_does_not_keep(
