@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import BinaryIO
 
 from shaderlab.errors import ShaderlabError, UsageError, make_visible
 
@@ -157,13 +157,8 @@ def _holds_report(folder: Path) -> bool:
 
 
 def open_memory_file() -> BinaryIO:
-    """A file without a name that takes no room on any disk; where the system has none, one of the
-    folder for temporary files."""
-    if hasattr(os, "memfd_create"):
-        return open(os.memfd_create("shaderlab"), "w+b")
-    import tempfile  # Linux needs none
-
-    return cast(BinaryIO, tempfile.TemporaryFile())
+    """A file without a name that takes no room on any disk."""
+    return open(os.memfd_create("shaderlab"), "w+b")
 
 
 def reserve_standard_descriptors() -> None:

@@ -303,7 +303,7 @@ def _status_of(error: BaseException, driver: str | None) -> tuple[records.Status
         f"unforeseen {type(error).__name__}: {error}",
         file=place.filename,
         line=place.lineno,
-        remedy="this is a defect of shaderlab; SHADERLAB_DEBUG=1 shows the whole traceback",
+        remedy="a defect of shaderlab, or of what the case replaced: SHADERLAB_DEBUG=1 shows where",
     )
 
 

@@ -5,6 +5,7 @@ no threads, no OpenGL context and no `__main__`.
 """
 
 import contextlib
+import errno
 import functools
 import itertools
 import os
@@ -247,8 +248,7 @@ def _descendants(process: int) -> Iterator[int]:
 
 
 def measure_memory(process: int) -> int:
-    """Return the bytes of memory that a process shares with no file; 0 where the system has no
-    /proc."""
+    """Return the bytes of memory that a process shares with no file; 0 once it has ended."""
     try:
         _, resident, shared, *_ = map(int, Path(f"/proc/{process}/statm").read_text().split())
     except (OSError, ValueError):
@@ -333,8 +333,13 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             if len(self._workers) < min(self.jobs, max(self._unfinished, 1)):
                 worker = self._make()
                 thread = threading.Thread(target=self._serve, args=[worker], daemon=True)
-                self._workers[thread] = worker
-                thread.start()
+                try:
+                    thread.start()
+                    self._workers[thread] = worker
+                except RuntimeError as error:  # the system allows no more of them
+                    if not self._workers:
+                        remedy = suggest_limit(OSError(errno.EAGAIN, ""))
+                        raise ShaderlabError(str(error), remedy=remedy) from error
         return True
 
     def _serve(self, worker: _Worker) -> None:

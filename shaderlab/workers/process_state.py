@@ -72,7 +72,7 @@ def _read_settings() -> list[Any]:
         signal.pthread_sigmask(signal.SIG_BLOCK, ()),
         _thread._count(),
         _has_children(),
-        [os.close(number) for number in [os.dup(0) for _ in range(16)]],  # there is room for files
+        list(map(os.close, [os.dup(0) for _ in range(16)])),  # there is room for files
         [sys.path[:], sys.meta_path[:], sys.path_hooks[:], sys.stdout, sys.stderr],
         [sys.getrecursionlimit(), sys.gettrace(), sys.getprofile(), sys.excepthook, gc.isenabled()],
         list(vars(builtins)),

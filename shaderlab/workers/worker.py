@@ -128,16 +128,12 @@ def main() -> None:
 
 def die_with_parent(parent: int) -> None:
     """Ask the kernel to end this process with its parent, even in the middle of C code, and to
-    make all that items start its descendants for good, so that the pool can end them.
-
-    Elsewhere than on Linux the closed socket or, inside an item, the alarm ends it.
-    """
-    if sys.platform.startswith("linux"):
-        prctl = ctypes.CDLL(None).prctl
-        prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
-        prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
-        if os.getppid() != parent:  # it ended in between
-            os._exit(1)
+    make all that items start its descendants for good, so that the pool can end them."""
+    prctl = ctypes.CDLL(None).prctl
+    prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+    prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    if os.getppid() != parent:  # it ended in between
+        os._exit(1)
 
 
 def keep_freed_memory() -> None:

@@ -7,6 +7,7 @@ import errno
 import os
 import subprocess
 import textwrap
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -286,13 +287,18 @@ def test_a_worker_that_starts_too_slowly_is_an_error_that_says_so(
         list(pool.run(["a"]))
 
 
+NO_PROCESS = subprocess, "Popen", BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+NO_THREAD = threading.Thread, "start", RuntimeError("can't start new thread")
+
+
+@pytest.mark.parametrize(("owner", "name", "error"), [NO_PROCESS, NO_THREAD])
 def test_a_limit_that_keeps_workers_from_starting_is_named(
-    work: str, monkeypatch: pytest.MonkeyPatch
+    work: str, monkeypatch: pytest.MonkeyPatch, owner: Any, name: str, error: Exception
 ) -> None:
     def refuse(*_: object, **__: object) -> None:
-        raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+        raise error
 
-    monkeypatch.setattr(subprocess, "Popen", refuse)
+    monkeypatch.setattr(owner, name, refuse)
     with (
         WorkerPool(work, limits=LIMITS) as pool,
         pytest.raises(ShaderlabError, match="allow more processes than `ulimit -u` says"),
