@@ -410,3 +410,14 @@ def test_cost_counts_exactly_and_never_judges_time(folder: Path) -> None:
 def test_a_cost_without_sense_is_refused(options: dict[str, Any]) -> None:
     with pytest.raises(CaseError):
         table(**options)
+
+
+def test_arrays_of_vectors_are_no_matrices(folder: Path) -> None:
+    """vec4[4] has the shape of a mat4, and vec4[2] the components of a mat2 in each row."""
+    (folder / "rows.frag").write_text(
+        "#version 330 core\nout vec4 sum;\nuniform vec4 four[4];\nuniform vec2 two[2];\n"
+        "void main() { sum = four[1] + vec4(two[1], two[0]); }\n"
+    )
+    uniforms = {"four": np.arange(16.0).reshape(4, 4), "two": [(1.0, 2.0), (3.0, 4.0)]}
+    expect = [exact("sum", (7.0, 9.0, 7.0, 9.0))]
+    assert passed(run(folder, passes=fullscreen("rows.frag", uniforms=uniforms), expect=expect))

@@ -120,7 +120,7 @@ def set_uniforms(program: Any, values: Mapping[str, Array]) -> list[str]:
             inactive.append(name)
             set_unlocated(program, array)
             continue
-        matrix = member.dimension in (4, 6, 8, 9, 12, 16) and array.ndim >= 2
+        matrix = array.ndim >= 2 and array.shape[-2] * array.shape[-1] == member.dimension
         data = np.ascontiguousarray(np.swapaxes(array, -1, -2) if matrix else array)
         count = getattr(member, "array_length", 1)
         member.write(data.reshape(-1)[: count * member.dimension].tobytes())
