@@ -5,8 +5,8 @@ around a ball: its back faces, without a depth test, so that each pixel is met o
 camera inside. What they cover reads the buffer, and the light is added up. Beyond the root of Kq r²
 + Kl r + Kc = I/τ less than τ is left, here half a code of the darkest stone at dusk. A well-known
 listing cuts at 5/256: on black, encoded for a display, those are 43 codes, and edges are seen. Half
-a code wants balls of 1.8 here, a dozen on a pixel, and 72 halves still add up to some codes: engines
-make light end at a distance instead.
+a code wants balls of 1.8 here, a dozen on a pixel, and 72 halves still add up to some codes:
+engines make light end at a distance instead.
 
 Look at: 72 candles around nine posts at dusk. A pixel asks a few of them, those that reach it.
 
