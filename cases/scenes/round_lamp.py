@@ -59,7 +59,7 @@ def by_closer(map: Array, at: Array) -> Array:
 
     def texel(where: Array) -> Array:
         i = np.clip(np.floor(where * SIDE).astype(int), 0, SIDE - 1)
-        return map[i[..., 1], i[..., 0], 0]
+        return np.asarray(map[i[..., 1], i[..., 0], 0])
 
     found = texel(at[:, None] + LAMP * 1.1 * POINTS)
     count = (found > 0.0).sum(axis=1)
