@@ -32,6 +32,7 @@ from .hazards import (
 from .inputs import (
     Input,
     InputDomain,
+    add_constants,
     domains_of,
     inputs_of,
     interpolate_inputs,
@@ -171,6 +172,8 @@ def search_inputs(
     watched = watch_batch(program, batch)
     origins = find_origins(batch, inputs, domains)
     found = {e.place: e for e in find_counterexamples(watched, batch, origins)}
+    if not plan.prove:  # which is about the ranges
+        found |= _find_by_constants(program, inputs, domains, watched, found, plan.count)
     settled = {place for place, e in found.items() if plan.prove or e.origin == RANDOM}
 
     def find_ordinary(some: InputBatch) -> Flags:
@@ -201,6 +204,30 @@ def search_inputs(
                     origin = int(find_origins(crossing.batch, inputs, domains)[crossing.row])
                     found[place] = replace(crossing, origin=origin)
     return found, batch, proof
+
+
+def _find_by_constants(
+    program: Program,
+    inputs: Mapping[str, Input],
+    domains: Mapping[str, InputDomain],
+    watched: Mapping[Place, WatchedInstruction],
+    known: Mapping[Place, Counterexample],
+    count: int,
+) -> dict[Place, Counterexample]:
+    """What goes wrong with inputs that are the program's own numbers, such as `id == 12345`: behind
+    conditions that nothing else meets, and divisions. An index is not taken beyond its range."""
+    domains = add_constants(domains, inputs, [program])
+    if not any(domain.constants for domain in domains.values()):
+        return {}
+    batch = first_batch(inputs, domains, count)
+    examples = find_counterexamples(
+        watch_batch(program, batch), batch, find_origins(batch, inputs, domains)
+    )
+    return {
+        e.place: e
+        for e in examples
+        if e.place not in known and (e.place not in watched or "division" in e.place.kind)
+    }
 
 
 def _find_crossing(

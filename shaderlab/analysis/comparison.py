@@ -33,7 +33,15 @@ from shaderlab.files import display_path
 
 from .answer import Answer, Numerics, OutputAnswer
 from .batches import InputBatch, merge_batches
-from .differences import MOST, bands_of, compare_accuracy, discards, first_difference, jumps
+from .differences import (
+    MOST,
+    bands_of,
+    compare_accuracy,
+    discards,
+    first_difference,
+    jumps,
+    lines_not_run,
+)
 from .inputs import (
     Input,
     InputDomain,
@@ -122,11 +130,13 @@ def compare_programs(
             return sample_inputs(inputs, domains, plan.count, seed)
 
     comparison = _Comparison((old, new), inputs, domains, make, plan)
+    outputs = *comparison.outputs(captured), *_compare_interfaces(old, new)
+    never = comparison.notes() if all(output.same for output in outputs) else ()
     return Answer(
         old=_file(old),
         new=_file(new),
-        outputs=(*comparison.outputs(captured), *_compare_interfaces(old, new)),
-        notes=tuple(_notes(mine, theirs)),
+        outputs=outputs,
+        notes=(*_notes(mine, theirs), *never),
         inputs={
             name: f"{domain} ({domain.source})"
             for name, domain in domains.items()
@@ -187,6 +197,7 @@ class _Comparison:
     make: Callable[[Mapping[str, InputDomain], int], InputBatch]
     plan: Plan
     _in_bands: tuple[Mapping[str, Any] | None, ...] = ()
+    _labels: tuple[set[int], set[int]] = field(default_factory=lambda: (set(), set()))
     _freed: dict[tuple[str, ...], list[_Set]] = field(default_factory=dict)
 
     def outputs(self, captured: Sequence[InputBatch]) -> Iterator[OutputAnswer]:
@@ -227,7 +238,17 @@ class _Comparison:
                 yield around
 
     def _run(self, batch: InputBatch) -> _Set:
-        return _Set(batch, run(self.programs[0], batch), run(self.programs[1], batch))
+        one = _Set(batch, run(self.programs[0], batch), run(self.programs[1], batch))
+        for labels, ran in zip(self._labels, (one.old, one.new), strict=True):
+            labels.update(ran.labels)
+        return one
+
+    def notes(self) -> Iterator[str]:
+        """Which lines no input came to, of those that were tried."""
+        pairs = list(zip(self.programs, self._labels, strict=True))
+        places = [_format_place(p, line) for p, ran in pairs for line in lines_not_run(p, ran)]
+        if places:
+            yield f"never run: {', '.join(dict.fromkeys(places))}"
 
     def _is_settled(self, sets: Sequence[_Set], name: str, other: str) -> bool:
         """Whether an output is known to be another one: more inputs add nothing."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -26,6 +27,7 @@ _UNIT = re.compile(r"//.*?\brange:\s*unit\b")
 _DECLARED = re.compile(r"([A-Za-z_]\w*)\s*(?:\[[^]]*\]\s*)?(?:=[^;]*)?[;,]")
 _WHOLE = 2.0**31
 _LAYOUT = re.compile(r"\blayout\s*\([^)]*\)")
+_ALIKE = 0.01  # constants that differ by less may be meant to be one
 _ENDLESS = 4  # elements of an array whose length is known at run time only
 
 
@@ -95,7 +97,7 @@ def find_declared_ranges(program: Program) -> dict[str, str]:
     return found
 
 
-Kind = Literal["number", "unit", "rotation", "affine", "projection", "texture"]
+Kind = Literal["number", "unit", "rotation", "affine", "projection", "texture", "mipmaps"]
 
 _IN_WORDS: Mapping[str, str] = {
     "unit": "of length 1", "projection": "a perspective projection", "rotation": "a rotation",
@@ -127,6 +129,8 @@ class InputDomain:
         """What holds of the input's values, as a formula."""
         if self.kind == "unit":
             return f"|{name}| = 1"
+        if self.kind == "texture":
+            return f"{name} has no mipmaps"
         if self.kind != "number":
             return f"{name} is {_IN_WORDS[self.kind]}"
         low = f"{self.low:g} <= " if np.isfinite(self.low) else ""
@@ -149,8 +153,10 @@ class InputDomain:
     @property
     def relaxed(self) -> InputDomain | None:
         """The domain without its assumption; None if it is none, or can't be dropped."""
-        if self.source in ("given", "declared") or self.kind in ("projection", "texture"):
+        if self.source in ("given", "declared") or self.kind in ("projection", "mipmaps"):
             return None
+        if self.kind == "texture":
+            return InputDomain("mipmaps")
         if self.source == "learned":
             free = InputDomain("number", -np.inf, np.inf, "given")
             return free if self.kind == "unit" or self.low == 0.0 else None
@@ -239,6 +245,10 @@ def add_constants(
     """The domains of numbers with the programs' own constants to try; of an integer those beyond
     its assumed range, too: `id == 12345` is true for no other."""
     constants = sorted({number for program in programs for number in program.numbers})
+    near = [
+        (a + b) / 2.0 for a, b in itertools.pairwise(constants) if 0.0 < b - a < _ALIKE * abs(b)
+    ]
+    constants = sorted({*constants, *near})  # between 0.00313 and 0.0031308
     found = dict(domains)
     for name, domain in domains.items():
         if domain.kind == "number" and name in inputs and "mat" not in inputs[name].type:
@@ -365,8 +375,8 @@ def sample_inputs(
         domain = domains[name]
         if one.workgroup:
             size = one.workgroup
-        elif domain.kind == "texture":
-            textures[name] = _texture(one, rng)
+        elif domain.kind in ("texture", "mipmaps"):
+            textures[name] = _texture(one, rng, mipmaps=domain.kind == "mipmaps")
         elif name in ("gl_VertexID", "gl_VertexIndex"):
             each[name] = np.arange(count, dtype=np.int64)[:, None]
         elif name == "gl_FragCoord":
@@ -381,6 +391,8 @@ def sample_inputs(
     keep_in_order(each, domains)
     if "gl_FragCoord" not in each:
         each["gl_FragCoord"] = _places(count, rng)  # of derivatives' neighbours
+    if any(texels.smaller for texels in textures.values()):
+        _steepen(each, inputs, domains, rng)
     return InputBatch(each, Bindings(textures=textures), count)
 
 
@@ -422,6 +434,26 @@ def _places(count: int, rng: np.random.Generator) -> Array:
     return np.stack([x, y, z, w], axis=1).astype(np.float32)
 
 
+def _steepen(
+    each: dict[str, Array],
+    inputs: Mapping[str, Input],
+    domains: Mapping[str, InputDomain],
+    rng: np.random.Generator,
+) -> None:
+    """Have inputs change from pixel to pixel as in draws, in each quad as much as in no other: all
+    levels of detail are sampled."""
+    _, first, quad = np.unique(
+        quads_of(each["gl_FragCoord"]), return_index=True, return_inverse=True
+    )
+    share = 2.0 ** rng.uniform(-9.0, 0.0, (len(first), 1))[quad.ravel()]
+    for name, values in each.items():
+        if name in inputs and name != "gl_FragCoord" and values.dtype.kind == "f":
+            each[name] = values[first][quad.ravel()]
+            if values.ndim == 2 and not inputs[name].uniform:
+                moved = each[name] + share * (values - each[name])
+                each[name] = domains[name].clip(moved)
+
+
 def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Generator) -> Array:
     """Matrices as the interpreter has them, (count, rows, columns)."""
     columns, rows = (int(d) for d in (type_[3:].split("x") * 2)[:2])
@@ -455,8 +487,9 @@ _SHAPES: Mapping[str, Callable[[int], tuple[int, ...]]] = {
 }
 
 
-def _texture(one: Input, rng: np.random.Generator) -> Texels:
-    """A small texture; one of normals holds unit vectors, by 0.5 + 0.5 n."""
+def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
+    """A small texture, its smaller levels others; one of normals holds unit vectors, by
+    0.5 + 0.5 n."""
     of = one.type.replace("texture", "sampler")
     kind = of.partition("sampler")[2]
     shadow = kind.endswith("Shadow")
@@ -468,10 +501,14 @@ def _texture(one: Input, rng: np.random.Generator) -> Texels:
         n = rng.normal(size=(*values.shape[:-1], 3))
         n[..., 2] = np.abs(n[..., 2])
         values[..., :3] = 0.5 + 0.5 * n / np.linalg.norm(n, axis=-1, keepdims=True)
-    plain = ("nearest", "nearest") if kind == "2DMS" else ("linear", "linear")
+    filters = ("nearest", "nearest") if kind == "2DMS" else ("linear", "linear")
+    smaller: tuple[Array, ...] = ()
+    if mipmaps and kind in ("2D", "2DArray") and not shadow:
+        filters = ("linear_mipmap_linear", "linear")
+        smaller = tuple(values[..., ::n, ::n, :][..., ::-1, :, :] * 0.9 for n in (2, 4, 8))
     return Texels(
-        values.astype(np.float32), plain, ("repeat", "repeat"), (0.0,) * 4,
-        kind=kind, compare="lequal" if shadow else None,
+        values.astype(np.float32), filters, ("repeat", "repeat"), (0.0,) * 4,
+        kind=kind, compare="lequal" if shadow else None, smaller=smaller,
     )  # fmt: skip
 
 
@@ -522,7 +559,7 @@ def _learn_domain(name: str, arrays: Sequence[Array]) -> InputDomain:
         return InputDomain("projection", source="learned")
     with np.errstate(all="ignore"):
         length = np.linalg.norm(flat.astype(np.float64), axis=-1)
-        unit = shape[-1:] in ((2,), (3,)) and bool((np.abs(length - 1.0) < _NEAR).all())
+        unit = shape[-1:] in ((2,), (3,), (4,)) and bool((np.abs(length - 1.0) < _NEAR).all())
         if unit and (is_direction(name) or (flat < 0.0).any()):
             return InputDomain("unit", source="learned")
         low = 0.0 if flat.min(initial=0.0) >= 0.0 else -np.inf

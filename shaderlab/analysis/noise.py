@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import struct
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -123,10 +123,12 @@ _HUGE = float(np.finfo(np.float32).max)
 @dataclass(frozen=True, eq=False)
 class Ran:
     """What a program gave, without noise (first) and with: outputs (runs, count, components) by
-    name, NaN where there is no float32; and whether an invocation was discarded, (runs, count)."""
+    name, NaN where there is no float32; whether an invocation was discarded, (runs, count); and
+    the labels of the blocks that were run."""
 
     outputs: Mapping[str, Array]
     discarded: Flags
+    labels: Set[int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +170,7 @@ def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
         name: values.reshape(times, count, values.shape[-1])
         for name, values in flatten_outputs(found.outputs)
     }
-    return Ran(outputs, gone.reshape(times, count))
+    return Ran(outputs, gone.reshape(times, count), found.ran)
 
 
 def _separate_runs(places: Array | None, count: int) -> Array | None:

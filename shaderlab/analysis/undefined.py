@@ -208,8 +208,7 @@ class _Divergent:
             return result
         count = int(self.quads.max()) + 1
         present = np.bincount(self.quads, here, count)
-        alive = np.bincount(self.quads, here | ~run.killed, count)
-        split = here & ((present < alive)[self.quads])
+        split = here & ((present < np.bincount(self.quads, minlength=count))[self.quads])
         if split.any():
             mipmapped = not sampled or len(set(run.value(at.operands[0]).filter)) > 1
             place = Place(at.id, tuple(run.calls), KIND)
@@ -246,7 +245,7 @@ def divergent(
             continue
         file, line = program.place(at.line)
         what = "a derivative" if at.op in _DERIVATIVES else "a texture's level of detail"
-        words = f"{what} is undefined where other pixels of the quad take another branch"
+        words = f"{what} is undefined where other pixels of the quad take another branch, or end"
         yield Hazard(
             file=file, line=line, kind=KIND,
             message=words if mipmapped else f"{words}; only if the texture has mipmaps",

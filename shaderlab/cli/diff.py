@@ -214,8 +214,9 @@ def _print(answer: Answer, inputs: bool, err: bool, heading: bool) -> None:
         click.echo(f"{answer.old} → {answer.new}", err=err)
     for line in answer.lines():
         click.echo(line, err=err)
-    for name, role in answer.inputs.items() if inputs else ():
-        click.echo(f"  {name}: {role}", err=err)
+    for name, role in answer.inputs.items():
+        if inputs or role.endswith("(assumed)"):  # "same" holds of those alone
+            click.echo(f"  {name}: {role}", err=err)
 
 
 @dataclass(frozen=True)

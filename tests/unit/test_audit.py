@@ -154,6 +154,30 @@ def test_derivatives_in_divergent_control_flow() -> None:
     assert audit(body.replace("uv.x > 0.5", "x > 0.5")).clean
 
 
+def test_derivatives_after_others_of_the_quad_were_discarded() -> None:
+    body = "    if (uv.x < 0.5) discard;\n    FragColor = vec4(dFdx(uv.x * uv.y));"
+    assert [h.line for h in evident(audit(body))] == [15]
+    assert audit(
+        "    float d = dFdx(uv.y);\n    if (d < 0.5) discard;\n    FragColor = vec4(d);"
+    ).clean
+
+
+@pytest.mark.parametrize(
+    ("value", "hazards"),
+    [
+        ("id == 12345 ? sqrt(-1.0 - y) : 0.0", 1),
+        ("float(100 / (id - 777))", 1),
+        ("(float[6](y, y, y, y, y, y))[id] * float(id / 16)", 0),  # 16 is no index
+    ],
+)  # fmt: skip
+def test_numbers_that_the_shader_names_are_tried(value: str, hazards: int) -> None:
+    text = (
+        f"uniform int id;\nin float y; // range: 0..1\nout float o;\nvoid main() {{ o = {value}; }}"
+    )
+    source = Shaders([]).from_text(f"#version 330 core\n{text}", "fragment", "a.frag")
+    assert len(evident(audit_program(load(source)))) == hazards
+
+
 def test_textures_diverge_only_with_mipmaps() -> None:
     body = "    float d = 0.0;\n    if (uv.x > 0.5) {\n        d = texture(image, uv).r;\n    }\n"
     (hazard,) = audit(body + "    FragColor = vec4(d);").hazards

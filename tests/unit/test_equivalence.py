@@ -205,6 +205,28 @@ def test_the_cases_of_a_switch_are_tried() -> None:
     assert compared(text % 4200, text % 4300).same is False
 
 
+def test_what_lies_between_two_numbers_that_are_nearly_the_same_is_tried() -> None:
+    text = "uniform float x; out float o; void main() { o = x < %s ? 1.0 : 0.0; }"
+    assert compared(text % "0.0031308", text % "0.00313").same is False
+
+
+def test_levels_of_detail_matter_where_a_texture_has_mipmaps() -> None:
+    text = "uniform sampler2D map; in vec2 uv; out vec4 o; void main() { o = %s; }"
+    plain = "texture(map, uv)"
+    for other in ("texture(map, uv, 1.0)", "textureLod(map, uv, 0.0)", "texture(map, uv, -1.0)"):
+        (output,) = compared(text % plain, text % other, accuracy=False).outputs
+        assert output.same is True and output.conditions == ("map has no mipmaps",)
+    for other in ("texture(map, 0.5 * (uv + uv))", "textureGrad(map, uv, dFdx(uv), dFdy(uv))"):
+        (output,) = compared(text % plain, text % other, accuracy=False).outputs
+        assert output.same is True and output.conditions == ()
+
+
+def test_lines_that_no_input_came_to_are_said() -> None:
+    text = "uniform float x;\nout float o;\nvoid main() {\no = x;\nif (x > %s)\no = 0.0;\n}"
+    assert compared(text % 3.0, text % 3.0).notes == ("never run: new.frag:7",)
+    assert compared(text % 0.5, text % 0.5).notes == ()
+
+
 def test_a_rotation_in_a_plane_is_no_reflection() -> None:
     text = "uniform mat2 turn; uniform vec2 uv; out vec2 o; void main() { o = %s; }"
     assert compared(text % "turn * uv", text % "uv * turn").same is False

@@ -7,7 +7,7 @@ a whole array, "Block.member" for members of a block that has an instance name, 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
 from typing import Any
 
@@ -170,11 +170,13 @@ class Interpreted:
             hold.
         discarded: which invocations were discarded, (count,); undecided where a band is open.
         undecided: by line of the program's text, the invocations that took both sides of a branch.
+        ran: the labels of the blocks that an invocation came to.
     """
 
     outputs: Mapping[str, Any]
     discarded: TriBool
     undecided: Mapping[int, Flags]
+    ran: Set[int] = frozenset()
 
 
 def interpret(
@@ -243,4 +245,5 @@ def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
         outputs={} if end is None else find_outputs(program, end.memory, count),
         discarded=TriBool(run.killed & ~survivors, ~run.killed),
         undecided=run.undecided,
+        ran=run.ran,
     )

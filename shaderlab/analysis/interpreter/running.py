@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
@@ -200,6 +200,11 @@ class Run:
         self._reads: list[Value] = []
         self._steps: dict[int, Steps] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
+
+    @property
+    def ran(self) -> Set[int]:
+        """The labels of the blocks that were run so far."""
+        return self._steps.keys()
 
     def value(self, id_: int) -> Value:
         """What an operand's id stands for."""
