@@ -221,13 +221,8 @@ def _print(answer: Answer, inputs: bool, err: bool, heading: bool) -> None:
 
 @dataclass(frozen=True)
 class Revision:
-    """The shaders of a repository at one of its revisions, in a folder of their own.
-
-    Attributes:
-        name: as it was given: "HEAD~1".
-        top: the repository's folder.
-        folder: the one that has the shaders as they were.
-    """
+    """The shaders of a repository, whose folder is `top`, at its revision `name`, as that was given
+    ("HEAD~1"), in a `folder` of their own."""
 
     name: str
     top: Path

@@ -130,12 +130,8 @@ def _lock(file: IO[bytes], folder: Path) -> None:
 
 def read_journal(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
     """Return what the journal of a run holds: what was asked for, the records that there are, and
-    the numbers of lines that are damaged.
-
-    Raises:
-        UsageError: there is none, or not even its first line is whole.
-        ShaderlabError: it was written by another version.
-    """
+    the numbers of lines that are damaged. Raises UsageError: there is none, or not even its first
+    line is whole; ShaderlabError: it was written by another version."""
     from shaderlab.model import store
 
     path = folder / shared.FILE_NAME
@@ -172,14 +168,9 @@ def read_journal(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
 
 @dataclass(frozen=True)
 class RecordedRun:
-    """A run, and its folder.
-
-    Attributes:
-        complete: whether all of the plan was run; an interrupt ends it early.
-        problems: records that could not be written, and files given in a shader's place that no
-            program was made of.
-        records: those of all drivers, where the run has several.
-    """
+    """A run, and its folder. It is `complete` unless an interrupt ended it early. `problems` are
+    records that could not be written, and files given in a shader's place that no program was made
+    of; `records` are those of all drivers, where the run has several."""
 
     run: Run
     folder: Path

@@ -74,12 +74,9 @@ def select_jobs(
 
 
 def select_one(target: str, load: Load) -> tuple[CaseInfo, str]:
-    """The single case that `target` names, and its variant; the first where none is named.
-
-    Raises:
-        UsageError: there is no such case or variant, or it stands for several cases.
-        CaseError: the case file is wrong.
-    """
+    """The single case that `target` names, and its variant; the first where none is named. Raises
+    UsageError: there is no such case or variant, or it stands for several cases; CaseError: the
+    case file is wrong."""
     wanted = resolve_target(target)
     if len(wanted) != 1:
         raise UsageError(f"{target}: {len(wanted)} cases; name one of them")

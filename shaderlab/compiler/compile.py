@@ -146,14 +146,9 @@ def order_stages(stages: Sequence[Source], targets: Sequence[str]) -> list[Sourc
 
 @dataclass(frozen=True)
 class Result:
-    """One target's verdict in the making.
-
-    Attributes:
-        modules: each stage's module, if all are valid.
-        valid: SPIRV-Tools' verdict, None if the compiler made no modules.
-        final: whether this is the verdict of all targets: of stages that parse and can't be linked,
-            and of a text that would crash a compiler, so that no other may get it.
-    """
+    """One target's verdict in the making: each stage's module, if all are `valid`, which is
+    SPIRV-Tools' verdict, None without modules. It is `final` if it is the verdict of all targets:
+    of stages that parse and can't be linked, and of a text that would crash a compiler."""
 
     diagnostics: tuple[Diagnostic, ...]
     modules: Mapping[str, bytes] = field(default_factory=dict)

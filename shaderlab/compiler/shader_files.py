@@ -248,11 +248,7 @@ class OutsideError(ValueError):
 
 
 class Roots:
-    """Shader folders in search order, with other texts or files for some names.
-
-    Attributes:
-        folders: the root folders, in search order.
-    """
+    """Shader `folders` in search order, with other texts or files for some names."""
 
     def __init__(
         self,

@@ -90,12 +90,9 @@ class Session(ABC):
 
     @abstractmethod
     def draw(self, only: Container[str] | None = None) -> Drawn:
-        """Draw the passes in order, all or only these, and read their attachments.
-
-        Raises:
-            CaseError: the scene's data do not fit its programs or each other.
-            ShaderError: the driver refuses a program.
-        """
+        """Draw the passes in order, all or only these, and read their attachments. Raises
+        CaseError: the scene's data do not fit its programs or each other; ShaderError: the driver
+        refuses a program."""
 
     def capture_fragments(self, key: PassDraw) -> Fragments:
         """Capture what the fragment shader of a draw got, at each pixel that it was the last to
@@ -174,12 +171,8 @@ STORAGE_OF_PROBES = 7
 
 
 class Backend(ABC):
-    """An open device.
-
-    Attributes:
-        info: what the driver says of itself: "renderer", "vendor", "version" and "glsl", and its
-            limits.
-    """
+    """An open device; `info` is what the driver says of itself: "renderer", "vendor", "version" and
+    "glsl", and its limits."""
 
     info: Mapping[str, str]
 

@@ -36,10 +36,8 @@ class Attachments(ABC):
     manager they are cleared first and released in the end. Making them raises UnsupportedError
     where the device can't.
 
-    Attributes:
-        colors: format by output name, in the order of the outputs' locations.
-        depth: the format of depth and stencil, "" for none.
-        samples: how many samples a pixel has.
+    `colors` are formats by output name, in the order of the outputs' locations; `depth` is the
+    format of depth and stencil, "" for none; `samples` is how many samples a pixel has.
     """
 
     samples: int

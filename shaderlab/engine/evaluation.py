@@ -165,11 +165,8 @@ class Evaluation:
 
 
 class SceneCheck(Protocol):
-    """A check of a whole scene, besides its expectations.
-
-    Attributes:
-        outside: the outputs, (pass, output), that failed it; complete after `judgement`.
-    """
+    """A check of a whole scene, besides its expectations. `outside` are the outputs, (pass, output)
+    each, that failed it; complete after `judgement`."""
 
     outside: set[tuple[str, str]]
 
@@ -184,11 +181,9 @@ class SceneCheck(Protocol):
 class Features:
     """What packages above the engine add to the run of each scene; they register it here.
 
-    Attributes:
-        self_check: makes a check of a scene: of all its pixels if the flag is set, else of
-            a sample.
-        explain: says where a formula that fails goes wrong; None where it has no answer.
-            Raises ShaderlabError.
+    `self_check` makes a check of a scene: of all its pixels if the flag is set, else of a sample.
+    `explain` says where a formula that fails goes wrong, None where it has no answer; it raises
+    ShaderlabError.
     """
 
     self_check: Callable[[Evaluation, bool], SceneCheck] | None = None

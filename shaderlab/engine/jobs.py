@@ -30,13 +30,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class CaseInfo:
-    """What a case file holds, as far as choosing among its variants needs it.
-
-    Attributes:
-        error: why the file could not be loaded; then `variants` is empty.
-        status: "error" if the file is wrong, "unsupported" if a package is missing, "crash" or
-            "timeout" if it took its process with it.
-    """
+    """What a case file holds, as far as choosing among its variants needs it. `error` is why it
+    could not be loaded; then there are no `variants`, and `status` is "error" if the file is wrong,
+    "unsupported" if a package is missing, "crash" or "timeout" if it took its process with it."""
 
     file: str
     id: str
@@ -49,14 +45,9 @@ class CaseInfo:
 
 @dataclass(frozen=True, kw_only=True)
 class Job:
-    """One variant to run.
-
-    Attributes:
-        broken: for a case file that could not be loaded, how that ended: "error", "crash" or
-            "timeout".
-        trouble: why it could not be loaded.
-        driver: where it is run, if the run has several drivers; "" for the run's own.
-    """
+    """One variant to run. Of a case file that could not be loaded `broken` says how that ended
+    ("error", "crash" or "timeout"), `trouble` why. `driver` is where it is run, if the run has
+    several drivers; "" for the run's own."""
 
     file: str
     id: str

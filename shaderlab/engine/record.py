@@ -41,12 +41,9 @@ _MOST_BUFFERS = 24
 
 
 class RecordBuilder:
-    """Collects what a record is made of, in the order in which a scene runs.
-
-    Attributes:
-        record: what is known so far; `set` adds to it.
-        drawn: what was drawn, where it is to be compared with what another driver draws.
-    """
+    """Collects what a record is made of, in the order in which a scene runs: `record` is what is
+    known so far; `drawn` is what was drawn, where it is to be compared with what another driver
+    draws."""
 
     def __init__(self, scene: Scene) -> None:
         case = scene.case

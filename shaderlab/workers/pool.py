@@ -86,10 +86,8 @@ class _Worker:
     """A process that answers items, as `WorkerPool` says.
 
     It is started with the first item, and again with the first one after it died. One thread uses
-    it; any thread may call `close`.
-
-    Attributes:
-        memory: what the process held when it had answered its first item; 0 before.
+    it; any thread may call `close`. `memory` is what the process held when it had answered its
+    first item, 0 before.
     """
 
     def __init__(

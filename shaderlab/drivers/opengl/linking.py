@@ -223,12 +223,9 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
 
 
 def link_modules(device: Device, texts: Mapping[str, str], feedback: Sequence[str]) -> SpirvProgram:
-    """Link a program of these stages' modules; `feedback` as of `Linker.link`.
-
-    Raises:
-        ShaderError: the driver refuses it.
-        UnsupportedError: it can't become SPIR-V, or what is to be captured can't.
-    """
+    """Link a program of these stages' modules; `feedback` as of `Linker.link`. Raises ShaderError:
+    the driver refuses it; UnsupportedError: it can't become SPIR-V, or what is to be captured
+    can't."""
     shaders = Shaders([])
     stages = [shaders.from_text(texts[s], s, f"<{s}>") for s in _STAGES if texts.get(s)]
     modules, interface = modules_of(stages)

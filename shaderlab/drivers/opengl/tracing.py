@@ -50,12 +50,8 @@ class Recorded:
 
 
 class CallRecorder:
-    """Stands for the context of glcontext that moderngl uses.
-
-    Attributes:
-        calls: what was recorded.
-        place: the pass and the draw that calls are made for; None for the lab's own reading.
-    """
+    """Stands for the context of glcontext that moderngl uses. `calls` is what was recorded, `place`
+    the pass and the draw that calls are made for; None for the lab's own reading."""
 
     def __init__(self, context: Any, edit: CallEdit | None = None) -> None:
         self.calls: list[Recorded] = []

@@ -284,12 +284,9 @@ def _refuse_member(draw: Draw, interface: Interface, name: str) -> None:
 
 
 def _block_values(draw: Draw, interface: Interface) -> dict[str, Any]:
-    """The values that a draw gives for its blocks' members, by the names of `block_members`.
-
-    Raises:
-        CaseError: a block or a member is missing or unknown.
-        UnsupportedError: a block is an array of blocks.
-    """
+    """The values that a draw gives for its blocks' members, by the names of `block_members`. Raises
+    CaseError: a block or a member is missing or unknown; UnsupportedError: a block is an array of
+    blocks."""
     blocks = uniform_blocks(interface)
     compare("uniform block", draw, draw.blocks, blocks, place="blocks")
     values: dict[str, Any] = {}

@@ -60,12 +60,8 @@ def make_sources(texts: Mapping[str, str], known: Sequence[Source] = ()) -> tupl
 
 def compile_to_modules(sources: Sequence[Source], target: str, api: str) -> Compiled:
     """Compile a program for "opengl" or "vulkan", so that its modules are there; errors call what
-    they are for `api`.
-
-    Raises:
-        ShaderError: it is no GLSL.
-        UnsupportedError: it is GLSL, but none that can be made into modules.
-    """
+    they are for `api`. Raises ShaderError: it is no GLSL; UnsupportedError: it is GLSL, but none
+    that can be made into modules."""
     compiling = cached_compiler()
     compiled = compiling(sources, ("glsl", "opengl") if target == "opengl" else (target,))
     if target in compiled.spirv:

@@ -242,12 +242,8 @@ def check_continues(
 
 def check_reads(scene: Scene, description: Pass, draw: Draw, earlier: Iterable[str]) -> None:
     """Check that all that a draw reads is still there; `earlier` are the passes before its own.
-
-    Raises:
-        CaseError: a texture has been drawn over since, is the target that is being drawn into, or
-            is a renderbuffer.
-        UnsupportedError: a texture is a buffer of a dispatch.
-    """
+    Raises CaseError: a texture has been drawn over since, is the target that is being drawn into,
+    or is a renderbuffer; UnsupportedError: a texture is a buffer of a dispatch."""
     images = {p.name: p.draws[0].images for p in scene.passes if p.computes}
     owners = {name: _find_owner(scene, name) for name in earlier}
     for name, source in draw.textures.items():

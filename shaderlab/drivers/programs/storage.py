@@ -83,13 +83,9 @@ def find_outputs(interface: Interface) -> dict[str, Variable]:
 def bind_storage(
     draw: Draw, interface: Interface, bindings: Bindings, folder: Path, images: Images
 ) -> Bindings:
-    """Return a dispatch's bindings with what its storage blocks and its images hold before.
-
-    Raises:
-        CaseError: what is given for a member or an image is missing, unknown, or of the wrong type
-            or shape.
-        AssetError: an image file can't be read.
-    """
+    """Return a dispatch's bindings with what its storage blocks and its images hold before. Raises
+    CaseError: what is given for a member or an image is missing, unknown, or of the wrong type or
+    shape; AssetError: an image file can't be read."""
     known = find_slots(interface)
     bind.compare("buffer", draw, draw.buffers, {n: s.variable for n, s in known.items()})
     exact, decimal = {}, {}
@@ -118,11 +114,8 @@ def bind_storage(
 
 def require_supported(draw: Draw, interface: Interface) -> None:
     """Check that the lab can give a compute shader what it declares, and read what it writes.
-
-    Raises:
-        UnsupportedError: it can't; names what is declared.
-        CaseError: the shader writes nothing.
-    """
+    Raises UnsupportedError: it can't; names what is declared; CaseError: the shader writes
+    nothing."""
     for what, remedy in _find_unsupported(interface):
         raise UnsupportedError(f"{draw.compute}: {what}", remedy=remedy)
     if not find_outputs(interface):
@@ -270,12 +263,8 @@ def _image_format(image: Variable) -> str:
 def _image_contents(
     draw: Draw, interface: Interface, folder: Path, images: Images
 ) -> dict[str, Texels]:
-    """Return what a dispatch's images hold before it.
-
-    Raises:
-        CaseError: what is given for an image is missing, unknown, or does not fit it.
-        AssetError: an image file can't be read.
-    """
+    """Return what a dispatch's images hold before it. Raises CaseError: what is given for an image
+    is missing, unknown, or does not fit it; AssetError: an image file can't be read."""
     known = image_variables(interface)
     bind.compare("image", draw, draw.images, known)
     return {

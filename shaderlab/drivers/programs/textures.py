@@ -167,12 +167,9 @@ def read_dds(path: Path) -> Blocks:
 
 
 def load_blocks(source: CompressedTexture, folder: Path) -> Blocks:
-    """The blocks of a texture, from its file or as it gives them.
-
-    Raises:
-        CaseError: a level has another number of bytes than its size takes.
-        AssetError: the file can't be read; see `read_dds`.
-    """
+    """The blocks of a texture, from its file or as it gives them. Raises CaseError: a level has
+    another number of bytes than its size takes; AssetError: the file can't be read; see
+    `read_dds`."""
     if source.file is not None:
         blocks = read_dds(folder / source.file)
     else:
@@ -211,12 +208,8 @@ def texture_contents(
     source: Texture | TextureArray | CubeTexture, folder: Path, images: Images
 ) -> Contents:
     """Return the values of a texture that are uploaded; `folder` is where paths of image files
-    begin, and its layers may be copied from `images`.
-
-    Raises:
-        CaseError: an image does not fit the format or the others, or does not exist.
-        AssetError: an image file can't be read.
-    """
+    begin, and its layers may be copied from `images`. Raises CaseError: an image does not fit the
+    format or the others, or does not exist; AssetError: an image file can't be read."""
 
     def values(image: Any, owner: str) -> Array:
         image = find_image(image, images) if isinstance(image, Output) else image
@@ -269,12 +262,8 @@ def find_image(source: Output, images: Images) -> Image:
 
 def pixel_values(image: Any, format: str, folder: Path, owner: str) -> Array:
     """One image: an array, a function that makes one, a file's path, or an earlier pass's output.
-    Floats for an 8-bit format are taken as 0…1 and rounded to the nearest code.
-
-    Raises:
-        CaseError: it has another shape than the format takes.
-        AssetError: a file can't be read.
-    """
+    Floats for an 8-bit format are taken as 0…1 and rounded to the nearest code. Raises CaseError:
+    it has another shape than the format takes; AssetError: a file can't be read."""
     wanted, channels = format_of(format).numpy, format_of(format).components
     if isinstance(image, str | Path):
         from shaderlab.model.pictures import load

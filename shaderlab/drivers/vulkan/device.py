@@ -397,12 +397,8 @@ GENERAL = constant("IMAGE_LAYOUT_GENERAL")
 
 
 class Commands:
-    """A command buffer that is being recorded.
-
-    Attributes:
-        handle: Vulkan's own.
-        structs: keeps what commands point to until they have run.
-    """
+    """A command buffer that is being recorded: `handle` is Vulkan's own, `structs` keeps what
+    commands point to until they have run."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
