@@ -1,7 +1,5 @@
 """`shaderlab compile`: compile shader files without running anything."""
 
-from __future__ import annotations
-
 import contextlib
 import dataclasses
 import sys
@@ -167,7 +165,7 @@ def _add_verdicts(
 
 def _print_results(
     results: Iterator[FileResult], json_file: str | None, outputs: Mapping[str, str], quiet: bool
-) -> tuple[Tally, list[ShaderlabError]]:
+) -> "tuple[Tally, list[ShaderlabError]]":
     """Print each result as it comes, then the summary; write all as JSON to `json_file`, and
     what is wrong to `outputs`. Returns what can't be written as well."""
     tally = Tally()
@@ -192,8 +190,7 @@ def _print_results(
 
 
 def _show_progress(results: Iterator[FileResult], count: int, quiet: bool) -> Iterator[FileResult]:
-    """Yield the results; for many files, with a progress bar on standard error if that is a
-    terminal."""
+    """Yield the results; for many files, with a progress bar where standard error is a terminal."""
     if quiet or count < _FEW or not sys.stderr.isatty():
         yield from results
         return

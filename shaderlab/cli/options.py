@@ -358,8 +358,7 @@ def write_json(data: Mapping[str, Any] | Sequence[Any], file: str) -> None:
 
 
 def write_output(text: str, file: str, *, append: bool = False) -> None:
-    """Write text to the file that a person named, or after what is in it; to standard output for
-    "-"."""
+    """Write text to the file that a person named, or append it; to standard output for "-"."""
     if file == "-":
         click.echo(text, nl=False)
         return

@@ -6,18 +6,6 @@ package loads no shared library.
 """
 
 from .compile import Compiled as Compiled, compile_program as compile_program
-from .glslang import (
-    ALL_TARGETS as ALL_TARGETS,
-    TARGETS as TARGETS,
-    disassemble as disassemble,
-    validate as validate,
-)
-from .reflection import (
-    Block as Block,
-    Interface as Interface,
-    Member as Member,
-    Variable as Variable,
-    reflect as reflect,
-)
-from .shader_files import STAGES as STAGES
+from .glslang import ALL_TARGETS as ALL_TARGETS, disassemble as disassemble, validate as validate
+from .reflection import Block as Block, Interface as Interface
 from .sources import Shaders as Shaders, Source as Source

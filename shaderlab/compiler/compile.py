@@ -1,7 +1,5 @@
 """Compiles one program for several targets: verdicts, SPIR-V modules, interface."""
 
-from __future__ import annotations
-
 import functools
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -58,7 +56,7 @@ class Compiled:
         not compile for OpenGL."""
         return self._reflect() if self._reflect else None
 
-    def only(self, targets: Sequence[str]) -> Compiled:
+    def only(self, targets: Sequence[str]) -> "Compiled":
         """Return the program with some of its targets only, and the same interface."""
         return replace(
             self,
@@ -84,7 +82,7 @@ Compile = Callable[[Sequence[Source], Sequence[str]], Compiled]
 """`compile_program` or a function that stands for it."""
 
 
-def compile_program(stages: Sequence[Source], targets: Sequence[str] = TARGETS) -> Compiled:
+def compile_program(stages: Sequence[Source], targets: Sequence[str] = TARGETS) -> "Compiled":
     """Compile and link one program's stages, in any order, for some of `ALL_TARGETS`.
 
     Vulkan allows no samplers in uniform structs, so they are lifted out for "vulkan", and an

@@ -6,8 +6,6 @@ It begins with a checksum of its key and content; a file that was cut short, cha
 absent. When the folder outgrows its limit the entries that were least recently used go first.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json
@@ -168,7 +166,7 @@ def _compile_with_lines(source: Source) -> Compiled:
 
 
 @functools.cache
-def _cache(folder: Path) -> CompileCache:
+def _cache(folder: Path) -> "CompileCache":
     return CompileCache(Store(folder), compilers_digest)
 
 

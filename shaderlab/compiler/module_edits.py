@@ -174,8 +174,7 @@ def _numbers(module: Module, id_: int, storage: int) -> Iterator[tuple[object, s
 def _renumber(
     uses_by_name: Mapping[str, Sequence[_Use]], words: _Words, sources: Sequence[Source]
 ) -> None:
-    """Renumber the names of a range unless each has one number in all stages, and each number one
-    name."""
+    """Renumber the names of a range unless each has one number in all stages, and of its own."""
     owner: dict[int, str] = {}
     if all(
         len({words[use.stage][use.word] for use in uses}) == 1

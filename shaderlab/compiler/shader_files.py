@@ -261,8 +261,7 @@ class Roots:
         self._overrides = dict(overrides)
 
     def shader(self, name: str) -> File:
-        """Read the named shader. Raises ShaderError: it is in no root, leads out of them, or can't
-        be read."""
+        """Read a shader. Raises ShaderError: it is in no root, leads out, or can't be read."""
         try:
             file = self.find(normalise_name(name))
         except OutsideError as error:
@@ -342,8 +341,7 @@ class Roots:
         return found
 
     def _places(self, name: str) -> list[tuple[str, str]]:
-        """Return where a normalised name may be, in search order: paths, and their names inside
-        roots."""
+        """Return where a normalised name may be, in search order: paths, and names inside roots."""
         if not name.startswith("../"):
             return [(str(folder / name), name) for folder in self.folders]
         roots = [os.path.join(os.path.abspath(folder), "") for folder in self.folders]

@@ -300,8 +300,7 @@ class Syntax:
         return tuple(each.strip() for each in _LENGTH.findall(between))
 
     def _uses(self, start: int, end: int, own: set[str]) -> frozenset[str]:
-        """Return the names in a range of bytes but for members, and those in `own` unless
-        called."""
+        """Return the names in a range of bytes but members, and those in `own` unless called."""
         uses = _USE.findall(self._between(start, end))
         return frozenset(n for dot, n, called in uses if not dot and (called or n not in own))
 

@@ -36,8 +36,7 @@ Answers = Mapping[str, Callable[..., Any]]
 
 @dataclass(frozen=True, kw_only=True)
 class Drawn:
-    """What drawing a scene's passes gave, as in `Frame`; `inactive` are the uniforms without any
-    effect."""
+    """What drawing a scene gave, as in `Frame`; `inactive` are the uniforms without any effect."""
 
     images: Mapping[tuple[str, str], Image]
     bindings: Mapping[PassDraw, Bindings]
@@ -95,13 +94,11 @@ class Session(ABC):
         refuses a program."""
 
     def capture_fragments(self, key: PassDraw) -> Fragments:
-        """Capture what the fragment shader of a draw got, at each pixel that it was the last to
-        write."""
+        """Capture what a draw's fragment shader got, at each pixel that it was last to write."""
         raise UnsupportedError("capturing fragments: this driver can't")
 
     def capture_vertices(self, key: PassDraw) -> Samples:
-        """Capture every vertex that a draw hands to rasterisation: what its last stage got and
-        gave."""
+        """Capture each vertex that a draw rasterises: what its last stage got and gave."""
         raise UnsupportedError("capturing vertices: this driver can't")
 
     def probe(

@@ -69,8 +69,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
 
     @abstractmethod
     def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> TargetKind:
-        """Make attachments; `colors` are formats by output name, in the order of their
-        locations."""
+        """Make attachments; `colors` are formats by output name, in the order of locations."""
 
     @abstractmethod
     def render(self, draw: PreparedDraw, bindings: Bindings, target: TargetKind) -> None:
@@ -184,8 +183,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
     # Drawing once more.
 
     def fresh_target(self, pass_name: str) -> TargetKind:
-        """Make a further target like that of a pass. Raises UnsupportedError: the pass draws
-        nothing."""
+        """Make another target like that of a pass. Raises UnsupportedError: it draws nothing."""
         description = self.scene.find_pass(pass_name)
         if description.computes:
             raise UnsupportedError(f"drawing pass {pass_name!r} once more: it is a dispatch")

@@ -48,8 +48,7 @@ _NO_CASES = (
 
 
 def case_files(folder: Path, skipped: Callable[[Path, str], None] | None = None) -> Iterator[Path]:
-    """The case files of `files_below`; `skipped` gets each that takes `Case` and is none, with the
-    reason."""
+    """The case files of `files_below`; `skipped` gets others that take `Case`, and why."""
     for path in files_below(folder):
         reason = inspect_file(path)
         if reason == "":

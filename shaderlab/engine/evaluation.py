@@ -1,7 +1,5 @@
 """One scene evaluated: drawn once, then asked for what expectations need, each thing once."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Iterable, Iterator, Set
 from dataclasses import dataclass, replace
@@ -40,7 +38,11 @@ class Evaluation:
     """
 
     def __init__(
-        self, session: Session, backend: Backend, preparer: Preparer, like: Evaluation | None = None
+        self,
+        session: Session,
+        backend: Backend,
+        preparer: Preparer,
+        like: "Evaluation | None" = None,
     ) -> None:
         self.session = session
         self.scene = session.scene
@@ -112,8 +114,7 @@ class Evaluation:
         return {need for expectation in self.scene.expect for need in self.needs(expectation)}
 
     def answer(self, need: Need) -> Any:
-        """Return what a need asks for, asked for once. Raises ShaderlabError if there is no
-        answer."""
+        """Return a need's answer, asked for once. Raises ShaderlabError if there is none."""
         if need not in self.answers:
             self.answers[need] = self._answer(need)
         return self.answers[need]
@@ -186,8 +187,8 @@ class Features:
     ShaderlabError.
     """
 
-    self_check: Callable[[Evaluation, bool], SceneCheck] | None = None
-    explain: Callable[[Evaluation, Formula, Outcome], Explanation | None] | None = None
+    self_check: "Callable[[Evaluation, bool], SceneCheck] | None" = None
+    explain: "Callable[[Evaluation, Formula, Outcome], Explanation | None] | None" = None
 
 
 FEATURES = Features()

@@ -361,8 +361,7 @@ def _numbers(value: object) -> list[float]:
 
 
 def _buffer_records(prepared: Programs) -> tuple[records.BufferRecord, ...]:
-    """A scene's uniform buffers, and the vertex buffers of meshes that ask for a layout; each
-    appears once."""
+    """Uniform buffers, and vertex buffers of meshes that ask for a layout, each once."""
     return tuple([*_uniform_buffers(prepared), *_vertex_buffers(prepared)][:_MOST_BUFFERS])
 
 

@@ -156,8 +156,7 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
     def _draw_pictures(
         self, evaluation: Evaluation, record: RecordBuilder, pictures: PictureWriter
     ) -> Exception | None:
-        """Write the case's picture and those of its passes, in the size for people; returns what
-        hindered it."""
+        """Write the pictures of the case and its passes, in people's size; returns an error."""
         if self.options.picture_folder is None:
             return None
         scene, images = evaluation.scene, evaluation.drawn.images

@@ -1,7 +1,5 @@
 """A case: passes, what must hold of them, and what it teaches; and its variants."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -100,7 +98,7 @@ class Case(Checked):
         head = self.section.split(".")[0]
         return int(head) if head.isdigit() else 0
 
-    def scenes(self) -> Iterator[Scene]:
+    def scenes(self) -> "Iterator[Scene]":
         """Each variant with its changes made, in the order they are written.
 
         Raises:
@@ -118,7 +116,7 @@ class Case(Checked):
                 changes=variant.changes,
             )
 
-    def scene(self, variant: str) -> Scene:
+    def scene(self, variant: str) -> "Scene":
         """The scene of one variant, by name."""
         scenes = {scene.variant: scene for scene in self.scenes()}
         if variant not in scenes:

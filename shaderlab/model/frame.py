@@ -6,8 +6,6 @@ Everything that a shader read is here too, as the very values it got: float32 fo
 arrays for integers. Single numbers keep a last axis of one component.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -89,7 +87,7 @@ class Fragments:
     covered: npt.NDArray[np.bool_]
     frag_coord: Array
     inputs: Mapping[str, Array]
-    undiscarded: Fragments | None = None
+    undiscarded: "Fragments | None" = None
 
     @cached_property
     def misplaced(self) -> str:
@@ -120,9 +118,9 @@ class Samples:
     outputs: Mapping[str, Array]
     decimal: Mapping[str, Array] = field(default_factory=dict)
     discarded: int = 0
-    entering: Samples | None = None
+    entering: "Samples | None" = None
 
-    def of_output(self, name: str) -> Samples:
+    def of_output(self, name: str) -> "Samples":
         """The invocations that gave this output: these, or those of the stage before."""
         return self if self.entering is None or name in self.outputs else self.entering
 

@@ -6,8 +6,6 @@ each phase, and passes every step on as it begins. If a driver takes the process
 last step that was passed on is what it died of.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -30,7 +28,7 @@ class PhaseTimer:
         self.inner = 0.0  # seconds that phases inside the current one have taken so far
         self._token: Token[PhaseTimer | None] | None = None
 
-    def __enter__(self) -> PhaseTimer:
+    def __enter__(self) -> "PhaseTimer":
         self._token = _CURRENT.set(self)
         return self
 
@@ -39,13 +37,12 @@ class PhaseTimer:
         _CURRENT.reset(self._token)
 
     def timings(self) -> dict[str, float]:
-        """Return seconds by phase, in the order of PHASES; those that did not happen are left
-        out."""
+        """Return seconds by phase, in the order of PHASES, without those that did not happen."""
         known = {name: self.spent[name] for name in PHASES if name in self.spent}
         return {**known, **self.spent}
 
 
-_CURRENT: ContextVar[PhaseTimer | None] = ContextVar("timer", default=None)
+_CURRENT: "ContextVar[PhaseTimer | None]" = ContextVar("timer", default=None)
 
 
 @contextmanager

@@ -4,8 +4,6 @@ Everything here is built of strings, numbers, lists and mappings, and converts t
 without loss. The public JSON of `shaderlab run --json` is a view of it (docs/guide/json.md).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
@@ -166,7 +164,7 @@ class Outcome:
     rows_show_worst: bool = False
     images: Mapping[str, str] = field(default_factory=dict)
     captions: Mapping[str, str] = field(default_factory=dict)
-    sources: tuple[SourceText, ...] = ()
+    sources: "tuple[SourceText, ...]" = ()
     values: str = ""
     explanation: Explanation | None = None
     line: int = 0
@@ -180,7 +178,7 @@ class Outcome:
         message: str,
         judged: int,
         rows_per_variant: bool = True,
-    ) -> Outcome:
+    ) -> "Outcome":
         """Return the outcome of a table's rows: it fails where there is a message."""
         return cls(
             name=name,
@@ -314,7 +312,7 @@ class ProgramRecord:
     """
 
     files: tuple[str, ...]
-    sources: tuple[SourceText, ...]
+    sources: "tuple[SourceText, ...]"
     verdicts: tuple[Verdict, ...]
     declared: tuple[Declared, ...] = ()
 
@@ -468,7 +466,7 @@ class Record:
     timings: Mapping[str, float] = field(default_factory=dict)
     compile: Mapping[str, str] = field(default_factory=dict)
     programs: tuple[ProgramRecord, ...] = ()
-    expectations: tuple[Outcome, ...] = ()
+    expectations: "tuple[Outcome, ...]" = ()
     curves: tuple[Curve, ...] = ()
     plots: tuple[Plot, ...] = ()
     errata: tuple[ErratumNote, ...] = ()

@@ -253,8 +253,7 @@ ImageValue = Pixels | Output
 
 
 def outputs_read(source: object) -> Iterator[Output]:
-    """The outputs of earlier passes that a texture, a buffer's or an image's contents are or are
-    made of."""
+    """The outputs of earlier passes that a texture, a buffer or an image is, or is made of."""
     parts: Sequence[object] = (source,)
     if isinstance(source, TextureArray):
         parts = source.layers

@@ -7,10 +7,8 @@ from shaderlab.mutation.campaign import (
     MutationTarget as MutationTarget,
     make_mutants as make_mutants,
 )
-from shaderlab.mutation.judging import Judge as Judge
 from shaderlab.mutation.mutants import (
     CaseResult as CaseResult,
-    Mutant as Mutant,
     MutantResult as MutantResult,
     MutantRun as MutantRun,
     results_to_json as results_to_json,
@@ -19,5 +17,4 @@ from shaderlab.mutation.mutants import (
 from shaderlab.mutation.shader_mutants import (
     ShaderMutant as ShaderMutant,
     mutate_case as mutate_case,
-    mutate_stage as mutate_stage,
 )

@@ -116,8 +116,7 @@ class _Worker:
         return kind, value
 
     def wait_until_ready(self) -> None:
-        """Start the process, if there is none, and wait for it. Raises ShaderlabError: none can be
-        started."""
+        """Start the process, if there is none, and wait for it. Raises ShaderlabError: it can't."""
         if self.memory and measure_memory(self._pid) - self.memory > GROWTH:
             self.end()
         with self._lock:

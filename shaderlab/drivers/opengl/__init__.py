@@ -38,8 +38,7 @@ def prepare_process(driver: str) -> None:
 
 
 def preload() -> None:
-    """Import what `open_backend` needs, PyOpenGL without its checks, in a process that nobody else
-    uses."""
+    """Import what `open_backend` needs, PyOpenGL without its checks, for a process of the lab."""
     _turn_checks_off()
     from . import backend
 

@@ -1,7 +1,5 @@
 """Linking programs on the driver, from text or from SPIR-V modules; their outputs and uniforms."""
 
-from __future__ import annotations
-
 import ctypes
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -222,7 +220,9 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
     return Verdict(target=DRIVER, ok=ok, diagnostics=tuple(dict.fromkeys(diagnostics)))
 
 
-def link_modules(device: Device, texts: Mapping[str, str], feedback: Sequence[str]) -> SpirvProgram:
+def link_modules(
+    device: Device, texts: Mapping[str, str], feedback: Sequence[str]
+) -> "SpirvProgram":
     """Link a program of these stages' modules; `feedback` as of `Linker.link`. Raises ShaderError:
     the driver refuses it; UnsupportedError: it can't become SPIR-V, or what is to be captured
     can't."""

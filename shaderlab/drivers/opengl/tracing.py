@@ -391,8 +391,7 @@ class StateTracker:
         return self._set(self._place(function, arguments), value, None)
 
     def state_for(self, function: str) -> str:
-        """All state that a call finds which counts for it, as a digest; "" for a call that only
-        sets state."""
+        """The state that counts for a call, as a digest; "" for a call that only sets state."""
         if function in ("glEnable", "glDisable") or _only_sets(function):
             return ""
         everything = function.startswith(_DRAWS) and function != "glDrawBuffers"

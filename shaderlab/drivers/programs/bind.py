@@ -335,8 +335,7 @@ def pack_block(block: Block, uniforms: Mapping[str, Array]) -> bytes:
 
 
 def view_member(member: Member, data: bytearray, count: int) -> Array:
-    """A member's elements where they lie in a block's bytes: (count, components) or
-    (count, rows, columns)."""
+    """A member's elements in a block's bytes: (count, components) or (count, rows, columns)."""
     kind = np.dtype(numpy_type(member.type))
     shape = (count, *shape_of(member.type))
     steps: tuple[int, ...] = (kind.itemsize,)

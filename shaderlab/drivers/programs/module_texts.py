@@ -48,8 +48,7 @@ def assign_locations(text: str) -> str:
 
 
 def make_sources(texts: Mapping[str, str], known: Sequence[Source] = ()) -> tuple[Source, ...]:
-    """The stages with these texts, as compilers take them: the `known` ones where their text is the
-    same."""
+    """The stages with these texts, as compilers take them: `known` ones where they are the same."""
     own = {source.stage: source for source in known}
     return tuple(
         own[stage] if stage in own and own[stage].text == text else

@@ -326,8 +326,7 @@ def _wrap_emit(text: str, written: Sequence[str], declared: Sequence[str]) -> st
 
 
 def _demote_outputs(text: str, names: Collection[str]) -> str:
-    """Make these outputs plain variables. Raises UnsupportedError: the declaration of one can't be
-    read."""
+    """Make outputs plain variables. Raises UnsupportedError: a declaration can't be read."""
     found = [d for d in read_declarations(text) if d.kind == "variables" and "out" in d.qualifiers]
     own = [d for d in found if {member.name for member in d.members} <= set(names)]
     missing = set(names).difference(member.name for d in own for member in d.members)

@@ -208,8 +208,7 @@ COLOR_ASPECT, DEPTH_ASPECT, STENCIL_ASPECT = (
 
 
 def vulkan_format(word: str) -> int:
-    """Return the VkFormat of a format; one of three channels has a fourth, since few devices draw
-    to three."""
+    """Return the VkFormat of a format; three channels get a fourth: few devices draw to three."""
     return constant(f"FORMAT_{_SPELT[word]}")
 
 

@@ -3,8 +3,6 @@
 Source: Khronos, "WebGL 2.0 Specification".
 """
 
-from __future__ import annotations
-
 import asyncio
 import base64
 import functools
@@ -47,7 +45,7 @@ class Calls:
     lists of them, objects, bytes and arrays.
     """
 
-    def __init__(self, browser: Browser) -> None:
+    def __init__(self, browser: "Browser") -> None:
         self._browser = browser
         self._calls: list[tuple[str, int, list[Any]]] = []
         self._data = bytearray()
@@ -313,7 +311,7 @@ class Device:
     gl: Calls
     info: Mapping[str, str]
     extensions: frozenset[str]
-    _browser: Browser
+    _browser: "Browser"
     own_programs: dict[str, Object] = field(default_factory=dict, compare=False)
 
     def require(self, extension: str, what: str) -> None:

@@ -14,8 +14,6 @@ answers are right. Such pixels lie in a line along the edge; where surfaces inte
 areas.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -123,7 +121,7 @@ class AnyOrder(Exact):
     def _backwards(self, scene: Scene) -> Backwards:
         return Backwards(self.key(scene)[0], self.own_name(scene))
 
-    def _redraws(self, scene: Scene) -> Mapping[str, tuple[Redraw, ...]]:
+    def _redraws(self, scene: Scene) -> "Mapping[str, tuple[Redraw, ...]]":
         """For what is to be in front the pass by its own tests, and by tests for that, which let
         the first of equally far surfaces through, or the last; none where its own are one of the
         two, and without a depth buffer of the pass's own."""

@@ -17,10 +17,5 @@ from .display import (
     distance_picture as distance_picture,
     to_display as to_display,
 )
-from .files import (
-    LARGEST_SIDE as LARGEST_SIDE,
-    SIGNATURE as SIGNATURE,
-    load as load,
-    save_png as save_png,
-)
+from .files import SIGNATURE as SIGNATURE, load as load, save_png as save_png
 from .values import WINDOW as WINDOW, Values as Values, judged_part as judged_part, pack as pack

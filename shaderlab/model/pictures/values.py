@@ -17,8 +17,6 @@ stand byte by byte, all lowest bytes first. Measured values are usually a few UL
 reference, so most of those bytes are zero.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -67,7 +65,7 @@ class Values:
         """Whether references are kept to more than the eight digits that a passing check shows."""
         return bool(self.outside.any())
 
-    def corner(self) -> Values:
+    def corner(self) -> "Values":
         """The lowest values at the left, a quarter of a whole window at most."""
         side = WINDOW // 2
         if self.measured.size <= 4 * side**2:
@@ -77,7 +75,7 @@ class Values:
         return replace(self, whole=False, **part)
 
 
-def pack(values: Values) -> bytes:
+def pack(values: "Values") -> bytes:
     """The values as a file's bytes; `report/script/values.js` reads them."""
     columns = _to_columns(values)
     rows, width, components = values.measured.shape
@@ -95,7 +93,7 @@ def pack(values: Values) -> bytes:
     return deflate(b"".join((text.encode("ascii"), *columns)))
 
 
-def judged_part(arrays: Mapping[str, Any], worst: tuple[int, int] | None = None) -> Values:
+def judged_part(arrays: Mapping[str, Any], worst: tuple[int, int] | None = None) -> "Values":
     """The smallest part of a check's pictures that holds all judged values.
 
     Args:
@@ -143,7 +141,7 @@ def _window(start: int, stop: int, centre: int) -> tuple[int, int]:
     return low, min(stop, low + WINDOW)
 
 
-def _to_columns(values: Values) -> list[bytes]:
+def _to_columns(values: "Values") -> list[bytes]:
     judged = np.moveaxis(values.judged, -1, 0)
     planes = np.empty((4, *judged.shape), np.float32)
     exact = np.empty(judged.shape)
