@@ -4,7 +4,7 @@ Every command reads them here. What the command line says goes before them.
 """
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -199,14 +199,17 @@ _KEYS: Mapping[str, Callable[[Any, Path], Any]] = {
 
 def option_defaults(settings: Settings) -> dict[str, dict[str, Any]]:
     """Defaults of the commands' options, by command and by the parameter's name."""
-    values = {
-        "seconds": settings.timeout, "gigabytes": settings.memory, "driver": settings.driver,
-        "compile_targets": settings.targets or None,
-    }  # fmt: skip
-    running = ("seconds", "gigabytes", "driver")
-    taken = {"run": running, "watch": running, "mutate": running[1:2],
-             "compile": ("compile_targets", "gigabytes")}  # fmt: skip
+    limits = dict(_drop_missing(seconds=settings.timeout, gigabytes=settings.memory))
+    running = {**limits, **dict(_drop_missing(driver=settings.driver))}
     return {
-        command: {name: values[name] for name in names if values[name] is not None}
-        for command, names in taken.items()
+        "run": running,
+        "watch": running,
+        "mutate": dict(_drop_missing(gigabytes=settings.memory)),
+        "compile": dict(
+            _drop_missing(compile_targets=settings.targets or None, gigabytes=settings.memory)
+        ),
     }
+
+
+def _drop_missing(**values: Any) -> Iterator[tuple[str, Any]]:
+    return ((name, value) for name, value in values.items() if value is not None)
