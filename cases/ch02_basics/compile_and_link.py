@@ -147,7 +147,8 @@ STATUSES = {
     "glDeleteShader after linking marks the shader": (
         asked("DELETE_STATUS"), "GL_TRUE", RIGHT, DELETED
     ),
-    "… which lives until it is detached": (
+    "… which lives on while it is attached": (call("glIsShader", VERT), "GL_TRUE", RIGHT, DELETED),
+    "… and is gone when it is detached": (
         call("glIsShader", VERT), "GL_FALSE", RIGHT, DELETED,
         (call("glDetachShader", LINKED, VERT),),
     ),

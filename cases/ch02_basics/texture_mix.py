@@ -13,6 +13,7 @@ Try: in `ch02_basics/texture_mix.frag` write `texture(texture2, TexCoords), 1.0 
 import numpy as np
 
 from shaderlab import Case, Erratum, Pixel, Texture, Variant, assets, formula, gl_call, sweep, value
+from shaderlab.engine.expectations.gl_call import call
 from shaderlab.glslmath import mix
 from shaderlab.glslmath.sampling import texture
 
@@ -56,6 +57,13 @@ case = Case(
         ground("FragColor", GROUND),
         *limits({"textures that a fragment shader may read": ("GL_MAX_TEXTURE_IMAGE_UNITS", 16)}),
         gl_call("glActiveTexture", "GL_TEXTURE16", name="the seventeenth unit"),
+        gl_call(
+            "glGetIntegerv",
+            "GL_ACTIVE_TEXTURE",
+            before=(call("glActiveTexture", "GL_TEXTURE16"),),
+            returns="GL_TEXTURE16",
+            name="which is the active one then",
+        ),
     ],
     errata=[
         Erratum(

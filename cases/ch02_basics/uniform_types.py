@@ -264,6 +264,7 @@ case = Case(
             at_least=0,
             name="f has a location before its program is used",
         ),
+        gl_call("glGetUniformLocation", SENT, "g", returns=-1, name="a name of none: −1"),
         gl_call(
             "glGetProgramiv",
             *(Program("shared"), "GL_ACTIVE_UNIFORMS"),

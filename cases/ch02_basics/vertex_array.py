@@ -103,6 +103,7 @@ case = Case(
                 "bound again, the first is drawn": pixel(LOW, BOTH, AGAIN),
                 "each array has its own index buffer": (INDICES, 6, BOTH),
                 "bound again, the first has its own": (INDICES, 3, BOTH, AGAIN),
+                "a bound array is one": (IS_ARRAY, "GL_TRUE", BOTH),
                 "a deleted array is none": (IS_ARRAY, "GL_FALSE", BOTH, DELETED),
             }
         ),

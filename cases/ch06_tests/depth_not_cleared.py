@@ -17,6 +17,7 @@ mountains are in front of the house: the hole is gone. On the left nothing is in
 import numpy as np
 
 from shaderlab import Case, Depth, Pass, Target, exact, formula, gl_call, query
+from shaderlab.engine.expectations.gl_call import call
 
 from ..scenes.cutouts import (
     COLORS,
@@ -105,6 +106,17 @@ case = Case(
         *(
             gl_call(function, word, returns=at_first, name=f"{word} at first")
             for function, word, at_first in STATES
+        ),
+        *(
+            gl_call(
+                "glIsEnabled",
+                word,
+                before=(call("glEnable", word),),
+                returns="GL_TRUE",
+                name=f"{word}, turned on",
+            )
+            for function, word, _ in STATES
+            if function == "glIsEnabled"
         ),
     ],
 )

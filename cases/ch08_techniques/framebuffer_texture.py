@@ -15,7 +15,7 @@ rest.
 
 import numpy as np
 
-from shaderlab import Case, Output, assets, exact, formula, fullscreen
+from shaderlab import Case, Output, assets, exact, formula, fullscreen, gl_call
 from shaderlab.engine.expectations.gl_call import call
 from shaderlab.glslmath import min, swizzle, vec4, where
 from shaderlab.glslmath.sampling import texture
@@ -48,6 +48,7 @@ def farthest_corner():
     return np.abs(np.array(device)[:, :2]).max()
 
 
+AWAY = "away from framebuffer 0"
 BACK = (call("glBindFramebuffer", "GL_FRAMEBUFFER", 0),)
 IS_BOUND = call("glGetIntegerv", "GL_DRAW_FRAMEBUFFER_BINDING")
 DARK = (0.07, 0.07, 0.09, 1.0)
@@ -104,6 +105,7 @@ case = Case(
             reference=shown,
         ),
         *answers({"back to framebuffer 0": (IS_BOUND, 0, ONE_PIXEL, BACK)}),
+        gl_call(IS_BOUND.function, *IS_BOUND.arguments, before=ONE_PIXEL, at_least=1, name=AWAY),
         *results({"no screen is cut off: farthest corner": (farthest_corner, 0.9362)}, digits=4),
         *photograph_checks(),
     ],

@@ -20,6 +20,7 @@ from shaderlab import (
     attribute_layout,
     cost,
     exact,
+    gl_call,
     gl_calls,
     query,
     value,
@@ -93,6 +94,7 @@ case = Case(
                 "until another one is used": (IS_PROGRAM, "GL_FALSE", DELETED_IN_USE, NOT_USED),
             }
         ),
+        gl_call(BOUND.function, *BOUND.arguments, before=MADE, at_least=1, name="made: bound"),
         *errors({"deleting 0 is no error": (call("glDeleteBuffers", 1, (0,)), "no_error")}),
         query("vertices_submitted", equals=87, pass_name="kept", name="vertices of one draw"),
         *pictured_checks(),

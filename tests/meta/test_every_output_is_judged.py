@@ -15,8 +15,10 @@ from typing import Any
 import pytest
 
 from shaderlab.compiler.sources import Shaders
+from shaderlab.drivers.opengl.calls import constant
 from shaderlab.engine.catalogue import data_folder
 from shaderlab.engine.expectations.base import unread_outputs
+from shaderlab.engine.expectations.gl_call import GlCall
 from shaderlab.model.case import Case, Scene
 from tests.catalogue import shipped
 
@@ -84,3 +86,14 @@ def test_an_output_that_nothing_reads_is_found() -> None:
     scene = next(case.scenes())
     blind = replace(scene, expect=())
     assert unread_outputs(blind, programs_of(blind)) == ("picture.FragColor", "main.FragColor")
+
+
+@pytest.mark.parametrize("case", shipped().values(), ids=list(shipped()))
+def test_a_question_to_opengl_has_an_answer_that_is_not_0(case: Case) -> None:
+    """A driver that answers 0, GL_FALSE or GL_NONE to all of them passes where each is to be."""
+    wanted: dict[str, list[float]] = {}
+    for expectation in next(case.scenes()).expect:
+        if isinstance(expectation, GlCall) and expectation.returns is not None:
+            numbers = [constant(w) if isinstance(w, str) else w for w in expectation.returns]
+            wanted.setdefault(expectation.call.function, []).extend(numbers)
+    assert [function for function, numbers in wanted.items() if not any(numbers)] == []
