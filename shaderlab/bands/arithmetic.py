@@ -35,8 +35,6 @@ from shaderlab.bands.rounding import (
     Ends,
     Flags,
     Float64Array,
-    add_above,
-    add_below,
     add_outward,
     is_finite,
     is_power_of_two,
@@ -94,10 +92,8 @@ def add(a: BandT, b: BandT) -> BandT:
         of_one_sign = hi >= terms.abs_sum * UNCANCELLED if terms.signed is None else ~terms.signed
         positive &= (a_lo + b_lo >= step) | of_one_sign
         low = np.where(positive, 0.0, low)
-    negative = np.maximum(a.hi, b.hi) <= 0.0
-    if np.count_nonzero(negative):
-        negative &= high > 0.0
-    if np.count_nonzero(negative):
+    if find_least(a.hi) <= 0.0 and find_least(b.hi) <= 0.0:
+        negative = (np.maximum(a.hi, b.hi) <= 0.0) & (high > 0.0)
         of_one_sign = -lo >= terms.abs_sum * UNCANCELLED if terms.signed is None else NO
         negative &= (a_hi + b_hi <= -step) | of_one_sign
         high = np.where(negative, 0.0, high)
@@ -318,7 +314,9 @@ def sum_last(a: BandT) -> BandT:
     if a.shape[-1] == 1:
         return a
     a_lo, a_hi = a.apply_slack()
-    lo, hi = _over_last(a_lo, add_below), _over_last(a_hi, add_above)
+    lo, hi = reduce(
+        add_outward, ((a_lo[..., j, None], a_hi[..., j, None]) for j in range(a.shape[-1]))
+    )
     nan = None
     if not is_finite(lo, hi):
         rises = (a_hi == np.inf).sum(axis=-1, keepdims=True)

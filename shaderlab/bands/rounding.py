@@ -48,16 +48,6 @@ _NEAREST = 0
 _set_rounding = ctypes.PyDLL(None).fesetround
 
 
-def add_below(a: Float64Array, b: Float64Array) -> Float64Array:
-    """The largest float64 not above a + b."""
-    return add_outward((a, a), (b, b))[0]
-
-
-def add_above(a: Float64Array, b: Float64Array) -> Float64Array:
-    """The smallest float64 not below a + b."""
-    return add_outward((a, a), (b, b))[1]
-
-
 def add_outward(a: Ends, b: Ends) -> Ends:
     """The sums of lower and of upper bounds, each rounded outward to float64."""
     try:
@@ -65,14 +55,16 @@ def add_outward(a: Ends, b: Ends) -> Ends:
         low = a[0] + b[0]
         _set_rounding(_UPWARD)
         high = a[1] + b[1]
+        low += 0.0  # a sum of zero is -0 rounding down
     finally:
         _set_rounding(_NEAREST)
-    return low + 0.0, high  # a sum of zero is -0 rounding down
+    return low, high
 
 
 def _require_directions() -> None:
     one, little = np.ones(8), np.full(8, 2.0**-80)
-    if not (add_below(one, -little) < one).all() or not (add_above(one, little) > one).all():
+    low, high = add_outward((one, one), (-little, little))
+    if not (low < one).all() or not (high > one).all():
         raise ImportError("shaderlab.bands cannot set this processor's rounding direction")
 
 
@@ -105,20 +97,24 @@ def round_outward(lo: Float64Array, hi: Float64Array, flush: bool) -> Ends:
     """The largest float32 not above `lo`, the smallest not below `hi`; the same array twice where
     all are float32 themselves and one array was given. With `flush`, bounds that touch denormals
     include zero."""
-    low = _to_single(lo, _DOWNWARD)
-    wide = low.astype(np.float64)
-    if lo is hi and (wide == lo).all():
-        high, exact = low, True
-    else:
-        high, exact = _to_single(hi, _UPWARD), False
-    # Where all is positive and none is small, as colours mostly are, one look is enough.
-    if flush and not (low.size and np.minimum.reduce(low, axis=None) >= SMALLEST_NORMAL):
-        low_denormal = _is_denormal(low, 0)
-        high_denormal = _is_denormal(high, _SIGN)
-        if np.count_nonzero(low_denormal):
-            wide, exact = np.where(low_denormal, 0.0, wide), False
-        if np.count_nonzero(high_denormal):
-            high, exact = np.where(high_denormal, np.float32(0.0), high), False
+    try:
+        _set_rounding(_DOWNWARD)
+        low = lo.astype(np.float32)
+        wide = low.astype(np.float64)
+        high, exact = low, lo is hi and bool((wide == lo).all())
+        if not exact:
+            _set_rounding(_UPWARD)
+            high = hi.astype(np.float32)
+    finally:
+        _set_rounding(_NEAREST)
+    least = np.minimum.reduce(low, axis=None) if flush and low.size else SMALLEST_NORMAL
+    if not least >= SMALLEST_NORMAL:  # NaN too
+        denormal = _find_denormals(low, 0)
+        if denormal is not None:
+            wide, exact = np.where(denormal, 0.0, wide), False
+        denormal = None if least >= 0.0 else _find_denormals(high, _SIGN)
+        if denormal is not None:
+            high, exact = np.where(denormal, np.float32(0.0), high), False
     return wide, wide if exact else high.astype(np.float64)
 
 
@@ -126,10 +122,10 @@ _SIGN = 0x8000_0000
 _DENORMALS = 0x007F_FFFF
 
 
-def _is_denormal(x: Float32Array, sign: int) -> Flags:
-    """Where `x` is a denormal of this sign: its bits count those from 1 on."""
-    found: Flags = x.view(np.uint32) - np.uint32(sign + 1) < _DENORMALS
-    return found
+def _find_denormals(x: Float32Array, sign: int) -> Flags | None:
+    """Where `x` is a denormal of this sign, None for nowhere: its bits count those from 1 on."""
+    order = x.view(np.uint32) - np.uint32(sign + 1)
+    return order < _DENORMALS if np.minimum.reduce(order, axis=None) < _DENORMALS else None
 
 
 def _to_single(x: Float64Array, direction: int) -> Float32Array:
@@ -169,16 +165,16 @@ def widen_by_ulps(
     lo: Float64Array, hi: Float64Array, ulps_lo: Float64Array | float, ulps_hi: Float64Array | float
 ) -> Ends:
     """Bounds moved out by some ULP; a bound does not move past zero, and zero stays zero."""
-    more_lo = out_lo = _error_at(lo, ulps_lo)
-    more_hi = out_hi = out_lo
     same = lo is hi and ulps_lo is ulps_hi
-    if not same:
-        out_hi = _error_at(hi, ulps_hi)
+    more_lo = out_lo = _error_at(lo, ulps_lo)
+    more_hi = out_hi = out_lo if same else _error_at(hi, ulps_hi)
     if lo.size and np.minimum.reduce(lo, axis=None) >= SMALLEST_DENORMAL:
         # All of the below, where everything is far above zero compared with its own error.
         if not same:
-            more_lo = np.minimum(np.maximum(out_lo, out_hi), out_lo + out_lo)
-        return np.maximum(lo - more_lo, 0.0), hi + out_hi
+            more_lo = out_lo + out_lo
+            np.minimum(more_lo, np.maximum(out_lo, out_hi), out=more_lo)
+        low, high = lo - more_lo, hi + out_hi
+        return np.maximum(low, 0.0, out=low), high
     if not same:
         # An ULP doubles past a power of two: a value above `lo`, just past one, may err further
         # below than `lo` itself.
@@ -191,7 +187,8 @@ def widen_by_ulps(
 
 
 def _error_at(x: Float64Array, ulps: Float64Array | float) -> Float64Array:
-    size = np.minimum(np.abs(x), LARGEST)
+    size = np.abs(x)
+    np.minimum(size, LARGEST, out=size)
     step = _ulp_of(size)
     step *= ulps
     size *= FLOAT64_ERROR
