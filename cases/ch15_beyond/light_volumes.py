@@ -18,40 +18,48 @@ import math
 
 import numpy as np
 
-from shaderlab import Blend, Case, Draw, Mesh, Output, Pass, State, Target, assets, formula, measure
-from shaderlab.glslmath import swizzle, vec4
+from shaderlab import (
+    Blend,
+    Case,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Target,
+    any_order,
+    assets,
+    formula,
+    measure,
+)
+from shaderlab.glslmath import normalize, swizzle, vec4
 from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.transforms import in_view
 
 from ..scenes import lit
 from ..scenes.cameras import camera
+from ..scenes.candles import COLORS, CONSTANT, LINEAR, PLACES, QUADRATIC, sum_of
+from ..scenes.draws import twins
 from ..scenes.figures import results
+from ..scenes.laws import unchanged
 from ..scenes.panel_checks import smaller_check
 from ..scenes.panels import WHOLE, panel_pass
-from ..scenes.plaza import MODEL, STEP, plaza
+from ..scenes.plaza import MODEL, plaza
 
-CONSTANT, LINEAR, QUADRATIC = 1.0, 4.0, 700.0
 FADING = {"lamp.constant": CONSTANT, "lamp.linear": LINEAR, "lamp.quadratic": QUADRATIC}
 DUSK, STONE = (0.13, 0.16, 0.30), 0.30
-HUES = np.array([(4.0, 1.9, 0.5), (3.7, 0.8, 1.4), (0.8, 2.0, 4.0)])
 CAMERA = camera((0.0, 6.4, 5.2), (0.0, 0.0, 0.25), 43.0, far=40.0)
 SIZES = {"": 480, "small_": 40}
-BUFFER = ("gPosition", "gNormal", "gAlbedoSpec")
-
-
-def lamps():
-    """Where they hang, and their light: eight around each post."""
-    turns = math.tau * (np.arange(8) + 0.3) / 8.0
-    ring = np.column_stack([0.55 * np.cos(turns), 0.06 + 0.0 * turns, 0.55 * np.sin(turns)])
-    posts = [(STEP * i, 0.0, STEP * j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
-    colors = [HUES[(k + k // 3) % 3] for k in range(9) for _ in range(8)]
-    places = np.concatenate([ring + post for post in posts])
-    return np.column_stack([places, np.ones(72)]) @ MODEL.T[:, :3], np.array(colors)
+BUFFER = {
+    "gPosition": unchanged("FragPos"),
+    "gNormal": lambda Normal: normalize(Normal),
+    "gAlbedoSpec": lambda Color: vec4(Color, 0.8 * swizzle(Color, "r")),
+}
 
 
 def reach_of(left):
-    """The distance at which the brightest lamp has so much light left: the larger root."""
-    missing = CONSTANT - HUES.max() / left
+    """Where the brightest lamp has so much light left: the larger root."""
+    missing = CONSTANT - COLORS.max() / left
     return (-LINEAR + math.sqrt(LINEAR**2 - 4.0 * QUADRATIC * missing)) / (2.0 * QUADRATIC)
 
 
@@ -62,7 +70,6 @@ def half_a_code():
     return (((code + 0.5) / 255.0) ** 2.2 - before) / STONE
 
 
-PLACES, COLORS = lamps()
 REACH = reach_of(half_a_code())
 # A sphere of 16 by 8 faces touches the ball in their middles when it is so much larger.
 OUTSIDE = 1.0 / (math.cos(math.pi / 16.0) * math.cos(math.pi / 16.0))
@@ -122,18 +129,6 @@ def dusk_and_lamps(TexCoords, lamps, gNormal, gAlbedoSpec, dusk):
     return vec4(swizzle(texture(lamps, TexCoords), "rgb") + ambient * stone, 1.0)
 
 
-def sum_of(place, normal, stone, reach, count=72):
-    """The light of all lamps in float64, within their reach."""
-    total = 0.0
-    for lamp, color in zip(PLACES[:count], COLORS[:count], strict=True):
-        ray = lamp - place
-        away = np.linalg.norm(ray, axis=-1, keepdims=True)
-        left = 1.0 / (CONSTANT + LINEAR * away + QUADRATIC * away**2)
-        cosine = np.maximum((normal * ray).sum(-1, keepdims=True) / away, 0.0)
-        total = total + np.where(away < reach, color * left * cosine, 0.0)
-    return total * stone
-
-
 def from_sum(light, place, normal, stone):
     """The largest difference of the volumes' light from the sum, by the sum's largest value."""
     truth = sum_of(place, normal, stone[..., :3], REACH)
@@ -170,7 +165,7 @@ case = Case(
         volumes("lamps", ""),
         composed("scene", ""),
         *lit.picture(size=(240, 240)),
-        buffer("small_"),
+        *twins(buffer("small_"), "gAlbedoSpec"),
         volumes("small_lamps", "small_"),
         volumes("one_lamp", "small_", 1),
         composed("small", "small_"),
@@ -178,6 +173,8 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         *lit.vertex_stage_checks(pass_name="small_buffer"),
+        *(formula(f"small_buffer.{name}", law) for name, law in BUFFER.items()),
+        any_order("small_buffer.gAlbedoSpec"),
         formula("small_lamps.gl_Position", corner, name="corners of the balls"),
         measure(
             "from the sum over all lamps", from_sum, reads=read("small_lamps"), at_most=2.0**-16

@@ -48,6 +48,7 @@ def petal(k: int, pixel: float) -> dict[str, Any]:
 def cover(place: Value, petal_centre: Value, pixel: Value) -> Value:
     """α: how much of what is behind it a petal hides.
 
+    >>> import numpy as np
     >>> cover(np.array([0.2, 0.0]), np.zeros(2), 0.1).tolist()
     [0.5]
     """
@@ -59,6 +60,7 @@ def cover(place: Value, petal_centre: Value, pixel: Value) -> Value:
 def depth(place: Value, petal_lean: Value) -> Value:
     """How far a petal is, 0…1.
 
+    >>> import numpy as np
     >>> depth(np.array([0.2, 0.0]), np.array([0.5, 0.0])).tolist()
     [0.6]
     """
@@ -68,6 +70,7 @@ def depth(place: Value, petal_lean: Value) -> Value:
 def layer(place: Value, petal_centre: Value, petal_color: Value, pixel: Value) -> Value:
     """A petal's colour, and its α.
 
+    >>> import numpy as np
     >>> layer(np.zeros(2), np.zeros(2), np.ones(3), 0.1).tolist()
     [1.0, 1.0, 1.0, 0.5]
     """
