@@ -5,8 +5,6 @@ the order in which they came, written as soon as it is there. A line that was cu
 not written.
 """
 
-from __future__ import annotations
-
 import contextlib
 import datetime
 import fcntl
@@ -16,22 +14,19 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import IO
 
 import click
 
 from shaderlab.cli import INTERRUPTED, options as shared
 from shaderlab.cli.selecting import find_unused
-from shaderlab.engine.jobs import Job, package_versions
+from shaderlab.cli.showing import Show
+from shaderlab.engine.jobs import Executor, Job, package_versions
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path, open_regular, read_regular, refuse_links, write_bytes
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Record, Run
-
-if TYPE_CHECKING:
-    from shaderlab.cli.showing import Show
-    from shaderlab.engine.jobs import Executor
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,14 +1,11 @@
 """How runs look in a terminal, and in a file or a CI log."""
 
-from __future__ import annotations
-
 import math
 import sys
 import time
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import (
@@ -22,13 +19,10 @@ from rich.progress import (
 from rich.table import Table
 from rich.text import Text
 
+from shaderlab.engine.jobs import Job
 from shaderlab.files import display_path
 from shaderlab.model.records import Outcome, Record, Run
 from shaderlab.report import text
-
-if TYPE_CHECKING:
-    from shaderlab.engine.jobs import Job
-
 
 STYLES = {"pass": "green", "unsupported": "yellow"}
 _HEADINGS = ("", "case", "section", "variants", "checks", "of band", "seconds", "compiled")
@@ -154,7 +148,7 @@ class Show:
             self.console.width = max(self.console.width, 160)
 
     @contextmanager
-    def progress(self, total: int) -> Iterator[Reporter]:
+    def progress(self, total: int) -> "Iterator[Reporter]":
         """A bar on a terminal; elsewhere a line for each failure, and one now and then."""
         with self.bar() as bar:
             yield Reporter(self.console, bar, total)

@@ -1,8 +1,6 @@
 """What `shaderlab watch` judges: case files and files of tests, the files that these depend on, and
 their latest records. What runs in workers is at the end."""
 
-from __future__ import annotations
-
 import contextlib
 import importlib.util
 import os
@@ -11,7 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from shaderlab.engine.catalogue import find_imported_files, is_project_file
 from shaderlab.engine.jobs import (
@@ -24,14 +22,12 @@ from shaderlab.engine.jobs import (
     make_case_info,
     make_failed_record,
 )
+from shaderlab.engine.worker import Worker
 from shaderlab.functions.library import record_of_test
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record, Status
 from shaderlab.mutation.function_tests import RunTestFile
 from shaderlab.workers.pool import ItemResult
-
-if TYPE_CHECKING:
-    from shaderlab.engine.worker import Worker
 
 
 @dataclass

@@ -1,21 +1,17 @@
 """What is wrong with a program: logs of compilers and drivers as diagnostics at the author's own
 file and line, and texts that would crash a compiler."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+
+from tree_sitter import Node
 
 from shaderlab.model.records import Diagnostic, Severity, Verdict
 
 from .glslang import SETTINGS, preprocess
 from .sources import Source
 from .syntax import GlslDeclaration, Syntax
-
-if TYPE_CHECKING:
-    from tree_sitter import Node
 
 _MESSAGE = re.compile(r"^(?P<severity>(?:INTERNAL )?ERROR|WARNING|NOTE): (?P<rest>.*)$")
 _PLACED = re.compile(

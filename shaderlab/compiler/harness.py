@@ -1,25 +1,21 @@
 """Compiles many files, in this process or in a pool of processes that may crash."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from shaderlab.errors import DriverError, ShaderError, suggest
 from shaderlab.model.records import Diagnostic, Verdict
+from shaderlab.workers.pool import WorkerPool
 
 from .compile import compile_program
 from .diagnostics import DRIVER, mark_disagreement
 from .glslang import ALL_TARGETS, TARGETS
 from .shader_files import STAGES, ShaderFile, find_shaders, is_library, stage_of
 from .sources import Shaders, Source, with_version
-
-if TYPE_CHECKING:
-    from shaderlab.workers.pool import WorkerPool
 
 WORK = "shaderlab.compiler.harness:Work"
 """What a pool of processes runs, by name: takes `CompileJob`s, returns `FileResult`s."""

@@ -3,17 +3,16 @@
 Mutants may loop for ever or take the driver down, so they are judged where that costs one process.
 """
 
-from __future__ import annotations
-
 import contextlib
 import random
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from shaderlab.engine.jobs import Executor, Request, format_error
+from shaderlab.engine.worker import Worker
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.case import Case
 from shaderlab.model.options import RunOptions
@@ -23,9 +22,6 @@ from shaderlab.mutation.mutants import CaseResult, Mutant, MutantResult, MutantR
 from shaderlab.mutation.shader_mutants import mutate_case
 from shaderlab.mutation.state_mutants import mutate_state
 from shaderlab.workers.pool import ItemResult
-
-if TYPE_CHECKING:
-    from shaderlab.engine.worker import Worker
 
 _OPENING = "running the case as it is"
 """The step that a worker notes while it opens a case."""
@@ -87,7 +83,7 @@ class CaseTarget(MutationTarget):
         calls = mutate_calls(worker.lab(RunOptions()), case, plan.seed, plan.variants)
         return plan.sample(calls)
 
-    def judge(self, mutant: Mutant) -> JudgeMutant:
+    def judge(self, mutant: Mutant) -> "JudgeMutant":
         return JudgeMutant(self.file, self.plan.variants, mutant)
 
 

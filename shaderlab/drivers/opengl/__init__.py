@@ -5,24 +5,17 @@ do, and put back. A process that is the lab's alone is prepared for good. Nothin
 graphics API before a device is opened.
 """
 
-from __future__ import annotations
-
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from contextlib import AbstractContextManager
 
-from .. import mesa_variables, set_variables
-
-if TYPE_CHECKING:
-    from .backend import OpenGLBackend
+from .. import Backend, mesa_variables, set_variables
 
 SOFTWARE = ("llvmpipe", "softpipe")
 SPIRV = "-spirv"
 """What the name of a driver ends with that gets programs as SPIR-V modules instead of text."""
 
 
-def open_backend(driver: str) -> OpenGLBackend:
+def open_backend(driver: str) -> Backend:
     """Open an OpenGL device. Raises DriverError as `device.open_device` does."""
     from .backend import OpenGLBackend
     from .device import open_device
@@ -51,12 +44,9 @@ def _turn_checks_off() -> None:
     OpenGL.ERROR_CHECKING = False
 
 
-@contextmanager
-def environment(driver: str = "default") -> Iterator[None]:
+def environment(driver: str = "default") -> AbstractContextManager[None]:
     """The environment variables that a context of this driver is made with, for a while."""
-    wanted = _variables(driver)
-    with set_variables(wanted):
-        yield
+    return set_variables(_variables(driver))
 
 
 def _variables(driver: str) -> dict[str, str]:

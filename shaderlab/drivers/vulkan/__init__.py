@@ -5,27 +5,21 @@ instance is made, and put back; a process that is the lab's alone is prepared fo
 imports a graphics API before a device is asked for.
 """
 
-from __future__ import annotations
-
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from shaderlab.errors import DriverError
 
-from .. import mesa_variables, set_variables
-
-if TYPE_CHECKING:
-    from .session import VulkanBackend
-import shutil
-from pathlib import Path
+from .. import Backend, mesa_variables, set_variables
 
 # The second name is what loaders before 1.3.207 read.
 _VARIABLES = ("VK_DRIVER_FILES", "VK_ICD_FILENAMES")
 
 
-def open_backend(driver: str) -> VulkanBackend:
+def open_backend(driver: str) -> Backend:
     """Open a Vulkan device. Raises DriverError: the package or the driver is not installed, or the
     device lacks what the lab needs."""
     from .device import open_device

@@ -4,15 +4,10 @@ One browser is started for each device. Calls of WebGL2 are collected in Python 
 of it (`player.js`). Nothing here imports the browser's library before a device is asked for.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from .session import WebGLBackend
+from .. import Backend
 
 
-def open_backend(driver: str) -> WebGLBackend:
+def open_backend(driver: str) -> Backend:
     """Start a browser and open a device in it; `driver` has one name. Raises DriverError: there is
     no browser, no package that drives it or no SPIRV-Cross, or the browser has no WebGL2 that draws
     to floats."""
