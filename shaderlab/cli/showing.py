@@ -196,7 +196,11 @@ class Show:
         if len(notes) > MOST_ROWS:
             self.console.print(f"… and {len(notes) - MOST_ROWS} more", style="yellow")
         self.console.print()
-        self._summary(run, text.format_summary(run), bad=any(map(text.has_failed, run.records)))
+        bad = any(map(text.has_failed, run.records))
+        style = "bold red" if bad else "bold yellow" if run.missing else "bold green"
+        self.console.print(text.format_summary(run), style=style)
+        if renderer := run.driver.get("renderer"):
+            self.console.print(f"on {renderer}", style="dim")
 
     def verdict(self, record: Record) -> None:
         """A record's verdict as soon as it is there: a line, or a failure in full."""
@@ -218,13 +222,6 @@ class Show:
         for line in text.format_failure(record):
             style = "red" if line.lstrip().startswith(text.MARKS["fail"]) else None
             self.console.print(line, style=style)
-
-    def _summary(self, run: Run, words: str, *, bad: bool) -> None:
-        """The line that sums up: red for a failure, green where all was run and passed."""
-        style = "bold red" if bad else "bold yellow" if run.missing else "bold green"
-        self.console.print(words, style=style)
-        if renderer := run.driver.get("renderer"):
-            self.console.print(f"on {renderer}", style="dim")
 
     def gl_calls(self, run: Run) -> None:
         for record in run.records:

@@ -162,11 +162,6 @@ class RecordBuilder:
         except OSError as error:
             self.add_notice(f"can't write {what} ({error.strerror or error})")
 
-    def add_inactive_uniforms(self, names: frozenset[str]) -> None:
-        """Add a notice for each declared uniform that the driver found to have no effect."""
-        for name in sorted(names):
-            self.add_notice(f"uniform {name} is declared but inactive: it changes no output")
-
     def add_outcome(self, outcome: records.Outcome, judgement: Judgement) -> None:
         """Add one expectation's outcome, with its curve and plot if it has any."""
         where = [replace(s, file=display_path(s.file)) for s in outcome.sources]

@@ -145,7 +145,8 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
             with record.notice_if_unwritable("the values that drivers are compared by"):
                 save_frames(options.frames, scene.case.id, scene.variant, drawn.images)
             record.drawn = drawn.images
-        record.add_inactive_uniforms(drawn.inactive)
+        for name in sorted(drawn.inactive):
+            record.add_notice(f"uniform {name} is declared but inactive: it changes no output")
         evaluation.require_no_other_errors()
         if options.gl_calls:
             record.set_gl_calls(evaluation.answer(CallTrace()))

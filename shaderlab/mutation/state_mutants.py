@@ -8,7 +8,7 @@ from typing import Any
 
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.frame import PassDraw
-from shaderlab.model.state import Blend, State, Stencil
+from shaderlab.model.state import State, Stencil
 from shaderlab.mutation.mutants import STATE, Effect, Mutant, sample_alike, select_scenes
 
 MOST_ALIKE = 4
@@ -29,6 +29,7 @@ _EQUATION = {
     "add": ("subtract", "max"), "subtract": ("add", "reverse_subtract"),
     "reverse_subtract": ("add", "subtract"), "min": ("max", "add"), "max": ("min", "add"),
 }  # fmt: skip
+_FACTORS = ("source", "destination", "source_alpha", "destination_alpha")
 _FACE = {"front": ("back", None), "back": ("front", None), "front_and_back": (None,)}
 
 
@@ -113,13 +114,13 @@ def _changes(state: State) -> Iterator[tuple[str, Any, Any]]:
     if state.blend is not None:
         blend = state.blend
         yield "blend", blend, None
-        for name in ("source", "destination", "source_alpha", "destination_alpha"):
+        for name in _FACTORS:
             for other in _other_factors(getattr(blend, name)):
                 yield f"blend.{name}", getattr(blend, name), other
         for name in ("equation", "equation_alpha"):
             if getattr(blend, name) is not None:
                 yield from _from_table(f"blend.{name}", getattr(blend, name), _EQUATION)
-        if any("constant" in factor for factor in _used_factors(blend)):
+        if any("constant" in (getattr(blend, name) or "") for name in _FACTORS):
             yield "blend.constant", blend.constant, tuple(reversed(blend.constant))
     if state.cull is not None:
         yield from _from_table("cull", state.cull, _FACE)
@@ -177,11 +178,6 @@ def _rasterizing_changes(state: State) -> Iterator[tuple[str, Any, Any]]:
         yield "sample_shading", state.sample_shading, None
     if state.alpha_to_coverage:
         yield "alpha_to_coverage", True, False
-
-
-def _used_factors(blend: Blend) -> tuple[str, ...]:
-    every = (blend.source, blend.destination, blend.source_alpha, blend.destination_alpha)
-    return tuple(factor for factor in every if factor is not None)
 
 
 def _from_table(path: str, before: Any, table: dict[Any, tuple[Any, ...]]) -> Iterator[Any]:

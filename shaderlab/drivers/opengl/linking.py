@@ -332,10 +332,8 @@ class SpirvProgram:
 
     def location(self, name: str) -> int:
         """Find an active uniform's location, −1 for none."""
-        uniform = self.interface.uniforms.get(name)
-        if uniform is None or uniform.location not in self._active["uniform"]:
-            return -1
-        return uniform.location or 0
+        found = self.get(name, None)
+        return found.variable.location or 0 if isinstance(found, Uniform) else -1
 
     def output(self, name: str) -> int:
         """Find a fragment output's location, −1 for none."""

@@ -259,11 +259,12 @@ def member_name(block: Block, member: str) -> str:
 
 def block_members(interface: Interface) -> dict[str, Variable]:
     """Each member of each uniform block, under the name that OpenGL has for it."""
-    return {
-        member_name(block, member.name): _member_variable(member_name(block, member.name), member)
+    members = (
+        (member_name(block, member.name), member)
         for block in uniform_blocks(interface).values()
         for member in block.members.values()
-    }
+    )
+    return {n: Variable(name=n, type=m.type, array=m.array, used=True) for n, m in members}
 
 
 def _refuse_member(draw: Draw, interface: Interface, name: str) -> None:
@@ -344,7 +345,3 @@ def view_member(member: Member, data: bytearray, count: int) -> Array:
         steps = steps[::-1] if member.row_major else steps
     strides = (member.record_stride or member.array_stride, *steps)
     return np.ndarray(shape, kind, data, member.offset, strides)
-
-
-def _member_variable(name: str, member: Member) -> Variable:
-    return Variable(name=name, type=member.type, array=member.array, used=True)

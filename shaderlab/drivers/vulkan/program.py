@@ -169,15 +169,12 @@ def new_set_layout(resources: Resources, bindings: Mapping[str, Binding]) -> Any
 
 @dataclass(frozen=True)
 class VertexLayout:
-    """Where a pipeline reads vertices from.
+    """Where a pipeline reads vertices from; `topology` is the VkPrimitiveTopology.
 
-    Attributes:
-        streams: for each attribute, the number of its buffer, where it begins there and its stride,
-            in bytes, and 1 if it goes on once an instance. Each has a separate binding, since
-            attributes that follow one another in a buffer have strides of their own.
-        attributes: of each vector that is read, its location, its stream, its VkFormat and its
-            offset from the stream's beginning.
-        topology: the VkPrimitiveTopology.
+    `streams` are for each attribute the number of its buffer, where it begins there and its stride,
+    in bytes, and 1 if it goes on once an instance. Each has a separate binding, since attributes
+    that follow one another in a buffer have strides of their own. `attributes` are of each vector
+    that is read its location, its stream, its VkFormat and its offset from the stream's beginning.
     """
 
     streams: tuple[tuple[int, int, int, int], ...] = ()
