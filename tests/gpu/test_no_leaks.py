@@ -44,7 +44,7 @@ from shaderlab.model.state import State
 from tests.catalogue import shipped
 
 SEED = 1
-SAMPLE = ("blend-factors", "mvp", "stencil-outline", "uniform-buffer", "z-fighting")
+SAMPLE = ("blend-equation", "depth-not-cleared", "face-culling", "uniform-buffer", "z-fighting")
 SIDE = 24
 
 
