@@ -9,10 +9,12 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 
 from shaderlab.engine.catalogue import data_folder
 from tests.catalogue import shipped
 
+ROOT = Path(__file__).parents[2]
 QUOTED, DERIVED, OURS = "quoted", "derived", "ours"
 """It stands in the notes; it follows from what stands there; it does not, and the claim says so."""
 
@@ -80,6 +82,15 @@ shaders/lib/lights.glsl                  5.6    ours     The notes only have a c
 """
 """Each place where a case or a shader speaks of the notes: file, section, kind, words around it."""
 
+DOCS = """
+README.md             a set of OpenGL study notes
+README.md             Where the notes are wrong
+docs/README.md        of each section of the notes
+docs/guide/course.md  a set of study notes on OpenGL
+docs/guide/report.md  where the notes are wrong
+"""
+"""Each place where the docs or the page speak of the notes as a whole: file, words around it."""
+
 NAMES = """
 shaders/ch05_lighting/multiple_lights.frag   5.6    CalcDirLight CalcPointLight CalcSpotLight
 shaders/ch05_lighting/directional_light.frag 5.6    CalcDirLight
@@ -142,6 +153,22 @@ def test_where_a_lesson_speaks_of_the_notes_there_is_a_row() -> None:
         without += [] if fitting else [(file, around)]
     assert without == []
     assert {" ".join(row) for row in table} == set(used), "a row without its claim"
+
+
+def test_the_docs_and_the_page_say_no_more_of_the_notes_than_that_the_course_follows_them() -> None:
+    table = [row.split(maxsplit=1) for row in DOCS.strip().splitlines()]
+    files = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
+    files += (ROOT / "shaderlab" / "report").rglob("*.j2")
+    found = []
+    for path in files:
+        written, _, _ = path.read_text(encoding="utf-8").partition("<!-- Made by")  # of the cases
+        text, file = " ".join(written.split()), path.relative_to(ROOT).as_posix()
+        for told in re.finditer(r"\b([Tt]he notes|study notes)\b(?!:)", text):
+            around = text[max(told.start() - 60, 0) : told.end() + 60]
+            found.append(
+                next((r for r in table if r[0] == file and r[1] in around), [file, around])
+            )
+    assert sorted(found) == sorted(table)
 
 
 def test_rows_name_a_section_and_a_kind() -> None:
