@@ -64,11 +64,9 @@ class ExplainArguments:
 @click.option("--variant", metavar="NAME", help="The variant; by default the first.")
 @click.option("--pass", "pass_name", metavar="NAME", help="The pass; by default the last.")
 @click.option(
-    "--draw",
-    type=int,
-    default=-1,
+    "--draw", type=int, default=-1,
     help="The draw in that pass, counted from 0; by default the last.",
-)
+)  # fmt: skip
 @click.option(
     "--size", type=click.IntRange(1, 4096), default=RunOptions.size, show_default=True,
     help="The side of the rendered frame in pixels.",

@@ -29,12 +29,9 @@ if TYPE_CHECKING:
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
 @click.option("--all", "every", is_flag=True, help="Mutate every case that ships with shaderlab.")
 @click.option(
-    "--variant",
-    "variants",
-    multiple=True,
-    metavar="V",
+    "--variant", "variants", multiple=True, metavar="V",
     help="Judge by this variant only; may be repeated.",
-)
+)  # fmt: skip
 @click.option(
     "--state/--no-state", default=True, show_default=True,
     help="Mutate fixed-function state too: depth, stencil, blending, culling.",

@@ -99,11 +99,8 @@ class Case(Checked):
         return int(head) if head.isdigit() else 0
 
     def scenes(self) -> "Iterator[Scene]":
-        """Each variant with its changes made, in the order they are written.
-
-        Raises:
-            CaseError: a variant changes something that no draw has.
-        """
+        """Each variant with its changes made, in the order they are written. Raises CaseError: a
+        variant changes something that no draw has."""
         for index, variant in enumerate(self.variants or (Variant(DEFAULT_VARIANT),)):
             passes = self.passes if variant.passes is None else tuple(variant.passes)
             # Figures that no input changes are judged once, with the first variant.
@@ -178,10 +175,7 @@ class Scene:
 
     def draw_key(self, pass_name: str | None, draw: int) -> PassDraw:
         """The (pass, draw) that an expectation means; negative draws count from the last one.
-
-        Raises:
-            CaseError: there is no such pass or draw.
-        """
+        Raises CaseError: there is no such pass or draw."""
         description = self.find_pass(pass_name)
         count = len(description.draws)
         if not -count <= draw < count:

@@ -98,11 +98,8 @@ class Expectation(Checked, ABC):
         return ()
 
     def passes(self, scene: Scene) -> frozenset[str]:
-        """The passes whose shaders it judges; none where no shader has a part in it.
-
-        Raises:
-            CaseError: it names a pass or a draw that does not exist.
-        """
+        """The passes whose shaders it judges; none where no shader has a part in it. Raises
+        CaseError: it names a pass or a draw that does not exist."""
         return frozenset()
 
     def judges_vertices(self, scene: Scene, programs: Programs) -> bool:
@@ -110,11 +107,8 @@ class Expectation(Checked, ABC):
         return False
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        """What it needs beyond the pictures.
-
-        Raises:
-            CaseError: it names a pass, a draw or an output that does not exist.
-        """
+        """What it needs beyond the pictures. Raises CaseError: it names a pass, a draw or an output
+        that does not exist."""
         return ()
 
     def raises_gl_errors(self, scene: Scene) -> frozenset[PassDraw]:
@@ -123,11 +117,8 @@ class Expectation(Checked, ABC):
 
     @abstractmethod
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        """Judge what was drawn and answered.
-
-        Raises:
-            CaseError, FormulaError: it asks for what is not there.
-        """
+        """Judge what was drawn and answered. Raises CaseError, FormulaError: it asks for what is
+        not there."""
 
     def judge_rows(
         self, rows: Sequence[Row], message: str, judged: int, rows_per_variant: bool = True

@@ -256,10 +256,7 @@ class Need(ABC):
     @abstractmethod
     def answer(self, context: Any) -> Any:
         """Ask the device or the compilers, given a `shaderlab.engine.expectations.base.Context`.
-
-        Raises:
-            ShaderlabError: there is no answer.
-        """
+        Raises ShaderlabError: there is no answer."""
 
     def has_same_answer(self, programs: Programs, others: Programs) -> bool:
         """Whether the answer must be the same for the same scene with `others` for its programs.
