@@ -277,7 +277,7 @@ def audit_program(
         UsageError: a range is wrong.
     """
     plan = plan or Plan()
-    inputs = inputs_of(program)
+    inputs, domains = inputs_of(program), None
     if captured:
         batches = merge_batches(captured, program, _MAX_CAPTURED)
         examples = [
@@ -301,7 +301,7 @@ def audit_program(
     for batch in batches:
         hazards += undefined_values(program, batch, inputs)
         hazards += sine_hashes(program, batch, inputs)
-        hazards += divergent(program, batch, inputs, made_up=not captured)
+        hazards += divergent(program, batch, inputs, domains)
         if plan.precision:
             spreads += find_spreads(program, batch, inputs)
     if plan.confirm is not None:

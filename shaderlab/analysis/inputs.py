@@ -391,9 +391,9 @@ def sample_inputs(
     keep_in_order(each, domains)
     if "gl_FragCoord" not in each:
         each["gl_FragCoord"] = _places(count, rng)  # of derivatives' neighbours
-    if any(texels.smaller for texels in textures.values()):
-        _steepen(each, inputs, domains, rng)
-    return InputBatch(each, Bindings(textures=textures), count)
+    batch = InputBatch(each, Bindings(textures=textures), count)
+    mipmapped = any(texels.smaller for texels in textures.values())
+    return smooth_quads(batch, inputs, domains) if mipmapped else batch
 
 
 def _numbers(type_: str, domain: InputDomain, count: int, rng: np.random.Generator) -> Array:
@@ -434,24 +434,20 @@ def _places(count: int, rng: np.random.Generator) -> Array:
     return np.stack([x, y, z, w], axis=1).astype(np.float32)
 
 
-def _steepen(
-    each: dict[str, Array],
-    inputs: Mapping[str, Input],
-    domains: Mapping[str, InputDomain],
-    rng: np.random.Generator,
-) -> None:
-    """Have inputs change from pixel to pixel as in draws, in each quad as much as in no other: all
-    levels of detail are sampled."""
-    _, first, quad = np.unique(
-        quads_of(each["gl_FragCoord"]), return_index=True, return_inverse=True
-    )
-    share = 2.0 ** rng.uniform(-9.0, 0.0, (len(first), 1))[quad.ravel()]
-    for name, values in each.items():
-        if name in inputs and name != "gl_FragCoord" and values.dtype.kind == "f":
-            each[name] = values[first][quad.ravel()]
-            if values.ndim == 2 and not inputs[name].uniform:
-                moved = each[name] + share * (values - each[name])
-                each[name] = domains[name].clip(moved)
+def smooth_quads(
+    batch: InputBatch, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain]
+) -> InputBatch:
+    """Invocations whose inputs change from pixel to pixel as in draws: a quad's get the same
+    uniforms, and varyings that are more alike in some quads than in others."""
+    places, rng = batch.each["gl_FragCoord"], np.random.default_rng(17)
+    _, first, of = np.unique(quads_of(places), return_index=True, return_inverse=True)
+    share = 2.0 ** rng.uniform(-9.0, 0.0, (len(first), 1))[of.ravel()]
+    each = {name: values[first][of.ravel()] for name, values in batch.each.items()}
+    for name, same in each.items():
+        if name in inputs and not inputs[name].uniform and same.dtype.kind == "f":
+            moved = same + share * (batch.each[name] - same)
+            each[name] = domains[name].clip(moved)
+    return replace(batch, each={**each, "gl_FragCoord": places})
 
 
 def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Generator) -> Array:

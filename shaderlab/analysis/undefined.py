@@ -17,7 +17,7 @@ from shaderlab.model.frame import Array
 from .batches import InputBatch, flatten_outputs, quads_of, run_batch
 from .checks import Place, arguments_of, number_of
 from .hazards import Hazard, fill_value, find_dependents
-from .inputs import Input
+from .inputs import Input, InputDomain, smooth_quads
 from .interpreter import Interpreted, Numbers, Program
 from .interpreter.flow import HANDLERS
 from .interpreter.operations import COMPOSITES
@@ -189,7 +189,6 @@ _SAMPLES = (
     Op.ImageSampleProjImplicitLod,
     Op.ImageSampleProjDrefImplicitLod,
 )
-_SLOPE = 0.01  # of an input from a pixel to the next, in widths of its values
 
 
 @dataclass
@@ -217,7 +216,10 @@ class _Divergent:
 
 
 def divergent(
-    program: Program, batch: InputBatch, inputs: Mapping[str, Input], *, made_up: bool
+    program: Program,
+    batch: InputBatch,
+    inputs: Mapping[str, Input],
+    made_up: Mapping[str, InputDomain] | None,
 ) -> Iterator[Hazard]:
     """Derivatives in divergent control flow on which an output depends.
 
@@ -225,18 +227,19 @@ def divergent(
         program: a fragment stage.
         batch: whole quads; generated inputs become smooth, and uniforms uniform.
         inputs: what it reads.
-        made_up: whether inputs are generated: it is unknown which textures have mipmaps.
+        made_up: of which values inputs are generated; then it is unknown which textures have
+            mipmaps.
     """
     ops = {one.op for one in program.definitions.values()}
     if program.stage != "fragment" or not ops & {*_DERIVATIVES, *_SAMPLES}:
         return
-    if made_up:
-        batch = _smooth(batch, inputs)
+    if made_up is not None:
+        batch = smooth_quads(batch, inputs, made_up)
     quads = np.unique(quads_of(batch.each["gl_FragCoord"]), return_inverse=True)[1].ravel()
     watch = _Divergent(quads)
     run_batch(program, batch, watch=watch)
     for place, (row, at, mipmapped) in watch.found.items():
-        if not mipmapped and not made_up:
+        if not mipmapped and made_up is None:
             continue
         quad = np.flatnonzero(quads == quads[row])
         some, own = batch.part(quad), int(np.flatnonzero(quad == row)[0])
@@ -254,25 +257,6 @@ def divergent(
             outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
             calls=tuple(program.place(call)[1] for call in place.calls),
         )  # fmt: skip
-
-
-def _smooth(batch: InputBatch, inputs: Mapping[str, Input]) -> InputBatch:
-    """Whole quads whose pixels get the same uniforms, and nearly the same varyings."""
-    places = batch.each["gl_FragCoord"]
-    cells = quads_of(places)
-    _, first, of = np.unique(cells, return_index=True, return_inverse=True)
-    rng = np.random.default_rng(17)
-    each: dict[str, Array] = {"gl_FragCoord": places}
-    for name, values in batch.each.items():
-        if name == "gl_FragCoord":
-            continue
-        same = values[first][of.ravel()]
-        if name in inputs and not inputs[name].uniform and same.dtype.kind == "f":
-            width = float(np.ptp(values)) or 1.0
-            moved = rng.normal(size=same.shape) * width * _SLOPE
-            same = (same + moved).astype(np.float32)
-        each[name] = same
-    return InputBatch(each, batch.bindings, batch.count)
 
 
 HASH = "sine hash"

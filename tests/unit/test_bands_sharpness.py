@@ -132,6 +132,7 @@ def test_what_is_undefined_is_counted() -> None:
     assert g.sqrt(x - 1.0).vacuous[:, 0].tolist() == [True, False, False]
     assert g.pow(x, -1.0).vacuous[:, 0].tolist() == [True, False, False]
     assert g.pow(-x, 2.0).vacuous[:, 0].tolist() == [False, True, True]
+    assert g.pow(x, 0.01).hi[0].tolist() == [0.0]  # although 2^-126 to that is 0.42
     assert g.normalize(g.vec3(x)).vacuous[0].all()
 
 
