@@ -72,7 +72,8 @@ class Worker:
             if self._channel is not None:
                 prepare_process(options.driver)  # a worker is the lab's alone
             self._lab = SceneRunner(options, self.note)
-            self._state = None
+            self._state, _ = None, self._lab.driver  # opening it changes this process
+            self._require_unchanged()
         elif options != self._lab.options:
             self._lab.configure(options)
         return self._lab

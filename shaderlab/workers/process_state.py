@@ -12,7 +12,7 @@ import resource
 import signal
 import sys
 import warnings
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -24,18 +24,24 @@ _SHARED = {"builtins", "math", "numpy", "os", "pathlib", "pickle", "random", "sh
 """Packages whose functions count: what the lab computes with, and what formulas are made of."""
 
 
+_METHODS = FunctionType, property, classmethod, staticmethod
+
+
 class ProcessState:
     """The state of this process at one time: its folder, environment, search path, signals, limits,
-    threads and child processes; the settings of Python, NumPy and arithmetic; and the functions of
-    shared modules that are imported by then."""
+    threads and child processes; the settings of Python, NumPy and arithmetic; and the functions and
+    methods of shared modules that are imported by then."""
 
     def __init__(self) -> None:
         self._settings = _read_settings()
-        self._functions = {
-            name: (vars(module), _functions_of(module))
-            for name, module in sys.modules.items()
-            if name.partition(".")[0] in _SHARED
-        }
+        modules = {n: m for n, m in sys.modules.items() if n.partition(".")[0] in _SHARED}
+        self._functions = {name: (vars(m), _functions_of(m)) for name, m in modules.items()}
+        self._methods = [
+            (kind, [(k, v) for k, v in vars(kind).items() if isinstance(v, _METHODS)])
+            for name, (_, functions) in self._functions.items()
+            for _, kind in functions
+            if isinstance(kind, type) and kind.__module__ == name
+        ]
 
     def has_changed(self) -> bool:
         """Whether anything is another than at that time; what modules have besides is not."""
@@ -47,6 +53,11 @@ class ProcessState:
                     return True
                 for key, value in functions:  # thousands: `all` would take three times as long
                     if names[key] is not value:
+                        return True
+            for kind, methods in self._methods:
+                members = vars(kind)
+                for key, value in methods:
+                    if members[key] is not value:
                         return True
         except Exception:  # what would tell is broken itself, or something is gone
             return True

@@ -38,15 +38,19 @@ SPOILERS = {
     "math": "math.sin = math.cos",
     "NumPy": "np.sqrt = np.cbrt",
     "NumPy deep inside": "np.linalg._linalg.norm = None",
+    "a method": "pathlib.Path.exists = lambda self: False",
+    "a record's constructor": "shaderlab.model.records.Record.__init__ = print",
+    "a property": "shaderlab.engine.run.SceneRunner.backend = None",
     "another NumPy": "sys.modules['numpy'] = math",
     "recursion": "sys.setrecursionlimit(5000)",
     "standard error": "sys.stderr = None",
     "trace": "sys.settrace(lambda *_: None)",
 }
 IMPORTS = """
-import builtins, ctypes, locale, math, os, random, resource, signal, subprocess, sys
+import builtins, ctypes, locale, math, os, pathlib, random, resource, signal, subprocess, sys
 import threading, time, warnings
 import numpy as np
+import shaderlab.engine.run
 """
 
 
