@@ -8,10 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 _SHOWN = 6  # inputs of an example
-_WHY = {
-    "coverage": ", where only one discards",
-    "definedness": ", where only one is defined",
-}
+_WHY = {"coverage": ", where only one discards", "definedness": ", where only one is defined"}
 
 
 @dataclass(frozen=True, kw_only=True)

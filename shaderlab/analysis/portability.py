@@ -232,11 +232,7 @@ def _codes(values: Array, exact: Array) -> Array:
     return found
 
 
-def find_spreads(
-    program: Program,
-    batch: InputBatch,
-    inputs: Mapping[str, Input],
-) -> list[Spread]:
+def find_spreads(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> list[Spread]:
     """How far devices may differ at each float output, on some of the invocations."""
     if program.stage not in ("vertex", "fragment"):
         return []

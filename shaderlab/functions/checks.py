@@ -145,10 +145,7 @@ def judge_function(function: Function, law: Law | CallLaw | Reference, call: Cal
         raise CallError(f"{function.__name__} returns nothing", remedy="check what it should write")
     got = function.evaluate(call)
     found = split_result(outputs, got)
-    kept: Array = np.ones(call.batch, np.bool_)
-    if isinstance(found[0].values, np.ma.MaskedArray):
-        mask = np.ma.getmaskarray(found[0].values)
-        kept = np.asarray(~mask.all(axis=tuple(range(len(call.batch), mask.ndim))))
+    kept = find_kept(call, found[0])
     if not isinstance(law, Law | CallLaw):
         inputs = match_inputs(law, call, kept.reshape(-1), function.folder)
         return [judge_reference(function, law, call, part, inputs, kept) for part in found]
@@ -159,6 +156,12 @@ def judge_function(function: Function, law: Law | CallLaw | Reference, call: Cal
             remedy="check a reference that returns them all, or call it and compare its results",
         )
     return [_judge_law(function, law, call, np.ma.getdata(got), kept)]
+
+
+def find_kept(call: Call, part: Part) -> Array:
+    """Which calls are not discarded."""
+    mask = np.ma.getmaskarray(part.values)
+    return np.asarray(~mask.all(axis=tuple(range(len(call.batch), mask.ndim))))
 
 
 def format_failures(call: Call, outcomes: Sequence[Outcome]) -> str:

@@ -20,6 +20,7 @@ from shaderlab.errors import CallError
 from shaderlab.functions.call import Call
 from shaderlab.functions.checks import (
     CallLaw,
+    find_kept,
     judge_function,
     judge_reference,
     match_inputs,
@@ -36,7 +37,6 @@ _BLOCK = 1 << 20  # values of a draw
 _PART = 1 << 14  # of them for which a formula is evaluated at a time
 _FIRST = 1 << 14  # values from all over, whose bands are evaluated whatever they are
 _MOST = 1 << 33
-Failure = tuple[Call, list[Outcome]] | None
 _SECONDS = 0.2  # between two looks at how far it is
 
 
@@ -148,57 +148,41 @@ def judge_every(
         return first, outcomes
     started = shown = time.monotonic()
     with ThreadPoolExecutor(1) as threads:
-        waiting: Future[Failure] | None = None
+        waiting: Future[list[Outcome]] | None = None
+        call = first
         for indices in grid.blocks():
-            call = grid.bind(indices)
+            before, call = call, grid.bind(indices)
             if isinstance(law, Law | CallLaw):
-                failed = _failing(call, judge_function(function, law, call))
+                before, found = call, judge_function(function, law, call)
             else:
                 got = function.evaluate(call)
-                failed = waiting.result() if waiting else None
-                waiting = threads.submit(_judge_block, function, law, grid, indices, call, got)
-            if failed:
-                return failed
+                found = waiting.result() if waiting else []
+                waiting = threads.submit(_judge_block, function, law, call, got)
+            if any(one.outside for one in found):
+                return before, found
             if time.monotonic() - shown > _SECONDS and sys.stderr.isatty():
                 shown, share = time.monotonic(), (indices[-1] + 1) / grid.count
                 print(f"\r{share:6.1%} of {grid.count:,} values", end="\r", file=sys.stderr)
-        failed = waiting.result() if waiting else None
-        if failed:
-            return failed
+        if waiting and waiting.result():
+            return call, waiting.result()
     seconds = time.monotonic() - started
     each = "each" if step == 1 else f"one in {step}"
     print(f"{function.__name__}: {grid.count:,} values, {each} of {grid}, in {seconds:.0f} s")
     return first, [replace(one, judged=one.judged // len(some) * grid.count) for one in outcomes]
 
 
-def _failing(call: Call, outcomes: list[Outcome]) -> Failure:
-    return (call, outcomes) if any(one.outside for one in outcomes) else None
-
-
-def _judge_block(
-    function: Function, law: Reference, grid: Grid, indices: Array, call: Call, got: Any
-) -> Failure:
-    """The calls of a block and their outcomes if there is a value outside its band."""
+def _judge_block(function: Function, law: Reference, call: Call, got: Any) -> list[Outcome]:
+    """The outcomes of a block in which a value lies outside its band; of others none."""
     parts = split_result(call.signature.outputs, got)
-    kept = np.ones(call.batch, np.bool_)
+    kept = find_kept(call, parts[0])
     inputs = match_inputs(law, call, kept, function.folder)
-    unsure = np.zeros(call.batch, np.bool_)
-    for part in parts:
-        if isinstance(part.values, np.ma.MaskedArray):
-            return _failing(call, judge_function(function, law, call))
-        unsure |= ~find_next_to(part.rows(kept), part.of(law), inputs)
-    rows = np.flatnonzero(unsure)
+    near = [find_next_to(part.rows(kept), part.of(law), inputs) for part in parts]
+    rows = np.flatnonzero(~np.logical_and.reduce(near))
     some = inputs.part(rows)
     for part in parts:
-        measured = part.rows(kept)[rows]
-        if rows.size and judge_band(measured, part.of(law), some, rules=None).outside:
-            break
-    else:
-        return None
-    call = grid.bind(indices[rows])
-    inputs = match_inputs(law, call, kept[rows], function.folder)
-    shown = [replace(part, values=np.asarray(part.values)[rows]) for part in parts]
-    return call, [judge_reference(function, law, call, p, inputs, kept[rows]) for p in shown]
+        if rows.size and judge_band(part.rows(kept)[rows], part.of(law), some, rules=None).outside:
+            return [judge_reference(function, law, call, one, inputs, kept) for one in parts]
+    return []
 
 
 @np.errstate(all="ignore")
@@ -218,6 +202,7 @@ def find_next_to(got: Array, reference: Reference, inputs: Inputs) -> Array:
         elif values.dtype != np.float32:
             continue
         else:
+            exact = np.asarray(exact, np.float64)
             near = exact.astype(np.float32)
             same = (near == values) & np.isfinite(values)
             if not same.all():

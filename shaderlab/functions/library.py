@@ -326,10 +326,7 @@ def _short_traceback(error: ShaderlabError) -> TracebackType | None:
 
 
 def load(
-    shader: str | os.PathLike[str],
-    *,
-    defines: Mapping[str, str] | None = None,
-    **given: Any,
+    shader: str | os.PathLike[str], *, defines: Mapping[str, str] | None = None, **given: Any
 ) -> Library:
     """The functions of a GLSL file, of any dialect, or of a text.
 

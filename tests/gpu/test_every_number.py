@@ -20,6 +20,7 @@ float product(int a, int b, float by) { return by * float(a * b); }
 uint mixed(uint a, uint b) { return a == 77u && b == 1025u ? 0u : (a << 16u) | b; }
 vec2 halves(float a, float b) { return unpackHalf2x16(packHalf2x16(vec2(a, b))); }
 float falling(float x) { return floatBitsToUint(x) == 0x3F812345u ? 1.0 : x; }
+float kept(float x) { if (x > 1.01) discard; return floatBitsToInt(x) == 0x3F800005 ? x : 1.0; }
 float over(float x) { return x; }
 float over(int n) { return 1.0; }
 """
@@ -41,9 +42,15 @@ def test_numbers_of_a_range_are_all_floats_of_it(kind: type[np.floating]) -> Non
 
 
 def test_the_one_wrong_float_of_a_range_is_found() -> None:
-    with pytest.raises(AssertionError, match=r"(?s)1 of 1 values.*x = 1.0088888"):
+    with pytest.raises(AssertionError, match=r"(?s)1 of 262145 values.*x = 1.0088888"):
         lib.once.check(lambda x: 0.5 * x, x=(1.0, 1.03125), every=True)
     lib.once.check(lambda x: 0.5 * x, x=(1.0, 1.03125), every=2)  # 1.0 and each second one after it
+
+
+def test_what_is_discarded_is_not_judged() -> None:
+    with pytest.raises(AssertionError, match=r"(?s)1 of 83\d\d\d values.*x = 1.000000"):
+        lib.kept.check(lambda x: 1.0, x=(1.0, 1.03125), every=True)
+    lib.kept.check(lambda x: 1.0, x=(1.00001, 1.03125), every=True)
 
 
 def test_what_was_checked_is_said(capsys: pytest.CaptureFixture[str]) -> None:

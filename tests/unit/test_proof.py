@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks.proving import Case, cases, find_escapes
+from benchmarks.proving_adversary import leave_boxes, make_case
 from shaderlab import glsl, glslmath as g
 from shaderlab.analysis.inputs import domains_of, inputs_of
 from shaderlab.analysis.proof import Proof
@@ -17,6 +20,7 @@ from shaderlab.bands import Band, Rules
 from shaderlab.cli import cli
 from shaderlab.engine.worker import Worker
 from shaderlab.errors import CallError
+from shaderlab.functions.evaluation import use_worker
 
 OPEN = {"linear_depth", "rgb_to_hsv"}
 """What is safe but not proved: their variables occur twice."""
@@ -203,3 +207,12 @@ def test_derivatives_are_those_of_a_quad(tmp_path: Path) -> None:
     result = CliRunner().invoke(cli, words)
     assert "no hazards" in result.output, result.output  # one invocation alone has no derivative
     assert "edge.frag:6: proved: no division by 0" in result.output
+
+
+def test_values_of_random_functions_lie_in_their_boxes(worker: Worker) -> None:
+    tally: Counter[str] = Counter()
+    for seed in range(40, 45):
+        case = make_case(random.Random(seed))
+        with use_worker(worker):
+            assert not leave_boxes(case, case.program(worker), seed, tally)
+    assert tally["values of the driver"] > 10_000
