@@ -39,7 +39,8 @@ ROWS = {
     14: "point-cloud",
     15: "ibl-diffuse ibl-specular energy-compensation bloom tone-curves noise "
     "distance-fields parallax order-independent fxaa taa ambient-occlusion "
-    "light-volumes soft-shadows tessellation compute-shaders",
+    "light-volumes soft-shadows tessellation compute-shaders "
+    "textured-pbr",
 }
 
 # These hold or not whatever the shaders compute: alone they would let any formula pass.
