@@ -23,18 +23,26 @@ from shaderlab.model.case import Case, Scene
 from tests.catalogue import shipped
 
 OUTPUT = re.compile(r"^(?:layout *\([^)]*\) *)?(?:flat +)?out +\w+ +(\w+) *;", re.MULTILINE)
+WRITTEN = re.compile(
+    r"^layout \([^)]*\) (?:writeonly )?(?:buffer \w+ \{|uniform \w*image2D) (.*);", re.M
+)
 
 
 @cache
-def outputs_of(fragment: str) -> tuple[str, ...]:
-    """The outputs that a fragment shader declares, in itself or in what it includes."""
-    return tuple(OUTPUT.findall(Shaders([data_folder("shaders")]).load(fragment).text))
+def outputs_of(shader: str) -> tuple[str, ...]:
+    """The outputs that a fragment shader declares, in itself or in what it includes; of a compute
+    shader the images and the one member of each buffer that it may write."""
+    text = Shaders([data_folder("shaders")]).load(shader).text
+    members = (re.findall(r"\w+", declared)[-1] for declared in WRITTEN.findall(text))
+    return (*OUTPUT.findall(text), *members)
 
 
 def programs_of(scene: Scene) -> dict[str, tuple[Any, ...]]:
     """What `unread_outputs` asks of a scene's programs: each draw's outputs."""
     return {
-        one.name: tuple(SimpleNamespace(outputs=outputs_of(draw.fragment)) for draw in one.draws)
+        one.name: tuple(
+            SimpleNamespace(outputs=outputs_of(draw.compute or draw.fragment)) for draw in one.draws
+        )
         for one in scene.passes
     }
 
