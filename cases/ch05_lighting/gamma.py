@@ -96,6 +96,14 @@ case = Case(
         figure("srgb", "half, by sRGB", {"linear": 0.5}, 0.735357),
         sweep("power", gamma_encode, over="linear", values=np.linspace(0.005, 1.0, 64)),
         sweep("srgb", srgb_encode, over="linear", values=around(0.0031308), log_x=True),
+        # Some write 0.00313: between both numbers the curve is still a line.
+        sweep(
+            "srgb",
+            srgb_encode,
+            over="linear",
+            values=np.linspace(0.0031301, 0.0031307, 7),
+            name="srgb, just below where the line ends",
+        ),
         sweep("decoded", decode, over="linear", values=around(0.04045), log_x=True),
         *(
             figure("framebuffer.FragColor", f"light of code {int(code)}", {"code": code}, light)
