@@ -3,6 +3,7 @@
 A scene is drawn once more in the size for people. What several drivers drew is stored here, too.
 """
 
+import base64
 import hashlib
 import os
 import re
@@ -147,6 +148,13 @@ class PictureWriter:
         _write_numbers(path, numbers, equal)
         return PictureFiles(files, captions, relative)
 
+    def write_live(self, recording: bytes) -> str:
+        """Write the calls that draw the picture, as a script, which a page on a disk may load."""
+        relative, path = self._file("live", "js")
+        text = base64.b64encode(recording).decode()
+        write_bytes(path, f'globalThis.shaderlabRecording = "{text}";\n'.encode())
+        return relative
+
     def write_assembly(self, spirv: Mapping[str, Mapping[str, bytes]]) -> str:
         """Write a program's modules, by target and stage, as SPIR-V assembly; equal ones share a
         file.
@@ -247,12 +255,9 @@ def enlarge(
     Raises:
         ShaderError, UnsupportedError, CaseError: it can't be drawn.
     """
-    needed = set(resized_passes(scene))
+    needed = with_read_passes(scene, resized_passes(scene))
     if not needed:
         return images
-    for description in reversed(scene.passes):
-        if description.name in needed:
-            needed |= _find_read_passes(description)
     with backend.session(scene, programs, (side, side)) as session:
         return {**images, **session.draw(needed).images}
 
@@ -265,6 +270,15 @@ def resized_passes(scene: Scene) -> Sequence[str]:
         if own or not _find_read_passes(description).isdisjoint(found):
             found[description.name] = None
     return list(found)
+
+
+def with_read_passes(scene: Scene, names: Iterable[str]) -> set[str]:
+    """Some passes, and those that they take to be drawn."""
+    needed = set(names)
+    for description in reversed(scene.passes):
+        if description.name in needed:
+            needed |= _find_read_passes(description)
+    return needed
 
 
 def _find_read_passes(description: Pass) -> set[str]:

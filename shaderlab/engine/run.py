@@ -30,7 +30,7 @@ from .evaluation import FEATURES, Evaluation, SceneCheck
 from .expectations.base import unread_outputs
 from .expectations.formula import Formula
 from .expectations.gl_call import CallTrace
-from .pictures import PictureFiles, PictureWriter, enlarge, save_frames
+from .pictures import PictureFiles, PictureWriter, enlarge, save_frames, with_read_passes
 from .record import RecordBuilder, format_error
 
 _LOOP = re.compile(r"\b(?:for|while)\s*\(")
@@ -160,16 +160,22 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
         """Write the pictures of the case and its passes, in people's size; returns an error."""
         if self.options.picture_folder is None:
             return None
+        from shaderlab.drivers.webgl.live import record_calls  # where pictures are drawn only
+
         scene, images = evaluation.scene, evaluation.drawn.images
         try:
             with phase("picture", "drawing the picture"):
                 if (side := self.options.picture_size) != self.options.size:
                     images = enlarge(self.backend, scene, evaluation.programs, images, side)
-                picture = images[_picture_of(scene, images)]
+                shown = picture_of(scene, images)
                 with record.notice_if_unwritable():
-                    files = pictures.write_picture(picture)
+                    files = pictures.write_picture(images[shown])
                     record.set(images=files.files, captions=files.captions)
                     record.set(passes=pictures.write_passes(scene, images))
+                    only = with_read_passes(scene, [shown[0]])
+                    drawn = evaluation.session, evaluation.drawn
+                    calls, why = record_calls(*drawn, only, shown, side)
+                    record.set(live=pictures.write_live(calls) if calls else "", not_live=why)
         except MemoryError:
             raise
         except Exception as error:
@@ -408,7 +414,7 @@ def _make_failed_judgement(expectation: Expectation, error: errors.ShaderlabErro
     )
 
 
-def _picture_of(scene: Scene, images: Mapping[tuple[str, str], Image]) -> tuple[str, str]:
+def picture_of(scene: Scene, images: Mapping[tuple[str, str], Image]) -> tuple[str, str]:
     """The (pass, output) that is the case's picture: the one it names, or the last pass's first.
     Raises CaseError: the case names an output that is not there."""
     named = scene.picture

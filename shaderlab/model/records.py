@@ -444,6 +444,9 @@ class Record:
     `gl_calls` are there where they were asked for. `modules` says what was judged by its own
     shader, None where nothing was; what is outside there is an outcome as well.
 
+    `live` is the file, as of pictures, of the calls that draw the picture in a browser, or "", and
+    `not_live` why there is none though there is a picture.
+
     `driver_name` is the name given to `--drivers`, "" where a run has one driver. Where there are
     several, `drawn` has each output, so that they can be compared.
 
@@ -489,6 +492,8 @@ class Record:
     modules: ModulesRecord | None = None
     driver_name: str = ""
     drawn: tuple[DrawnOutput, ...] = ()
+    live: str = ""
+    not_live: str = ""
 
     @property
     def key(self) -> tuple[str, str, str]:

@@ -14,6 +14,7 @@ from functools import cached_property
 from itertools import groupby
 from pathlib import Path
 from typing import Any, TypeVar
+from urllib.parse import quote
 
 from markupsafe import Markup
 
@@ -258,6 +259,16 @@ class CaseView:
             for record in self.group.records
             for name, file in record.images.items()
         ]
+
+    @property
+    def live(self) -> str:
+        """Name, recording and picture of each variant that can be played, in JSON; or ""."""
+        found = [
+            (r.variant, quote(r.live), self.store.find(r.images.get("picture", "")).link)
+            for r in self.group.records
+            if r.live
+        ]
+        return json.dumps(found) if found else ""
 
     def _figure(self, record: Record, name: str, picture: Picture) -> Figure:
         names = [record.variant] if self.several else []

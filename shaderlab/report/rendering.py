@@ -126,6 +126,13 @@ def script() -> str:
     return '"use strict";\n{\n' + _join("script", _SCRIPTS, "js") + "\n}\n"
 
 
+@cache
+def live_script() -> str:
+    """Return the script that a page loads when a live picture is asked for."""
+    player = files("shaderlab.drivers.webgl").joinpath("player.js").read_text(encoding="utf-8")
+    return f'"use strict";\n{{\n{player}{_join("script", ("live",), "js")}}}\n'
+
+
 def single_policy() -> str:
     """Return the content security policy of a page that is one file."""
     return (

@@ -23,6 +23,8 @@ def prepare_process(driver: str) -> None:
 
 def preload() -> None:
     """Import what drives a browser before a device is opened."""
+    from playwright import async_api
+
     from . import session
 
-    assert session
+    assert async_api and session

@@ -12,9 +12,10 @@ import resource
 import shutil
 import subprocess
 import threading
-from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Coroutine, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
+from importlib import import_module
 from importlib.resources import files
 from typing import Any, TypeVar
 
@@ -56,17 +57,17 @@ class Calls:
     def __getattr__(self, name: str) -> Any:
         if name.isupper():
             return self.about["constants"][name]
-        return functools.partial(self._add, name, 0)
+        return functools.partial(self.add, name, 0)
 
     def make(self, name: str, *given: Any) -> None:
         """Make a call that `drivers.gl_state` describes."""
         words = (getattr(self, g.upper()) if isinstance(g, str) else g for g in given)
-        self._add(name[0].lower() + name[1:], 0, *words)
+        self.add(name[0].lower() + name[1:], 0, *words)
 
     def new(self, name: str, *given: Any) -> Object:
         """Return the object that a method returns."""
         made = self.number()
-        self._add(name, made.number, *given)
+        self.add(name, made.number, *given)
         return made
 
     def number(self) -> Object:
@@ -97,7 +98,7 @@ class Calls:
     def ask_later(self, then: Callable[[Any], object], name: str, *given: Any) -> None:
         """Call `then` with what a method returns when the next `ask` gets its reply: each `ask` is
         a round trip to the browser, and a pass may have hundreds of draws."""
-        self._add(name, -1, *given)
+        self.add(name, -1, *given)
         self._waiting.append(then)
 
     def start_afresh(self) -> None:
@@ -105,7 +106,7 @@ class Calls:
         self._waiting = [_ignore] * len(self._waiting)
         self.ask_later(_ignore, "errors")
 
-    def _add(self, name: str, where: int, *given: Any) -> None:
+    def add(self, name: str, where: int, *given: Any) -> None:
         self._calls.append((name, where, [self._argument(each) for each in given]))
 
     def _argument(self, given: Any) -> Any:
@@ -115,10 +116,14 @@ class Calls:
             given = np.frombuffer(given, np.uint8)
         if not isinstance(given, np.ndarray):
             return given
-        at = len(self._data)
-        self._data += np.ascontiguousarray(given).tobytes()
-        self._data += bytes(-len(self._data) % _ALIGNMENT)
+        at = self._store(np.ascontiguousarray(given).tobytes())
         return {"array": ARRAYS[given.dtype], "at": at, "count": given.size}
+
+    def _store(self, values: bytes) -> int:
+        """Return where bytes stand in the data from now on."""
+        at = len(self._data)
+        self._data += values + bytes(-len(values) % _ALIGNMENT)
+        return at
 
 
 def _ignore(_: object) -> None: ...
@@ -143,13 +148,6 @@ class Objects(ExitStack):
         return made
 
 
-try:
-    from playwright.async_api import Error, async_playwright
-except ImportError as error:
-    raise DriverError(
-        f"no package that drives a browser ({error})", remedy="pip install 'shaderlab[webgl]'"
-    ) from error
-
 PATIENCE = 60.0
 """Seconds that the browser has for an answer."""
 _NAMES = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")
@@ -173,6 +171,13 @@ class Browser:
     """
 
     def __init__(self) -> None:
+        try:
+            self._api = import_module("playwright.async_api")
+        except ImportError as error:
+            raise DriverError(
+                f"no package that drives a browser ({error})",
+                remedy="pip install 'shaderlab[webgl]'",
+            ) from error
         self._path = _find_chromium()
         # In a separate thread: the caller may run an event loop itself, as a notebook does.
         self._loop = asyncio.new_event_loop()
@@ -211,7 +216,7 @@ class Browser:
             self._guard.wait()
 
     async def _start(self) -> None:
-        self._playwright = await async_playwright().start()
+        self._playwright = await self._api.async_playwright().start()
         self._browser = await self._playwright.chromium.launch(
             executable_path=self._path, args=_FLAGS
         )
@@ -220,7 +225,7 @@ class Browser:
         self._guard = _start_guard(next(one["id"] for one in running if one["type"] == "browser"))
         self._page = await self._browser.new_page()
         player = files(__package__).joinpath("player.js").read_text(encoding="utf-8")
-        await self._page.evaluate(player)
+        await self._page.evaluate(f"{player}\nwindow.player = makePlayer();")
         if not await self._page.evaluate("player !== null && 'fromBase64' in Uint8Array"):
             raise DriverError(
                 f"{self._path} has no WebGL2, or is older than version 140", remedy=_INSTALL
@@ -236,7 +241,7 @@ class Browser:
             return self._run(work, PATIENCE)
         except TimeoutError:
             raise DeviceLostError(f"the browser gave no answer in {PATIENCE:g} s") from None
-        except Error as error:
+        except self._api.Error as error:
             if self._browser is not None and self._browser.is_connected():
                 if "crashed" not in error.message and "closed" not in error.message:
                     raise DriverError(
@@ -310,8 +315,8 @@ class Device:
 
     gl: Calls
     info: Mapping[str, str]
-    extensions: frozenset[str]
-    _browser: "Browser"
+    extensions: Container[str]
+    _browser: "Browser | None"
     own_programs: dict[str, Object] = field(default_factory=dict, compare=False)
 
     def require(self, extension: str, what: str) -> None:
@@ -321,7 +326,8 @@ class Device:
 
     def close(self) -> None:
         """End the browser; nothing that was made on the device may be used any more."""
-        self._browser.close()
+        if self._browser is not None:
+            self._browser.close()
 
 
 def open_device() -> Device:
@@ -345,6 +351,4 @@ def open_device() -> Device:
     if _NEEDED not in about["extensions"]:
         browser.close()
         raise DriverError(f"{about['renderer']} lacks {_NEEDED}, by which WebGL2 draws to floats")
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1)
-    gl.pixelStorei(gl.PACK_ALIGNMENT, 1)
     return Device(gl, info, frozenset(about["extensions"]), browser)

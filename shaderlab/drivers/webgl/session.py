@@ -127,7 +127,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
         state = draw.draw.state
         encodes = "srgb8_alpha8" in target.colors.values()
         check_state(state, samples=target.samples, encodes=encodes)
-        program = self.linker.link(write_point_texts(draw.draw, draw.texts), draw.sources)
+        program = self.program_of(draw)
 
         def draw_to(vertices: VertexArray) -> None:
             target.bind(program.outputs(target.colors))
@@ -136,6 +136,10 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
 
         values = {HEIGHT: np.array([target.size[1]], np.float32)}
         self.use(program, draw, bindings, values, draw_to)
+
+    def program_of(self, draw: PreparedDraw) -> Program:
+        """Return the program that draws."""
+        return self.linker.link(write_point_texts(draw.draw, draw.texts), draw.sources)
 
     def use(
         self,
@@ -248,7 +252,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
         draw = self.programs[key[0]][key[1]]
         if draw.draw.mesh is None:
             return {}
-        program = self.linker.link(write_point_texts(draw.draw, draw.texts), draw.sources)
+        program = self.program_of(draw)
         gl = self.device.gl
         found = {}
         with Objects(gl) as own:
@@ -268,7 +272,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
     def _read_blocks(self, key: PassDraw) -> Mapping[str, BlockReading]:
         """Return what WebGL2 says of each block's members."""
         draw = self.programs[key[0]][key[1]]
-        program = self.linker.link(write_point_texts(draw.draw, draw.texts), draw.sources)
+        program = self.program_of(draw)
         gl, found = self.device.gl, {}
         for name, block in bind.uniform_blocks(draw.interface).items():
             offsets: dict[str, int] = {}
@@ -298,7 +302,7 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
     def _locations(self, key: PassDraw) -> Mapping[str, int]:
         """Number the uniforms: WebGL2 only says whether there is one."""
         draw = self.programs[key[0]][key[1]]
-        program = self.linker.link(write_point_texts(draw.draw, draw.texts), draw.sources)
+        program = self.program_of(draw)
         active = list(program.locations)
         return {
             name: active.index(name) if name in active else -1 for name in draw.interface.uniforms

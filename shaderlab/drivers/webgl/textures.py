@@ -79,7 +79,7 @@ def round_depths(word: str, values: Array) -> Array:
 
 
 # The format and the type in which texels of an attachment are read; floats whatever their size.
-_READ: dict[Any, tuple[str, str]] = {
+READ: dict[Any, tuple[str, str]] = {
     np.uint8: ("RGBA", "UNSIGNED_BYTE"), np.int32: ("RGBA_INTEGER", "INT"),
     np.uint32: ("RGBA_INTEGER", "UNSIGNED_INT"), np.float32: ("RGBA", "FLOAT"),
 }  # fmt: skip
@@ -130,8 +130,8 @@ def read_pixels(device: Device, word: str, size: Size) -> Array:
     """Return the first attachment of the framebuffer that is bound, (height, width, channels).
     Raises DriverError: it can't be read."""
     gl, found = device.gl, textures.format_of(word)
-    read = found.numpy if found.numpy in _READ else np.float32
-    format, kind = (getattr(gl, name) for name in _READ[read])
+    read = found.numpy if found.numpy in READ else np.float32
+    format, kind = (getattr(gl, name) for name in READ[read])
     how = (format, kind, ARRAYS[np.dtype(read)], found.components)
     data, errors = gl.ask_all([("texels", *size, *how), ("errors",)])
     if errors:
@@ -218,7 +218,7 @@ def draw_to_floats(device: Device, own: Objects, size: Size) -> Object:
 
 
 _TARGETS = {"2D": "TEXTURE_2D", "Cube": "TEXTURE_CUBE_MAP", "2DArray": "TEXTURE_2D_ARRAY"}
-_NO_LEVELS = ("rgb32f", "r32i", "rg32i", "rgba32i", "r32ui", "rg32ui", "rgba32ui")
+NO_LEVELS = ("rgb32f", "r32i", "rg32i", "rgba32i", "r32ui", "rg32ui", "rgba32ui")
 
 
 @dataclass(frozen=True)
@@ -363,7 +363,7 @@ class BoundTextures(SceneTextures[Any]):
     def _generate(self, texture: DeviceTexture) -> None:
         """Halve each level into the next one."""
         gl = self._device.gl
-        if texture.word in _NO_LEVELS or texture.word in textures.DEPTH:
+        if texture.word in NO_LEVELS or texture.word in textures.DEPTH:
             raise UnsupportedError(f"mipmaps=True: WebGL2 makes no levels of {texture.word}")
         require_filtered(self._device, texture.word, ("linear", "linear"), False)
         gl.bindTexture(getattr(gl, texture.target), texture.handle)

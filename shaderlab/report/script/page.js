@@ -52,19 +52,12 @@ function readChart(chart, svg, rows) {
 const searchWords = (() => {
   let words = null;
   return () => {
-    words ??= new Promise((resolve) => {
-      const inside = document.getElementById("search");
-      if (inside) {
-        resolve(Object.fromEntries([...inside.content.children]
-          .map((item) => [item.dataset.case, item.textContent])));
-        return;
-      }
-      const script = document.createElement("script");
-      script.src = `${document.documentElement.dataset.root}page/search.js`;
-      script.onload = () => resolve(globalThis.shaderlabWords);
-      script.onerror = () => resolve({});  // titles are found all the same
-      document.head.append(script);
-    });
+    const inside = document.getElementById("search");
+    words ??= inside
+      ? Promise.resolve(Object.fromEntries([...inside.content.children]
+        .map((item) => [item.dataset.case, item.textContent])))
+      // Titles are found without it.
+      : loadScript("page/search.js").then(() => globalThis.shaderlabWords, () => ({}));
     return words;
   };
 })();
@@ -180,3 +173,32 @@ if (chinese) {
 // On a case's own page its chapter is marked in the line of chapters, which may be longer than wide.
 const marked = document.querySelector(".way [aria-current]");
 if (marked) marked.closest("ol").scrollLeft = marked.offsetLeft - marked.closest("ol").offsetLeft;
+// A case's live picture: what plays it, and its recording, are loaded when it is asked for.
+
+function loadScript(name) {
+  return new Promise((resolve, reject) => {
+    const script = document.createElement("script");
+    script.src = `${document.documentElement.dataset.root}${name}`;
+    script.onload = resolve;
+    script.onerror = () => reject(new Error(`${name} can't be loaded`));
+    document.head.append(script);
+  });
+}
+
+for (const box of document.querySelectorAll("[data-live]")) {
+  const open = async (file) => {
+    if (!globalThis.shaderlabLive) await loadScript("page/live.js");
+    await loadScript(file);
+    return inflated(globalThis.shaderlabRecording);
+  };
+  box.querySelector("button").onclick = async () => {
+    try {
+      const files = JSON.parse(box.dataset.live);
+      const first = await open(files[0][1]);
+      globalThis.shaderlabLive(box, files, first, { open, general, ramp, colours });
+    } catch (error) {
+      box.querySelector("output").textContent = `No live picture: ${error.message}`;
+    }
+  };
+  box.hidden = !("DecompressionStream" in window);
+}

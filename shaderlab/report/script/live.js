@@ -1,0 +1,231 @@
+// A live picture: a recording of the calls that drew it, played with other uniforms. What the page's
+// own script has for it comes as `tools`.
+
+const make = (tag, given = {}, ...inside) => {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(given)) {
+    if (name in made) made[name] = value;
+    else made.setAttribute(name, value);
+  }
+  made.append(...inside);
+  return made;
+};
+const label = (text, ...inside) => make("label", {}, make("span", { textContent: text }), ...inside);
+const COLOUR = /colou?r|albedo|ambient|diffuse|specular|tint|emissi/i;
+
+/** Numbers as colours: one channel in false colour over a range, several as they are. */
+function paintLive(values, { size: [width, height], components }, [low, high], tools) {
+  const packed = ([r, g, b]) => (r | g << 8 | b << 16 | 0xff000000) >>> 0;
+  const ramp = Uint32Array.from(tools.ramp, packed);
+  const image = new ImageData(width, height);
+  const out = new Uint32Array(image.data.buffer);
+  const most = components === 1 ? ramp.length - 1 : 255;
+  const level = (value) => Math.round(
+    Math.max(0, Math.min(most, (value - low) * most / (high - low || 1))));
+  for (let i = 0; i < out.length; i += 1) {
+    const at = ((height - 1 - Math.floor(i / width)) * width + i % width) * components;
+    const [r, g] = [values[at], components > 1 ? values[at + 1] : low];
+    const b = components > 2 ? values[at + 2] : low;
+    if (!Number.isFinite(r + g + b)) out[i] = packed(tools.colours.broken);
+    else out[i] = components === 1 ? ramp[level(r)] : packed([level(r), level(g), level(b)]);
+  }
+  return image;
+}
+
+/** The values that a picture's darkest and brightest colours stand for. */
+function rangeOfPicture(values, { components, kind }) {
+  if (components > 1 && kind !== "i" && kind !== "u") return [0, kind === "f" ? 1 : 255];
+  return [Math.min, Math.max].map((of) => values.filter(Number.isFinite).reduce((a, b) => of(a, b)));
+}
+
+/** Where a camera stands, of which a matrix of turns and a shift is the view. */
+const eyeOf = (view) => {
+  const { m41, m42, m43 } = new DOMMatrix(view).inverse();
+  return [m41, m42, m43];
+};
+const near = (a, b) => a.every((value, n) => Math.abs(value - b[n]) < 1e-3);
+const isView = ({ name, matrix, own }) => matrix && own.length === 16 && /view/i.test(name)
+  && !/light|shadow|proj/i.test(name) && [0, 1, 2, 4, 5, 6, 8, 9, 10].every((n) => Math.abs(own[n]
+    - new DOMMatrix(own).inverse().toFloat64Array()[n % 4 * 4 + Math.floor(n / 4)]) < 1e-3);
+
+/** A camera moved around the point in front of it that is nearest to the origin. */
+function orbited(view, { around, up, away }) {
+  const eye = eyeOf(view);
+  const ahead = [-view[2], -view[6], -view[10]];
+  const along = -eye.reduce((sum, e, n) => sum + e * ahead[n], 0);
+  const distance = along > 0.1 ? along : Math.hypot(...eye) || 1;
+  return [...new DOMMatrix().translate(0, 0, -distance * away).rotateAxisAngle(1, 0, 0, up)
+    .multiply(new DOMMatrix([...view.slice(0, 12), 0, 0, 0, 1])).rotateAxisAngle(0, 1, 0, around)
+    .translate(...eye.map((e, n) => -e - ahead[n] * distance)).toFloat64Array()];
+}
+
+/** Plays a recording; uniforms of one name and value are one. Throws where it can't be played. */
+function play(bytes) {
+  const length = Number(new DataView(bytes.buffer).getBigUint64(0, true));
+  const about = JSON.parse(new TextDecoder().decode(bytes.subarray(8, 8 + length)));
+  const player = makePlayer();
+  const held = player?.hold(about, bytes.slice(8 + length).buffer)
+    ?? { lacks: "this browser has no WebGL2" };
+  if (held.lacks) throw new Error(held.lacks);
+  const found = new Map();
+  for (const { now, ...uniform } of held.uniforms) {
+    const key = `${uniform.name} ${now}`;
+    if (!found.has(key)) found.set(key, { ...uniform, own: [...now], now, all: [] });
+    found.get(key).all.push(now);
+  }
+  const [own, errors] = [held.draw(), held.errors()];
+  if (errors.length) throw new Error(`this browser can't draw it (WebGL2 error ${errors[0]})`);
+  return { ...held, about, show: about.show, own, uniforms: [...found.values()] };
+}
+
+class Panel {
+  constructor(box, files, first, tools) {
+    Object.assign(this, { tools, file: files[0], said: box.querySelector("output") });
+    this.canvas = make("canvas", { className: "live-canvas", tabIndex: 0, role: "img",
+      "aria-label": "The live picture: arrow keys choose the pixel that is read" });
+    this.judged = make("img", { alt: "the picture as it was judged" });
+    this.reading = make("p", { className: "small live-reading" });
+    this.controls = make("div", { className: "live-controls" });
+    const choice = make("select", { onchange: async () => {
+      this.file = files[choice.selectedIndex];
+      this.start(await tools.open(this.file[1]));
+    } }, ...files.map(([name]) => make("option", { textContent: name })));
+    this.start(first); // nothing is shown where it can't be played
+    box.querySelector(".tool").remove();
+    box.append(
+      make("div", { className: "live-pair" },
+        make("figure", {}, this.judged, make("figcaption", { textContent: "Judged" })),
+        make("figure", {}, this.canvas, make("figcaption", { textContent: "Live" }))),
+      this.reading,
+      make("div", { className: "tool" }, ...(files.length > 1 ? [label("variant ", choice)] : []),
+        make("button", { type: "button", textContent: "Back to what was judged",
+          onclick: () => this.start(this.bytes) })),
+      this.controls,
+    );
+    this.watch();
+    this.canvas.focus({ preventScroll: true });
+  }
+
+  start(bytes) {
+    this.bytes = bytes;
+    this.live?.lose();
+    this.live = play(bytes);
+    [this.canvas.width, this.canvas.height] = this.live.show.size;
+    this.judged.src = document.documentElement.dataset.root + this.file[2];
+    this.range = rangeOfPicture(this.live.own, this.live.show);
+    this.camera = { around: 0, up: 0, away: 1 };
+    this.views = this.live.uniforms.filter(isView);
+    this.eyes = this.live.uniforms.filter(({ own, matrix }) => !matrix && own.length === 3
+      && this.views.some((view) => near(eyeOf(view.own), own)));
+    this.fill();
+    this.paint(this.live.own);
+  }
+
+  /** Draws once more, as soon as the browser shows a frame. */
+  redraw() {
+    this.waiting ??= requestAnimationFrame(() => {
+      this.waiting = null;
+      this.paint(this.live.draw());
+      if (this.live.lost()) this.said.textContent = "The browser has dropped it; load the page again.";
+    });
+  }
+
+  paint(values) {
+    this.values = values;
+    const image = paintLive(values, this.live.show, this.range, this.tools);
+    this.canvas.getContext("2d").putImageData(image, 0, 0);
+    this.read();
+  }
+
+  /** Says the numbers of the pixel that is read, or of another one from now on. */
+  read(where = this.where ?? this.live.show.size.map((size) => size >> 1)) {
+    const { show: { size, components }, own } = this.live;
+    this.where = where.map((p, n) => Math.max(0, Math.min(size[n] - 1, Math.floor(p))));
+    const at = (this.where[1] * size[0] + this.where[0]) * components;
+    const words = (numbers) => Array.from(numbers.subarray(at, at + components),
+      (value) => this.tools.general(value, 6)).join(", ");
+    this.reading.textContent = `Pixel (${this.where.join(", ")}): live ${words(this.values)} · `
+      + `with the case's own values ${words(own)}`;
+  }
+
+  watch() {
+    const { canvas } = this;
+    // A mouse or a finger reads a pixel; with a button down it moves the camera, if there is one.
+    canvas.onpointerdown = canvas.onpointermove = ({ offsetX: x, offsetY: y, movementX, movementY, buttons }) => {
+      const scale = 180 / canvas.clientWidth;
+      const { around, up } = this.camera;
+      if (buttons && this.views.length) this.turn({ around: around + movementX * scale, up: up + movementY * scale });
+      this.read([x / canvas.clientWidth * canvas.width, (1 - y / canvas.clientHeight) * canvas.height]);
+    };
+    canvas.onkeydown = (event) => {
+      const far = event.shiftKey ? 8 : 1;
+      const step = { ArrowLeft: [-far, 0], ArrowRight: [far, 0], ArrowUp: [0, far],
+        ArrowDown: [0, -far] }[event.key];
+      if (!step) return;
+      event.preventDefault();
+      this.read(this.where.map((p, n) => p + step[n]));
+    };
+  }
+
+  turn(change) {
+    this.camera = { ...this.camera, ...change };
+    for (const view of this.views) {
+      const next = orbited(view.own, this.camera);
+      for (const eye of this.eyes) if (near(eyeOf(view.own), eye.own)) this.put(eye, eyeOf(next));
+      this.put(view, next);
+    }
+    for (const slider of this.turning) slider.value = this.camera[slider.name];
+  }
+
+  put(uniform, values) {
+    for (const place of uniform.all) place.set(values);
+    this.redraw();
+  }
+
+  /** A control for each uniform that can be moved. */
+  fill() {
+    const field = (title, ...inside) =>
+      make("fieldset", {}, make("legend", { textContent: title }), ...inside);
+    const limits = { around: [-180, 180], up: [-85, 85], away: [0.3, 3] };
+    this.turning = Object.entries(limits).map(([name, [min, max]]) => make("input", { type: "range",
+      name, min, max, step: 0.01, value: this.camera[name],
+      oninput: ({ target }) => this.turn({ [name]: Number(target.value) }) }));
+    this.canvas.classList.toggle("is-near", this.views.length > 0);
+    const fields = this.live.uniforms.filter((u) => !u.matrix && !this.eyes.includes(u))
+      .map((u) => field(u.name, ...this.inputs(u)));
+    if (this.views.length) {
+      fields.unshift(field("camera (or drag the picture)",
+        ...this.turning.map((slider) => label(slider.name, slider))));
+    }
+    this.controls.replaceChildren(...fields);
+    if (!fields.length) this.controls.append("Nothing of this picture is a number that can be moved.");
+  }
+
+  /** Sliders of a uniform's numbers, which stop at the case's own, and a picker of a colour. */
+  inputs(uniform) {
+    const { own, name, whole, now } = uniform;
+    const inputs = own.map((value, n) => {
+      const far = whole ? Math.max(8, 2 * Math.abs(value)) : 2 * Math.abs(value) || 1;
+      const max = !whole && value > 0 && value <= 1 ? 1 : far;
+      const min = value > 0 || now instanceof Uint32Array ? 0 : -far;
+      const said = make("output", { textContent: this.tools.general(value, 4) });
+      return label(own.length > 1 ? "xyzw"[n] : "", make("input", { type: "range", min, max,
+        step: whole ? 1 : (max - min) / 100, value, "aria-label": `${name} ${"xyzw"[n]}`,
+        oninput: ({ target }) => {
+          const stops = Math.abs(target.value - value) < (max - min) / 150;
+          const next = stops ? value : Number(target.value);
+          said.textContent = this.tools.general(next, 4);
+          this.put(uniform, Array.from(now, (old, m) => (m === n ? next : old)));
+        } }), said);
+    });
+    if (COLOUR.test(name) && own.length >= 3 && own.every((v) => v >= 0 && v <= 1)) {
+      const hex = (v) => Math.round(v * 255).toString(16).padStart(2, "0");
+      inputs.unshift(make("input", { type: "color", value: `#${own.slice(0, 3).map(hex).join("")}`,
+        "aria-label": name, oninput: ({ target }) => this.put(uniform, [...target.value
+          .match(/\w\w/g).map((pair) => parseInt(pair, 16) / 255), ...now.slice(3)]) }));
+    }
+    return inputs;
+  }
+}
+
+globalThis.shaderlabLive = (...given) => new Panel(...given);

@@ -1,0 +1,92 @@
+"""A case's picture, played in its page: what was judged, until something is moved."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from shaderlab.engine.pictures import load_frames
+from shaderlab.engine.run import SceneRunner
+from shaderlab.model.options import RunOptions
+from shaderlab.model.pictures import to_display
+from shaderlab.model.records import Run
+from shaderlab.report.html import write
+from tests.browser.test_accessibility import violations
+from tests.catalogue import shipped
+
+PLAYED = {"spotlight": "main.FragColor", "diffuse": "", "texture-mix": ""}
+"""Cases over the whole target, of meshes drawn for a later pass, and of textures."""
+SHOWN = """() => {
+    const canvas = document.querySelector(".live-canvas");
+    const all = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+    return [canvas.height, canvas.width, new Uint8Array(all.buffer).toBase64()];
+}"""
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The pages of some shipped cases, drawn on OpenGL."""
+    folder = tmp_path_factory.mktemp("live")
+    options = RunOptions(size=64, picture_size=64, folder=folder, frames=folder / "frames")
+    with SceneRunner(options) as lab:
+        cases = [shipped()[name] for name in (*PLAYED, "geometry-houses")]
+        records = [lab.run(next(replace(case, expect=case.expect[:1]).scenes())) for case in cases]
+        about = dict(lab.driver)
+    write(
+        Run(driver=about, versions={}, started="2026", seconds=1.0, records=tuple(records)), folder
+    )
+    return folder
+
+
+def opened(visit: Callable[..., Any], report: Path, name: str, **options: Any) -> Any:
+    page = visit(report / "cases" / f"{name}.html", **options)
+    assert page.locator(".live-canvas").count() == 0
+    page.click("[data-live] button")
+    page.wait_for_selector(".live-canvas")
+    assert page.inner_text("[data-live] > output") == ""
+    return page
+
+
+@pytest.mark.parametrize("name", PLAYED)
+def test_it_is_what_was_judged(visit: Callable[..., Any], report: Path, name: str) -> None:
+    case = shipped()[name]
+    scene = next(case.scenes())
+    frames = load_frames(report / "frames", name, scene.variant)
+    output = case.picture or next(key for key in frames if key.startswith(scene.passes[-1].name))
+    judged = to_display(frames[output][..., :3]).image[::-1]
+    height, width, pixels = opened(visit, report, name).evaluate(SHOWN)
+    live = np.frombuffer(base64.b64decode(pixels), np.uint8).reshape(height, width, 4)[..., :3]
+    off = np.abs(live.astype(int) - judged.astype(int)).max(axis=2)
+    assert np.mean(off > 2) < 0.01  # edges of meshes; filters of eight bits
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_a_slider_moves_it_and_one_click_leads_back(
+    visit: Callable[..., Any], report: Path, width: int
+) -> None:
+    page = opened(visit, report, "diffuse", viewport={"width": width, "height": 800})
+    before = page.evaluate(SHOWN)
+    for name in ("away", "lightColor x"):
+        slider = page.locator(f"input[name='{name}'], input[aria-label='{name}']").first
+        slider.focus()
+        page.keyboard.press("Home")
+        page.wait_for_timeout(100)  # two frames
+        assert page.evaluate(SHOWN) != before, name
+        page.click("text=Back to what was judged")
+        assert page.evaluate(SHOWN) == before
+    page.locator(".live-canvas").focus()
+    page.keyboard.press("ArrowRight")
+    assert page.inner_text(".live-reading").startswith("Pixel (33, 32): live ")
+    assert violations(page, ".live") == []
+
+
+def test_the_page_says_why_there_is_none(visit: Callable[..., Any], report: Path) -> None:
+    page = visit(report / "cases" / "geometry-houses.html")
+    assert page.locator("[data-live]").count() == 0
+    assert "the geometry stage: WebGL2 has none" in page.inner_text("article")
