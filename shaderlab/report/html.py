@@ -41,8 +41,7 @@ def write(run: Run, folder: str | Path) -> Path:
     shared = target / rendering.FOLDER
     write_text(shared / "style.css", rendering.style())
     write_text(shared / "script.js", rendering.script())
-    if any(record.live for record in run.records):
-        write_text(shared / "live.js", rendering.live_script())
+    write_text(shared / "live.js", rendering.live_script())
     links = page.links(single=False)
     render = partial(
         rendering.render, page=page, run=run, single=False, policy=rendering.SITE_POLICY

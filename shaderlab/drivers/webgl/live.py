@@ -57,9 +57,9 @@ def record_calls(
     """Return the calls that draw one output of a scene, (pass, output), which takes `only` some
     passes, packed for the page; or why there are none. `session` is another one, which has `drawn`
     the scene; targets that do not say have `side` × `side` pixels."""
-    about = {"max_texture_size": "4096"}
-    linker = Linker(Device(Recorder(), about, {"OES_texture_float_linear"}, None))
-    made = LiveSession(linker, session.scene, session.programs, (side, side), ExitStack())
+    filtered = {"OES_texture_float_linear"}  # the page knows whether there is
+    device = Device(Recorder(), {"max_texture_size": "4096"}, filtered, None)
+    made = LiveSession(Linker(device), session.scene, session.programs, (side, side), ExitStack())
     try:
         made.take(drawn)
         for description in session.scene.passes:
@@ -185,11 +185,8 @@ class LiveSession(WebGLSession):
     def bind(self, draw: PreparedDraw) -> Bindings:
         for name, source in draw.draw.textures.items():  # making one unbinds another
             self._textures.find(source, self._textures.kind(source, draw.interface.uniforms[name]))
-        return next(
-            bindings
-            for (pass_name, index), bindings in self._drawn.bindings.items()
-            if self.programs[pass_name][index] is draw
-        )
+        known = self._drawn.bindings.items()
+        return next(bound for (name, n), bound in known if self.programs[name][n] is draw)
 
     def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
         return LiveTarget(self.device, target, colors, size)
@@ -199,11 +196,9 @@ class LiveSession(WebGLSession):
 
     def program_of(self, draw: PreparedDraw) -> Program:
         texts = write_point_texts(draw.draw, draw.texts)
-
-        def make() -> Program:
-            return Program(self.device, write_essl(texts, draw.interface), draw.interface)
-
-        return self.linker.get(tuple(sorted(texts.items())), make)
+        essl = write_essl(texts, draw.interface)
+        make = functools.partial(Program, self.device, essl, draw.interface)
+        return self.linker.get(tuple(essl.items()), make)
 
     def show(self, pass_name: str, name: str, components: int) -> dict[str, Any]:
         """Read an output for the page; returns what that needs to know. Raises UnsupportedError: it

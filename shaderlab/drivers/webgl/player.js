@@ -177,7 +177,7 @@ const makePlayer = () => {
         return [{ name: called, matrix, whole: letter !== "f", now: argument(given.at(-1), data) }];
       });
       const lose = () => extensions.WEBGL_lose_context?.loseContext();
-      return { draw, uniforms, errors, lost: () => gl.isContextLost(), lose };
+      return { draw, uniforms, errors, lose };
     },
   };
 };

@@ -73,14 +73,14 @@ function play(bytes) {
     if (!found.has(key)) found.set(key, { ...uniform, own: [...now], now, all: [] });
     found.get(key).all.push(now);
   }
-  const [own, errors] = [held.draw(), held.errors()];
-  if (errors.length) throw new Error(`this browser can't draw it (WebGL2 error ${errors[0]})`);
+  const [own, [error]] = [held.draw(), held.errors()];
+  if (error) throw new Error(`this browser can't draw it (WebGL2 error ${error})`);
   return { ...held, about, show: about.show, own, uniforms: [...found.values()] };
 }
 
 class Panel {
   constructor(box, files, first, tools) {
-    Object.assign(this, { tools, file: files[0], said: box.querySelector("output") });
+    Object.assign(this, { tools, file: files[0] });
     this.canvas = make("canvas", { className: "live-canvas", tabIndex: 0, role: "img",
       "aria-label": "The live picture: arrow keys choose the pixel that is read" });
     this.judged = make("img", { alt: "the picture as it was judged" });
@@ -126,7 +126,6 @@ class Panel {
     this.waiting ??= requestAnimationFrame(() => {
       this.waiting = null;
       this.paint(this.live.draw());
-      if (this.live.lost()) this.said.textContent = "The browser has dropped it; load the page again.";
     });
   }
 
@@ -158,12 +157,10 @@ class Panel {
       this.read([x / canvas.clientWidth * canvas.width, (1 - y / canvas.clientHeight) * canvas.height]);
     };
     canvas.onkeydown = (event) => {
-      const far = event.shiftKey ? 8 : 1;
-      const step = { ArrowLeft: [-far, 0], ArrowRight: [far, 0], ArrowUp: [0, far],
-        ArrowDown: [0, -far] }[event.key];
+      const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
       if (!step) return;
       event.preventDefault();
-      this.read(this.where.map((p, n) => p + step[n]));
+      this.read(this.where.map((p, n) => p + step[n] * (event.shiftKey ? 8 : 1)));
     };
   }
 
