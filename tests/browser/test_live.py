@@ -63,7 +63,8 @@ def test_it_is_what_was_judged(visit: Callable[..., Any], report: Path, name: st
     height, width, pixels = opened(visit, report, name).evaluate(SHOWN)
     live = np.frombuffer(base64.b64decode(pixels), np.uint8).reshape(height, width, 4)[..., :3]
     off = np.abs(live.astype(int) - judged.astype(int)).max(axis=2)
-    assert np.mean(off > 2) < 0.01  # edges of meshes; filters of eight bits
+    # Of 255; edges differ, and where a texture is filtered, which llvmpipe does with eight bits.
+    assert np.mean(off > 16) < 0.01
 
 
 @pytest.mark.parametrize("width", [1280, 390])
