@@ -298,6 +298,13 @@ def preload(driver: str | None = None) -> None:
             load()
 
 
+def record_calls(*given: Any) -> tuple[bytes, str]:
+    """Return the calls of WebGL2 that draw a scene's picture, for a page to play, or why there are
+    none; the arguments are those of `record_calls` in `webgl.live`."""
+    made: tuple[bytes, str] = importlib.import_module(f"{__name__}.webgl.live").record_calls(*given)
+    return made
+
+
 def probe(driver: str | None = None) -> Mapping[str, str]:
     """Open a device, read what it is, close it. Takes and raises what `open_backend` does."""
     backend = open_backend(driver)

@@ -14,7 +14,7 @@ from shaderlab.compiler.compile import Compiled, find_below_highp
 from shaderlab.compiler.compile_cache import cached_compiler
 from shaderlab.compiler.glslang import TARGETS
 from shaderlab.compiler.sources import Source
-from shaderlab.drivers import Backend, open_backend
+from shaderlab.drivers import Backend, open_backend, record_calls
 from shaderlab.drivers.programs.prepare import Preparer, Programs
 from shaderlab.engine.settings import load_settings
 from shaderlab.model.calls import CallEdit
@@ -160,8 +160,6 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
         """Write the pictures of the case and its passes, in people's size; returns an error."""
         if self.options.picture_folder is None:
             return None
-        from shaderlab.drivers.webgl.live import record_calls  # where pictures are drawn only
-
         scene, images = evaluation.scene, evaluation.drawn.images
         try:
             with phase("picture", "drawing the picture"):
