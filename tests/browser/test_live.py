@@ -20,8 +20,9 @@ from shaderlab.report.html import write
 from tests.browser.test_accessibility import violations
 from tests.catalogue import shipped
 
-PLAYED = {"spotlight": "main.FragColor", "diffuse": "", "texture-mix": ""}
-"""Cases over the whole target, of meshes drawn for a later pass, and of textures."""
+PLAYED = ("spotlight", "diffuse", "texture-mix", "colour-product")
+"""Cases over the whole target, of meshes drawn for a later pass, of textures, and one whose draws
+write to other places of their target than the lab clears."""
 SHOWN = """() => {
     const canvas = document.querySelector(".live-canvas");
     const all = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
@@ -33,7 +34,9 @@ SHOWN = """() => {
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The pages of some shipped cases, drawn on OpenGL."""
     folder = tmp_path_factory.mktemp("live")
-    options = RunOptions(size=64, picture_size=64, folder=folder, frames=folder / "frames")
+    options = RunOptions(
+        size=64, picture_size=64, folder=folder, frames=folder / "frames", modules=False
+    )
     with SceneRunner(options) as lab:
         cases = [shipped()[name] for name in (*PLAYED, "geometry-houses")]
         records = [lab.run(next(replace(case, expect=case.expect[:1]).scenes())) for case in cases]

@@ -133,6 +133,10 @@ class LiveTarget(RenderTarget):
     def sample_positions(self) -> Array:
         return np.zeros((self.samples, 2), np.float32)
 
+    def resolve(self) -> None:
+        super().resolve()
+        self.bind({})  # once more it begins without colours: none may be attached in two places
+
 
 class LiveTextures(BoundTextures):
     """Textures with the contents that a driver has read of them already."""
