@@ -31,9 +31,10 @@ def work(item):
 """
 PARENT = """
 import sys
+from shaderlab.model.options import Limits
 from shaderlab.workers.pool import WorkerPool
 
-with WorkerPool("mine:work") as pool:
+with WorkerPool("mine:work", limits=Limits(seconds=600.0)) as pool:
     for result in pool.run(sys.argv[1:]):
         print(*result.value, flush=True)
 """
@@ -92,7 +93,7 @@ def children_seconds() -> float:
 
 def wait_for_end(*processes: int) -> None:
     """Wait until none of the processes is there."""
-    until = time.monotonic() + 60.0
+    until = time.monotonic() + 600.0
     while any(map(is_running, processes)) and time.monotonic() < until:
         time.sleep(0.01)
     assert not any(map(is_running, processes))
