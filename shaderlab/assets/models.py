@@ -188,7 +188,11 @@ def _check_numbers(word: str, values: list[str]) -> None:
 
 
 def _parse_corner(text: str, counts: Mapping[str, int]) -> Corner:
-    """Position, texture coordinate and normal of a corner as indices from 1; 0 for none."""
+    """Position, texture coordinate and normal of a corner as indices from 1; 0 for none.
+
+    >>> _parse_corner("-1//2", {"v": 3, "vt": 0, "vn": 2})
+    (3, 0, 2)
+    """
     match = _CORNER.fullmatch(text)
     if match is None:
         raise _obj_error(f"a face's corner is {text!r}; it must be v, v/vt, v//vn or v/vt/vn")

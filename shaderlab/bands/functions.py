@@ -113,8 +113,8 @@ def _log_bounds(a_lo: Float64Array, a_hi: Float64Array, function: Any) -> Ends:
 def power(x: Band, y: Band) -> Band:
     """x^y as exp2(y·log2 x). Undefined for x < 0, and for x = 0 with y ≤ 0.
 
-    At x = 0, y > 0 the result is exp2(-inf) = 0. A denormal x is as good as zero: from 0 up to
-    2^-126 all are taken together.
+    At x = 0, y > 0 the result is exp2(-inf) = 0; because a denormal x is as good as zero, all of
+    x in [0, 2^-126] is taken together. SwiftShader's log2(0) is some -139: no end, but far below.
     """
     x_lo = np.maximum(x.lo, SMALLEST_NORMAL)
     x_hi = x_lo if x.lo is x.hi else np.maximum(x.hi, SMALLEST_NORMAL)
@@ -124,10 +124,10 @@ def power(x: Band, y: Band) -> Band:
     if not reaches_zero.any():
         return result
     undefined = (x.lo < 0.0) | (reaches_zero & (y.lo <= 0.0))
-    lo, hi = np.where(reaches_zero, 0.0, result.lo), np.where(x.hi == 0.0, 0.0, result.hi)
+    lo = np.where(reaches_zero, 0.0, result.lo)
     if not undefined.any():
-        return result.derive_exact(lo, hi)
-    return result.derive(lo, hi, anything=undefined)
+        return result.derive_exact(lo, result.hi)
+    return result.derive(lo, result.hi, anything=undefined)
 
 
 def _contains_turn(lo: Float64Array, hi: Float64Array, phase: float) -> Flags:

@@ -73,7 +73,7 @@ def function(owner: str, name: str, make: Callable[[Any], Any]) -> Plant:
 
 def call(name: str, change: Callable[..., tuple[Any, ...]]) -> Plant:
     """A call of WebGL2 is made with other arguments."""
-    return function("device:Calls", "_add", lambda before: (
+    return function("device:Calls", "add", lambda before: (
         lambda self, called, where, *given:
         before(self, called, where, *(change(*given) if called == name else given))
     ))  # fmt: skip

@@ -132,7 +132,8 @@ def test_what_is_undefined_is_counted() -> None:
     assert g.sqrt(x - 1.0).vacuous[:, 0].tolist() == [True, False, False]
     assert g.pow(x, -1.0).vacuous[:, 0].tolist() == [True, False, False]
     assert g.pow(-x, 2.0).vacuous[:, 0].tolist() == [False, True, True]
-    assert g.pow(x, 0.01).hi[0].tolist() == [0.0]  # although 2^-126 to that is 0.42
+    # Where x is 0 as well: a device's log2(0) may be finite (SwiftShader's is some -139).
+    assert 0.3 < g.pow(x, 0.01).hi[0, 0] < 0.45 and g.pow(x, 0.4).hi[0, 0] > 4.2e-18
     assert g.normalize(g.vec3(x)).vacuous[0].all()
 
 
