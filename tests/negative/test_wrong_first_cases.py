@@ -64,7 +64,7 @@ LIT_BY_LAMPS = {"directional-light", "point-light", "multiple-lights"}
 SHARED = {
     "ch06_tests/count.frag": {*TOGETHER, "depth-mask", "stencil-operations"},
     "ch06_tests/blend_equation.frag": {"blend-equation", "blend-factors"},
-    "lib/attenuation.glsl": {"attenuation", "deferred-shading", *LIT_BY_LAMPS},
+    "lib/attenuation.glsl": {"attenuation", "deferred-shading", "light-volumes", *LIT_BY_LAMPS},
     "lib/spotlight.glsl": {"spotlight", *LIT_BY_LAMPS},
     "lib/reflection.glsl": {
         "blinn-phong", "deferred-shading", "normal-map", "shadow-acne", "shadow-map", "shadow-pcf",
