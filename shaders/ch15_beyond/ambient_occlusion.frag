@@ -63,7 +63,7 @@ float horizons(vec3 here, vec3 normal)
         vec2 along = slices[k];
         float inside = dot(normal.xy, along);
         float shown = sqrt(inside * inside + normal.z * normal.z);
-        float lean = atan(inside, normal.z);
+        float lean = atan(inside / normal.z);  // of two arguments SwiftShader makes pi of -0.0
         // No farther than the surface itself.
         float right = min(horizonOf(here, along), lean + QUARTER);
         float left = max(-horizonOf(here, -along), lean - QUARTER);
