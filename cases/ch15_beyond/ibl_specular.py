@@ -56,9 +56,6 @@ SMOOTH = ("linear_mipmap_linear", "linear")
 MORNING = CubeTexture(
     faces=[lambda k=k: sky_light(k, 128, sun=12.0) for k in range(6)], filter=SMOOTH, mipmaps=True
 )
-NOISE = CubeTexture(
-    faces=list(np.random.default_rng(15).random((6, 4, 4, 4))), filter=SMOOTH, mipmaps=True
-)
 # Past white, and texels as large as the steps of its mirrors.
 NOISE = CubeTexture(
     faces=list(np.random.default_rng(15).uniform(0.0, 2.0, (6, 4, 4, 4))),
