@@ -1,4 +1,4 @@
-"""The blend factors and equations: every pair of factors under every equation, against the formula.
+"""The blend factors and equations: each factor of either colour under every equation.
 
 A fragment's colour S and the stored one D are weighted by a factor each, then added, subtracted
 (S·f − D·g), subtracted in reverse, or reduced to their minimum or maximum, channel by channel; MIN
@@ -6,12 +6,12 @@ and MAX leave the factors out. The factors are 0, 1, the two colours, the two al
 colour and its alpha, one minus each of these, and SRC_ALPHA_SATURATE: min(As, 1 − Ad) for the
 colour and 1 for the alpha.
 
-Look at: 15 × 15 fields for each equation. The source's factor changes to the right, the
-destination's upward, in the order ZERO, ONE, SRC_COLOR, 1 − it, DST_COLOR, 1 − it, SRC_ALPHA, 1 −
-it, DST_ALPHA, 1 − it, the constant's four, and SATURATE. Each field shows its colour, and in the
-lower right half its alpha. In floats the numbers are chosen so that nothing needs rounding, and
-every field is exact, below zero and above one too. In eight bits what leaves 0…1 is cut off, and no
-code is more than one from the formula's: half a code for each of the two products.
+Look at: two rows of 15 fields for each equation. Below, the source's factor changes to the right,
+and the stored colour keeps all of itself; above, the stored colour's factor changes. Each field
+shows its colour, and in the lower right half its alpha. In floats the numbers are chosen so that
+nothing needs rounding, and every field is exact, below zero and above one too. In eight bits what
+leaves 0…1 is cut off, and no code is more than one from the formula's: half a code for each of the
+two products.
 
 Try: in `ch06_tests/blend_equation.frag` write `vec4(color, 1.0)` for `vec4(color, alpha)`:
 SRC_ALPHA and DST_ALPHA do what ONE does, and 1 minus either what ZERO does.
@@ -30,9 +30,9 @@ FLOATS = ((0.75, 0.3125, 0.9375, 0.625), (0.25, 0.5, 0.125, 0.8125), (0.5625, 0.
 # Much the same in whole codes of 8 bits, so that nothing is rounded on the way in.
 BYTES = tuple(tuple(round(255 * v) / 255 for v in color) for color in FLOATS)
 NAMES = tuple(FACTORS)
-N = len(NAMES)
-# All pairs of factors, row by row from below: the source's and the destination's.
-PAIRS = [(source, destination) for destination in NAMES for source in NAMES]
+# Row by row from below: the source's factor and the destination's.
+PAIRS = [*((name, "one") for name in NAMES), *(("one", name) for name in NAMES)]
+FIELDS = len(NAMES), 2
 
 
 def layer(color, **state):
@@ -42,14 +42,14 @@ def layer(color, **state):
 
 
 def table(equation, name, format, colors):
-    """All pairs of factors under one equation, a pixel each, over the stored colour."""
+    """The factors under one equation, a pixel each, over the stored colour."""
     source, stored, constant = colors
     factors = {"equation": equation, "constant": constant}
     fields = (
-        layer(source, blend=Blend(source=s, destination=d, **factors), cell=cell(k, N, N))
+        layer(source, blend=Blend(source=s, destination=d, **factors), cell=cell(k, *FIELDS))
         for k, (s, d) in enumerate(PAIRS)
     )
-    return picture((layer(stored), *fields), (N, N), name, colors={"FragColor": format})
+    return picture((layer(stored), *fields), FIELDS, name, colors={"FragColor": format})
 
 
 def passes(equation):
@@ -57,13 +57,14 @@ def passes(equation):
     return (
         table(equation, "float", "rgba32f", FLOATS),
         table(equation, "bytes", "rgba8", BYTES),
-        shown("fields", "float.FragColor", (N, N), (27, 27)),
+        shown("fields", "float.FragColor", FIELDS, (27, 54)),
     )
 
 
 def truth(equation, colors):
-    """What the formula says of every pair."""
-    return np.array([[blended(equation, (s, d), *colors) for s in NAMES] for d in NAMES])
+    """What the formula says of every field."""
+    found = [blended(equation, pair, *colors) for pair in PAIRS]
+    return np.reshape(found, (*reversed(FIELDS), 4))
 
 
 def codes_apart(equation):
@@ -78,7 +79,7 @@ def variant(equation):
         equation,
         passes=passes(equation),
         expect=[
-            exact("float.FragColor", truth(equation, FLOATS), name="15 × 15 factors, bit for bit"),
+            exact("float.FragColor", truth(equation, FLOATS), name="2 × 15 factors, bit for bit"),
             measure(
                 "largest distance in codes of 8 bits",
                 codes_apart(equation),
@@ -99,6 +100,6 @@ case = Case(
     variants=[variant(equation) for equation in EQUATIONS],
     picture="picture.FragColor",
     columns=[name.upper() for name in NAMES],
-    rows=[name.upper() for name in reversed(NAMES)],
+    rows=["destination", "source"],
     expect=[shown_check("fields"), edges_check("fields")],
 )
