@@ -34,6 +34,7 @@ from .inputs import (
     InputDomain,
     add_constants,
     domains_of,
+    enclose_inputs,
     inputs_of,
     interpolate_inputs,
     is_place,
@@ -289,6 +290,10 @@ def audit_program(
         ]
         tried = sum(batch.count for batch in batches)
         words = dict.fromkeys(inputs, "as in the case")
+        if plan.prove:
+            proof = prove_between_draws(program, inputs, captured)
+            tried += proof.tried
+            words = {n: f"{word} (in the case)" for n, word in proof.space.in_words().items()}
     else:
         domains = domains_of(inputs, [program], plan.ranges)
         found, first, proof = search_inputs(program, inputs, domains, plan)
@@ -296,7 +301,11 @@ def audit_program(
         batches = [first.part(np.arange(plan.count))]
         words = {name: f"{domain} ({domain.source})" for name, domain in domains.items()}
     hazards = [hazard for e in examples for hazard in _hazards(program, e, inputs)]
-    claims = [] if captured or not plan.prove else list(_claims(program, found, proof, hazards))
+    claims: list[Claim] = []
+    if plan.prove and captured:
+        claims = [*proof.claims(), *proof.refuted_claims()]
+    elif plan.prove:
+        claims = list(_claims(program, found, proof, hazards))
     spreads: list[Spread] = []
     for batch in batches:
         hazards += undefined_values(program, batch, inputs)
@@ -314,6 +323,18 @@ def audit_program(
         spreads=tuple(widest_spreads(spreads)),
         claims=tuple(claims),
     )
+
+
+def prove_between_draws(
+    program: Program, inputs: Mapping[str, Input], captured: Sequence[InputBatch]
+) -> Proof:
+    """The boxes between the least and the greatest of what draws give a program.
+
+    Raises:
+        NotInterpretedError: they give it what is no number.
+    """
+    domains, drawn = enclose_inputs(inputs, captured)
+    return Proof(program, inputs, domains, boxes=_BOXES, drawn=drawn)
 
 
 def _claims(

@@ -20,7 +20,7 @@ from shaderlab.model.frame import Array
 
 from .batches import InputBatch, asks_for_neighbours
 from .checks import CHECKS, INDEX, INDEXING, Check, Place, arguments_of, indices_of, number_of
-from .inputs import Input, InputDomain, sample_inputs
+from .inputs import UNIT, Input, InputDomain, sample_inputs
 from .interpreter import Bands, Program
 from .interpreter.program import Instruction
 from .interpreter.running import Run
@@ -32,7 +32,6 @@ _LIMITS = {"unit": (-1.0, 1.0), "rotation": (-1.0, 1.0), "affine": (-5.0, 5.0),
            "projection": (-5.0, 5.0)}  # fmt: skip
 # The pixels of the largest target, depth, and 1/w of what lies 1e-6 to 1e6 in front of the eye.
 _FRAG_COORD = ([0.0, 0.0, 0.0, 1e-6], [16384.0, 16384.0, 1.0, 1e6])
-_UNIT = 1e-6  # how far from 1 the square of a unit vector's length may be
 _FINEST = 2.0**-40  # of a range: smaller boxes are not halved
 _SLOPE, _PIXELS = 0.01, 64  # of varyings in a quad, in widths of their ranges; in a row of quads
 _UNDERFLOW = 2.0**-63  # the square of what is smaller may be flushed to 0
@@ -41,7 +40,8 @@ _MOST_TEXELS = 32768  # of a texture's side, or levels or samples
 
 
 class Space:
-    """The numbers that a program reads, one column for each.
+    """The numbers that a program reads, one column for each: within the domains, or between the
+    least and the greatest of what some draws give it.
 
     Attributes:
         inputs, domains: by name, as of `domains_of`.
@@ -51,10 +51,15 @@ class Space:
     """
 
     def __init__(
-        self, program: Program, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain]
+        self,
+        program: Program,
+        inputs: Mapping[str, Input],
+        domains: Mapping[str, InputDomain],
+        drawn: InputBatch | None = None,
     ) -> None:
         self.inputs, self.domains = inputs, domains
-        self._samples = sample_inputs(inputs, domains, 64, 0)
+        self._samples = sample_inputs(inputs, domains, 64, 0) if drawn is None else drawn
+        self._is_drawn = drawn is not None
         self._columns: dict[str, tuple[slice, tuple[int, ...]]] = {}
         low: list[Array] = []
         high: list[Array] = []
@@ -67,11 +72,14 @@ class Space:
             size = int(np.prod(shape))
             self._columns[name] = slice(len(whole), len(whole) + size), shape
             ends: Any = _LIMITS.get(domain.kind, (domain.low, domain.high))
-            ends = _FRAG_COORD if name == "gl_FragCoord" else ends
+            ends = np.asarray(_FRAG_COORD if name == "gl_FragCoord" else ends, np.float32)
+            if drawn is not None:
+                rows = drawn.each[name].reshape(-1, size)
+                ends = rows.min(axis=0), rows.max(axis=0)
             is_float = one.type.startswith(("float", "vec", "mat"))
             whole += [not is_float] * size
             for end, into in zip(ends, (low, high), strict=True):
-                into.append(np.broadcast_to(np.float64(np.float32(end)), (size,)))
+                into.append(np.broadcast_to(np.float64(end), (size,)))
         self.low, self.high = (np.concatenate([*ends, np.zeros(0)]) for ends in (low, high))
         self.whole = np.array(whole, np.bool_)
         self.rows = 4 if asks_for_neighbours(program, self._samples.bindings) else 1
@@ -104,15 +112,21 @@ class Space:
         each = dict(samples.each)
         for name, (columns, shape) in self._columns.items():
             domain, is_numbered = self.domains[name], self.inputs[name].workgroup is not None
-            if domain.kind in ("number", "unit") and not is_numbered and name != "gl_FragCoord":
+            if domain.kind in ("number", "unit") and not is_numbered:
                 own = values[:, columns].reshape(count, *shape)
                 is_whole = self.whole[columns].any()
-                each[name] = own.astype(np.int64) if is_whole else domain.clip(own)
+                if domain.kind == "unit" and not self._is_drawn:
+                    own = domain.clip(own)
+                elif domain.kind == "unit":
+                    square = (own**2).sum(axis=1, keepdims=True)
+                    inside = (square >= domain.low) & (square <= domain.high)
+                    own = np.where(inside, own, samples.each[name])
+                each[name] = own.astype(np.int64 if is_whole else np.float32)
         quad, corner = np.divmod(np.arange(count), self.rows)
         pixels = np.stack([2 * (quad % _PIXELS) + corner % 2, quad // _PIXELS * 2 + corner // 2], 1)
-        each["gl_FragCoord"] = np.concatenate(
-            [pixels + 0.5, samples.each["gl_FragCoord"][:, 2:]], 1
-        )
+        if "gl_FragCoord" not in self._columns or self.rows > 1 or not self._is_drawn:
+            places = [pixels + 0.5, samples.each["gl_FragCoord"][:, 2:]]
+            each["gl_FragCoord"] = np.concatenate(places, axis=1)
         return InputBatch(each, samples.bindings, count)
 
     def feasible(self, low: Array, high: Array) -> Flags:
@@ -123,11 +137,25 @@ class Space:
             if self.domains[name].kind == "unit":
                 most = np.maximum(np.abs(a), np.abs(b))
                 least = np.maximum(np.maximum(a, -b), 0.0)
-                found &= (most**2).sum(axis=1) >= 1.0 - _UNIT
-                found &= (least**2).sum(axis=1) <= 1.0 + _UNIT
+                lengths = (1.0 - UNIT, 1.0 + UNIT)
+                if self._is_drawn:
+                    lengths = self.domains[name].low, self.domains[name].high
+                found &= (most**2).sum(axis=1) >= lengths[0]
+                found &= (least**2).sum(axis=1) <= lengths[1]
             other = self._columns.get(self.domains[name].above)
             if other is not None and other[1] == self._columns[name][1]:
                 found &= (b >= low[:, other[0]]).all(axis=1)
+        return found
+
+    def urgent(self, low: Array, high: Array) -> Flags:
+        """The sides of vectors that come much nearer to 0 than draws' do: halving these first drops
+        boxes."""
+        found = np.zeros(low.shape, np.bool_)
+        for name, (columns, _) in self._columns.items():
+            if self._is_drawn and self.domains[name].kind == "unit":
+                least = np.maximum(np.maximum(low[:, columns], -high[:, columns]), 0.0)
+                near = (least**2).sum(axis=1) < 0.25 * self.domains[name].low
+                found[:, columns] = near[:, None]
         return found
 
     def relative(self, low: Array, high: Array) -> Array:
@@ -164,15 +192,26 @@ class Space:
         lower[rows, sides], upper[rows, sides] = middle, middle + whole
         return np.concatenate([low, upper]), np.concatenate([lower, high])
 
+    def in_words(self) -> dict[str, str]:
+        """What the numbers lie between, by name; of textures their texels."""
+        found = {n: f"texels of {one.low:.6g}..{one.high:.6g}" for n, one in self.domains.items()}
+        for name, (columns, _) in self._columns.items():
+            pairs = zip(self.low[columns], self.high[columns], strict=True)
+            ends = [dict.fromkeys(f"{end:.6g}" for end in pair) for pair in pairs]
+            found[name] = ", ".join(map("..".join, ends))
+            if self.domains[name].kind == "unit" and max(map(len, ends)) > 1:
+                least, most = self.domains[name].low ** 0.5, self.domains[name].high ** 0.5
+                found[name] += f", of length {least:.6g}..{most:.6g}"
+        return found
+
     def describe(self, low: Array, high: Array) -> str:
         """One box in words: the sides that are not the whole range."""
         found = []
         for name, (columns, _) in self._columns.items():
             for k in range(columns.start, columns.stop):
                 if (low[k], high[k]) != (self.low[k], self.high[k]):
-                    letter = f".{'xyzw'[k - columns.start]}" * (
-                        1 < columns.stop - columns.start < 5
-                    )
+                    size, number = columns.stop - columns.start, k - columns.start
+                    letter = f"[{number}]" if size > 4 else f".{'xyzw'[number]}" * (size > 1)
                     ends = dict.fromkeys(f"{np.float32(end):.9g}" for end in (low[k], high[k]))
                     found.append(f"{name}{letter} {'..'.join(ends)}")
         return ", ".join(found)
@@ -219,11 +258,13 @@ class BoxWatcher:
         """What a texture may give, of which the range of its texels alone is known."""
         if isinstance(result, tuple):
             return tuple(self._anything(run, at, part) for part in result)
-        if isinstance(result, Integer):
-            low = np.ones(result.shape, np.int64)
-            return Integer(low, low * _MOST_TEXELS, unsigned=result.unsigned, rules=result.rules)
         texels = run.value(at.operands[0])
         domain = self.texels[id(texels)]
+        if isinstance(result, Integer):
+            query = at.op in range(Op.ImageQuerySizeLod, Op.ImageQuerySamples + 1)
+            ends = (1, _MOST_TEXELS) if query else (int(domain.low), int(domain.high))
+            least, most = (np.full(result.shape, end) for end in ends)
+            return Integer(least, most, unsigned=result.unsigned, rules=result.rules)
         lod = at.op == Op.ImageQueryLod
         low_ = 0.0 if lod or texels.compare is not None else domain.low
         high = float(_MOST_TEXELS) if lod else 1.0 if texels.compare is not None else domain.high

@@ -16,7 +16,7 @@ from shaderlab.compiler.spirv import StorageClass, type_name, unwrap
 from shaderlab.errors import NotInterpretedError, UsageError, suggest
 from shaderlab.model.frame import Array, Bindings, Texels
 
-from .batches import InputBatch, quads_of
+from .batches import InputBatch, join_batches, quads_of
 from .interpreter import Program
 from .interpreter.interpret import interface_name
 from .interpreter.program import INPUTS
@@ -520,6 +520,8 @@ def interpolate_inputs(
     return {name: domains[name].clip(a + t * (b - a)) for name, (a, b) in pairs.items()}
 
 
+UNIT = 1e-6
+"""How far from 1 the square of a unit vector's length may be."""
 _NEAR = 1e-3  # how far from 1 the length of a unit vector is found
 _AFFINE = np.array([0.0, 0.0, 0.0, 1.0])
 
@@ -561,6 +563,54 @@ def _learn_domain(name: str, arrays: Sequence[Array]) -> InputDomain:
         low = 0.0 if flat.min(initial=0.0) >= 0.0 else -np.inf
         high = 1.0 if low == 0.0 and flat.max(initial=0.0) <= 1.0 else np.inf
     return InputDomain("number", low, high, "learned")
+
+
+def enclose_inputs(
+    inputs: Mapping[str, Input], captured: Sequence[InputBatch]
+) -> tuple[dict[str, InputDomain], InputBatch]:
+    """The ranges of what draws give a program, and all of it together, with one draw's textures.
+    Of a vector of two or three floats the square of the length has a range, too: that of its
+    domain, "unit".
+
+    Raises:
+        NotInterpretedError: they give it what is no number.
+    """
+    drawn, each = join_batches(captured), {}
+    domains = {}
+    for name in inputs:
+        textures = [b.bindings.textures[name] for b in captured if name in b.bindings.textures]
+        array, _, index = name.removesuffix("]").rpartition("[")
+        rows = drawn.each.get(name, np.zeros((0, 1)))
+        if array in drawn.each:
+            rows = drawn.each[array][:, int(index)]
+        rows = rows.reshape(len(rows), *rows.shape[1:] or (1,))
+        if textures:
+            domains[name] = _enclose_texels(textures)
+            continue
+        each[name] = rows
+        if not rows.size or not np.isfinite(rows).all():
+            raise NotInterpretedError(f"not proved: {name} is no number in a draw")
+        ends = float(rows.min()), float(rows.max())
+        if rows.dtype.kind == "f" and rows.ndim == 2 and rows.shape[1] in (2, 3):
+            square = (rows.astype(np.float64) ** 2).sum(axis=1)
+            ends = max(float(square.min()) - UNIT, 0.0), float(square.max()) + UNIT
+            domains[name] = InputDomain("unit", *ends, source="learned")
+        else:
+            domains[name] = InputDomain("number", *ends, source="learned")
+    return domains, InputBatch({**drawn.each, **each}, drawn.bindings, drawn.count)
+
+
+def _enclose_texels(textures: Sequence[Texels]) -> InputDomain:
+    levels = [level for one in textures for level in (one.values, *one.smaller)]
+    ends = [
+        end for level in levels if level.dtype != np.uint8 for end in (level.min(), level.max())
+    ]
+    # What 8 bits hold, channels that a texture lacks, and what lies outside of it.
+    ends += [0.0, 1.0] * any(v.dtype == np.uint8 or v.shape[-1] < 4 for v in levels)
+    ends += [end for one in textures if "clamp_to_border" in one.wrap for end in one.border]
+    low, high = float(min(ends)), float(max(ends))
+    give = 1e-6 * max(abs(low), abs(high))  # of what filters round
+    return InputDomain("texture", low - give * (low != 0.0), high + give, "learned")
 
 
 def vary_inputs(batch: InputBatch, domains: Mapping[str, InputDomain], seed: int) -> InputBatch:

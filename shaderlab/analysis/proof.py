@@ -18,6 +18,7 @@ from shaderlab.errors import NotInterpretedError
 from shaderlab.glslmath.choice import isinf, isnan
 from shaderlab.model.frame import Array
 
+from .answer import format_inputs
 from .batches import InputBatch
 from .boxes import ARITHMETIC, BoxWatcher, Space
 from .checks import Place, WatchedInstruction, Watcher
@@ -31,6 +32,7 @@ _AT_ONCE = 2048
 _POINTS = 16_384  # run in float32 for so many boxes
 _MAX_BLOCKS = 2000
 _BOXES_A_FAILURE = 4096  # a loop that does not end takes long
+_FIRST = 1e35  # times a width: more than any effect
 _NARROWER = 256.0  # times than the widest side: a side is not halved before that
 _OUTPUT, _UNKNOWN = -1, -2  # ids of places: an output, what could not be run
 _NEEDED = ("gl_FragDepth", "gl_Position")
@@ -65,10 +67,12 @@ class Proof:
         counts: which inputs settle a place, by default all; `points` has others if none does.
         hazards: whether instructions are watched.
         boxes: how many boxes are run at most.
+        drawn: what draws give the program, whose ends are the ranges.
 
     Attributes:
         tried: how many inputs were run in float32.
         points: a counterexample for each place that has one.
+        space: the ranges.
     """
 
     def __init__(
@@ -83,12 +87,13 @@ class Proof:
         counts: Callable[[InputBatch], Flags] | None = None,
         hazards: bool = True,
         boxes: int = BOXES,
+        drawn: InputBatch | None = None,
     ) -> None:
         self.tried = 0
         self._waiting = boxes  # how many may be run yet
         self.points: dict[Place, Point] = {}
         self._program, self._condition, self._hazards = program, condition, hazards
-        self._space = Space(program, inputs, domains)
+        self.space = Space(program, inputs, domains, drawn)
         self._settled, self._counts = set(refuted), counts
         self._numbers: dict[Place, int] = {}  # the column of each place in what is open
         self._lines: dict[Place, int] = {}
@@ -99,7 +104,7 @@ class Proof:
         self._search()
 
     def _search(self) -> None:
-        low, high = self._space.low[None], self._space.high[None]
+        low, high = self.space.low[None], self.space.high[None]
         opened: Flags = np.zeros((1, 0), np.bool_)
         self._patience, self._at_once = self._waiting // _BOXES_A_FAILURE, _AT_ONCE
         while len(low) and self._waiting > 0 and self._patience >= 0:
@@ -127,8 +132,8 @@ class Proof:
 
     def _run(self, low: Array, high: Array) -> dict[Place, Flags]:
         """What may go wrong in which boxes; of those that can't be run nothing is known."""
-        batch = self._space.ranges(low, high)
-        watcher = BoxWatcher(batch.count, self._space.texels)
+        batch = self.space.ranges(low, high)
+        watcher = BoxWatcher(batch.count, self.space.texels)
         try:
             result = self._interpret(batch, ARITHMETIC, watcher)
         except NotInterpretedError as error:
@@ -158,32 +163,34 @@ class Proof:
         """The halves of boxes, each at the side that matters most, and what is open in them."""
         if not len(low):
             return low, high, flags
-        weights = self._space.relative(low, high)
-        few = max(_POINTS // (2 * low.shape[1] + 3) // self._space.rows, 1)
+        weights = self.space.relative(low, high)
+        few = max(_POINTS // (2 * low.shape[1] + 3) // self.space.rows, 1)
         effects = self._effects(low[:few], high[:few], flags[:few])
         effects[weights[:few] * _NARROWER < weights[:few].max(axis=1, keepdims=True)] = 0.0
         has_effect = effects.max(axis=1, keepdims=True) > 0.0
+        widths = weights.copy()
         weights[:few] = np.where(has_effect, effects, weights[:few])
-        weights = np.where(self._space.divisible(low, high), weights, -1.0)
+        weights = np.where(self.space.urgent(low, high), _FIRST * widths, weights)
+        weights = np.where(self.space.divisible(low, high), weights, -1.0)
         ends = (weights < 0.0).all(axis=1)
         self._left.append((low[ends], high[ends], flags[ends]))
         sides = weights.argmax(axis=1)[~ends] if low.shape[1] else np.zeros(0, np.int64)
-        low, high = self._space.halve(low[~ends], high[~ends], sides)
+        low, high = self.space.halve(low[~ends], high[~ends], sides)
         flags = np.concatenate([flags[~ends]] * 2)
-        inside = self._space.feasible(low, high)
+        inside = self.space.feasible(low, high)
         return self._unsettled(low[inside], high[inside], flags[inside])
 
     def _effects(self, low: Array, high: Array, flags: Flags) -> Array:
         """How much each side of a box changes what is open in it, from the middle to an end. What
         goes wrong at one of these points is refuted."""
         count, sides = low.shape
-        middle = np.where(self._space.whole, np.floor((low + high) / 2.0), (low + high) / 2.0)
+        middle = np.where(self.space.whole, np.floor((low + high) / 2.0), (low + high) / 2.0)
         points = np.repeat(middle[:, None], 2 * sides + 3, axis=1)
         points[:, -2], points[:, -1] = low, high
         for k in range(sides):
             points[:, 2 * k + 1, k], points[:, 2 * k + 2, k] = low[:, k], high[:, k]
         try:
-            batch = self._space.points(points.reshape(-1, sides))
+            batch = self.space.points(points.reshape(-1, sides))
             found, outputs = self._try(batch)
         except NotInterpretedError:
             return np.zeros((count, sides))
@@ -194,7 +201,7 @@ class Proof:
                 which[number] = len(sizes)
                 sizes.append(found[place].margin if place in found else outputs + sizes[0])
         first = which[flags.argmax(axis=1)]
-        own = np.stack(sizes)[:, :: self._space.rows].reshape(-1, count, 2 * sides + 3)
+        own = np.stack(sizes)[:, :: self.space.rows].reshape(-1, count, 2 * sides + 3)
         own = own[first, np.arange(count)]
         with np.errstate(all="ignore"):
             changes = np.abs(own[:, 1:-2] - own[:, :1]).reshape(count, sides, 2).max(axis=2)
@@ -234,6 +241,14 @@ class Proof:
         worst = {(c.file, c.line, c.what): c for c in found}
         return sorted(worst.values(), key=lambda c: (c.line == 0, c.line, c.what))
 
+    def refuted_claims(self) -> list[Claim]:
+        """What does not hold for an input of the ranges, which need be none that is drawn."""
+        found = {}
+        for place, (batch, row, _) in self.points.items():
+            note = f"not with {format_inputs(batch.example(row, self.space.inputs))}"
+            found[self._name(place)] = Claim(*self._name(place), "open", note=note)
+        return list(found.values())
+
     def _name(self, place: Place) -> tuple[str, int, str]:
         """What is claimed of a place: one claim for all of a kind in a line."""
         if place.id < 0:
@@ -246,9 +261,9 @@ class Proof:
         share, largest, words = 0.0, -1.0, ""
         for low, high, flags in self._left:
             rows = flags[:, [n for n in numbers if n < flags.shape[1]]].any(axis=1)
-            volumes = self._space.relative(low[rows], high[rows]).prod(axis=1)
+            volumes = self.space.relative(low[rows], high[rows]).prod(axis=1)
             if rows.any() and volumes.max() > largest:
                 k, largest = int(volumes.argmax()), volumes.max()
-                words = self._space.describe(low[rows][k], high[rows][k]) or "everywhere"
+                words = self.space.describe(low[rows][k], high[rows][k]) or "everywhere"
             share += float(volumes.sum())
         return min(share, 1.0), words and f"such as {words}".replace("such as every", "every")

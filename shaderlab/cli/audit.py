@@ -131,9 +131,9 @@ def _make_requests(
             request = Prove(request)
         yield request
     cases = [target for target in targets if not _is_shader(target)]
-    if cases and (plan.ranges or plan.prove or plan.assume):
+    if cases and (plan.ranges or plan.assume):
         raise UsageError(
-            "--range, --prove and --assume can't be combined with a case, whose inputs are known"
+            "--range and --assume can't be combined with a case, whose inputs are known"
         )
     for file in find_files(cases):
         yield AuditCase(file, plan, options)

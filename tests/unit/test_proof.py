@@ -14,13 +14,18 @@ from click.testing import CliRunner
 from benchmarks.proving import Case, cases, find_escapes
 from benchmarks.proving_adversary import leave_boxes, make_case
 from shaderlab import glsl, glslmath as g
+from shaderlab.analysis.audit import Plan, audit_program
+from shaderlab.analysis.batches import InputBatch
 from shaderlab.analysis.inputs import domains_of, inputs_of
+from shaderlab.analysis.interpreter import load
 from shaderlab.analysis.proof import Proof
 from shaderlab.bands import Band, Rules
 from shaderlab.cli import cli
+from shaderlab.compiler import Shaders
 from shaderlab.engine.worker import Worker
 from shaderlab.errors import CallError
 from shaderlab.functions.evaluation import use_worker
+from shaderlab.model.frame import Bindings, Texels
 
 OPEN = {"linear_depth", "rgb_to_hsv"}
 """What is safe but not proved: their variables occur twice."""
@@ -216,3 +221,43 @@ def test_values_of_random_functions_lie_in_their_boxes(worker: Worker) -> None:
         with use_worker(worker):
             assert not leave_boxes(case, case.program(worker), seed, tally)
     assert tally["values of the driver"] > 10_000
+
+
+LIT = """#version 330 core
+in vec3 n; uniform vec3 up; uniform float weights[2]; uniform sampler2D map; out vec4 color;
+void main() {
+    float shade = sqrt(textureLod(map, n.xy, 0.0).x - 0.25);
+    color = vec4(normalize(n) * shade, 1.0 / (weights[1] + up.x));
+}"""
+
+
+def draw(weight: float, texel: float) -> InputBatch:
+    v = np.random.default_rng(int(weight + 9.0)).normal(size=(50, 3))
+    normals = np.float32(v / np.linalg.norm(v, axis=1, keepdims=True) * 0.9)
+    texels = Texels(np.full((2, 2, 4), texel, "f4"), ("nearest",) * 2, ("repeat",) * 2, (0.0,) * 4)
+    uniforms = {"up": np.float32([1, 0, 0]), "weights": np.float32([[0], [weight]])}
+    bindings = Bindings(uniforms=uniforms, textures={"map": texels}, arrays=frozenset({"weights"}))
+    return InputBatch({"n": normals, "gl_FragCoord": np.ones((50, 4), "f4")}, bindings, 50)
+
+
+@pytest.mark.parametrize(("weights", "opened"), [((1.0, 3.0), set()), ((-1.5, 3.0), {5})])
+def test_what_draws_give_is_proved_between_their_ends(
+    weights: tuple[float, ...], opened: set[int]
+) -> None:
+    program = load(Shaders([]).from_text(LIT, "fragment", "lit.frag"))
+    draws = [draw(weight, 0.5) for weight in weights]
+    audit = audit_program(program, Plan(prove=True), draws)
+    assert {c.line for c in audit.claims if c.line and c.status == "open"} == opened
+    kinds = {claim.what for claim in audit.claims if claim.status == "proved"}
+    assert kinds >= {"no normalize of a zero vector", "no sqrt of a negative number"}
+    assert audit.inputs["weights[1]"] == f"{weights[0]:g}..3 (in the case)"
+    assert audit.inputs["n"].endswith("of length 0.899999..0.900001 (in the case)")
+    darker = audit_program(program, Plan(prove=True), [*draws, draw(3.0, 0.125)])
+    assert "no sqrt of a negative number" in {c.what for c in darker.claims if c.status == "open"}
+
+
+def test_a_case_is_proved_between_what_its_draws_give() -> None:
+    words = ["audit", "--prove", "spotlight-hard", "-j", "0"]
+    result = CliRunner().invoke(cli, words)
+    assert result.exit_code == 0, result.output
+    assert "spotlight_hard.frag:33: proved: no normalize of a zero vector" in result.output
