@@ -88,7 +88,7 @@ class Space:
             for k in range(columns.start, columns.stop) if not self.whole[k]
         ]  # fmt: skip
         textures = self._samples.bindings.textures
-        self.texels = {id(texels): domains[name] for name, texels in textures.items()}
+        self.texels = {id(textures[n]): one for n, one in domains.items() if n in textures}
 
     def ranges(self, low: Array, high: Array) -> InputBatch:
         """Boxes (count, columns) as what a run in bands takes."""

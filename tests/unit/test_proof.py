@@ -236,7 +236,8 @@ def draw(weight: float, texel: float) -> InputBatch:
     normals = np.float32(v / np.linalg.norm(v, axis=1, keepdims=True) * 0.9)
     texels = Texels(np.full((2, 2, 4), texel, "f4"), ("nearest",) * 2, ("repeat",) * 2, (0.0,) * 4)
     uniforms = {"up": np.float32([1, 0, 0]), "weights": np.float32([[0], [weight]])}
-    bindings = Bindings(uniforms=uniforms, textures={"map": texels}, arrays=frozenset({"weights"}))
+    textures = {"map": texels, "of_the_vertex_stage": texels}
+    bindings = Bindings(uniforms=uniforms, textures=textures, arrays=frozenset({"weights"}))
     return InputBatch({"n": normals, "gl_FragCoord": np.ones((50, 4), "f4")}, bindings, 50)
 
 
