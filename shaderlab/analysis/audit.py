@@ -27,7 +27,6 @@ from .hazards import (
     Hazard as Hazard,
     find_dependents,
     find_written_outputs,
-    reached_by_0,
 )
 from .inputs import (
     Input,
@@ -36,7 +35,6 @@ from .inputs import (
     domains_of,
     enclose_inputs,
     inputs_of,
-    interpolate_inputs,
     is_place,
     sample_inputs,
 )
@@ -51,10 +49,7 @@ RANDOM, ZERO, EQUAL = range(3)
 _MIN_TEXEL = 0.02  # of sampled textures; a smaller one is a direction's
 _NEAR_0 = 1e-5
 _MAX_PAIRS = 120
-_GENERATIONS = 18
 _BOXES = 4096
-_STEPS = 8  # on the way between both signs of a margin
-_TINY = 1e-6  # of the usual margin: so near to a change of sign it passes through 0
 
 
 def first_batch(
@@ -108,15 +103,14 @@ def is_continuous(one: Input, domain: InputDomain) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Counterexample:
-    """An invocation, `row` of `batch`, at which an instruction goes wrong; where `crossing` its
-    operand is nearly 0 and has both signs around it. `origin` is `RANDOM`, `ZERO` or `EQUAL`."""
+    """An invocation, `row` of `batch`, at which an instruction goes wrong. `origin` is `RANDOM`,
+    `ZERO` or `EQUAL`."""
 
     place: Place
     watched: WatchedInstruction
     batch: InputBatch
     row: int
     origin: int = RANDOM
-    crossing: bool = False
 
     @property
     def operands(self) -> tuple[float, ...]:
@@ -192,18 +186,6 @@ def search_inputs(
             origin = int(find_origins(some, inputs, domains)[row])
             if place not in found or origin < found[place].origin:
                 found[place] = Counterexample(place, instruction, some, row, origin)
-    names = [n for n, one in inputs.items() if is_continuous(one, domains[n])]
-    for place, one in watched.items():
-        if one.check.crosses and (place not in found or found[place].origin != RANDOM):
-            margin = np.where(np.isfinite(one.margin), one.margin, 0.0)
-            ends = [np.where(side, np.abs(margin), np.inf) for side in (margin < 0.0, margin > 0.0)]
-            if all(np.isfinite(end).any() for end in ends):
-                below, above = (batch.part(np.array([end.argmin()])) for end in ends)
-                usual = float(np.median(np.abs(margin[margin != 0.0])))
-                crossing = _find_crossing(program, place, below, above, names, domains)
-                if crossing and np.abs(crossing.watched.margin[crossing.row]) <= _TINY * usual:
-                    origin = int(find_origins(crossing.batch, inputs, domains)[crossing.row])
-                    found[place] = replace(crossing, origin=origin)
     return found, batch, proof
 
 
@@ -229,33 +211,6 @@ def _find_by_constants(
         for e in examples
         if e.place not in known and (e.place not in watched or "division" in e.place.kind)
     }
-
-
-def _find_crossing(
-    program: Program,
-    place: Place,
-    below: InputBatch,
-    above: InputBatch,
-    names: Sequence[str],
-    domains: Mapping[str, InputDomain],
-) -> Counterexample | None:
-    """Follow a margin on the straight way from a negative to a positive one, to where it passes
-    through 0; None where a condition excludes what lies between."""
-    t = np.linspace(0.0, 1.0, _STEPS + 1)[:, None]
-    for _ in range(_GENERATIONS):
-        each = {n: np.repeat(values, len(t), axis=0) for n, values in below.each.items()}
-        each |= interpolate_inputs(below, above, t, names, domains)
-        batch = InputBatch(each, below.bindings, len(t))
-        one = watch_batch(program, batch).get(place)
-        if one is None or not (one.bad.any() or np.isfinite(one.margin).all()):
-            return None
-        row = int(np.abs(one.margin).argmin())
-        found = Counterexample(place, one, batch, row, crossing=not one.bad.any())
-        changes = np.flatnonzero(one.margin[:-1] * one.margin[1:] < 0.0)
-        if one.bad.any() or not changes.size:
-            break
-        below, above = (batch.part(np.array([k])) for k in (changes[0], changes[0] + 1))
-    return found
 
 
 _ONLY_AT_0 = "; only if an input is 0"
@@ -371,13 +326,7 @@ def _hazards(
     outputs = find_dependents(program, example.batch, example.row, place)
     if not outputs and place.kind != INDEX.kind:
         return ()
-    if example.crossing and not reached_by_0(
-        program, example.batch, example.row, place, example.operands[-1]
-    ):
-        return ()
     words = one.check.words(*example.operands)
-    if example.crossing:
-        words = f"{words}, nearly: the divisor passes through 0 here"
     if example.origin != RANDOM:
         words += "; only if two inputs are equal" if example.origin == EQUAL else _ONLY_AT_0
     file, line = program.place(one.at.line)

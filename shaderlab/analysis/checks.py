@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -115,8 +115,7 @@ class Watcher:
         with np.errstate(all="ignore"):
             bad = np.asarray(check.bad(margin)) & ~np.isnan(margin)
         own = np.where(np.isnan(margin), np.inf, margin)
-        nearest = (np.abs(own) if check.crosses else own).argmin(axis=-1)[:, None]
-        least = np.where(here, np.take_along_axis(own, nearest, -1), np.inf)[:, 0]
+        least = np.where(here, own.min(axis=-1, keepdims=True), np.inf)[:, 0]
         fails: Flags = np.asarray((here & bad).any(axis=-1))
         known = self.found.get(place)
         if known is None:
@@ -124,12 +123,8 @@ class Watcher:
                 at, check, np.full(self.count, np.inf), np.zeros(self.count, np.bool_)
             )
             self.found[place] = known
-        closer = np.abs(least) < np.abs(known.margin) if check.crosses else least < known.margin
-        known.margin = np.where(closer, least, known.margin)
-        rows = [int(row) for row in np.flatnonzero(fails & ~known.bad)[:_KEPT]]
-        if check.crosses and not fails.any():
-            rows = [row for row in (int(np.abs(least).argmin()),) if row not in known.operands]
-        for row in rows:
+        known.margin = np.minimum(least, known.margin)
+        for row in map(int, np.flatnonzero(fails & ~known.bad)[:_KEPT]):
             known.operands[row] = _component(values, margin, bad, row)
         known.bad = known.bad | fails
         return fails
@@ -196,14 +191,12 @@ class Check:
         margin: of the operands, (count or 1, components): how far each is from going wrong.
         bad: of the margin, where it does.
         words: of one component's operands, what happens.
-        crosses: whether the margin has a sign, and 0 alone is bad.
     """
 
     kind: str
     margin: Callable[..., Any]
     words: Callable[..., str]
     bad: Callable[[Any], Any] = lambda margin: margin < 0.0
-    crosses: bool = False
 
 
 def _at_most_0(margin: Any) -> Any:
@@ -212,10 +205,6 @@ def _at_most_0(margin: Any) -> Any:
 
 def _is_0(margin: Any) -> Any:
     return margin == 0.0
-
-
-def _number(value: float) -> str:
-    return f"{value:.6g}"
 
 
 def _below_0(function: str) -> Check:
@@ -246,17 +235,15 @@ def _conversion(to: str, low: float, high: float) -> Check:
 
 
 def _of_two(name: str) -> Callable[[float, float], str]:
-    return lambda a, b: f"{name}({_number(a)}, {_number(b)})"
+    return lambda a, b: f"{name}({a:.6g}, {b:.6g})"
 
 
 _DIVISION = Check(
-    "division by 0", lambda a, b: b + 0.0 * a, lambda a, b: f"{a:.6g} is divided by 0",
-    _is_0, crosses=True,
+    "division by 0", lambda a, b: np.abs(b + 0.0 * a), lambda a, b: f"{a:.6g} is divided by 0",
+    _is_0,
 )  # fmt: skip
-_MOD = Check(
-    "division by 0", lambda a, b: b + 0.0 * a, lambda a, b: f"mod({a:.6g}, 0)",
-    _is_0, crosses=True,
-)  # fmt: skip
+_MOD = replace(_DIVISION, words=_of_two("mod"))
+_INTEGER_DIVISION = replace(_DIVISION, kind="integer division by 0")
 _POW = Check(
     "pow of a negative number", lambda x, y: x + 0.0 * y,
     lambda x, y: f"pow({x:.6g}, {y:.6g}), whose base is negative",
@@ -265,6 +252,7 @@ _POW_0 = Check(
     "pow of 0 to 0 or less", lambda x, y: np.maximum(np.abs(x), np.maximum(y, 0.0)), _of_two("pow"),
     _is_0,
 )  # fmt: skip
+_ACOSH = Check("acosh below 1", lambda x: x - 1.0, lambda x: f"acosh({x:.9g})")
 _ATAN = Check(
     "atan of (0, 0)", lambda y, x: np.maximum(np.abs(y), np.abs(x)), _of_two("atan"), _is_0
 )
@@ -280,10 +268,6 @@ _SMOOTHSTEP = Check(
 _NORMALIZE = Check(
     "normalize of a zero vector", lambda v: np.sqrt((v * v).sum(axis=-1, keepdims=True)),
     lambda v: "normalize of a vector of length 0", _is_0,
-)  # fmt: skip
-_INTEGER_DIVISION = Check(
-    "integer division by 0", lambda a, b: np.abs(b) + 0 * a, lambda a, b: f"{a:g} is divided by 0",
-    _is_0,
 )  # fmt: skip
 _REMAINDER = Check(
     "remainder of a negative number", lambda a, b: np.minimum(a, b),
@@ -305,39 +289,21 @@ CHECKS: Mapping[tuple[int, int], tuple[Check, ...]] = {
     (Op.FMod, 0): (_MOD,),
     (Op.ConvertFToU, 0): (_conversion("uint", *_UINT),),
     (Op.ConvertFToS, 0): (_conversion("int", *_INT),),
-    (Op.UDiv, 0): (_INTEGER_DIVISION,),
-    (Op.SDiv, 0): (_INTEGER_DIVISION,),
-    (Op.UMod, 0): (_INTEGER_DIVISION,),
-    (Op.SRem, 0): (_INTEGER_DIVISION, _REMAINDER),
-    (Op.SMod, 0): (_INTEGER_DIVISION, _REMAINDER),
-    (Op.ShiftRightLogical, 0): (_SHIFT,),
-    (Op.ShiftRightArithmetic, 0): (_SHIFT,),
-    (Op.ShiftLeftLogical, 0): (_SHIFT,),
-    (Op.BitFieldInsert, 0): (_FIELD,),
-    (Op.BitFieldSExtract, 0): (_FIELD,),
-    (Op.BitFieldUExtract, 0): (_FIELD,),
+    **{(op, 0): (_INTEGER_DIVISION,) for op in (Op.UDiv, Op.SDiv, Op.UMod)},
+    **{(op, 0): (_INTEGER_DIVISION, _REMAINDER) for op in (Op.SRem, Op.SMod)},
+    **{(op, 0): (_SHIFT,) for op in range(Op.ShiftRightLogical, Op.ShiftLeftLogical + 1)},
+    **{(op, 0): (_FIELD,) for op in range(Op.BitFieldInsert, Op.BitFieldUExtract + 1)},
     (Op.ExtInst, Glsl450.Asin): (_beyond("asin"),),
     (Op.ExtInst, Glsl450.Acos): (_beyond("acos"),),
-    (Op.ExtInst, Glsl450.Acosh): (
-        Check("acosh below 1", lambda x: x - 1.0, lambda x: f"acosh({x:.9g})"),
-    ),
-    (Op.ExtInst, Glsl450.Atanh): (
-        Check(
-            "atanh outside -1..1",
-            lambda x: 1.0 - np.abs(x),
-            lambda x: f"atanh({x:.9g})",
-            _at_most_0,
-        ),
-    ),
+    (Op.ExtInst, Glsl450.Acosh): (_ACOSH,),
+    (Op.ExtInst, Glsl450.Atanh): (replace(_beyond("atanh"), bad=_at_most_0),),
     (Op.ExtInst, Glsl450.Atan2): (_ATAN,),
     (Op.ExtInst, Glsl450.Pow): (_POW, _POW_0),
     (Op.ExtInst, Glsl450.Log): (_not_above_0("log"),),
     (Op.ExtInst, Glsl450.Log2): (_not_above_0("log2"),),
     (Op.ExtInst, Glsl450.Sqrt): (_below_0("sqrt"),),
     (Op.ExtInst, Glsl450.InverseSqrt): (_not_above_0("inversesqrt"),),
-    (Op.ExtInst, Glsl450.FClamp): (_CLAMP,),
-    (Op.ExtInst, Glsl450.UClamp): (_CLAMP,),
-    (Op.ExtInst, Glsl450.SClamp): (_CLAMP,),
+    **{(Op.ExtInst, n): (_CLAMP,) for n in (Glsl450.FClamp, Glsl450.UClamp, Glsl450.SClamp)},
     (Op.ExtInst, Glsl450.SmoothStep): (_SMOOTHSTEP,),
     (Op.ExtInst, Glsl450.Normalize): (_NORMALIZE,),
 }

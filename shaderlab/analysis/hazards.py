@@ -186,23 +186,6 @@ class _Replacing:
         return result
 
 
-@dataclass
-class _Zeroing:
-    """A `Watch` that makes every result 0 that is a certain number; `reached` is whether an
-    instruction is run with such an operand even so."""
-
-    place: Place
-    number: float
-    reached: bool = False
-
-    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
-        if at.id == self.place.id and tuple(run.calls) == self.place.calls:
-            self.reached = True
-        if isinstance(result, np.ndarray):
-            return np.where(result == np.float32(self.number), np.float32(0.0), result)
-        return result
-
-
 def fill_value(value: Any, number: float) -> Any:
     """The value with a number in place of each of its own, true where that is above 1."""
     if isinstance(value, tuple):
@@ -241,14 +224,3 @@ def _differs(name: str, runs: Sequence[Mapping[str, Array]]) -> bool:
     return len(values) < len(runs) or any(
         not np.array_equal(value, values[0], equal_nan=True) for value in values
     )
-
-
-def reached_by_0(
-    program: Program, batch: InputBatch, row: int, place: Place, number: float
-) -> bool:
-    """Whether an instruction is run where a number that is nearly 0 at an invocation is 0; false
-    behind a condition, such as `x != 0.0`."""
-    some, own = batch.alone(row, program)
-    watch = _Zeroing(place, number)
-    find_written_outputs(program, some, own, watch)
-    return watch.reached

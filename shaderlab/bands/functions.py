@@ -30,7 +30,6 @@ from shaderlab.bands.rounding import (
     ulp,
     widen_by_ulps,
 )
-from shaderlab.errors import FormulaError
 
 INVERSESQRT_ULPS = 2.0
 ARC_ULPS = 4096.0
@@ -146,18 +145,10 @@ def wave(a: Band, function: Any, crest: float) -> Band:
         lo = np.where(_contains_turn(a.lo, a.hi, crest + np.pi), -1.0, lo)
     size = np.maximum(np.abs(a.lo), np.abs(a.hi))
     outside = ~(size <= _PI_32)
-    if a.rules.spec == "glsl":
-        return a.derive(lo, hi, anything=np.ones_like(outside))
     error: Any = TRIG_ERROR
-    if outside.any():
-        if a.rules.trig_outside == "error":
-            raise FormulaError(
-                f"sin or cos of up to {size.max():g}: their precision is stated in [-π, π] only",
-                remedy='bring the angle into [-π, π], or use Rules(trig_outside="scaled")',
-            )
-        if a.rules.trig_outside == "scaled":
-            error = np.where(outside, size * 2.0**-12, TRIG_ERROR)
-            outside = ~np.isfinite(size)
+    if a.rules.trig_outside == "scaled":
+        error = np.where(outside, size * 2.0**-12, TRIG_ERROR)
+        outside = ~np.isfinite(size)
     return a.derive(lo - error, hi + error, anything=outside)
 
 
@@ -165,7 +156,7 @@ def wave(a: Band, function: Any, crest: float) -> Band:
 def arctangent(a: Band) -> Band:
     """atan(a) within 4096 ULP."""
     lo, hi = widen_by_ulps(*_evaluate(a, np.arctan), ARC_ULPS, ARC_ULPS)
-    return a.derive(lo, hi, anything=_is_unspecified(a))
+    return a.derive(lo, hi)
 
 
 @np.errstate(all="ignore")
@@ -176,7 +167,7 @@ def arctangent2(y: Band, x: Band) -> Band:
     lo, hi = np.where(on_cut, -np.pi, lo), np.where(on_cut, np.pi, hi)
     lo, hi = widen_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
     origin = (y.lo <= 0.0) & (y.hi >= 0.0) & (x.lo <= 0.0) & (x.hi >= 0.0)
-    return y.derive(lo, hi, x, anything=origin | _is_unspecified(y))
+    return y.derive(lo, hi, x, anything=origin)
 
 
 def _angle_bounds(
@@ -187,18 +178,13 @@ def _angle_bounds(
     return reduce(np.minimum, corners), reduce(np.maximum, corners)
 
 
-def _is_unspecified(a: Band) -> Flags:
-    """GLSL alone leaves the precision of the trigonometric functions undefined."""
-    return np.full(a.shape, a.rules.spec == "glsl")
-
-
 def _arc(a: Band, angles: Callable[[Band], Ends]) -> Band:
     """An angle in a right triangle, made of the leg a and the other one, √(1 - a²)."""
     rest = arithmetic.add(a.lift(1.0), exact.negate(arithmetic.multiply(a, a)))
     lo, hi = angles(sqrt(exact.maximum_of(rest, a.lift(0.0))))
     wide_lo, wide_hi = widen_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
     lo, hi = np.minimum(wide_lo, lo - ARC_ERROR), np.maximum(wide_hi, hi + ARC_ERROR)
-    return a.derive(lo, hi, anything=(a.lo < -1.0) | (a.hi > 1.0) | _is_unspecified(a))
+    return a.derive(lo, hi, anything=(a.lo < -1.0) | (a.hi > 1.0))
 
 
 @np.errstate(all="ignore")

@@ -207,24 +207,18 @@ def shortest(value: Any) -> str:
         return str(np.float32(value))
 
 
-Spec = Literal["vulkan", "glsl"]
-TrigOutside = Literal["vacuous", "scaled", "error"]
-
-
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """What a conforming device may do to a 32-bit formula.
+    """What a conforming device may do to a 32-bit formula: the table of the Vulkan specification,
+    "Precision and Operation of SPIR-V Instructions", which agrees with the OpenGL Shading Language
+    4.60, section 4.7.1, wherever that one states a bound.
 
     Args:
-        spec: `"vulkan"` is the table of the Vulkan specification, "Precision and Operation of
-            SPIR-V Instructions", which agrees with the OpenGL Shading Language 4.60, section
-            4.7.1, wherever that one states a bound. `"glsl"` takes the latter alone, which leaves
-            the precision of every trigonometric function undefined.
         rearrange: the compiler may reassociate, factor and distribute; `False` is GLSL's
             `precise`: the operations as written.
         trig_outside: sine and cosine have no stated bound outside [-π, π]: `"vacuous"` takes
             anything, which is counted, `"scaled"` allows |x|·2^-12 as the Vulkan conformance suite
-            does, `"error"` raises `FormulaError`.
+            does.
         flush: denormals may be flushed to zero.
         ranges: bounds enclose the results of many inputs: what holds at their ends need not hold
             at each of those.
@@ -232,22 +226,18 @@ class Rules:
     A fused a·b+c needs no rule: its one rounding lies between the bounds of the two.
 
     Raises:
-        FormulaError: `spec` or `trig_outside` is unknown.
+        FormulaError: `trig_outside` is unknown.
     """
 
-    spec: Spec = "vulkan"
     rearrange: bool = True
-    trig_outside: TrigOutside = "vacuous"
+    trig_outside: Literal["vacuous", "scaled"] = "vacuous"
     flush: bool = True
     ranges: bool = False
 
     def __post_init__(self) -> None:
-        for name, choices in (
-            ("spec", ("vulkan", "glsl")),
-            ("trig_outside", ("vacuous", "scaled", "error")),
-        ):
-            value = getattr(self, name)
-            if value not in choices:
-                raise FormulaError(
-                    f"there are no rules with {name}={value!r}", remedy=suggest(str(value), choices)
-                )
+        choices = ("vacuous", "scaled")
+        if self.trig_outside not in choices:
+            raise FormulaError(
+                f"there are no rules with trig_outside={self.trig_outside!r}",
+                remedy=suggest(str(self.trig_outside), choices),
+            )

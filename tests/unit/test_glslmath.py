@@ -139,10 +139,7 @@ def test_waves_outside_pi_follow_the_rules() -> None:
     assert g.sin(Band.exact([4.0])).vacuous
     scaled = g.sin(Band.exact([100.0], SCALED))
     assert not scaled.vacuous and scaled.hi - scaled.lo == pytest.approx(2 * 100 / 4096, rel=1e-5)
-    with pytest.raises(FormulaError, match="scaled"):
-        g.cos(Band.exact([4.0], Rules(trig_outside="error")))
     assert not g.sin(Band.exact([np.float32(np.pi)])).vacuous
-    assert g.sin(Band.exact([0.5], Rules(spec="glsl"))).vacuous
 
 
 @pytest.mark.parametrize(
