@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from shaderlab.cli import FAILED, INTERRUPTED, OK, options as shared
-from shaderlab.errors import CaseError, UsageError
+from shaderlab.errors import UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits
 
@@ -181,7 +181,7 @@ def _into_report(data: Mapping[str, Any], folder: Path) -> None:
 def _targets(
     targets: Sequence[str], every: bool, plan: MutationPlan, executor: Executor
 ) -> list[MutationTarget]:
-    """The cases that are named, and the files of tests. Raises UsageError, CaseError."""
+    """The cases that are named, and the files of tests. Raises UsageError."""
     from shaderlab.cli.selecting import split_targets
     from shaderlab.mutation import CaseTarget
 
@@ -205,17 +205,14 @@ def _targets(
 def _cases(
     targets: Sequence[str], every: bool, variants: tuple[str, ...], executor: Executor
 ) -> dict[Path, str]:
-    """The files of the cases that are named, and their ids. Raises UsageError, CaseError."""
+    """The files of the cases that are named, and their ids. Raises UsageError."""
     from shaderlab.cli.selecting import select_jobs
 
     for target in targets:
         if target.endswith("]"):
             raise UsageError(f"{target}: name the case, and its variant with --variant")
     jobs = select_jobs(targets, every, variants, executor.load)
-    for job in jobs:
-        if job.broken:
-            raise CaseError(job.trouble, file=job.file)
-    return {Path(job.file): job.id for job in jobs}
+    return {Path(job.file): job.id for job in jobs}  # what a broken file lacks is said at the end
 
 
 def _judge(run: MutationRun, show: Show) -> bool:

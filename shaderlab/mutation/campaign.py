@@ -131,23 +131,19 @@ class _TargetRun:
 
 
 class MutationRun:
-    """Makes the mutants of some cases, or other targets, then judges them.
-
-    Raises:
-        ShaderlabError: the mutants of a case can't be made, as a shader can't be read.
-    """
+    """Makes the mutants of some cases, or other targets, then judges them. A case that has none,
+    as a shader can't be read, has a message that says so."""
 
     def __init__(self, targets: Sequence[MutationTarget], executor: Executor) -> None:
         self._executor = executor
         self._runs = [_TargetRun(target) for target in targets]
         for result in executor.perform(targets):
-            if result.status != "done":
-                if isinstance(result.value, ShaderlabError):
-                    raise result.value
-                raise ShaderlabError(
-                    f"making the mutants: {format_error(result)}", file=targets[result.number].file
-                )
-            self._runs[result.number].mutants = result.value
+            run = self._runs[result.number]
+            if result.status == "done":
+                run.mutants = result.value
+            else:
+                late = "\n→ allow more time: --timeout S" * (result.status == "timeout")
+                run.message = _describe_failure(result, "making its mutants") + late
         self.total = sum(len(run.mutants) for run in self._runs)
 
     def judge(self) -> Iterator[tuple[str, MutantResult | None]]:
@@ -205,8 +201,10 @@ def _mutant_result(item: ItemResult) -> MutantResult | None:
     return MutantResult("killed", how)
 
 
-def _describe_failure(item: ItemResult) -> str:
+def _describe_failure(
+    item: ItemResult, what: str = "the case itself does not run to its end"
+) -> str:
     if item.status != "error":
-        return f"the case itself does not run to its end: {item.message}"
+        return f"{what}: {item.message}"
     unforeseen = not isinstance(item.value, ShaderlabError)
     return f"unforeseen {type(item.value).__name__}: " * unforeseen + format_error(item)

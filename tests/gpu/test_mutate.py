@@ -515,14 +515,16 @@ def test_a_case_that_dies_unmutated_is_not_opened_for_each_mutant(folder: Path) 
     assert 2 <= len(opened.read_text()) <= 3
 
 
-def test_a_case_file_that_crashes_is_a_message(
+def test_a_case_file_that_crashes_is_a_message_and_stops_no_other(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(folder)
     (folder / "crashes.py").write_text((folder / "law.py").read_text() + "import os; os._exit(7)\n")
-    result = CliRunner().invoke(cli, ["mutate", "./crashes.py"])
-    assert result.exit_code == 1
-    assert "importing the case file: the process died: exit status 7" in result.stderr
+    code, output = mutate("./crashes.py", "./weak.py", "--limit", 1, "--json", "out.json")
+    assert code == 1
+    assert "crashes: making its mutants: the process died: exit status 7" in output
+    broken, weak = json.loads((folder / "out.json").read_text())["cases"]
+    assert "message" in broken and "message" not in weak
 
 
 def mutate(*arguments: Any) -> tuple[int, str]:

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
 
 import pytest
 
 from shaderlab.cli.mutate import _is_too_low
 from shaderlab.engine.expectations.exact import exact
+from shaderlab.engine.jobs import Executor
+from shaderlab.errors import ShaderError
 from shaderlab.model.case import Case
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.scene import Draw, Pass, Target, mesh_pass
@@ -23,8 +28,10 @@ from shaderlab.mutation import (
     results_to_json,
     score,
 )
+from shaderlab.mutation.campaign import CaseTarget, JudgeMutant, MutationPlan, MutationRun
 from shaderlab.mutation.mutants import STATE, Status, with_inputs, with_readers
 from shaderlab.mutation.state_mutants import mutate_state
+from shaderlab.workers.pool import ItemResult
 
 
 def tried(status: Status, operator: str = "operator", line: int = 7) -> MutantRun:
@@ -44,6 +51,45 @@ def test_the_score_leaves_out_what_nobody_could_notice() -> None:
     assert one.score == 0.75
     assert score([one], state=True) is None
     assert result("equivalent", "invalid").score is None
+
+
+class Prepared:
+    """An executor that makes no mutants of one case, and judges those of the others."""
+
+    def __init__(self, failure: dict[str, Any]) -> None:
+        self.failure = failure
+
+    def perform(self, requests: Sequence[Any]) -> Iterator[ItemResult]:
+        for number, request in enumerate(requests):
+            if isinstance(request, JudgeMutant):
+                yield ItemResult(number, request, "done", MutantResult("killed", "by"))
+            elif request.id == "wrong":
+                yield ItemResult(number, request, **self.failure)
+            else:
+                yield ItemResult(number, request, "done", [tried("killed").mutant])
+
+
+@pytest.mark.parametrize(
+    ("failure", "said"),
+    [
+        (
+            {"status": "timeout", "message": "took longer than 20 s"},
+            "making its mutants: took longer than 20 s\n→ allow more time: --timeout S",
+        ),
+        (
+            {"status": "crash", "message": "the process died"},
+            "making its mutants: the process died",
+        ),
+        ({"status": "error", "value": ShaderError("no a.frag")}, "no a.frag"),
+        ({"status": "error", "value": KeyError("a")}, "unforeseen KeyError: 'a'"),
+    ],
+)
+def test_a_case_without_mutants_stops_no_other(failure: dict[str, Any], said: str) -> None:
+    targets = [CaseTarget(Path(i), i, MutationPlan()) for i in ("wrong", "lamp")]
+    run = MutationRun(targets, cast(Executor, Prepared(failure)))
+    assert [case_id for case_id, _ in run.judge()] == ["lamp"]
+    wrong, lamp = run.results()
+    assert (wrong.message, wrong.runs, lamp.message, lamp.score) == (said, (), "", 1.0)
 
 
 def test_no_score_reaches_what_is_no_number() -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
+import pytest
 
 from shaderlab.engine.expectations.any_order import Backwards, Redraw, any_order, both_ways
 from shaderlab.engine.expectations.base import Context
@@ -88,9 +89,11 @@ class Shown:
         return Image(self._attachments[which], "r32f")
 
 
-def apart(colors: np.ndarray, depths: float = 0.0, samples: int = 0) -> int:
+def apart(
+    colors: np.ndarray, depths: float = 0.0, samples: int = 0, none: np.ndarray | None = None
+) -> int:
     """How many pixels any_order finds where black is drawn one way and `colors` the other."""
-    none = np.zeros_like(colors)
+    none = np.zeros_like(colors) if none is None else none
     session: Any = Shown(
         samples, color=none, color_backwards=colors, depth=none, depth_backwards=none + depths
     )
@@ -106,3 +109,12 @@ def test_pixels_on_an_edge_may_show_either_face_and_areas_may_not() -> None:
     assert apart(colors, depths=0.5) == 6 and apart(colors, samples=4) == 6
     colors[3:, 3] = 1.0  # beside the column, two of them make a square
     assert apart(colors) == 4
+
+
+@pytest.mark.parametrize(("own", "other"), [(3, 4), (4, 3), (1, 4)])
+def test_a_component_that_one_pass_alone_has_is_not_compared(own: int, other: int) -> None:
+    black, colors = np.zeros((5, 5, own), np.float32), np.zeros((5, 5, other), np.float32)
+    colors[..., own:] = 1.0  # of a format that has more components than the shader writes
+    assert apart(colors, none=black) == 0
+    colors[0, 0, 0] = 1.0
+    assert apart(colors, depths=0.5, none=black) == 1
