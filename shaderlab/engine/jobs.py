@@ -99,6 +99,14 @@ class LoadCase:
         )
 
 
+DEFECT = "a defect of shaderlab, or of what the case replaced: SHADERLAB_DEBUG=1 shows where"
+"""The remedy for what no error of the lab's own foresees."""
+_CHANGED = (
+    "the case changes what its process shares: its folder, environment, signals or limits, or a "
+    "function of a library; have it put that back"
+)
+
+
 @dataclass(frozen=True)
 class RunJob:
     """Asks for a job's `Record`. Raises CaseError where the case file is wrong."""
@@ -111,6 +119,8 @@ class RunJob:
         runner = worker.lab(_options_for_driver(job.driver, options))
         worker.note("loading the case file")
         record = runner.run(_find_scene(job, worker.scenes(job.file)))
+        if DEFECT in record.message and worker.has_changed():
+            record = replace(record, message=record.message.replace(DEFECT, _CHANGED))
         return replace(record, driver_name=job.driver) if job.driver else record
 
 

@@ -34,6 +34,7 @@ from shaderlab.model.mesh import Mesh
 from shaderlab.model.scene import Ramp, UniformBuffer
 
 from .catalogue import chapter_title, place_of
+from .jobs import DEFECT
 from .judging.banded import format_value
 from .pictures import PictureWriter, digest_values
 
@@ -295,7 +296,7 @@ def _status_of(error: BaseException, driver: str | None) -> tuple[records.Status
         f"unforeseen {type(error).__name__}: {error}",
         file=place.filename,
         line=place.lineno,
-        remedy="a defect of shaderlab, or of what the case replaced: SHADERLAB_DEBUG=1 shows where",
+        remedy=DEFECT,
     )
 
 

@@ -87,17 +87,20 @@ class Worker:
             self._scenes[file] = {s.variant: s for s in load_case(Path(file)).scenes()}
         return self._scenes[file]
 
-    def _require_unchanged(self) -> None:
-        """End a worker process in which a case has changed what others depend on: the parent starts
-        a fresh one and asks that."""
+    def has_changed(self) -> bool:
+        """Whether a case has changed what others in this worker process depend on."""
         if self._channel is None:
-            return
+            return False
         from shaderlab.workers.process_state import ProcessState
 
         if self._state is None:
             self._state = ProcessState()
-        elif self._state.has_changed():
-            os._exit(1)
+            return False
+        return self._state.has_changed()
+
+    def _require_unchanged(self) -> None:
+        if self.has_changed():
+            os._exit(1)  # the parent starts a fresh process and asks that
 
     def case(self, file: str) -> Case:
         """The case of a case file. Raises CaseError."""

@@ -10,10 +10,14 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
-from shaderlab.engine.jobs import ProcessExecutor
+from shaderlab.engine.jobs import DEFECT, Job, ProcessExecutor, RunJob, make_failed_record
+from shaderlab.engine.worker import Worker
+from shaderlab.model.options import RunOptions
 from shaderlab.workers.process_state import ProcessState
 
 SPOILERS = {
@@ -134,3 +138,18 @@ def test_the_next_file_is_loaded_in_a_fresh_process(
         found = executor.load(files)
     good_ones = [info for info in found if info.id != "s"]
     assert [(info.status, info.error) for info in good_ones] == [("pass", None)] * 2
+
+
+@pytest.mark.parametrize("changed", [True, False])
+def test_no_defect_of_the_lab_is_what_the_case_has_changed(changed: bool) -> None:
+    job = Job(file="a.py", id="a", variant="default")
+    record = make_failed_record(job, "error", f"unforeseen TypeError\n→ {DEFECT}")
+    scene = SimpleNamespace(case=SimpleNamespace(id="a"))
+    worker = SimpleNamespace(
+        lab=lambda options: SimpleNamespace(run=lambda scene: record),
+        note=print,
+        scenes=lambda file: {"default": scene},
+        has_changed=lambda: changed,
+    )
+    said = RunJob(job, RunOptions()).perform(cast(Worker, worker)).message
+    assert ("defect" in said, "the case changes" in said) == (not changed, changed)
