@@ -222,7 +222,9 @@ class Expansion:
                 return File(file.name, file.path, "\n") if open_files else file
         if outside is not None:
             raise _error(f"#include {path!r} {outside}", trail, OUTSIDE_REMEDY)
-        raise _error(f"no file to #include: {path!r}", trail, self._roots.suggest(path))
+        near = self._roots.suggest(path).rstrip("?")
+        remedy = f"{near}; or add the folder that has it: --include DIR"
+        raise _error(f"no file to #include: {path!r}", trail, remedy)
 
 
 def _once_macro(file: File, code: str) -> str | None:

@@ -53,7 +53,8 @@ class Settings:
 
         First the folder itself and `shaders` in it. Then what the project says; without a word of
         it, each folder up to the project's root, and `shaders` in each. Where nothing marks a
-        project, that is `shaders` beside the folder.
+        project, its root is the working folder, and if that is elsewhere, only `shaders` beside the
+        folder counts.
         """
         here = Path(os.path.abspath(folder))
         if self.shaders is not None:
@@ -75,7 +76,7 @@ def load_settings(folder: str | Path) -> Settings:
     """The settings of the project that a folder belongs to. Raises UsageError: they can't be read,
     or say something that does not exist."""
     try:
-        return _settings(os.path.abspath(folder))
+        return _settings(os.path.abspath(folder), os.getcwd())
     except FileNotFoundError:  # the working folder is gone
         return Settings()
 
@@ -85,7 +86,7 @@ MARKS = ("package.json", FILE, "LICENSE", "LICENSE.md", "LICENSE.txt")
 
 
 @cache
-def _settings(folder: str) -> Settings:
+def _settings(folder: str, working: str) -> Settings:
     here = Path(folder)
     for root in (here, *here.parents):
         file = root / FILE
@@ -95,7 +96,9 @@ def _settings(folder: str) -> Settings:
         if (root / ".git").exists():
             return Settings(root=root)
     marked = (r for r in (here, *here.parents) if any((r / name).is_file() for name in MARKS))
-    return Settings(root=next(marked, None))
+    # Without a mark, where the command was given; but nobody's whole home folder.
+    parts = here.is_relative_to(working) and not Path.home().is_relative_to(working)
+    return Settings(root=next(marked, Path(working) if parts else None))
 
 
 def _read_table(file: Path) -> Mapping[str, Any] | None:

@@ -74,6 +74,20 @@ def test_a_project_without_version_control_is_found_by_its_own_files(game: Path,
         shaders.load("../../../secret.glsl")
 
 
+def test_without_any_mark_the_working_folder_is_the_root(
+    game: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (game / ".git" / "HEAD").unlink()
+    (game / ".git").rmdir()
+    monkeypatch.chdir(game)
+    shaders = shaders_of(game / "tests" / "deep", {})
+    assert "float glow()" in shaders.load("glow.frag").text
+    with pytest.raises(ShaderError, match="leads out of the shader folders"):
+        shaders.load("../../../secret.glsl")
+    monkeypatch.setenv("HOME", str(game / "tests"))
+    assert load_settings(game / "engine").root is None, "nobody's home folder is a project"
+
+
 @pytest.mark.parametrize(
     "name",
     [
