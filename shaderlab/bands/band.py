@@ -54,10 +54,7 @@ _REFUSED = {
     "__int__": ("Python's int()", "use glslmath.int, glslmath.trunc or glslmath.floor"),
     "__round__": ("Python's round()", "use glslmath.round or glslmath.roundEven"),
     "__iter__": ("a loop", "take components with glslmath.swizzle(v, 'xyz') or v[..., 0:1]"),
-    "__pow__": (
-        "**",
-        "write x * x, or glslmath.pow(x, y), whose band is wider",
-    ),
+    "__pow__": ("**", "write x * x, or glslmath.pow(x, y), whose band is wider"),
     "__mod__": ("%", "use glslmath.mod(x, y)"),
     "__floordiv__": ("//", "use glslmath.floor(x / y)"),
     **{f"__{word}__": (sign, WHOLE) for word, sign in _OF_BITS.items()},

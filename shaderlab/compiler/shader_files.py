@@ -19,19 +19,10 @@ from shaderlab.files import open_regular
 STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment", "compute")
 
 EXTENSIONS: Mapping[str, str] = {
-    ".vert": "vertex",
-    ".vs": "vertex",
-    ".tesc": "tess_control",
-    ".tcs": "tess_control",
-    ".tese": "tess_evaluation",
-    ".tes": "tess_evaluation",
-    ".geom": "geometry",
-    ".gs": "geometry",
-    ".frag": "fragment",
-    ".fs": "fragment",
-    ".comp": "compute",
-    ".cs": "compute",
-}
+    ".vert": "vertex", ".vs": "vertex", ".tesc": "tess_control", ".tcs": "tess_control",
+    ".tese": "tess_evaluation", ".tes": "tess_evaluation", ".geom": "geometry", ".gs": "geometry",
+    ".frag": "fragment", ".fs": "fragment", ".comp": "compute", ".cs": "compute",
+}  # fmt: skip
 _PRAGMA = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+shader_stage[ \t]*\([ \t]*(\w*)[ \t]*\)", re.M)
 _PRAGMA_NAMES = {"tesscontrol": "tess_control", "tesseval": "tess_evaluation"}
 

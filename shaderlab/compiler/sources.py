@@ -29,6 +29,7 @@ from .shader_files import (
     frame_text,
     normalise,
     normalise_name,
+    rename_words,
     stage_of,
     strip_comments,
     version_of,
@@ -45,6 +46,13 @@ _ANY_DIRECTIVE = re.compile(r"#[ \t]*(?:include|pragma|line|extension)\b")
 _VERSION_LINE = re.compile(r"[ \t]*#[ \t]*version\b")
 _ONCE = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+once[ \t]*$", re.MULTILINE)
 _PATH = re.compile(r'"([^"]*)"[ \t]*|<([^>]*)>[ \t]*')
+# glslify's modules: what is required by which name, with which names given, and what is exported.
+_REQUIRED = re.compile(r"(.*glslify:\s*)(\w+)(\s*=\s*require\(\s*['\"]?([^'\",)\s]+)(.*))")
+_GIVEN = re.compile(r"(\w+)\s*=\s*(\w+)")
+_EXPORTED = re.compile(r"glslify:\s*export\(\s*(\w+)")
+_DEFINED = re.compile(
+    r"^(?!\s*(?:return|else)\b)[ \t]*\w[\w \t]*[ \t](\w+)[ \t]*\(|\bconst\s+\w+\s+(\w+)", re.M
+)
 _LINE = re.compile(r'(\d+)(?:[ \t]+(?:\d+|"([^"]*)"))?[ \t]*')
 _ONE_COMMENT = re.compile(r"//[^\n]*|/\*.*?(?:\*/|\Z)", re.DOTALL)
 _CONTINUED = re.compile(r"\\$", re.MULTILINE)
@@ -163,6 +171,12 @@ class Expansion:
             if kind == "include":
                 inner = self._find_included(rest.strip(), (*trail, (file, number)))
                 self.append(inner, strip_comments(inner.text), (*trail, (file, number)))
+            elif kind == "pragma" and (required := _REQUIRED.fullmatch(code)):
+                self.add(place, "")
+                _, name, _, path, given = required.groups()
+                self._append_module(
+                    name, path, dict(_GIVEN.findall(given)), (*trail, (file, number))
+                )
             elif kind == "extension" and rest.split(":")[0].strip() in _INCLUDE_EXTENSIONS:
                 self.add(place, "")  # drivers without the extension would refuse it
             elif line:
@@ -184,6 +198,26 @@ class Expansion:
         self.codes += rows
         self.spans += [(*place, 1)] * len(rows)
 
+    def _append_module(self, name: str, path: str, given: Mapping[str, str], trail: _Trail) -> None:
+        """Append a module as glslify does: what it exports is called `name`, what it is `given` as
+        it is here, and all else that it defines or requires as nothing else is."""
+        path = f'"{path}"' if path.startswith(".") else f"<node_modules/{path}>"
+        file = self._find_included(path, trail)
+        self.parts.setdefault(file.path, file.text)
+        code = strip_comments(file.text)
+        own = {word for pair in _DEFINED.findall(code) for word in pair if word}
+        own |= {word for _, word, *_ in _REQUIRED.findall(code)}
+        names = {word: f"{word}_{self._includes}" for word in own} | given
+        names |= dict.fromkeys(_EXPORTED.findall(code), name)
+        rows = [
+            _REQUIRED.sub(lambda match: f"{match[1]}{names[match[2]]}{match[3]}", row)
+            if "glslify" in row
+            else rename_words(row, names)
+            for row in file.text.split("\n")
+        ]
+        text = "\n".join(rows)
+        self.append(File(file.name, file.path, text), strip_comments(text), trail)
+
     def _find_included(self, rest: str, trail: _Trail) -> File:
         """Return the file that the text after `#include` names."""
         self._includes += 1
@@ -198,7 +232,8 @@ class Expansion:
         folder = "" if match[1] is None else posixpath.dirname(trail[-1][0].name)
         outside = None
         # First with an ending: a folder may have the name itself.
-        endings = ("",) if posixpath.splitext(path)[1] else (".glsl", SCRIPT, "")
+        whole = posixpath.splitext(path)[1] or not path
+        endings = ("",) if whole else (".glsl", SCRIPT, "/index.glsl", "")
         paths = [path + ending for ending in endings]
         for start, tried in itertools.product(dict.fromkeys([folder, ""]), paths):
             try:
@@ -222,8 +257,9 @@ class Expansion:
                 return File(file.name, file.path, "\n") if open_files else file
         if outside is not None:
             raise _error(f"#include {path!r} {outside}", trail, OUTSIDE_REMEDY)
-        near = self._roots.suggest(path).rstrip("?")
-        remedy = f"{near}; or add the folder that has it: --include DIR"
+        near = self._roots.suggest(path)
+        near = near.removesuffix("?") + "; or " if near.endswith("?") else ""
+        remedy = f"{near}add the folder that has it: --include DIR"
         raise _error(f"no file to #include: {path!r}", trail, remedy)
 
 

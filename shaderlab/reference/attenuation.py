@@ -10,10 +10,7 @@ from shaderlab.glslmath import Value, sqrt
 
 
 def attenuation(
-    distance: Value,
-    light_constant: Value,
-    light_linear: Value,
-    light_quadratic: Value,
+    distance: Value, light_constant: Value, light_linear: Value, light_quadratic: Value
 ) -> Value:
     """The fraction of the light that remains: F(d) = 1 / (Kc + Kl·d + Kq·d²).
 
@@ -35,10 +32,7 @@ def attenuation(
 
 
 def reach(
-    fraction: Value,
-    light_constant: Value,
-    light_linear: Value,
-    light_quadratic: Value,
+    fraction: Value, light_constant: Value, light_linear: Value, light_quadratic: Value
 ) -> Value:
     """The distance at which `fraction` of the light remains: the inverse of `attenuation`.
 

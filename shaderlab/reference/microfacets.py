@@ -133,12 +133,7 @@ def base_reflectance(albedo: Value, metallic: Value) -> Value:
 
 
 def radiance(
-    normal: Value,
-    view: Value,
-    light: Value,
-    albedo: Value,
-    metallic: Value,
-    roughness: Value,
+    normal: Value, view: Value, light: Value, albedo: Value, metallic: Value, roughness: Value
 ) -> Value:
     """The radiance reflected of light of strength 1: (k_d·albedo/π + D·F·G/(4 n·v n·l)) n·l.
 

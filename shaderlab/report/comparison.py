@@ -7,12 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import groupby
 
-from shaderlab.model.records import (
-    Agreement,
-    Disagreement,
-    DriverResult,
-    Run,
-)
+from shaderlab.model.records import Agreement, Disagreement, DriverResult, Run
 from shaderlab.report.text import MARKS
 
 AGREEMENTS: dict[Agreement, str] = {

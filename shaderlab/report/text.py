@@ -14,15 +14,7 @@ from textwrap import indent
 
 from shaderlab.files import display_path
 from shaderlab.model.options import RunOptions
-from shaderlab.model.records import (
-    Diagnostic,
-    Outcome,
-    Record,
-    Run,
-    Status,
-    Worst,
-    significant,
-)
+from shaderlab.model.records import Diagnostic, Outcome, Record, Run, Status, Worst, significant
 
 # C0 and C1 controls (but tab and line ends), lone surrogates, and XML's two non-characters.
 _UNPRINTABLE = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")

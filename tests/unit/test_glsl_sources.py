@@ -136,6 +136,44 @@ def test_chunks_in_scripts_keep_their_lines(tmp_path: Path) -> None:
     assert "export" not in source.text and "`" not in source.text
 
 
+def test_modules_of_glslify_keep_their_names_to_themselves(tmp_path: Path) -> None:
+    modules = tmp_path / "node_modules"
+    for name, text in {
+        "noise/2d.glsl": "const float K = 0.5;\nfloat hash(float x) { return fract(x * K); }\n"
+        "float noise(vec2 p) { return hash(p.x) + hash(p.y); }\n"
+        "#pragma glslify: export(noise)\n",
+        "fade/index.glsl": "#pragma glslify: hash = require('./hash')\n"
+        "float K(float x) { return hash(x) * scale; }\n#pragma glslify: export(K)\n",
+        "fade/hash.glsl": "float other(float x) { return x; }\n#pragma glslify: export(other)\n",
+    }.items():
+        (modules / name).parent.mkdir(parents=True, exist_ok=True)
+        (modules / name).write_text(text)
+    write(
+        tmp_path,
+        a_frag="precision mediump float;\nvarying vec2 uv;\nuniform float size;\n"
+        "#pragma glslify: hash = require('noise/2d')\n"
+        "#pragma glslify: fade = require(fade, scale=size)\n"
+        "void main() { gl_FragColor = vec4(hash(uv), fade(uv.x), 0.0, wrong); }\n",
+    )
+    source = Shaders([tmp_path]).load("a.frag")
+    first = compile_program([source]).verdicts[0].diagnostics[0]
+    assert (first.file, first.line, first.token) == (str(tmp_path / "a.frag"), 6, "wrong")
+    right = Shaders([tmp_path], overrides={"a.frag": source.parts[0][1].replace("wrong", "1.0")})
+    assert compile_program([right.load("a.frag")]).ok
+    assert dict(source.parts)[str(modules / "noise/2d.glsl")].startswith("const float K"), (
+        "as written"
+    )
+
+
+def test_a_module_of_glslify_that_is_missing_is_named(tmp_path: Path) -> None:
+    write(tmp_path, a_frag="precision mediump float;\n#pragma glslify: luma = require(glsl-luma)\n")
+    with pytest.raises(
+        ShaderError, match=r"no file to #include: 'node_modules/glsl-luma'"
+    ) as caught:
+        Shaders([tmp_path]).load("a.frag")
+    assert caught.value.line == 2
+
+
 def test_roots_are_searched_in_order(tmp_path: Path) -> None:
     one, two = write(tmp_path / "1", a_frag="one\n"), write(tmp_path / "2", a_frag="two\n")
     write(two, b_frag='#include "a.frag"\n')
