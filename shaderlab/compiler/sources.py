@@ -207,7 +207,7 @@ class Expansion:
         code = strip_comments(file.text)
         own = {word for pair in _DEFINED.findall(code) for word in pair if word}
         own |= {word for _, word, *_ in _REQUIRED.findall(code)}
-        names = {word: f"{word}_{self._includes}" for word in own} | given
+        names = {word: f"{word}_{self._includes}" for word in own} | {**given}
         names |= dict.fromkeys(_EXPORTED.findall(code), name)
         rows = [
             _REQUIRED.sub(lambda match: f"{match[1]}{names[match[2]]}{match[3]}", row)
