@@ -124,7 +124,8 @@ case = Case(
             "missing",
             f"no file to #include: '{FILES}/folder.frag/color.glsl'",
             line=2,
-            remedy=f"did you mean {FILES}/folder.frag/colour.glsl or {FILES}/cycle.frag or {NUL}?",
+            remedy=f"did you mean {FILES}/folder.frag/colour.glsl or {FILES}/cycle.frag or {NUL}; "
+            "or add the folder that has it: --include DIR",
         ),
         refused(
             "../secret.frag",
