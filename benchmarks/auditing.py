@@ -1,10 +1,11 @@
 """How many planted hazards `audit` finds at their lines, and what it says of the catalogue.
 
-    python -m benchmarks.auditing [--only planted|catalogue] [--all]
+    python -m benchmarks.auditing [--only planted|twins|catalogue] [--all]
 
-The hazards are those of `hazards.toml`; found is one that is shown by an input, at its line. The
-catalogue's shaders are audited on what the cases' draws give them (`--all`: and on inputs that are
-made up). Seconds are of the processor, without the drawing.
+The hazards are those of `hazards.toml`; found is one that is shown by an input, at its line.
+`twins.toml` has whole shaders, and how each is guarded: audit has to fail the first and not the
+other. The catalogue's shaders are audited on what the cases' draws give them (`--all`: and on what
+is made up). Seconds are of the processor, without the drawing.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import RunOptions
 
 PLANTED = Path(__file__).with_name("hazards.toml")
+TWINS = Path(__file__).with_name("twins.toml")
 DECLARATIONS = """#version 430 core
 struct Light { vec3 color; float power; };
 in vec2 uv; // range: 0..1
@@ -162,6 +164,48 @@ def _planted(stage: str) -> None:
     )
 
 
+@dataclass(frozen=True)
+class Twins:
+    """A shader with a hazard, by kind, and the same one guarded; the line that shows it."""
+
+    kind: str
+    text: str
+    guarded: str
+    line: int
+
+
+def twins() -> Iterator[Twins]:
+    """Each shader of `twins.toml`."""
+    start = "#version 430 core\nout vec4 FragColor;\n"
+    for kind, entries in tomllib.loads(TWINS.read_text(encoding="utf-8")).items():
+        for entry in entries:
+            text, (old, new) = entry["text"], entry["guard"]
+            assert text.count(old) == 1, f"{kind}: {old!r} in {text}"
+            before = start + text[: text.index("// !")]
+            yield Twins(kind, start + text, start + text.replace(old, new), before.count("\n") + 1)
+
+
+def audit_text(text: str) -> Audit:
+    """The audit of a fragment shader's text, without a case."""
+    shaders = Shaders([Path()], overrides={"twin.frag": text})
+    return audit_program(load(shaders.load("twin.frag", "fragment")))
+
+
+def _twins() -> None:
+    failed, at_line, alarms, total = 0, 0, 0, 0
+    for one in twins():
+        total += 1
+        wrong, right = audit_text(one.text), audit_text(one.guarded)
+        shown = any(h.evident and h.line == one.line for h in wrong.hazards)
+        failed, at_line = failed + (wrong.clean is False), at_line + shown
+        alarms += right.clean is False
+        if not shown or not right.clean:
+            own = one.text.splitlines()[one.line - 1].strip()
+            print(f"  {one.kind}: {own}: {[(h.line, h.message, h.evident) for h in wrong.hazards]}")
+            print(f"    guarded: {[(h.line, h.message, h.evident) for h in right.hazards]}")
+    print(f"twins: {failed} of {total} fail, {at_line} at their lines; {alarms} guarded ones do")
+
+
 def _catalogue(made_up: bool) -> None:
     programs, alarms, seconds = 0, 0, 0.0
     with SceneRunner(RunOptions()) as lab:
@@ -203,12 +247,14 @@ def _files() -> None:
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--only", choices=("planted", "catalogue"))
+    parser.add_argument("--only", choices=("planted", "twins", "catalogue"))
     parser.add_argument("--all", action="store_true", help="made-up inputs for the catalogue, too")
     options = parser.parse_args()
-    for stage in () if options.only == "catalogue" else STAGES:
+    for stage in STAGES if options.only in (None, "planted") else ():
         _planted(stage)
-    if options.only != "planted":
+    if options.only in (None, "twins"):
+        _twins()
+    if options.only in (None, "catalogue"):
         _catalogue(options.all)
 
 

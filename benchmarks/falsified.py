@@ -1,8 +1,8 @@
 """Falsified outputs: what a driver may get wrong before anything notices.
 
-`python -m benchmarks.falsified [CASE…] [--pattern NAME]` has the driver draw every output of every
-fragment shader of the shipped cases wrongly, one at a time, while formulas and modules keep to the
-shader's own text:
+`python -m benchmarks.falsified [CASE…] [--pattern NAME] [--found FILE]` has the driver draw every
+output of every fragment shader of the shipped cases wrongly, one at a time, while formulas and
+modules keep to the shader's own text:
 
 - constant: .37 everywhere; scaled: everything times 1.002;
 - sparse, single: one pixel in 16 or in 256 is wrong by .25; nan: one in 256 is NaN.
@@ -11,17 +11,19 @@ The pixels are those of a lattice that the draw shows most of. It prints what go
 sums: noticed by an expectation, or only by the module of the shader. What changes no pixel that any
 pass draws (1.002 times 0, or by less than the attachment stores) counts by itself, and so does what
 no expectation reads where the module can't be interpreted. The exit status is 1 where anything else
-goes unnoticed.
+goes unnoticed. `--found` keeps a line of JSON for each case; cases that it has are not drawn again.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import sys
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -33,6 +35,7 @@ from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import ShaderlabError
 from shaderlab.model.case import Case, Scene
+from shaderlab.model.expectation import Expectation
 from shaderlab.model.frame import Image
 
 STEPS = {"constant": 1, "scaled": 1, "sparse": 4, "single": 16, "nan": 16}
@@ -45,6 +48,8 @@ WRONG = {
     "nan": ("{kind}(uintBitsToFloat(0x7fc00000u))", "{output} + {kind}(1)"),
 }
 """What they get, of floats and of integers."""
+Fates = list[tuple[str, str, str]]
+"""The names of outputs, how each is falsified, and what notices it."""
 Drawn = tuple[Programs, dict[tuple[str, str], Image], dict[tuple[str, int], np.ndarray]]
 
 
@@ -98,16 +103,20 @@ def draw_scene(lab: SceneRunner, scene: Scene) -> Drawn:
         return programs, dict(evaluation.drawn.images), covered
 
 
-def find_noticing(evaluation: Evaluation) -> str:
-    """What notices that a scene is drawn wrongly: "expectation", "module", or nothing: ""."""
-    check = SelfCheck(evaluation)
+def find_noticing(evaluation: Evaluation, keys: list[tuple[str, int]]) -> str:
+    """What notices that these draws are wrong: "expectation", "module", or "" for nothing."""
+
+    def asks_elsewhere(expectation: Expectation) -> bool:
+        return not any(getattr(need, "key", None) in keys for need in evaluation.needs(expectation))
+
     try:
-        for _, expectation in evaluation.iter_with_release(check.judge_captured):
+        for expectation in sorted(evaluation.scene.expect, key=asks_elsewhere):
             if evaluation.judge(expectation).outcome.status == "fail":
                 return "expectation"
+            evaluation.forget(list(evaluation.answers))
     except ShaderlabError:
         return "expectation"
-    _, judgement = check.judgement()
+    _, judgement = SelfCheck(evaluation).judgement()
     return "module" if judgement.outcome.status == "fail" else ""
 
 
@@ -131,7 +140,7 @@ def judge(lab: SceneRunner, scene: Scene, drawn: Drawn, shader: tuple[str, str],
             pictures = evaluation.drawn.images
             if all(np.array_equal(pictures[n].values, images[n].values) for n in images):
                 return "no effect"
-            return find_noticing(evaluation)
+            return find_noticing(evaluation, keys)
     except ShaderlabError as error:
         return f"error: {error.message}"
 
@@ -155,22 +164,38 @@ def judge_case(lab: SceneRunner, case: Case, hows: list[str]) -> Iterator[tuple[
         yield name, how, fate
 
 
+def find_all(cases: list[Case], hows: list[str], found: Path | None) -> Iterator[tuple[str, Fates]]:
+    """What notices each output of each case, as the file says where it has one."""
+    known: dict[str, Fates] = {}
+    if found and found.exists():
+        known = dict(json.loads(line) for line in found.read_text(encoding="utf-8").splitlines())
+    with SceneRunner() as lab:
+        for case in cases:
+            if case.id not in known:
+                known[case.id] = list(judge_case(lab, case, hows))
+                if found:
+                    with found.open("a", encoding="utf-8") as file:
+                        file.write(json.dumps([case.id, known[case.id]]) + "\n")
+            yield case.id, known[case.id]
+
+
 def main(words: list[str] | None = None) -> int:
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("cases", nargs="*", help="ids of cases; all by default")
     options.add_argument("--pattern", action="append", choices=STEPS, help="all by default")
+    options.add_argument("--found", type=Path, help="a file of what was found, to go on from")
     given = options.parse_args(words)
     counts: dict[str, Counter[str]] = {}
     catalogue = load_cases()
-    with SceneRunner() as lab:
-        for case in [catalogue[name] for name in given.cases] or catalogue.values():
-            for name, how, fate in judge_case(lab, case, given.pattern or list(STEPS)):
-                counts.setdefault(how, Counter())[fate.partition(":")[0] or "unnoticed"] += 1
-                if fate in ("", "module") or fate.startswith("error"):
-                    print(f"{case.id}: {name}: {how}: {fate or 'unnoticed'}", flush=True)
-    for how, found in counts.items():
-        print(f"{how}: " + ", ".join(f"{count} {fate}" for fate, count in found.items()))
-    return 1 if any(found["unnoticed"] for found in counts.values()) else 0
+    cases = [catalogue[name] for name in given.cases or catalogue]
+    for case, fates in find_all(cases, given.pattern or list(STEPS), given.found):
+        for name, how, fate in fates:
+            counts.setdefault(how, Counter())[fate.partition(":")[0] or "unnoticed"] += 1
+            if fate in ("", "module") or fate.startswith("error"):
+                print(f"{case}: {name}: {how}: {fate or 'unnoticed'}", flush=True)
+    for how, number in counts.items():
+        print(f"{how}: " + ", ".join(f"{count} {fate}" for fate, count in number.items()))
+    return 1 if any(number["unnoticed"] for number in counts.values()) else 0
 
 
 if __name__ == "__main__":

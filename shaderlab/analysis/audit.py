@@ -32,6 +32,7 @@ from .inputs import (
     Input,
     InputDomain,
     add_constants,
+    add_mipmaps,
     domains_of,
     enclose_inputs,
     inputs_of,
@@ -96,9 +97,8 @@ def _with_extremes(texels: Texels) -> Texels:
 
 def is_continuous(one: Input, domain: InputDomain) -> bool:
     """Whether an input is a float, or a vector of floats, that may be changed a little."""
-    return one.name != "gl_FragCoord" and one.type.startswith(("float", "vec")) and domain.kind in (
-        "number", "unit"
-    )  # fmt: skip
+    floats = one.type.startswith(("float", "vec")) and domain.kind in ("number", "unit")
+    return floats and one.name != "gl_FragCoord"
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,7 +198,8 @@ def _find_by_constants(
     count: int,
 ) -> dict[Place, Counterexample]:
     """What goes wrong with inputs that are the program's own numbers, such as `id == 12345`: behind
-    conditions that nothing else meets, and divisions. An index is not taken beyond its range."""
+    conditions that nothing else meets, and where 0 is wrong. An index is not taken beyond its
+    range."""
     domains = add_constants(domains, inputs, [program])
     if not any(domain.constants for domain in domains.values()):
         return {}
@@ -209,7 +210,7 @@ def _find_by_constants(
     return {
         e.place: e
         for e in examples
-        if e.place not in known and (e.place not in watched or "division" in e.place.kind)
+        if e.place not in known and (e.place not in watched or "0" in e.place.kind)
     }
 
 
@@ -255,7 +256,7 @@ def audit_program(
         examples, tried = list(found.values()), first.count + proof.tried
         batches = [first.part(np.arange(plan.count))]
         words = {name: f"{domain} ({domain.source})" for name, domain in domains.items()}
-    hazards = [hazard for e in examples for hazard in _hazards(program, e, inputs)]
+    hazards = [h for e in examples for h in _hazards(program, e, inputs, not captured)]
     claims: list[Claim] = []
     if plan.prove and captured:
         claims = [*proof.claims(), *proof.refuted_claims()]
@@ -271,7 +272,7 @@ def audit_program(
     if plan.confirm is not None:
         hazards = [plan.confirm(program, hazard) for hazard in hazards]
     return Audit(
-        file="" if program.source is None else program.source.path,
+        file=program.path,
         hazards=tuple(_deduplicate(hazards)),
         tried=tried,
         inputs=words,
@@ -312,37 +313,36 @@ def _claims(
             inputs, words = batch.example(row, batch.each), f"refuted: {place.kind}"
             hazards.append(
                 Hazard(
-                    file=program.place(0)[0], line=0, kind=OVERFLOW.kind, message=words,
+                    file=program.path, line=0, kind=OVERFLOW.kind, message=words,
                     inputs=inputs, outputs=own,
                 )
             )  # fmt: skip
 
 
 def _hazards(
-    program: Program, example: Counterexample, inputs: Mapping[str, Input]
-) -> Sequence[Hazard]:
+    program: Program, example: Counterexample, inputs: Mapping[str, Input], made_up: bool
+) -> Iterator[Hazard]:
     """The hazard about an instruction; none where no output depends on its result."""
-    place, one = example.place, example.watched
-    outputs = find_dependents(program, example.batch, example.row, place)
+    place, one, batch = example.place, example.watched, example.batch
+    outputs = find_dependents(program, batch, example.row, place)
+    if not outputs and made_up:  # a texture may have mipmaps
+        texels = {name: add_mipmaps(own) for name, own in batch.bindings.textures.items()}
+        batch = replace(batch, bindings=replace(batch.bindings, textures=texels))
+        outputs = find_dependents(program, batch, example.row, place)
     if not outputs and place.kind != INDEX.kind:
-        return ()
+        return
     words = one.check.words(*example.operands)
     if example.origin != RANDOM:
         words += "; only if two inputs are equal" if example.origin == EQUAL else _ONLY_AT_0
     file, line = program.place(one.at.line)
-    values = {name: tuple(map(float, value)) for name, value in outputs.items()}
-    return (
-        Hazard(
-            file=file,
-            line=line,
-            kind=place.kind,
-            message=words if words.startswith(place.kind) else f"{place.kind}: {words}",
-            evident=example.origin == RANDOM,
-            inputs=example.batch.example(example.row, inputs),
-            outputs=values,
-            calls=tuple(program.place(call)[1] for call in place.calls),
-        ),
-    )
+    yield Hazard(
+        file=file, line=line, kind=place.kind,
+        message=words if words.startswith(place.kind) else f"{place.kind}: {words}",
+        evident=example.origin == RANDOM,
+        inputs=batch.example(example.row, inputs),
+        outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
+        calls=tuple(program.place(call)[1] for call in place.calls),
+    )  # fmt: skip
 
 
 def _deduplicate(hazards: Sequence[Hazard]) -> list[Hazard]:

@@ -15,7 +15,7 @@ from shaderlab.model.frame import Array, Bindings, Fragments, Samples
 from .interpreter import FLOAT32, Arithmetic, Interpreted, Program, interpret
 from .interpreter.running import Trace, Watch
 
-_DERIVATIVES = range(Op.DPdx, Op.FwidthCoarse + 1)
+DERIVATIVES = range(Op.DPdx, Op.FwidthCoarse + 1)
 _HUGE = float(np.finfo(np.float32).max)
 
 
@@ -77,7 +77,7 @@ def asks_for_neighbours(program: Program, bindings: Bindings) -> bool:
     """Whether invocations depend on their quads: by derivatives, or by mipmaps."""
     if any(texels.filter[0] != texels.filter[1] for texels in bindings.textures.values()):
         return True
-    return any(one.op in _DERIVATIVES for one in program.definitions.values())
+    return any(one.op in DERIVATIVES for one in program.definitions.values())
 
 
 def run_batch(

@@ -133,8 +133,8 @@ def compare_programs(
     outputs = *comparison.outputs(captured), *_compare_interfaces(old, new)
     never = comparison.notes() if all(output.same for output in outputs) else ()
     return Answer(
-        old=_file(old),
-        new=_file(new),
+        old=old.path,
+        new=new.path,
         outputs=outputs,
         notes=(*_notes(mine, theirs), *never),
         inputs={
@@ -181,10 +181,6 @@ def _interface(program: Program) -> Iterator[tuple[str, str]]:
 
 def _format_decorations(given: Mapping[int, Sequence[int]], kinds: Iterable[Decoration]) -> str:
     return ", ".join(" ".join([k.name, *map(str, given[k])]) for k in kinds if k in given)
-
-
-def _file(program: Program) -> str:
-    return "" if program.source is None else program.source.path
 
 
 @dataclass(eq=False)

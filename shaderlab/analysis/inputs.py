@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from shaderlab.compiler.reflection import is_used, leaves, used_paths
-from shaderlab.compiler.spirv import StorageClass, type_name, unwrap
+from shaderlab.compiler.spirv import Decoration, StorageClass, type_name, unwrap
 from shaderlab.errors import NotInterpretedError, UsageError, suggest
 from shaderlab.model.frame import Array, Bindings, Texels
 
@@ -38,7 +38,7 @@ class Input:
     Attributes:
         name: as the interpreter takes it: "lights[0].color".
         type: GLSL's name of it: "vec3", "sampler2D".
-        uniform: whether all invocations of a draw have the same.
+        uniform: whether all pixels of a quad have the same, as of uniforms and of flat inputs.
         workgroup: of what numbers a compute stage's invocations, the size of their workgroup.
     """
 
@@ -65,7 +65,8 @@ def inputs_of(program: Program) -> dict[str, Input]:
         for leaf in leaves(module, pointee, name):
             if not is_used(paths.get(id_, ()), leaf.path):
                 continue
-            type_, uniform = type_name(module, leaf.type), storage != StorageClass.Input
+            flat = module.decorated(id_, Decoration.Flat) is not None
+            type_, uniform = type_name(module, leaf.type), flat or storage != StorageClass.Input
             if type_ in ("sampler", "samplerShadow"):  # the texture is all that is read
                 continue
             for each in _elements(unwrap(module, leaf.type)[0], leaf.name):
@@ -254,7 +255,7 @@ def add_constants(
         if domain.kind == "number" and name in inputs and "mat" not in inputs[name].type:
             beyond = inputs[name].whole and domain.source == "assumed" and name[:3] != "gl_"
             low, high = (-_WHOLE, _WHOLE - 1.0) if beyond else (domain.low, domain.high)
-            own = tuple(number for number in constants if low <= number <= high)
+            own = tuple(n for n in constants if low < n < high and n not in (0.0, 1.0))
             found[name] = replace(domain, constants=own)
     return found
 
@@ -422,7 +423,8 @@ def _numbers(type_: str, domain: InputDomain, count: int, rng: np.random.Generat
         x = np.exp(rng.uniform(np.log(domain.low), np.log(domain.high), (count, size)))
     tried = (domain.low, domain.high, 0.0, 1.0, *domain.constants)
     ends = np.array([e for e in tried if domain.low <= e <= domain.high])
-    corner = rng.random((count, size)) < _CORNERS
+    often = (np.arange(count) % 4 == 0)[:, None] & bool(domain.constants)
+    corner = rng.random((count, size)) < np.where(often, 0.5, _CORNERS)
     x = np.where(corner, rng.choice(ends, (count, size)), x)
     return np.asarray(np.clip(x.astype(np.float32), domain.low, domain.high), np.float32)
 
@@ -498,14 +500,20 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
         n[..., 2] = np.abs(n[..., 2])
         values[..., :3] = 0.5 + 0.5 * n / np.linalg.norm(n, axis=-1, keepdims=True)
     filters = ("nearest", "nearest") if kind == "2DMS" else ("linear", "linear")
-    smaller: tuple[Array, ...] = ()
-    if mipmaps and kind in ("2D", "2DArray") and not shadow:
-        filters = ("linear_mipmap_linear", "linear")
-        smaller = tuple(values[..., ::n, ::n, :][..., ::-1, :, :] * 0.9 for n in (2, 4, 8))
-    return Texels(
+    texels = Texels(
         values.astype(np.float32), filters, ("repeat", "repeat"), (0.0,) * 4,
-        kind=kind, compare="lequal" if shadow else None, smaller=smaller,
+        kind=kind, compare="lequal" if shadow else None,
     )  # fmt: skip
+    return add_mipmaps(texels) if mipmaps else texels
+
+
+def add_mipmaps(texels: Texels) -> Texels:
+    """The texture with smaller levels, others; as it is where its kind has none here."""
+    if texels.kind not in ("2D", "2DArray") or texels.compare or texels.smaller:
+        return texels
+    levels = (texels.values[..., ::n, ::n, :][..., ::-1, :, :] * 0.9 for n in (2, 4, 8))
+    smaller = tuple(level.astype(np.float32) for level in levels)
+    return replace(texels, filter=("linear_mipmap_linear", "linear"), smaller=smaller)
 
 
 def interpolate_inputs(
@@ -636,8 +644,7 @@ def _groups(batch: InputBatch) -> Array:
     places = batch.each.get("gl_FragCoord")
     if places is None:
         return np.arange(batch.count)
-    found: Array = np.unique(quads_of(places), return_inverse=True)[1].ravel()
-    return found
+    return np.asarray(np.unique(quads_of(places), return_inverse=True)[1].ravel())
 
 
 def _vary(values: Array, domain: InputDomain, group: Array, rng: np.random.Generator) -> Array:

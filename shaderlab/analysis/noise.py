@@ -194,11 +194,8 @@ def confirm(
     some = batch.part(taken)
     old, new = (run(program, some, _SURE) for program in programs)
     again = compare(old, new, *names)
-    different, judged, apart = (
-        compared.different.copy(),
-        compared.judged.copy(),
-        compared.apart.copy(),
-    )
+    kept = compared.different, compared.judged, compared.apart
+    different, judged, apart = map(np.copy, kept)
     different[rows] = again.different[np.isin(taken, rows)]
     judged[rows] &= again.judged[np.isin(taken, rows)]
     apart[rows] = again.apart[np.isin(taken, rows)]

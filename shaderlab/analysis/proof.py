@@ -253,7 +253,7 @@ class Proof:
         """What is claimed of a place: one claim for all of a kind in a line."""
         if place.id < 0:
             what = place.kind if place.id == _OUTPUT else "nothing goes wrong"
-            return self._program.place(0)[0], 0, what
+            return self._program.path, 0, what
         return *self._program.place(self._lines.get(place, 0)), f"no {place.kind}"
 
     def _remaining(self, numbers: list[int]) -> tuple[float, str]:

@@ -14,7 +14,7 @@ from shaderlab.bands import Integer, TriBool
 from shaderlab.compiler.spirv import Glsl450, Op, StorageClass
 from shaderlab.model.frame import Array
 
-from .batches import InputBatch, flatten_outputs, quads_of, run_batch
+from .batches import DERIVATIVES, InputBatch, flatten_outputs, quads_of, run_batch
 from .checks import Place, arguments_of, number_of
 from .hazards import Hazard, fill_value, find_dependents
 from .inputs import Input, InputDomain, smooth_quads
@@ -182,13 +182,8 @@ def _declaration(program: Program, output: str) -> tuple[str, int]:
 
 
 KIND = "derivative in divergent control flow"
-_DERIVATIVES = range(Op.DPdx, Op.FwidthCoarse + 1)
-_SAMPLES = (
-    Op.ImageSampleImplicitLod,
-    Op.ImageSampleDrefImplicitLod,
-    Op.ImageSampleProjImplicitLod,
-    Op.ImageSampleProjDrefImplicitLod,
-)
+_SHADOWS = (Op.ImageSampleDrefImplicitLod, Op.ImageSampleProjDrefImplicitLod)
+_SAMPLES = (Op.ImageSampleImplicitLod, Op.ImageSampleProjImplicitLod, *_SHADOWS)
 
 
 @dataclass
@@ -200,7 +195,7 @@ class _Divergent:
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         sampled = at.op in _SAMPLES
-        if not sampled and at.op not in _DERIVATIVES:
+        if not sampled and at.op not in DERIVATIVES:
             return result
         here = state.mask
         if here.all():
@@ -228,10 +223,10 @@ def divergent(
         batch: whole quads; generated inputs become smooth, and uniforms uniform.
         inputs: what it reads.
         made_up: of which values inputs are generated; then it is unknown which textures have
-            mipmaps.
+            mipmaps: those that compare depths seldom have.
     """
     ops = {one.op for one in program.definitions.values()}
-    if program.stage != "fragment" or not ops & {*_DERIVATIVES, *_SAMPLES}:
+    if program.stage != "fragment" or not ops & {*DERIVATIVES, *_SAMPLES}:
         return
     if made_up is not None:
         batch = smooth_quads(batch, inputs, made_up)
@@ -247,12 +242,12 @@ def divergent(
         if not outputs:
             continue
         file, line = program.place(at.line)
-        what = "a derivative" if at.op in _DERIVATIVES else "a texture's level of detail"
+        what = "a derivative" if at.op in DERIVATIVES else "a texture's level of detail"
         words = f"{what} is undefined where other pixels of the quad take another branch, or end"
         yield Hazard(
             file=file, line=line, kind=KIND,
             message=words if mipmapped else f"{words}; only if the texture has mipmaps",
-            evident=mipmapped,
+            evident=mipmapped or at.op not in _SHADOWS,
             inputs=batch.example(row, inputs),
             outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
             calls=tuple(program.place(call)[1] for call in place.calls),

@@ -178,10 +178,31 @@ def test_numbers_that_the_shader_names_are_tried(value: str, hazards: int) -> No
     assert len(evident(audit_program(load(source)))) == hazards
 
 
-def test_textures_diverge_only_with_mipmaps() -> None:
-    body = "    float d = 0.0;\n    if (uv.x > 0.5) {\n        d = texture(image, uv).r;\n    }\n"
-    (hazard,) = audit(body + "    FragColor = vec4(d);").hazards
-    assert not hazard.evident and "only if the texture has mipmaps" in hazard.message
+@pytest.mark.parametrize(
+    ("declared", "value", "evident"),
+    [
+        ("in vec2 at; uniform sampler2D map;", "at.x > 0.5 ? texture(map, at).r : 0.0", [True]),
+        (
+            "in vec3 at; uniform sampler2DShadow map;",
+            "at.x > 0.5 ? texture(map, at) : 0.0",
+            [False],
+        ),
+        ("flat in vec2 at; uniform sampler2D map;", "at.x > 0.5 ? texture(map, at).r : 0.0", []),
+        ("in vec2 at; uniform sampler2D map;", "at.x > 0.5 ? textureLod(map, at, 0.0).r : 0.0", []),
+        (  # a level of detail, though made-up textures have one level
+            "in vec2 at; uniform int k; uniform sampler2D map;",
+            "textureLod(map, at, log2(float(abs(k)))).r",
+            [True],
+        ),
+        ("in vec2 at;", "log2(max(abs(at.x - 0.25), abs(at.y - 0.75)))", [True]),  # both at once
+    ],
+)
+def test_what_a_texture_and_its_coordinates_may_be(
+    declared: str, value: str, evident: list[bool]
+) -> None:
+    text = f"#version 330 core\n{declared}\nout float o;\nvoid main() {{ o = {value}; }}"
+    found = audit_program(load(Shaders([]).from_text(text, "fragment", "a.frag"))).hazards
+    assert [hazard.evident for hazard in found] == evident
 
 
 def test_a_loop_that_never_ends_can_not_be_audited() -> None:

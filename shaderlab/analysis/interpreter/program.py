@@ -205,6 +205,11 @@ class Program:
         return "" if self.source is None else self.source.stage
 
     @property
+    def path(self) -> str:
+        """The file, though its first line may be an included one; "" if there is none."""
+        return "" if self.source is None else self.source.path
+
+    @property
     def main(self) -> Function:
         """The entry point."""
         return self.functions[self.module.entry]
