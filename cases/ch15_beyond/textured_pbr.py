@@ -114,9 +114,19 @@ def color_of(
     total = 0.12 * albedo
     for place, strength in zip(lights_position, lights_color, strict=True):
         ray = place - FragPos
-        lit = microfacets.radiance(normal, view, normalize(ray), albedo, metal, rough)
+        lit = reflected(normal, view, normalize(ray), albedo, metal, rough)
         total = total + lit * strength / dot(ray, ray)
     return vec4(total, 1.0)
+
+
+def reflected(normal, view, light, albedo, metal, rough):
+    """Of a lamp of strength 1; D as the shader has it, as nothing cancels then on smooth metal."""
+    half = normalize(view + light)
+    cosines = max(dot(normal, view), 0.0), max(dot(normal, light), 0.0)
+    d, g = microfacets.distribution_of(normal, half, rough), microfacets.geometry(*cosines, rough)
+    f = microfacets.fresnel(dot(half, view), microfacets.base_reflectance(albedo, metal))
+    diffuse = (1.0 - f) * (1.0 - metal) * albedo / microfacets.PI
+    return (diffuse + d * g * f / (4.0 * cosines[0] * cosines[1] + 0.0001)) * cosines[1]
 
 
 def of_a_mirror():
@@ -126,11 +136,11 @@ def of_a_mirror():
 
 
 DARK = (0.0, 0.0, 0.0)
-# The viewer straight above a surface, and a lamp aside.
+# The viewer straight above a surface, and a lamp as far aside as the smoothest mirrors reflect it.
 ASIDE = {
     "FragPos": (0.0, 0.0, 0.0), "Normal": (0.0, 0.0, 1.0), "TexCoords": (0.5, 0.5),
     "camPos": (0.0, 0.0, 2.0), "color": (1.0, 1.0, 1.0), "roughness": 0.0, "metallic": 0.0,
-    **lamps([(0.5, 0.0, 1.0), LAMPS[1], LAMPS[2]], [(1.0, 1.0, 1.0), DARK, DARK]),
+    **lamps([(0.01, 0.0, 1.0), LAMPS[1], LAMPS[2]], [(1.0, 1.0, 1.0), DARK, DARK]),
 }  # fmt: skip
 
 OVER = np.linspace(0.0, 0.3, 13)

@@ -24,10 +24,12 @@ void main()
     int met = -1;
     for (int k = 0; k < BALLS; ++k) {
         vec3 off = eye - balls[k].xyz;
-        float half_ = dot(off, direction);
-        float square = half_ * half_ - dot(off, off) + balls[k].w * balls[k].w;
-        if (square > 0.0 && -half_ - sqrt(square) < nearest) {
-            nearest = -half_ - sqrt(square);
+        float beside = -dot(off, direction);
+        vec3 apart = off + beside * direction;    // a small difference of large squares would err
+        float square = balls[k].w * balls[k].w - dot(apart, apart);
+        float away = beside - sqrt(max(square, 0.0));
+        if (square > 0.0 && away < nearest) {
+            nearest = away;
             met = k;
         }
     }
@@ -41,7 +43,7 @@ void main()
     } else {
         vec3 normal = (place - balls[met].xyz) / balls[met].w;
         vec3 paint = 0.5 + 0.42 * cos(vec3(0.3, 2.3, 4.1) + 1.6 * float(met));
-        light = paint * (0.34 + 0.14 * normal.y + 0.75 * max(normal.y, 0.0));
+        light = paint * (0.34 + 0.14 * normal.y + 0.6 * max(normal.y, 0.0));
     }
     FragColor = vec4(encoded(light), 1.0);
 }

@@ -21,13 +21,13 @@ float byCloser(sampler2D map, vec2 at, vec2 points[POINTS], float lamp)
     for (int k = 0; k < POINTS; ++k) {
         float height = textureLod(map, at + lamp * HIGHEST * points[k], 0.0).r;
         heights += height;
-        blockers += height > 0.0 ? 1.0 : 0.0;
+        blockers += sign(height);
     }
     if (blockers == 0.0)
         return 1.0;
     float size = lamp * heights / blockers;
     float seen = 0.0;
     for (int k = 0; k < POINTS; ++k)
-        seen += textureLod(map, at + size * points[k], 0.0).r > 0.0 ? 0.0 : 1.0;
+        seen += 1.0 - sign(textureLod(map, at + size * points[k], 0.0).r);
     return seen / float(POINTS);
 }
