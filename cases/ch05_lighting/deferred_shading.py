@@ -15,6 +15,7 @@ Try: in `ch05_lighting/deferred_buffer.frag` write `vec3(0.0, 1.0, 0.0)` for `no
 the lamps light every ball as if it lay flat on the floor.
 """
 
+from functools import partial
 from math import cos, sin
 
 import numpy as np
@@ -30,7 +31,18 @@ from shaderlab import (
     measure,
     reading,
 )
-from shaderlab.glslmath import dot, fract, length, max, normalize, swizzle, vec2, vec4, where
+from shaderlab.glslmath import (
+    dot,
+    either,
+    fract,
+    length,
+    max,
+    normalize,
+    swizzle,
+    vec2,
+    vec4,
+    where,
+)
 from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.attenuation import attenuation
 from shaderlab.reference.lighting import gated, lobe
@@ -39,7 +51,6 @@ from shaderlab.reference.transforms import normal_matrix
 from ..scenes.cameras import camera, turned
 from ..scenes.drawing import encoded
 from ..scenes.figures import figure
-from ..scenes.laws import gated_or_not
 from ..scenes.lit import BELOW, GRAZING, PAINTED, TURNED_AWAY, thing, vertex_stage_checks
 from ..scenes.plaza import plaza
 
@@ -99,12 +110,12 @@ def all_lamps(place, normal, albedo, gloss, viewPos, places, colors, gate):
     return vec4(total, 1.0)
 
 
-def ungated(cosine, share):
-    """A highlight on whatever side the lamp is."""
-    return share
+def gated_or_not(cosine, share):
+    """A highlight on faces towards the lamp, or on all: that has a check of its own."""
+    return either(gated(cosine, share), share)
 
 
-def forward(FragPos, Normal, Color, viewPos, lamps_position, lamps_color, gate=gated):
+def forward(FragPos, Normal, Color, viewPos, lamps_position, lamps_color, gate=gated_or_not):
     """Light on a fragment while it is drawn."""
     gloss = 0.8 * swizzle(Color, "r")
     lamps = (lamps_position, lamps_color)
@@ -113,7 +124,7 @@ def forward(FragPos, Normal, Color, viewPos, lamps_position, lamps_color, gate=g
 
 def deferred(
     gPosition, gNormal, gAlbedoSpec, TexCoords, viewPos, lamps_position, lamps_color,
-    gate=gated,
+    gate=gated_or_not,
 ):  # fmt: skip
     """Light on what the buffer holds."""
     place, normal, surface = (
@@ -172,6 +183,7 @@ POINT = {"FragPos": (0.0, 0.0, 0.0), "Normal": (0.0, 1.0, 0.0), "Color": (0.5, 0
 IN_THE_MIDDLE, AMBIENT = (1.010453, 0.657102, 0.704490, 1.0), (0.015, 0.015, 0.015, 1.0)
 LAMPS_BELOW = {f"lamps[{k}].position": BELOW for k in range(16)}
 ALL_BELOW = {**GRAZING, "Color": (0.5, 0.5, 0.5), **LAMPS_BELOW}
+GATED = partial(forward, gate=gated)
 
 case = Case(
     title="Deferred shading",
@@ -198,11 +210,11 @@ case = Case(
         formula("buffer.gPosition", place_of),
         formula("buffer.gNormal", normal_of),
         formula("buffer.gAlbedoSpec", surface_of),
-        formula("lit.FragColor", gated_or_not(deferred, gate=ungated), name="deferred"),
+        formula("lit.FragColor", deferred, name="deferred"),
         *vertex_stage_checks("Normal", pass_name="forward"),
         formula("picture.FragColor", shown, name="the picture"),
         boundaries("picture.FragColor", shown, name="the picture's quarters"),
-        formula("forward.FragColor", gated_or_not(forward, gate=ungated), name="forward"),
+        formula("forward.FragColor", forward, name="forward"),
         measure(
             "largest difference from forward shading",
             largest_difference,
@@ -219,6 +231,12 @@ case = Case(
             ],
         ),
         figure("forward.FragColor", "a grey point in the middle", POINT, IN_THE_MIDDLE),
-        figure("forward.FragColor", TURNED_AWAY, ALL_BELOW, AMBIENT, reference=forward),
+        figure(
+            "forward.FragColor",
+            TURNED_AWAY,
+            ALL_BELOW,
+            AMBIENT,
+            reference=partial(forward, gate=gated),
+        ),
     ],
 )

@@ -22,7 +22,7 @@ from functools import partial
 import numpy as np
 
 from shaderlab import Case, CubeTexture, Depth, Output, assets, formula, measure
-from shaderlab.glslmath import dot, floor, normalize, sqrt, swizzle, vec3, vec4
+from shaderlab.glslmath import dot, floor, normalize, sqrt, swizzle, vec4
 from shaderlab.glslmath.sampling import texelFetch, textureLod
 from shaderlab.reference.transforms import translate
 
@@ -43,7 +43,7 @@ CAMERA = camera((TURN @ (0.0, 0.35, 6.4, 1.0))[:3], (0.0, 0.0, 0.0), 30.0, 2.0, 
 RAYS = {"TexCoords": camera_rays(**CAMERA)}
 CHALK = (0.86, 0.84, 0.80)
 FACES = 16
-SKY = CubeTexture(faces=[lambda k=k: sky_light(k, 192) for k in range(6)], filter=("linear",) * 2)
+SKY = CubeTexture(faces=[lambda k=k: sky_light(k, 128) for k in range(6)], filter=("linear",) * 2)
 NOISE = skies(seed=15)[1]
 # Skies that are projected: the morning's, random texels, one that is 1 everywhere, max(z, 0).
 SKIES = {
@@ -93,17 +93,20 @@ def behind(sky):
 
 def coefficient(sky, frag_coord):
     """∫ L Y dω over the texels of a sky, each by its solid angle."""
-    size, covered, total = sky.texels.values.shape[-2], 0.0, 0.0
+    size, number = sky.texels.values.shape[-2], floor(swizzle(frag_coord, "x"))
     places = (2.0 * np.arange(size) + 1.0) / size - 1.0
-    number = floor(swizzle(frag_coord, "x"))
+    toward = []
     for face, y, x in np.ndindex(6, size, size):
         at = [places[x], places[y]]
         at.insert(face // 2, 1.0)
-        direction = vec3(*at) * (1.0 - 2.0 * (face % 2))
-        area = 1.0 / (dot(direction, direction) * sqrt(dot(direction, direction)))
-        covered = covered + area
-        light = swizzle(textureLod(sky, direction, 0.0), "rgb")
-        total = total + area * entry(number, harmonics(normalize(direction))) * light
+        toward.append(np.array(at) * (1.0 - 2.0 * (face % 2)))
+    texels = np.array(toward)[:, None]  # all at once
+    area = 1.0 / (dot(texels, texels) * sqrt(dot(texels, texels)))
+    light = swizzle(textureLod(sky, texels, 0.0), "rgb")
+    parts = area * entry(number, harmonics(normalize(texels))) * light
+    covered, total = 0.0, 0.0
+    for k in range(len(toward)):
+        covered, total = covered + area[k], total + parts[k]
     return 12.566371 / covered * total
 
 
@@ -155,8 +158,8 @@ case = Case(
     r"A_l = \pi,\ \tfrac{2\pi}{3},\ \tfrac{\pi}{4}, \qquad L_{lm} = \int L\, Y_{lm}\, d\omega",
     passes=(
         *map(projected, SKIES),
-        *twins(picture(LARGE, (1024, 512), "scene", colors=LIGHT, depth="depth24")),
-        *lit.picture(size=(512, 256)),
+        *twins(picture(LARGE, (768, 384), "scene", colors=LIGHT, depth="depth24")),
+        *lit.picture(size=(384, 192)),
         *twins(picture(SMALL, (64, 32), "judged", depth="depth24")),
         *(under(sky) for sky in ("white", "half")),
     ),

@@ -46,7 +46,7 @@ from ..scenes.furnace import reflected_share_by_directions
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import cell, enlarged, panel, panel_pass, picture, square
 from ..scenes.sky import sky_light
-from ..scenes.split_sum import AZIMUTHS, factors, halfway
+from ..scenes.split_sum import AZIMUTHS, added, factors, halfways
 
 BALLS = 6
 BITS = [int(f"{k * 2654435761 % 2**32:032b}"[::-1], 2) for k in range(64)]
@@ -87,27 +87,25 @@ def tabled(name, size):
     return panel_pass(name, "ch15_beyond/ibl_specular_table.frag", domain, uniforms, size=size)
 
 
-def blurred(sky, axis, roughness, azimuths):
+def blurred(sky, axis, roughness):
     """The sky around a direction, as blurred as a surface shows it from straight above."""
     pole = where(abs(swizzle(axis, "y")) < 0.9, vec3(0.0, 1.0, 0.0), vec3(1.0, 0.0, 0.0))
     aside = normalize(cross(pole, axis))
-    upward, total, weights = cross(axis, aside), 0.0, 0.0
-    for k, azimuth in enumerate(azimuths):
-        local = halfway(k, azimuth, roughness)
-        x, y, z = (swizzle(local, name) for name in "xyz")
-        ray = 2.0 * z * (x * aside + y * upward + z * axis) - axis
-        weight = max(2.0 * z * z - 1.0, 0.0)
-        total = total + weight * swizzle(textureLod(sky, ray, 7.0 * roughness), "rgb")
-        weights = weights + weight
-    return total / weights
+    upward = cross(axis, aside)
+    local = halfways(roughness)
+    x, y, z = (swizzle(local, name) for name in "xyz")
+    rays = 2.0 * z * (x * aside + y * upward + z * axis) - axis
+    weights = max(2.0 * z * z - 1.0, 0.0)
+    light = weights * swizzle(textureLod(sky, rays, 7.0 * roughness), "rgb")
+    return added(light) / added(weights)
 
 
-def color(place, azimuths, sky, table, f0, roughness, camera, aside, radius):
+def color(place, sky, table, f0, roughness, camera, aside, radius):
     """The blurred sky times the table's factors, or what is behind the ball; encoded."""
     outward = dot(place, place)
     facing = sqrt(max(1.0 - outward, 0.0001))
     axis = mul(camera, vec3(2.0 * facing * place, 1.0 - 2.0 * outward))
-    seen = blurred(sky, axis, roughness, azimuths)
+    seen = blurred(sky, axis, roughness)
     behind = textureLod(sky, mul(camera, vec3(aside + 0.125 * place, -1.0)), 3.0)
     ball = seen * reflectance(facing, roughness, table, f0)
     return shown(outward, radius, ball, swizzle(behind, "rgb"))

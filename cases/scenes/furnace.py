@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.glslmath import Value, max, sqrt
+from shaderlab.glslmath import Value, max, sqrt, swizzle, vec4
 from shaderlab.reference.microfacets import PI, distribution
 
 Masking = Callable[[Value, Value], Value]
@@ -50,16 +50,20 @@ def reflected_share(
     alpha = roughness * roughness
     squared = alpha * alpha
     sine_view = sqrt(max(1.0 - normal_view * normal_view, 0.0))
+    fours = [vec4(*ring[k : k + 4]) for k in range(0, len(ring), 4)]  # four azimuths at a time
     total: Value = 0.0
     for level in range(levels):
         u = (level + 0.5) / levels
         around = 1.0 - u + squared * u
         cosine = sqrt((1.0 - u) / around)
         sine = sqrt(squared * u / around)
-        for azimuth in ring:
-            view_half = max(sine_view * sine * azimuth + normal_view * cosine, 0.0)
+        aside, upward = sine_view * sine, normal_view * cosine
+        for azimuths in fours:
+            view_half = max(aside * azimuths + upward, 0.0)
             normal_light = max(2.0 * view_half * cosine - normal_view, 0.0)
-            total = total + half_of_g(normal_light, roughness) * view_half / cosine
+            parts = half_of_g(normal_light, roughness) * view_half / cosine
+            for name in "xyzw":
+                total = total + swizzle(parts, name)
     share = total * half_of_g(normal_view, roughness) / normal_view
     return share / float(levels * len(ring))
 

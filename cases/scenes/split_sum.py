@@ -8,7 +8,8 @@ et al. 2007, equation 35 (halfway vectors as GGX's D is distributed).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from functools import reduce
+from operator import add
 
 import numpy as np
 
@@ -18,35 +19,43 @@ from shaderlab.reference.microfacets import shadowing_under_sky
 SAMPLES = 32
 _TURN = 2.0 * math.pi / SAMPLES * np.arange(SAMPLES)
 AZIMUTHS = np.column_stack([np.cos(_TURN), np.sin(_TURN)])
-FRACTIONS = [int(f"{k:032b}"[::-1], 2) / 2.0**32 for k in range(SAMPLES)]
+FRACTIONS = np.array([int(f"{k:032b}"[::-1], 2) / 2.0**32 for k in range(SAMPLES)])
 """Of each point, a direction around the normal, and its number's bits in opposite order."""
 
 
-def halfway(k: int, azimuth: Value, roughness: Value) -> Value:
-    """The k-th halfway vector about +z, for mirrors whose D is GGX's, (…, 3).
+def halfways(roughness: Value) -> Value:
+    """All halfway vectors about +z, for mirrors whose D is GGX's, (SAMPLES, …, 3).
 
-    >>> halfway(1, AZIMUTHS[0], 1.0).round(6).tolist()
-    [0.707107, 0.0, 0.707107]
+    >>> halfways(0.5)[0].tolist()
+    [[0.0, 0.0, 1.0]]
     """
-    u, squared = FRACTIONS[k], roughness * roughness * roughness * roughness
+    u, squared = FRACTIONS[:, None, None], roughness * roughness * roughness * roughness
     around = 1.0 - u + squared * u
-    return vec3(sqrt(squared * u / around) * azimuth, sqrt((1.0 - u) / around))
+    azimuths = AZIMUTHS.astype(np.float32)[:, None]
+    return vec3(sqrt(squared * u / around) * azimuths, sqrt((1.0 - u) / around))
 
 
-def factors(normalView: Value, roughness: Value, azimuths: Iterable[Value]) -> Value:
+def factors(normalView: Value, roughness: Value) -> Value:
     """A and B: what stands by f0, and what is added, (…, 2).
 
-    >>> factors(0.5, 0.0, AZIMUTHS).round(6).tolist()
-    [0.96875, 0.03125]
+    >>> factors(0.5, 0.0).round(6).tolist()
+    [[0.96875, 0.03125]]
     """
-    view, total = vec3(sqrt(1.0 - normalView * normalView), 0.0, normalView), 0.0
-    for k, azimuth in enumerate(azimuths):
-        half = halfway(k, azimuth, roughness)
-        upright = swizzle(half, "z")
-        view_half = max(dot(view, half), 0.0)
-        light = max(2.0 * view_half * upright - normalView, 0.0)
-        weight = shadowing_under_sky(light, roughness) * view_half / upright
-        grazing = 1.0 - view_half
-        fresnel = grazing * grazing * (grazing * grazing) * grazing
-        total = total + weight * vec2(1.0 - fresnel, fresnel)
+    view, half = vec3(sqrt(1.0 - normalView * normalView), 0.0, normalView), halfways(roughness)
+    upright = swizzle(half, "z")
+    view_half = max(dot(view, half), 0.0)
+    light = max(2.0 * view_half * upright - normalView, 0.0)
+    weight = shadowing_under_sky(light, roughness) * view_half / upright
+    grazing = 1.0 - view_half
+    fresnel = grazing * grazing * (grazing * grazing) * grazing
+    total = added(weight * vec2(1.0 - fresnel, fresnel))
     return shadowing_under_sky(normalView, roughness) / normalView / float(SAMPLES) * total
+
+
+def added(parts: Value) -> Value:
+    """The sum of what all points give, (SAMPLES, …), one after the other.
+
+    >>> added(np.ones((SAMPLES, 1))).tolist()
+    [32.0]
+    """
+    return reduce(add, (parts[k] for k in range(SAMPLES)), 0.0)
