@@ -82,6 +82,21 @@ class WorkerDiedError(Exception):
     step: str = ""
 
 
+class _Process(subprocess.Popen[bytes]):
+    """A process whose id is known before it runs its program, so that it can be ended even if it is
+    stopped on its way there."""
+
+    pid = 0
+
+    def __init__(self) -> None:
+        """Start nothing yet."""
+
+    def start(self, command: Sequence[str], **options: Any) -> None:
+        # With a group to change to, Python calls fork: vfork would hold the whole of Python up
+        # until the program runs.
+        super().__init__(command, group=os.getgid(), **options)
+
+
 class _Worker:
     """A process that answers items, as `WorkerPool` says.
 
@@ -101,7 +116,7 @@ class _Worker:
         self._arguments = [str(os.getpid()), work, str(limits.seconds), str(memory)]
         self._lock = threading.Lock()  # for the two below
         self._closed = False
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process: _Process | None = None
         self._streams: Sequence[Any] = ()
         self._pid = 0
 
@@ -124,11 +139,13 @@ class _Worker:
                 return
             if self._closed:
                 raise ShaderlabError("the pool of workers is closed")
-            try:
-                self._start_process()
-            except OSError as error:
-                said = f"can't start a worker process: {error.strerror or error}"
-                raise ShaderlabError(said, remedy=suggest_limit(error)) from error
+            self._process = _Process()
+        try:
+            self._start(self._process)
+        except OSError as error:
+            self._process = None
+            said = f"can't start a worker process: {error.strerror or error}"
+            raise ShaderlabError(said, remedy=suggest_limit(error)) from error
         try:
             self._receive(max(START_SECONDS, self._limits.seconds))
         except WorkerDiedError as error:
@@ -157,7 +174,7 @@ class _Worker:
         self.memory = 0
         return 0 if process is None else process.returncode
 
-    def _start_process(self) -> None:
+    def _start(self, process: _Process) -> None:
         self._socket, theirs = socket.socketpair()
         self._answers = self._socket.makefile("rb")
         # Both live as long as the process, and take no space on a disk that may be full.
@@ -166,7 +183,7 @@ class _Worker:
         self._streams = (self._answers, self._socket, self._errors, self._steps)
         inherited = [theirs.fileno(), self._steps.fileno()]
         with theirs:
-            self._process = subprocess.Popen(
+            process.start(
                 [sys.executable, "-P", "-c", _PROGRAM, *map(str, inherited), *self._arguments],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
@@ -176,7 +193,7 @@ class _Worker:
                 pass_fds=inherited,
                 process_group=0,  # so that what it starts can be ended with it
             )
-        self._pid = self._process.pid
+        self._pid = process.pid
 
     def _send(self, value: Any) -> None:
         self._socket.settimeout(None)
@@ -225,14 +242,16 @@ class _Worker:
         return WorkerDiedError("crash", f"the process died: {message}", step)
 
 
-def _kill_group(process: subprocess.Popen[bytes]) -> None:
+def _kill_group(process: _Process) -> None:
     """Kill a process, its group, and what it started in other groups."""
-    with contextlib.suppress(ProcessLookupError, PermissionError):
-        started = list(_descendants(process.pid))
-        os.killpg(process.pid, signal.SIGKILL)
-        for descendant in started:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(descendant, signal.SIGKILL)
+    if not process.pid:
+        return
+    single = list(_descendants(process.pid))
+    if process.returncode is None:
+        single.append(process.pid)  # which may have no group yet
+    for kill, number in [(os.killpg, process.pid), *((os.kill, one) for one in single)]:
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            kill(number, signal.SIGKILL)
 
 
 def _descendants(process: int) -> Iterator[int]:
@@ -289,8 +308,10 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         for worker in self._workers.values():
             worker.close()
             self._queue.put(None)
-        for thread in self._workers:
-            thread.join()
+        for thread, worker in self._workers.items():
+            while thread.is_alive():
+                worker.close()  # again: its process may have got its id after the first time
+                thread.join(0.5)
 
     def start(self, item: Any) -> None:
         """Start the first worker with an item whose result nobody needs, and wait for neither."""
@@ -330,10 +351,11 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             if len(self._workers) < min(self.jobs, max(self._unfinished, 1)):
                 worker = self._make()
                 thread = threading.Thread(target=self._serve, args=[worker], daemon=True)
+                self._workers[thread] = worker  # first: Ctrl-C may come while it starts
                 try:
                     thread.start()
-                    self._workers[thread] = worker
                 except RuntimeError as error:  # the system allows no more of them
+                    del self._workers[thread]
                     if not self._workers:
                         remedy = suggest_limit(OSError(errno.EAGAIN, ""))
                         raise ShaderlabError(str(error), remedy=remedy) from error

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import os
 import resource
+import signal
 import subprocess
 import sys
 import time
@@ -12,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.workers.pool import WorkerPool
+from shaderlab.workers.pool import WorkerPool, _descendants
 
 WORK = """
 import os, subprocess, sys, time
@@ -32,7 +34,7 @@ def work(item):
 PARENT = """
 import sys
 from shaderlab.model.options import Limits
-from shaderlab.workers.pool import WorkerPool
+from shaderlab.workers.pool import WorkerPool, _descendants
 
 with WorkerPool("mine:work", limits=Limits(seconds=600.0)) as pool:
     for result in pool.run(sys.argv[1:]):
@@ -67,6 +69,28 @@ def test_workers_end_with_the_process_that_started_them(work: str) -> None:
         assert is_running(worker)
         parent.kill()
     wait_for_end(worker)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="others have no leases of files")
+def test_a_worker_that_never_gets_to_its_program_keeps_nobody_waiting(tmp_path: Path) -> None:
+    program = tmp_path / "python"
+    program.write_text("#!/bin/sh\n")
+    program.chmod(0o755)
+    with program.open("a") as file:  # who runs it waits until this lease is given back
+        fcntl.fcntl(file, fcntl.F_SETSIG, signal.SIGURG)
+        fcntl.fcntl(file, fcntl.F_SETLEASE, fcntl.F_WRLCK)
+        start = (
+            "import signal, sys\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
+            f"sys.executable = {str(program)!r}\n"
+        )
+        path = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+        command = [sys.executable, "-c", start + PARENT, "a"]
+        with subprocess.Popen(command, stderr=subprocess.DEVNULL, env=path) as parent:
+            while not (children := list(_descendants(parent.pid))):
+                time.sleep(0.01)
+            parent.send_signal(signal.SIGINT)
+            assert parent.wait(30.0) == -signal.SIGINT  # after 45 s the system ends the lease
+        wait_for_end(*children)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")

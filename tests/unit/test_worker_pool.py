@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import subprocess
 import textwrap
 import threading
 import time
@@ -287,7 +286,7 @@ def test_a_worker_that_starts_too_slowly_is_an_error_that_says_so(
         list(pool.run(["a"]))
 
 
-NO_PROCESS = subprocess, "Popen", BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+NO_PROCESS = pool_module._Process, "start", BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
 NO_THREAD = threading.Thread, "start", RuntimeError("can't start new thread")
 
 
