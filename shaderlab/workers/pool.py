@@ -328,7 +328,7 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         """
         run = _Run()
         numbered = enumerate(items)
-        ahead = itertools.islice(numbered, max(self.jobs + 1, AHEAD))
+        ahead = itertools.islice(numbered, min(max(self.jobs + 1, AHEAD), sys.maxsize))
         try:
             left = sum(self._submit(run, *each) for each in ahead)
             while left:

@@ -318,6 +318,11 @@ def test_what_a_work_preloads_is_there_when_it_is_ready(work: str, tmp_path: Pat
         list(pool.run(["a"]))
 
 
+def test_more_workers_may_be_allowed_than_there_will_ever_be(work: str) -> None:
+    with WorkerPool(work, limits=LIMITS, jobs=10**20) as pool:
+        assert list(pool.run([])) == []
+
+
 def test_workers_that_are_not_needed_are_not_started(work: str, tmp_path: Path) -> None:
     with WorkerPool(work, limits=LIMITS, jobs=3) as pool:
         pool.start("pid")
