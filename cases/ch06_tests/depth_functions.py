@@ -19,7 +19,7 @@ from shaderlab import Case, Depth, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, depth_passes
 
 from ..scenes.panels import cell, panel, picture
-from ..scenes.tables import edges_check, shown, shown_check
+from ..scenes.tables import edges_check, shown, shown_checks
 
 STORED = 0.5
 DEPTHS = (0.25, 0.5, 0.75)  # nearer, equal, farther
@@ -43,14 +43,14 @@ case = Case(
     math=r"\text{pass} \iff z_{\text{incoming}}\ \mathit{func}\ z_{\text{stored}}",
     passes=(
         picture((stored, *tests), SIZE, "table", colors={"total": "r32f"}, depth="depth32f"),
-        shown("verdicts", "table.total", SIZE, (72, 72), group=SIZE),
+        *shown("verdicts", "table.total", SIZE, (24, 24), group=SIZE),
     ),
     picture="picture.FragColor",
     columns=[name.upper() for name in FUNCTIONS],
     rows=("farther", "equal", "nearer"),
     expect=[
         exact("table.total", truth, name="8 functions × nearer, equal, farther"),
-        shown_check("verdicts"),
+        *shown_checks("verdicts"),
         edges_check("verdicts"),
     ],
 )

@@ -17,7 +17,7 @@ from shaderlab import Blend, Case, Depth, Pass, Target, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, depth_after, depth_passes
 
 from ..scenes.panels import cell, panel
-from ..scenes.tables import all_figures, edges_check, shown, shown_check
+from ..scenes.tables import all_figures, edges_check, shown, shown_check, shown_checks
 
 STORED = 0.5
 DEPTHS = (0.25, 0.5, 0.75)  # exact in a depth buffer of 32-bit floats
@@ -66,14 +66,14 @@ case = Case(
             target=target,
             draws=(*fields, wiped, *(found(depth) for depth in DEPTHS)),
         ),
-        shown("numbers", "kept.total", (COLUMNS, ROWS), (60, 40), group=3.0, whole=100.0),
+        *shown("numbers", "kept.total", (COLUMNS, ROWS), (20, 14), group=3.0, whole=100.0),
         all_figures(),
     ),
     picture="picture.FragColor",
     columns=[*(name.upper() for name in FUNCTIONS), "test off"],
     rows=[f"{d}, mask {m}" for m in ("open", "closed") for d in (75, 50, 25)],
     expect=[
-        shown_check("numbers"),
+        *shown_checks("numbers"),
         shown_check("numbers", "figures", "figures that the table has not"),
         edges_check("numbers", "figures"),
         exact(

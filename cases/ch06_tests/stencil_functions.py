@@ -19,7 +19,7 @@ from shaderlab.reference.depth_stencil import FUNCTIONS, stencil_passes
 from ..scenes.api import answers
 from ..scenes.objects import depth_alone
 from ..scenes.panels import cell, panel, picture
-from ..scenes.tables import edges_check, shown, shown_check
+from ..scenes.tables import edges_check, shown, shown_checks
 
 VALUES = range(4)  # references, stored values and masks: all there are in two bits
 FUNCS = tuple(FUNCTIONS)
@@ -84,7 +84,7 @@ case = Case(
     passes=(
         picture((*stored, *tests), (COLUMNS, ROWS), "table", **FORMATS),
         picture(frame, (9, 9), "hollow", **FORMATS | {"clear_stencil": 0}),
-        shown("verdicts", "table.total", (COLUMNS, ROWS), (24, 24), group=(4.0, 4.0)),
+        *shown("verdicts", "table.total", (COLUMNS, ROWS), (8, 8), group=(4.0, 4.0)),
     ),
     picture="picture.FragColor",
     columns=[name.upper() for name in FUNCS],
@@ -98,7 +98,7 @@ case = Case(
                 "… the last one": (STENCIL, 0, ATTACHED, cleared(5), cleared(0)),
             }
         ),
-        shown_check("verdicts"),
+        *shown_checks("verdicts"),
         edges_check("verdicts"),
     ],
     errata=[

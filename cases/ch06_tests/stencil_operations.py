@@ -18,7 +18,7 @@ from shaderlab import Blend, Case, Cell, Depth, Stencil, Variant, exact
 from shaderlab.reference.depth_stencil import OPERATIONS, stencil_after
 
 from ..scenes.panels import cell, panel, picture
-from ..scenes.tables import edges_check, shown, shown_check
+from ..scenes.tables import edges_check, shown, shown_checks
 
 NAMES = tuple(OPERATIONS)
 FARES = ("fail", "depth_fail", "depth_pass")
@@ -76,7 +76,7 @@ def table(write_mask):
     group = {"group": float(len(STORED)), "whole": 255.0}
     return (
         picture(draws, SIZE, "table", **formats),
-        shown("numbers", "table.total", SIZE, (42, 35), **group),
+        *shown("numbers", "table.total", SIZE, (14, 12), **group),
     )
 
 
@@ -103,5 +103,5 @@ case = Case(
     picture="picture.FragColor",
     columns=("stencil test fails", "depth test fails", "both pass"),
     rows=[name.upper() for name in reversed(NAMES)],
-    expect=[shown_check("numbers")],
+    expect=shown_checks("numbers"),
 )

@@ -28,7 +28,8 @@ from shaderlab.glslmath import (
 )
 from shaderlab.glslmath.sampling import Sampler, texelFetch
 
-from .panels import panel, picture, rectangle
+from .panel_checks import enlarged_check
+from .panels import enlarged, panel, picture, rectangle
 
 DIGITS = (
     "### .#. ### ### #.# ### ### ### ### ###",
@@ -48,35 +49,43 @@ def shown(
     fields: tuple[int, int],
     pixels: tuple[int, int],
     **uniforms: float | tuple[float, ...],
-) -> Pass:
-    """A table's picture.
+) -> tuple[Pass, Pass]:
+    """A table's picture, and the pass "small", a third as wide and high, by which it is judged.
 
     Args:
         kind: of LAWS; the shader has this name, in chapter 6.
         values: the output that has the table, "pass.name".
         fields: of the table, across and up.
-        pixels: of a field.
+        pixels: of a field in the small pass.
         uniforms: what else the shader asks for.
 
-    >>> shown("fields", "table.total", (3, 2), (24, 24)).target.size
-    (72, 48)
+    >>> [one.target.size for one in shown("fields", "table.total", (3, 2), (8, 8))]
+    [(72, 48), (24, 16)]
     """
     domain, textures = {"place": rectangle((0.0, 0.0), fields)}, {"values": Output(values)}
     draw = panel(f"ch06_tests/{kind}.frag", domain, uniforms, textures=textures)
-    size = (fields[0] * pixels[0], fields[1] * pixels[1])
-    return picture([draw], size, colors={"FragColor": "rgba32f"})
+    return enlarged([draw], (fields[0] * pixels[0], fields[1] * pixels[1]), 3)
 
 
-def shown_check(kind: str, of: str = "picture", name: str = "the table on show") -> Any:
-    """What must hold of `shown`, or of another pass of its shader.
+def shown_checks(kind: str) -> tuple[Any, ...]:
+    """What must hold of `shown`.
+
+    >>> [check.name for check in shown_checks("numbers")]
+    ['the table on show', 'the picture is the judged one, enlarged']
+    """
+    return shown_check(kind), enlarged_check()
+
+
+def shown_check(kind: str, of: str = "small", name: str = "the table on show") -> Any:
+    """The fields of a pass of one of these shaders.
 
     >>> shown_check("numbers").output
-    'picture.FragColor'
+    'small.FragColor'
     """
     return formula(f"{of}.FragColor", LAWS[kind], name=name)
 
 
-def edges_check(kind: str, of: str = "picture") -> Any:
+def edges_check(kind: str, of: str = "small") -> Any:
     """The same between the middles of pixels, where fields, figures and lines begin.
 
     >>> edges_check("numbers").kind
