@@ -15,25 +15,19 @@ yellow, and the check of its colour fails.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Mesh,
-    Pixel,
-    Target,
-    compile_fails,
-    computed,
-    coverage,
-    formula,
-    measure,
-    mesh_pass,
-    value,
-)
+from shaderlab import Case, Erratum, Pixel, compile_fails, coverage, formula, measure, value
 from shaderlab.glslmath import vec4
 from shaderlab.reference.transforms import signed_area
 
+from ..scenes.draws import drawn
+from ..scenes.figures import results
+from ..scenes.panels import picture
+
 CORNERS = np.array([(-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), (0.0, 0.5, 0.0)])
 CLEAR = (0.2, 0.3, 0.3, 1.0)
+TRIANGLE = drawn("ch01_setup/orange_triangle", {"attributes": {"aPos": CORNERS}})
+BYTES = {"colors": {"FragColor": "rgba8"}, "clear": CLEAR}
+SHARE = (signed_area(CORNERS) / 4.0, 0.0625, "the window is 2 × 2 in device coordinates")
 
 
 def orange():
@@ -52,24 +46,13 @@ case = Case(
     title="An orange triangle",
     section="1.2.2",
     math=r"\text{FragColor} = (1,\ 0.5,\ 0.2,\ 1)",
-    passes=mesh_pass(
-        "ch01_setup/orange_triangle.vert",
-        "ch01_setup/orange_triangle.frag",
-        Mesh(attributes={"aPos": CORNERS}),
-        target=Target(size=(720, 720), colors={"FragColor": "rgba8"}, clear=CLEAR),
-    ),
+    passes=[picture([TRIANGLE], (720, 720), "main", **BYTES)],
     expect=[
         coverage(32400, name="pixels covered"),
         formula("FragColor", orange, name="every pixel is orange"),
         measure("the clear colour around it", off_paper, at_most=0.500001 / 255.0),  # half a step
         value("FragColor", at=Pixel(360, 400), equals=(1.0, 0.5, 0.2, 1.0), digits=6),
-        computed(
-            "share of the window",
-            lambda: signed_area(CORNERS) / 4.0,
-            equals=0.0625,
-            digits=4,
-            note="the window is 2 × 2 in device coordinates",
-        ),
+        *results({"share of the window": SHARE}, digits=4),
         compile_fails(
             "ch01_setup/errata/version_330_core.frag",
             (1, "'#version' : bad profile name; use es, core, or compatibility"),

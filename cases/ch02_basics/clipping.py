@@ -77,6 +77,7 @@ SEEN = np.pad(
     np.concatenate([np.pad(1 + left, ((0, 0), (0, MARGIN))) for left in LEFT], axis=1),
     ((MARGIN, MARGIN), (MARGIN, 0)),
 )
+QUARTER = "a quarter of the way from the far plane"
 ON_THE_WAY = {"place": (0, 0, 1, 2), "nearColor": (1.0, 0.5, 0.0), "farColor": (0.0, 0.5, 1.0)}
 DRAWN = [name for k, shape in enumerate(SHAPES) for name in (f"window {k + 1}", shape)]
 
@@ -102,12 +103,7 @@ case = Case(
             formula("gl_Position", unchanged("aPos"), draw=k, name=f"corners, {name}")
             for k, name in enumerate(DRAWN)
         ),
-        figure(
-            "FragColor",
-            "a quarter of the way from the far plane",
-            ON_THE_WAY,
-            (0.25, 0.5, 0.75, 1.0),
-        ),
+        figure("FragColor", QUARTER, ON_THE_WAY, (0.25, 0.5, 0.75, 1.0)),
         gl_call("glGetIntegerv", "GL_MAX_CLIP_DISTANCES", at_least=8, name="eight planes more"),
     ],
 )

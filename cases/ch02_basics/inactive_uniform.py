@@ -128,11 +128,7 @@ case = Case(
             "unused-turned",
             {
                 "unused is set all the same": ("glUniform1fv", 1, {**UNSET, "value": "[1]"}),
-                "neverAsked is set all the same": (
-                    "glUniform2fv",
-                    1,
-                    {**UNSET, "value": "[1 1]"},
-                ),
+                "neverAsked is set all the same": ("glUniform2fv", 1, {**UNSET, "value": "[1 1]"}),
             },
         ),
         gl_call("glUniform1f", Location("unused", LIT), 1.0, name="which raises no error"),

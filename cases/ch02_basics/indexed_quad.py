@@ -14,29 +14,20 @@ because they share two of them.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Mesh,
-    Output,
-    State,
-    Target,
-    computed,
-    coverage,
-    exact,
-    formula,
-    mesh_pass,
-)
+from shaderlab import Case, Mesh, Output, State, Target, coverage, exact, formula, mesh_pass
 from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.glslmath import swizzle, vec4, where
 from shaderlab.reference.transforms import signed_area
 
 from ..scenes.api import answers, in_use
+from ..scenes.figures import results
 from ..scenes.laws import device_place
 from ..scenes.objects import shader_runs_counted
 
 CORNERS = np.array([(0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, 0.5, 0.0)])
 INDICES = np.array([0, 1, 3, 1, 2, 3])
-
+AREAS = [signed_area(CORNERS[INDICES[first : first + 3]]) for first in (0, 3)]
+CLOCKWISE = "negative: clockwise"
 CLEAR = (0.2, 0.3, 0.3, 1.0)
 
 INDEXED = Mesh(attributes={"aPos": CORNERS}, indices=INDICES)
@@ -73,6 +64,7 @@ ELEMENTS = (
     call("glBufferData", "GL_ELEMENT_ARRAY_BUFFER", 6, bytes(INDICES.tolist()), "GL_STATIC_DRAW"),
     call("glDrawElements", "GL_TRIANGLES", 6, "GL_UNSIGNED_BYTE", 0),
 )
+WITH_INDICES = shader_runs_counted(ELEMENTS)
 
 case = Case(
     title="An indexed quad",
@@ -95,30 +87,13 @@ case = Case(
         exact("indexed.FragColor", Output("plain.FragColor"), name="same as six vertices"),
         *answers(
             {
-                "the vertex shader runs four times": (
-                    RUNS,
-                    4,
-                    in_use(),
-                    shader_runs_counted(ELEMENTS),
-                )
+                "the vertex shader runs four times": (RUNS, 4, in_use(), WITH_INDICES),
+                "… six times without indices": (RUNS, 6, in_use(), shader_runs_counted(ARRAYS)),
             }
         ),
-        *answers({"… six times without indices": (RUNS, 6, in_use(), shader_runs_counted(ARRAYS))}),
         coverage(0, pass_name="cull-back", name="culled when counter-clockwise is front"),
         coverage(129600, pass_name="cull-back-cw", name="kept when clockwise is front"),
-        computed(
-            "signed area of 0, 1, 3",
-            lambda: signed_area(CORNERS[INDICES[:3]]),
-            equals=-0.5,
-            digits=6,
-            note="negative: clockwise",
-        ),
-        computed(
-            "signed area of 1, 2, 3",
-            lambda: signed_area(CORNERS[INDICES[3:]]),
-            equals=-0.5,
-            digits=6,
-            note="negative: clockwise",
-        ),
+        *results({"signed area of 0, 1, 3": (AREAS[0], -0.5, CLOCKWISE)}),
+        *results({"signed area of 1, 2, 3": (AREAS[1], -0.5, CLOCKWISE)}),
     ],
 )

@@ -19,17 +19,7 @@ the sampler was never set.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Output,
-    Texture,
-    assets,
-    exact,
-    formula,
-    fullscreen,
-    gl_call,
-    sweep,
-)
+from shaderlab import Case, Output, Texture, assets, exact, formula, fullscreen, gl_call, sweep
 from shaderlab.engine.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import fract, max, min, mix, swizzle, vec4, where
 from shaderlab.glslmath.sampling import texture

@@ -16,17 +16,7 @@ field, in white: all three components are the first.
 import numpy as np
 
 from shaderlab import Case, Variant, boundaries, exact, formula, fullscreen
-from shaderlab.glslmath import (
-    abs,
-    distance,
-    max,
-    mix,
-    smoothstep,
-    swizzle,
-    vec2,
-    vec3,
-    where,
-)
+from shaderlab.glslmath import abs, distance, max, mix, smoothstep, swizzle, vec2, vec3, where
 
 from ..scenes.drawing import encoded
 from ..scenes.laws import opaque

@@ -18,16 +18,7 @@ TexCoords)`: all four strips repeat the image, whatever their mode.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Ramp,
-    Target,
-    Texture,
-    Texture3D,
-    formula,
-    fullscreen,
-    gl_call,
-)
+from shaderlab import Case, Ramp, Target, Texture, Texture3D, formula, fullscreen, gl_call
 from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.reference.filtering import linear_sample
 

@@ -15,26 +15,14 @@ from left to right.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Draw,
-    Mesh,
-    Pass,
-    Target,
-    coverage,
-    exact,
-    formula,
-    gl_error,
-    measure,
-    query,
-    value,
-)
+from shaderlab import Case, Draw, Mesh, coverage, exact, formula, gl_error, measure, query, value
 from shaderlab.engine.expectations.gl_call import Object, call
 from shaderlab.glslmath import mix, swizzle, vec3, vec4
 
 from ..scenes.api import answers, errors, in_use, pixel
 from ..scenes.laws import device_place
 from ..scenes.objects import array_of_point
+from ..scenes.panels import picture
 
 TRIANGLE = Mesh(attributes={"aPos": np.array([(-0.5, -0.5, 0), (0.5, -0.5, 0), (0, 0.5, 0)])})
 PAPER = (0.93, 0.93, 0.92, 1.0)
@@ -48,7 +36,7 @@ def drawn(name, bound):
         mesh=TRIANGLE,
         vertex_array=bound,
     )
-    return Pass(name=name, target=Target(size=(720, 720), clear=PAPER), draws=(draw,))
+    return picture([draw], (720, 720), name, clear=PAPER)
 
 
 def above_the_foot(aPos):

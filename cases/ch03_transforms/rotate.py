@@ -43,8 +43,7 @@ def quarter(place, name):
     """One axis: a floor, the axis as an arrow, and the letter in four positions, first pale."""
     view = camera(*VIEWS[name], 42.0, 4.0 / 3.0)
     unit = normalize([float(a) for a in AXES[name]])
-    still = (tile(1.5, 0.5), solids.arrow(1.6 * unit, color=solids.INK, thickness=0.026))
-    for solid in still:
+    for solid in (tile(1.5, 0.5), solids.arrow(1.6 * unit, color=solids.INK, thickness=0.026)):
         yield stage.prop(solid, view, cell=place)
     for step in (0.0, 1.0, 2.0, 3.0):
         letter = solids.repainted(letter_f(), (0.66, 0.69, 0.72), 0.85 * (1.0 - step / 3.0))
@@ -68,8 +67,7 @@ LAST = {6 * k + 5: name for k, name in enumerate(AXES)}
 TURNS = {draw: f"{FULL[axis]:g}° around {axis}" for draw, axis in LAST.items()}
 THIRD = {"aPos": (1, 0, 0), "axis": (5, 5, 5), "angle": radians(120), "offset": (0, 0, 0)}
 RIGHT = {**THIRD, "axis": (0, 0, 1), "angle": radians(90)}
-# (1, 2, 3), turned by 30° around z and moved by (5, 6, 7): by equation 3.4 as it should read, and
-# as it is printed.
+# (1, 2, 3), turned by 30° around z and moved by (5, 6, 7): as equation 3.4 should read, and reads.
 TURNED = {"aPos": (1.0, 2.0, 3.0), "axis": (0.0, 0.0, 1.0), "angle": radians(30.0)}
 MENDED = (4.866025, 8.232051, 10.0)
 PRINTED = (-0.133975, 2.232051, 10.0), "V₁ and V₂ are missing"
@@ -105,8 +103,7 @@ case = Case(
         Erratum(
             section="3.2",
             says="equation 3.4 gives x cos θ − y sin θ and x sin θ + y cos θ, with no V₁ and V₂",
-            truth="the last column counts for all three: for 30°, (1, 2, 3) and V = (5, 6, 7) it "
-            "is (4.866025, 8.232051, 10, 1), and not (−0.133975, 2.232051, 10, 1)",
+            truth="the last column counts for all three: x is 4.866025, and not −0.133975",
             proof="equation 3.4, mended",
         )
     ],

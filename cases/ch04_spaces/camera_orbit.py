@@ -58,13 +58,8 @@ def ahead(degrees):
     return seen(vec3(*MIDDLE), radians(degrees), RADIUS, HEIGHT)
 
 
-NO_PROJECTION = {
-    "aPos": (3.0, 2.0, 1.0),
-    "angle": radians(30.0),
-    "radius": 0.01,
-    "height": MIDDLE[1],
-    "projection": np.eye(4),
-}
+NEAR_BY = {"angle": radians(30.0), "radius": 0.01, "height": MIDDLE[1]}
+NO_PROJECTION = {"aPos": (3.0, 2.0, 1.0), **NEAR_BY, "projection": np.eye(4)}
 NEAR, NEARBY = "close to the target, without a projection", (2.098076, 1.6, 2.356025, 1.0)
 SMALL = "so small a circle passes on little of what sine and cosine may err"
 EYES = {0: (0.0, 1.0, 5.0), 30: (2.5, 1.0, 4.330127), 90: (5.0, 1.0, 0.0)}

@@ -204,6 +204,6 @@ case = Case(
             truth="a face turned away from the lamp has no highlight; without the gate, seen "
             "from 10° above with the lamp 5° below, Phong gives 0.757792 and Blinn 0.933574",
             proof=lit.TURNED_AWAY,
-        ),
+        )
     ],
 )

@@ -82,11 +82,7 @@ case = Case(
             (11.0, 8.0, 5.0),
         ),
         *each_draw("FragColor", PRODUCT, {k: f"product, {name}" for k, name in enumerate(NAMES)}),
-        *each_draw(
-            "shaded",
-            rounded,
-            {k: f"rounded, {NAMES[k]}" for k in (1, 13)},
-        ),
+        *each_draw("shaded", rounded, {k: f"rounded, {NAMES[k]}" for k in (1, 13)}),
         *lit.picture_checks("shaded", judged="rooms"),
         *figures(
             "FragColor",

@@ -68,7 +68,7 @@ POINT = {
     "material.specular": HALF,
     "light.position": lit.POINT_LAMP,
 }
-
+ALL_WHITE = {"light.ambient": WHITE, "light.diffuse": WHITE}
 NAMES = {
     2: "vase by candlelight",
     5: "vase under the sky",
@@ -92,10 +92,7 @@ case = Case(
             "FragColor",
             {
                 "0.2, 0.5, 1 at the point": ({}, (0.594301, 0.297273, 0.184402, 1.0)),
-                "all white at the point": (
-                    {"light.ambient": WHITE, "light.diffuse": WHITE},
-                    (1.788356, 0.894301, 0.554560, 1.0),
-                ),
+                "all white at the point": (ALL_WHITE, (1.788356, 0.894301, 0.554560, 1.0)),
                 "nearly 90° from the mirrored ray": (
                     {"viewPos": lit.ASIDE, "material.shininess": 0.5},
                     (0.629593, 0.332565, 0.219695, 1.0),

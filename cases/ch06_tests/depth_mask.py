@@ -62,9 +62,7 @@ case = Case(
         Pass(name="drawn", target=target, draws=tuple(fields)),
         # The same fragments; then the colours are wiped out, and the depths written instead.
         Pass(
-            name="kept",
-            target=target,
-            draws=(*fields, wiped, *(found(depth) for depth in DEPTHS)),
+            name="kept", target=target, draws=(*fields, wiped, *(found(depth) for depth in DEPTHS))
         ),
         *shown("numbers", "kept.total", (COLUMNS, ROWS), (20, 14), group=3.0, whole=100.0),
         all_figures(),

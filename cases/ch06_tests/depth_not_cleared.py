@@ -16,27 +16,14 @@ mountains are in front of the house: the hole is gone. On the left nothing is in
 
 import numpy as np
 
-from shaderlab import Case, Depth, Pass, Target, exact, formula, gl_call, query
+from shaderlab import Case, Depth, exact, formula, query
 from shaderlab.engine.expectations.gl_call import call
 
-from ..scenes.cutouts import (
-    COLORS,
-    DEPTHS,
-    HOUSE,
-    LANDSCAPE,
-    MEADOW,
-    MOUNTAIN,
-    SIDE,
-    SKY,
-    SNOW,
-    WHOLE,
-    covered,
-    cutout,
-    layers,
-    placed,
-)
+from ..scenes import cutouts
+from ..scenes.api import answers
+from ..scenes.cutouts import HOUSE, LANDSCAPE, SIDE, SKY, covered, cutout, layers
 from ..scenes.laws import unchanged
-from ..scenes.panels import cell
+from ..scenes.panels import cell, picture
 
 # What a test is set to before anything is called.
 STATES = (
@@ -62,7 +49,7 @@ def two_frames(column, cleared):
     half = cell(column, 2)
     return (
         cutout(HOUSE, depth=Depth(), cell=half),
-        cutout(WHOLE, depth=Depth(func="always", write=cleared), cell=half),
+        cutout(cutouts.WHOLE, depth=Depth(func="always", write=cleared), cell=half),
         *(cutout(shape, depth=Depth(), cell=half) for shape in LANDSCAPE),
     )
 
@@ -73,9 +60,10 @@ def second_frame(sky, values, hole):
     return np.concatenate([layers(sky, *behind), layers(sky, *behind, (HOUSE, hole))], axis=1)
 
 
+FRAMES = (*two_frames(0, True), *two_frames(1, False))
 HOUSE_PIXELS = covered(HOUSE)
-MOUNTAIN_PIXELS = covered(MOUNTAIN) & ~covered(SNOW) & ~covered(MEADOW)
-LEFT = {shape: (0.5 * z + 0.5,) for shape, z in DEPTHS.items()}
+MOUNTAIN_PIXELS = covered(cutouts.MOUNTAIN) & ~covered(cutouts.SNOW) & ~covered(cutouts.MEADOW)
+LEFT = {shape: (0.5 * z + 0.5,) for shape, z in cutouts.DEPTHS.items()}
 
 case = Case(
     title="Default states, and depth that is not cleared",
@@ -83,14 +71,11 @@ case = Case(
     math=r"z_{\text{mountain}} < z_{\text{stored}} = \begin{cases} 1 & \text{cleared} \\ "
     r"z_{\text{house}} & \text{left over} \end{cases}",
     passes=[
-        Pass(
-            target=Target(size=(2 * SIDE, SIDE), depth="depth32f", clear=(0.0, 0.0, 0.0, 1.0)),
-            draws=(*two_frames(0, True), *two_frames(1, False)),
-        )
+        picture(FRAMES, (2 * SIDE, SIDE), "main", depth="depth32f", clear=(0.0, 0.0, 0.0, 1.0))
     ],
     columns=("depth cleared", "depth left over"),
     expect=[
-        exact("FragColor", second_frame(SKY, COLORS, SKY), name="the second frame, twice"),
+        exact("FragColor", second_frame(SKY, cutouts.COLORS, SKY), name="the second frame, twice"),
         exact("depth", second_frame((1.0,), LEFT, 0.25), name="the depth that is left"),
         *(
             query("samples_passed", equals=passed, draw=k, name=name)
@@ -101,22 +86,20 @@ case = Case(
                 (10, (MOUNTAIN_PIXELS & ~HOUSE_PIXELS).sum(), "the mountain where it was not"),
             )
         ),
-        *(formula("gl_Position", placed, draw=k, name=f"places of draw {k}") for k in range(12)),
-        formula("FragColor", unchanged("color"), draw=4, name="the mountain's colour"),
         *(
-            gl_call(function, word, returns=at_first, name=f"{word} at first")
-            for function, word, at_first in STATES
+            formula("gl_Position", cutouts.placed, draw=k, name=f"places of draw {k}")
+            for k in range(12)
         ),
-        *(
-            gl_call(
-                "glIsEnabled",
-                word,
-                before=(call("glEnable", word),),
-                returns="GL_TRUE",
-                name=f"{word}, turned on",
-            )
-            for function, word, _ in STATES
-            if function == "glIsEnabled"
+        formula("FragColor", unchanged("color"), draw=4, name="the mountain's colour"),
+        *answers(
+            {f"{word} at first": (call(asked, word), at_first) for asked, word, at_first in STATES}
+        ),
+        *answers(
+            {
+                f"{word}, turned on": (call(asked, word), "GL_TRUE", (call("glEnable", word),))
+                for asked, word, _ in STATES
+                if asked == "glIsEnabled"
+            }
         ),
     ],
 )

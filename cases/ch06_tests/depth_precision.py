@@ -192,7 +192,7 @@ case = Case(
                     (21845 & 0xFF, 21845 >> 8),
                     depth_alone("GL_DEPTH_COMPONENT16"),
                     THIRD,
-                ),
+                )
             }
         ),
         *each_draw("judged.depth", charted, enumerate(NEARS), "F with {}"),

@@ -65,6 +65,7 @@ frame = [
     strip(1.0, Stencil(func="equal", reference=1), cell(0, 1, 1)),
 ]
 hollow = np.pad(np.pad([[0.0]], 1, constant_values=1.0), 3).astype(np.float32)
+EMPTY = {**FORMATS, "clear_stencil": 0}
 STENCIL = call("glReadPixels", 0, 0, 1, 1, "GL_STENCIL_INDEX", "GL_UNSIGNED_BYTE")
 ATTACHED = depth_alone("GL_DEPTH24_STENCIL8", "GL_DEPTH_STENCIL_ATTACHMENT")
 
@@ -83,7 +84,7 @@ case = Case(
     r"(\mathit{stored} \mathbin{\&} \mathit{mask})",
     passes=(
         picture((*stored, *tests), (COLUMNS, ROWS), "table", **FORMATS),
-        picture(frame, (9, 9), "hollow", **FORMATS | {"clear_stencil": 0}),
+        picture(frame, (9, 9), "hollow", **EMPTY),
         *shown("verdicts", "table.total", (COLUMNS, ROWS), (8, 8), group=(4.0, 4.0)),
     ),
     picture="picture.FragColor",

@@ -157,11 +157,7 @@ def clip(aPos, aGap, near, far, middle, slant, rise):
 
 
 CLEAR = (0.93, 0.93, 0.91, 1.0)
-PANELS = {
-    "n = 0.01": (0.01, None),
-    "n = 0.1": (0.1, None),
-    "with an offset": (0.01, (-1.0, -1.0)),
-}
+PANELS = {"n = 0.01": (0.01, None), "n = 0.1": (0.1, None), "with an offset": (0.01, (-1.0, -1.0))}
 SHOWN = {"winner": "picture.winner"}
 ALL = tuple(product(BITS, NEARS))
 

@@ -46,9 +46,10 @@ THINGS = [
 
 def thing(geometry, model, base, sky):
     """One thing under this sky."""
-    uniforms = {"cameraPos": EYE, "ratio": RATIO, "base": base}
-    of = {"vertex": lit.PLACED, "textures": {"sky": sky}}
-    return lit.thing("ch07_maps/environment_map.frag", geometry, model, CAMERA, uniforms, **of)
+    uniforms, of = {"cameraPos": EYE, "ratio": RATIO, "base": base}, {"textures": {"sky": sky}}
+    return lit.thing(
+        "ch07_maps/environment_map.frag", geometry, model, CAMERA, uniforms, vertex=lit.PLACED, **of
+    )
 
 
 def behind(sky):

@@ -101,12 +101,7 @@ case = Case(
             at={"TexCoords": (0.5, 0.5), "LightCoords": (0.5, 0.5)},
             reference=lit,
         ),
-        *results(
-            {
-                "right in front of a lamp, 2 away": (white_light(beside=0.0, away=2.0), 0.25),
-                "3 beside a lamp that is 4 away": (white_light(beside=3.0, away=4.0), 0.032),
-            },
-            digits=9,
-        ),
+        *results({"right in front of a lamp, 2 away": (white_light(0.0, 2.0), 0.25)}, digits=9),
+        *results({"3 beside a lamp that is 4 away": (white_light(3.0, 4.0), 0.032)}, digits=9),
     ],
 )

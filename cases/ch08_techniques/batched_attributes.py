@@ -66,10 +66,7 @@ case = Case(
         attribute_layout(
             {"aPos": (0, 12), "aColor": (0, 12)}, pass_name="separate", name="separate: 111, 222"
         ),
-        *results(
-            {f"bytes, {layout}": (size_of(layout), 168.0) for layout in UPLOADS},
-            digits=0,
-        ),
+        *results({f"bytes, {layout}": (size_of(layout), 168.0) for layout in UPLOADS}, digits=0),
         query("vertices_submitted", equals=18, name="vertices submitted"),
         *rosette_checks(),
     ],

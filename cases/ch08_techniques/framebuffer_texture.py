@@ -51,7 +51,7 @@ def farthest_corner():
 AWAY = "away from framebuffer 0"
 BACK = (call("glBindFramebuffer", "GL_FRAMEBUFFER", 0),)
 IS_BOUND = call("glGetIntegerv", "GL_DRAW_FRAMEBUFFER_BINDING")
-DARK = (0.07, 0.07, 0.09, 1.0)
+DARK, WALL = (0.07, 0.07, 0.09, 1.0), (0.62, 0.60, 0.56, 1.0)
 
 
 def screen(place):
@@ -79,9 +79,7 @@ case = Case(
     r"(0, 0)\ \text{lower left}",
     passes=(
         photographed(),
-        picture(
-            map(screen, range(3)), None, "wall", depth="depth24", clear=(0.62, 0.60, 0.56, 1.0)
-        ),
+        picture(map(screen, range(3)), None, "wall", depth="depth24", clear=WALL),
         *fullscreen("ch08_techniques/copy.frag", name="copy", textures=SCREEN),
     ),
     picture="wall.FragColor",

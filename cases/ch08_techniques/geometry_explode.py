@@ -16,18 +16,7 @@ from math import pi, radians
 
 from shaderlab import Case, Mesh, Variant, formula, query, value
 from shaderlab.assets import meshes, solids
-from shaderlab.glslmath import (
-    cross,
-    dot,
-    max,
-    mul,
-    normalize,
-    sin,
-    sqrt,
-    swizzle,
-    vec3,
-    vec4,
-)
+from shaderlab.glslmath import cross, dot, max, mul, normalize, sin, sqrt, swizzle, vec3, vec4
 from shaderlab.reference.transforms import look_at, perspective, rotate, translate
 
 from ..scenes.draws import tested
@@ -116,11 +105,7 @@ case = Case(
         formula("judged.fNormal", outwards),
         formula("judged.FragColor", shaded),
         *picture_checks(),
-        query(
-            "geometry_primitives_emitted",
-            equals=288,
-            name="as many triangles as before",
-        ),
+        query("geometry_primitives_emitted", equals=288, name="as many triangles as before"),
         formula("judged.gl_in.gl_Position", placed, name="vertices in the world"),
         formula("judged.VS_OUT.world", in_world, name="… handed on"),
         formula("judged.VS_OUT.color", dimmed, name="their colours"),

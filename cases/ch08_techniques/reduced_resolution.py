@@ -100,10 +100,7 @@ def table(label, statistic, y_label, *laws):
         label,
         statistic,
         reads={"reference": "full.FragColor"},
-        readings=[
-            *(reading(", ".join(p), reads={"test": drawn(*p)}) for p in pictures),
-            *laws,
-        ],
+        readings=[*(reading(", ".join(p), reads={"test": drawn(*p)}) for p in pictures), *laws],
         y_label=y_label,
         own_types=True,
     )

@@ -39,8 +39,8 @@ DRAWS = (
 )
 SOLIDS = {0: "the floor", 1: "the teal box", 2: "the rust box"}
 
-
 NEAREST = "every sample shows the nearest, in whichever order it is drawn"
+TENFOLD = "the picture, enlarged tenfold"
 # A grey surface that faces up, and the grey that it has in the studio.
 GREYS = {"grey, facing up": (0.5, 0.742866), "black": (0.0, 0.0), "too bright": (4.0, 1.0)}
 
@@ -89,9 +89,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("judged.FragColor", shown, name="one sample, and all of them"),
-        exact(
-            "picture.FragColor", Output("judged.FragColor"), name="the picture, enlarged tenfold"
-        ),
+        exact("picture.FragColor", Output("judged.FragColor"), name=TENFOLD),
         formula("judged.mean", mean_of_samples, name="the shader's mean of the samples"),
         formula("judged.blitted", mean_of_samples, name="the resolve is the mean of the samples"),
         exact("judged.mean", Output("again.mean"), name=NEAREST),

@@ -18,20 +18,10 @@ that were copied.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Output,
-    Texture,
-    attribute_layout,
-    exact,
-    formula,
-    gl_call,
-    gl_calls,
-)
+from shaderlab import Case, Erratum, Output, Texture, attribute_layout, exact, formula, gl_call
 from shaderlab.engine.expectations.gl_call import Object, call
 
-from ..scenes.api import answers, errors
+from ..scenes.api import answers, errors, sent
 from ..scenes.laws import sampled
 from ..scenes.panels import WHOLE, panel_pass
 from ..scenes.rosette import rosette_checks, window
@@ -52,7 +42,8 @@ UNMAP = ("glUnmapBuffer", "GL_ARRAY_BUFFER")
 MAPPED = (*BOUND, call(*TO_WRITE))
 REFUSED = "invalid_operation"
 UNBOUND = "map with buffer 0 bound: 0x0502"
-IMAGE = {"width": 480, "height": 320, "internalformat": "GL_RGBA8", "times": 1}
+IMAGE = {"width": 480, "height": 320, "internalformat": "GL_RGBA8", "pixels": "NULL"}
+BYTES = {"access": "GL_MAP_WRITE_BIT", "length": 168}
 
 
 def julia():
@@ -87,28 +78,35 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         exact("mapped.FragColor", Output("copied.FragColor"), name="same pixels as copied"),
-        gl_calls("glMapBufferRange", access="GL_MAP_WRITE_BIT", length=168, times=1, name="mapped"),
-        gl_calls("glUnmapBuffer", times=1, pass_name="mapped", after="glMapBufferRange"),
-        gl_calls("glBufferSubData", times=0, pass_name="mapped", name="nothing else is written"),
+        *sent(None, {"mapped": ("glMapBufferRange", 1, BYTES)}),
+        *sent("mapped", {"and unmapped": ("glUnmapBuffer", 1, {"after": "glMapBufferRange"})}),
+        *sent("mapped", {"nothing else is written": ("glBufferSubData", 0)}),
         formula("picture.FragColor", sampled("image"), name="texels from a buffer"),
         exact("picture.FragColor", Output("picture, copied.FragColor"), name="same as from memory"),
-        gl_calls("glMapBufferRange", length=4 * 480 * 320, times=1, name="written"),
-        gl_calls("glTexImage2D", **IMAGE, pixels="NULL", after="glUnmapBuffer", name="then read"),
-        gl_call(*TO_WRITE, raises=REFUSED, name=UNBOUND),
+        *sent(
+            None,
+            {
+                "written": ("glMapBufferRange", 1, {"length": 4 * 480 * 320}),
+                "then read": ("glTexImage2D", 1, {**IMAGE, "after": "glUnmapBuffer"}),
+            },
+        ),
         gl_call(*TO_WRITE, before=BOUND, name="map with a buffer bound"),
-        gl_call(*TO_WRITE, before=MAPPED, raises=REFUSED, name="map what is mapped"),
-        gl_call(*UNMAP, before=MAPPED, returns="GL_TRUE", name="unmap"),
-        gl_call(*UNMAP, before=BOUND, raises=REFUSED, name="unmap what is not mapped"),
         gl_call(*RANGE, 168, f"{WRITE} | {GIVE_UP}", before=BOUND, name="given up and written"),
-        *answers({"size of the buffer": (SIZE, 168, BOUND)}),
         *answers(
             {
+                "size of the buffer": (SIZE, 168, BOUND),
+                "unmap": (call(*UNMAP), "GL_TRUE", MAPPED),
+            }
+            | {
                 f"mapped, {word}": (ACCESS, f"GL_{word}", (*BOUND, call(*MAP, f"GL_{word}")))
                 for word in ("READ_ONLY", "WRITE_ONLY", "READ_WRITE")
             }
         ),
         *errors(
             {
+                UNBOUND: (call(*TO_WRITE), REFUSED),
+                "map what is mapped": (call(*TO_WRITE), REFUSED, MAPPED),
+                "unmap what is not mapped": (call(*UNMAP), REFUSED, BOUND),
                 "written to while it is mapped": (WRITTEN, REFUSED, MAPPED),
                 "given up and read": (call(*RANGE, 168, f"{READ} | {GIVE_UP}"), REFUSED, BOUND),
                 "past the end of the buffer": (call(*RANGE, 172, WRITE), "invalid_value", BOUND),
@@ -120,10 +118,8 @@ case = Case(
     errata=[
         Erratum(
             section="10",
-            says="glBindBuffer(GL_ARRAY_BUFFER, 0) is called before glMapBuffer(GL_ARRAY_BUFFER, "
-            "…)",
-            truth="what is mapped is what is bound: with 0 bound the call raises 0x0502 and "
-            "returns no address",
+            says="glBindBuffer(GL_ARRAY_BUFFER, 0) is called before glMapBuffer",
+            truth="what is mapped is what is bound: with 0 bound, the call raises 0x0502",
             proof=UNBOUND,
         )
     ],

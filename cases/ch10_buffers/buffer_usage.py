@@ -57,10 +57,7 @@ case = Case(
     section="10",
     math=r"\{\mathtt{STREAM}, \mathtt{STATIC}, \mathtt{DYNAMIC}\} \times "
     r"\{\mathtt{DRAW}, \mathtt{READ}, \mathtt{COPY}\}, \qquad 3 \cdot 3 = 9",
-    passes=(
-        *pictured(ALL, (576, 576), LIGHT),
-        *(alone(usage) for usage in USAGES),
-    ),
+    passes=(*pictured(ALL, (576, 576), LIGHT), *(alone(usage) for usage in USAGES)),
     picture="picture.FragColor",
     columns=[name.upper() for name in WHO],
     rows=[name.upper() for name in reversed(OFTEN)],

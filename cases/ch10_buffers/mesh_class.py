@@ -13,29 +13,18 @@ Try: in `ch10_buffers/mesh_class.vert` write `size * (aPos.xy + offset)` for `si
 offset`: the places are scaled as well, and the shoal crowds together.
 """
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Output,
-    attribute_layout,
-    cost,
-    exact,
-    gl_call,
-    gl_calls,
-    query,
-    value,
-)
+from shaderlab import Case, Erratum, Output, attribute_layout, cost, exact, gl_call, query, value
 from shaderlab.engine.expectations.gl_call import Object, Program, call
 from shaderlab.glslmath import swizzle, vec4
 
-from ..scenes.api import answers, errors
+from ..scenes.api import answers, errors, sent
 from ..scenes.draws import drawn
 from ..scenes.flat_figures import fish, pictured, pictured_checks
 from ..scenes.panels import picture
 from ..scenes.rosette import rosette_checks
 
 SEA = (0.10, 0.38, 0.52, 1.0)
-FISH = fish(layout="interleaved")
+FISH, *SIXTEEN = (fish(layout="interleaved") for _ in range(17))
 # Row by row from above, the smallest first: the nearest fish are drawn last.
 PLACES = [(0.45 * k - 0.75 + 0.12 * (row % 2), 0.74 - 0.48 * row + 0.07 * (k % 3))
           for row in range(4) for k in range(4)]  # fmt: skip
@@ -64,6 +53,7 @@ DELETED = (*MADE, call("glDeleteBuffers", 1, (KEPT,)))
 DELETED_IN_USE = (call("glUseProgram", USED), call("glDeleteProgram", USED))
 NOT_USED = (call("glUseProgram", 0),)
 LIVES_ON = "a program that is deleted while it is used lives on"
+CORNER = {"aPos": (0.5, -0.5, 0.25), "offset": (0.125, 0.25), "size": 0.5}
 LAYOUT = {"aPos": (0, 24), "aColor": (12, 24)}
 
 case = Case(
@@ -74,17 +64,15 @@ case = Case(
     passes=(
         *pictured(shoal([fish()] * 16), (640, 640), SEA),
         picture(shoal([FISH] * 16), (512, 512), "kept", clear=SEA),
-        picture(
-            shoal([fish(layout="interleaved") for _ in PLACES]), (512, 512), "made anew", clear=SEA
-        ),
+        picture(shoal(SIXTEEN), (512, 512), "made anew", clear=SEA),
     ),
     picture="picture.FragColor",
     expect=[
         exact("kept.FragColor", Output("made anew.FragColor"), name="same as 16 meshes"),
         attribute_layout(LAYOUT, pass_name="kept", draw=0, name="layout, first draw"),
         attribute_layout(LAYOUT, pass_name="kept", draw=-1, name="layout, last draw"),
-        gl_calls("glGenVertexArrays", times=1, pass_name="kept", name="one vertex array for all"),
-        gl_calls("glGenVertexArrays", times=16, pass_name="made anew", name="or one for each"),
+        *sent("kept", {"one vertex array for all": ("glGenVertexArrays", 1)}),
+        *sent("made anew", {"or one for each": ("glGenVertexArrays", 16)}),
         *answers(
             {
                 "made: it is a buffer": (IS_BUFFER, "GL_TRUE", MADE),
@@ -99,12 +87,7 @@ case = Case(
         query("vertices_submitted", equals=87, pass_name="kept", name="vertices of one draw"),
         *pictured_checks(),
         *rosette_checks("kept", places=moved, draw=6),
-        value(
-            "kept.gl_Position",
-            at={"aPos": (0.5, -0.5, 0.25), "offset": (0.125, 0.25), "size": 0.5},
-            equals=(0.375, 0.0, 0.25, 1.0),
-            digits=6,
-        ),
+        value("kept.gl_Position", at=CORNER, equals=(0.375, 0.0, 0.25, 1.0), digits=6),
         cost(
             {"kept": {16: "kept"}, "made anew": {16: "made anew"}},
             draw_calls={"kept": lambda n: n, "made anew": lambda n: n},

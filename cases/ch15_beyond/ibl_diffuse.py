@@ -54,10 +54,7 @@ SKIES = {
 }
 SIZES = {"morning": FACES, "noise": 3, "white": 1, "half": FACES}
 THINGS = [
-    (
-        assets.torus(0.78, 0.30, 128, 64),
-        translate((-2.3, 0.0, 0.0)) @ turned(62.0, (1, 0.35, 0.1)),
-    ),
+    (assets.torus(0.78, 0.30, 128, 64), translate((-2.3, 0.0, 0.0)) @ turned(62.0, (1, 0.35, 0.1))),
     (assets.sphere(1.08, 128, 64), translate((0.0, 0.02, 0.0))),
     (vase(), translate((2.1, -1.15, 0.0))),
 ]

@@ -169,7 +169,7 @@ case = Case(
                 "A + B at n·v = 0.7, by directions of light": (
                     lambda: reflected_share_by_directions(0.7, 0.5, shadowing_under_sky),
                     0.814652,
-                ),
+                )
             }
         ),
     ],

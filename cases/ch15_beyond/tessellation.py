@@ -83,9 +83,7 @@ def ball(name, side, finest, roundness=1.0, mesh=PATCHES, clear=SPACE, **state):
     uniforms = {**CAMERA, "near": NEAR, "finest": finest, "roundness": roundness, "paint": PAINT}
     draw = Draw(**STAGES, mesh=mesh, uniforms=uniforms, state=State(cull="back", **state))
     return Pass(
-        name=name,
-        target=Target(size=(side, side), depth="depth24", clear=clear),
-        draws=(draw,),
+        name=name, target=Target(size=(side, side), depth="depth24", clear=clear), draws=(draw,)
     )
 
 

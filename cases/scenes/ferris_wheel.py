@@ -7,18 +7,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab import Output, Pass
-from shaderlab.glslmath import (
-    Value,
-    abs,
-    clamp,
-    int,
-    length,
-    mix,
-    swizzle,
-    vec3,
-    vec4,
-    where,
-)
+from shaderlab.glslmath import Value, abs, clamp, int, length, mix, swizzle, vec3, vec4, where
 from shaderlab.glslmath.sampling import texelFetch
 
 from .panels import WHOLE, cell, panel, panel_pass, picture, square

@@ -12,17 +12,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from shaderlab import (
-    Cell,
-    Draw,
-    Output,
-    Pass,
-    Target,
-    any_order,
-    assets,
-    formula,
-    fullscreen,
-)
+from shaderlab import Cell, Draw, Output, Pass, Target, any_order, assets, formula, fullscreen
 from shaderlab.glslmath import vec4
 from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.transforms import (
@@ -202,11 +192,7 @@ def picture_checks(output: str = "FragColor", *, judged: str = "judged") -> tupl
     >>> [check.name for check in picture_checks()][0]
     'the picture'
     """
-    return (
-        picture_check(),
-        any_order(f"scene.{output}"),
-        any_order(f"{judged}.{output}"),
-    )
+    return (picture_check(), any_order(f"scene.{output}"), any_order(f"{judged}.{output}"))
 
 
 def picture_check() -> Any:

@@ -322,7 +322,4 @@ def map_checks(name: str) -> list[Any]:
     >>> [check.output for check in map_checks("shadow")]
     ['shadow.gl_Position', 'shadow.depth']
     """
-    return [
-        formula(f"{name}.gl_Position", light_position),
-        formula(f"{name}.depth", stored_depth),
-    ]
+    return [formula(f"{name}.gl_Position", light_position), formula(f"{name}.depth", stored_depth)]

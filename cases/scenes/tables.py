@@ -149,11 +149,7 @@ def verdicts(values: Sampler, place: Value, group: Value) -> Value:
     return vec4(mix(color, vec3(0.08, 0.09, 0.11), where(gap, 1.0, 0.0)), 1.0)
 
 
-LAWS: dict[str, Callable[..., Value]] = {
-    "numbers": numbers,
-    "fields": fields,
-    "verdicts": verdicts,
-}
+LAWS: dict[str, Callable[..., Value]] = {"numbers": numbers, "fields": fields, "verdicts": verdicts}
 
 
 def _to_stroke(at: Value, start: tuple[float, float], end: tuple[float, float]) -> Value:
