@@ -17,6 +17,7 @@ import click
 
 from shaderlab.cli import FAILED, OK, USAGE, options as shared
 from shaderlab.compiler.shader_files import STAGES, is_library, is_shader
+from shaderlab.compiler.translation import has_no_entry
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
 
@@ -159,7 +160,9 @@ class _Comparison:
                 shared.resolve_shader(old, self.includes, then),
                 shared.resolve_shader(new, self.includes),
             )
-            if self.stage is None and all(is_library(s.file.path) for s in shaders):
+            paths = [Path(shader.file.path) for shader in shaders]
+            functions = all(is_library(path) or has_no_entry(path) for path in paths)
+            if self.stage is None and functions and any(map(is_library, paths)):
                 from shaderlab.functions.interpreting import CompareFunctions
 
                 return CompareFunctions(*shaders, self.plan)

@@ -23,6 +23,25 @@ MODULES = (".spv", *_COMMANDS)
 _LIMIT = 60  # seconds
 
 
+def has_no_entry(path: Path) -> bool:
+    """Whether a file of HLSL or Slang has functions alone, and none of them is an entry point."""
+    if _COMMANDS.get(path.suffix.lower()) != _SLANG or not path.is_file():
+        return False
+    return not re.search(rb"\[shader\(|\bmain\s*\(", path.read_bytes())
+
+
+def find_compiler(path: Path, else_: str) -> str:
+    """Return the program that makes SPIR-V of such a file. Raises ShaderError: it is not installed;
+    the remedy ends with `else_`."""
+    name = _COMMANDS[path.suffix.lower()].split()[0]
+    own = os.path.dirname(sys.executable)  # where wheels put their commands
+    program = shutil.which(name) or shutil.which(name, path=own)
+    if program is None:
+        remedy = f"put {name} on PATH, or {else_}"
+        raise ShaderError(f"needs {name}, which is not installed", file=path, remedy=remedy)
+    return program
+
+
 def read_module(path: Path, stage: str | None) -> bytes:
     """Return the SPIR-V of a module's file, or of a shader whose entry point is `main`; a stage
     that neither an attribute in the text nor the file's name (`a.vert.hlsl`) says is `stage`, or
@@ -45,12 +64,8 @@ def read_module(path: Path, stage: str | None) -> bytes:
         places = {"file": str(path), "module": str(module)}
         places["stage"] = stage or inner or "fragment"
         name, *words = (word.format(**places) for word in command.split())
-        own = os.path.dirname(sys.executable)  # where wheels put their commands
-        program = shutil.which(name) or shutil.which(name, path=own)
-        if program is None:
-            shown = command.format_map(places | {"module": path.with_suffix(".spv")})
-            remedy = f"put {name} on PATH, or compile the file elsewhere: {shown}"
-            raise ShaderError(f"needs {name}, which is not installed", file=path, remedy=remedy)
+        shown = command.format_map(places | {"module": path.with_suffix(".spv")})
+        program = find_compiler(path, f"compile the file elsewhere: {shown}")
         try:
             done = subprocess.run([program, *words], capture_output=True, timeout=_LIMIT)
         except subprocess.TimeoutExpired:

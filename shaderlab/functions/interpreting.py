@@ -5,8 +5,10 @@ from __future__ import annotations
 import contextlib
 import itertools
 import re
+import tempfile
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -15,9 +17,10 @@ from shaderlab.analysis.answer import Answer, OutputAnswer
 from shaderlab.analysis.audit import Audit, Plan as AuditPlan, audit_program
 from shaderlab.analysis.comparison import Plan as ComparisonPlan, compare_programs
 from shaderlab.analysis.inputs import inputs_of, unknown_names
-from shaderlab.analysis.interpreter import Program, load
+from shaderlab.analysis.interpreter import Program, adopt_names, load, read_file
 from shaderlab.analysis.requests import ShaderOfFile, assume
 from shaderlab.compiler.sources import LineMap, Source, with_version
+from shaderlab.compiler.translation import find_compiler
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, suggest
 from shaderlab.functions.evaluation import (
     Preprocess,
@@ -41,6 +44,9 @@ if TYPE_CHECKING:
 
 
 _WORDS = re.compile(r"(?<![.\w])[A-Za-z_]\w*+(?!\s*\()")  # that are no functions
+
+_KINDS = {"vec": "float", "bvec": "bool", "ivec": "int", "uvec": "uint"}
+_GLSL_NAMES = " ".join(f"typedef {k}{n} {v}{n};" for v, k in _KINDS.items() for n in (2, 3, 4))
 
 EntryPoint = tuple[Signature, Source]
 """A function, and its file with a `main` that calls it once."""
@@ -187,22 +193,28 @@ class CompareFunctions:
     plan: ComparisonPlan
 
     def perform(self, worker: Worker) -> list[Answer]:
-        files = self.old, self.new
-        old, new = (find_entry_points(shader.source("fragment"), worker) for shader in files)
-        _check_ranges(self.plan.ranges, [*old, *new])
-        others = {str(signature): source for signature, source in new}
+        ours, others = (self.new, self.old) if self.old.is_module else (self.old, self.new)
+        functions = find_entry_points(ours.source("fragment"), worker)
+        ported = Path(others.file.path)
+        ported_text = ported.read_text(errors="replace") if others.is_module else ""
+        if ported_text:
+            find_compiler(ported, "name two shaders in GLSL")
+        theirs = [] if ported_text else find_entry_points(others.source("fragment"), worker)
+        _check_ranges(self.plan.ranges, [*functions, *theirs])
+        left = {str(signature): source for signature, source in theirs}
         outputs: list[OutputAnswer] = []
         inputs: dict[str, str] = {}
         notes: list[str] = []
-        for signature, source in old:
-            other = others.pop(str(signature), None)
-            if other is None:
+        for signature, source in functions:
+            name, other = signature.name, left.pop(str(signature), None)
+            if other is None and not re.search(rf"\b{name}\s*\(", ported_text):
                 outputs.append(OutputAnswer(name=str(signature), why="missing"))
                 continue
-            name = signature.name
             worker.note(f"interpreting {name}")
             try:
-                pair = load(source), load(other)
+                mine = load(source)
+                its = load(other) if other else adopt_names(load_ported(signature, ported), mine)
+                pair = (its, mine) if ours is self.new else (mine, its)
                 answer = compare_programs(*pair, _plan_of(self.plan, *pair))
             except UsageError:
                 raise
@@ -216,9 +228,36 @@ class CompareFunctions:
             ]
             notes += [f"{name}: {note}" for note in answer.notes]
             inputs |= {f"{name}: {word}": role for word, role in answer.inputs.items()}
-        notes += [f"only {self.new.file.path} has {signature}" for signature in others]
+        notes += [f"only {others.file.path} has {signature}" for signature in left]
         names = {"old": self.old.file.path, "new": self.new.file.path}
         return [Answer(**names, outputs=tuple(outputs), notes=tuple(notes), inputs=inputs)]
+
+
+def load_ported(signature: Signature, file: Path) -> Program:
+    """A function of HLSL or Slang with a GLSL function's name and types, called as `main` calls
+    that one. Raises ShaderError: it takes or gives others than numbers and vectors, or its compiler
+    refuses the call."""
+    types = [parameter.type for parameter in signature.parameters]
+    plain = all(kind.kind and len(kind.shape) < 2 for kind in (*types, signature.result))
+    if not plain or any(parameter.direction != "in" for parameter in signature.parameters):
+        raise ShaderError("between languages only functions of numbers and vectors are compared")
+    given = [f"nointerpolation {_carrier_type(kind)} x{n} : X{n}" for n, kind in enumerate(types)]
+    held = _carrier_type(signature.result)
+    arguments = ", ".join(f"{kind}(x{n})" for n, kind in enumerate(types))
+    text = (
+        f'#include "{file.resolve()}"\n{_GLSL_NAMES}\n[shader("fragment")]\n'
+        f"void main({', '.join([*given, f'out {held} result : SV_Target'])})\n"
+        f"{{ result = {held}({signature.name}({arguments})); }}\n"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        caller = Path(folder, f"caller{file.suffix}")
+        caller.write_text(text)
+        try:
+            program = read_file(caller, "fragment")
+        except ShaderError as error:
+            raise ShaderError(error.message, file=file) from None
+    assert program.source is not None
+    return replace(program, source=replace(program.source, path=str(file)))
 
 
 def _check_ranges(ranges: Mapping[str, str], functions: Sequence[EntryPoint]) -> None:

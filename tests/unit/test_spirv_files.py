@@ -127,3 +127,37 @@ def test_other_languages_are_compared_as_modules_of_their_compilers(
     module.with_suffix(suffix).write_text("bad")
     status, said = call("audit", module.with_suffix(suffix))
     assert status == 2 and "refuses it" in said
+
+
+def test_functions_are_compared_across_languages(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ours, theirs = tmp_path / "lib.glsl", tmp_path / "lib.hlsl"
+    ours.write_text(
+        "float fade(float x, int n) { return x * x * float(n); }\n"
+        "bvec2 both(ivec2 a, vec2 b) { return bvec2(a.x > 1, b.y > 0.5); }\n"
+        "vec3 tone(vec3 c) { return c * 0.5; }\nfloat only(float x) { return x; }\n"
+        "mat2 turn(float x) { return mat2(x); }\n"
+    )
+    theirs.write_text(
+        "float fade(float x, int n) { return x * x * float(n); }\n"
+        "bool2 both(int2 a, float2 b) { return bool2(a.x > 1, b.y > 0.5); }\n"
+        "float3 tone(float3 c) { return c * 0.501; }\n"
+        "float2x2 turn(float x) { return float2x2(x, 0, 0, x); }\n"
+    )
+    monkeypatch.setenv("PATH", "/usr/bin:/bin")
+    status, said = call("diff", ours, theirs)
+    assert status == 2 and "needs slangc" in said and str(theirs) in said
+    compiler = tmp_path / "slangc"  # glslang reads HLSL, too
+    command = f'exec "{TOOLS}/glslangValidator" -D -V -S frag -e main -I/ "$1" -o "$last"'
+    compiler.write_text(f"#!/bin/sh\nfor last; do :; done\n{command}\n")
+    compiler.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    for files in ((ours, theirs), (theirs, ours)):
+        status, said = call("diff", *files)
+        assert status == 1 and "fade: same" in said and "both: same" in said
+        assert "tone: different" in said and "float only(float x): only one" in said
+        assert "undetermined for turn: between languages" in said
+    theirs.write_text("float fade(float x, int n) { return wrong; }\n")
+    status, said = call("diff", ours, theirs)
+    assert f"undetermined for fade: {theirs}: slangc refuses it" in said
