@@ -30,11 +30,8 @@ from ..scenes.laws import device_place, unchanged
 from ..scenes.panels import centres, picture
 
 CORNERS = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.0, 0.5, 0.0)])
-VERTICES = {
-    "aPos": CORNERS,
-    "aColor": np.eye(3),
-    "aTexCoord": np.array([(0.0, 0.0), (1.0, 0.0), (0.5, 1.0)]),
-}
+PLACES = np.array([(0.0, 0.0), (1.0, 0.0), (0.5, 1.0)])
+VERTICES = {"aPos": CORNERS, "aColor": np.eye(3), "aTexCoord": PLACES}
 LAYOUT = {"aPos": (0, 32), "aColor": (12, 32), "aTexCoord": (24, 32)}
 DARK = {"ourColor": (0.5, 0.25, 1.0), "TexCoord": (0.2, 0.1)}
 FIELDS = {
@@ -77,12 +74,11 @@ def bytes_as(normalized):
 
 
 ONE_COLOR = (call("glVertexAttrib3f", 1, 0.2, 0.4, 0.6),)
+NOT_ENABLED = "an attribute that is not enabled is the same for all vertices"
 ANSWERS = {
     "bytes that are normalised: 0…255 is 0…1": pixel((64, 255, 0), bytes_as("GL_TRUE")),
     "bytes that are not: 64 is 64": pixel((255, 255, 0), bytes_as("GL_FALSE")),
-    "an attribute that is not enabled is the same for all vertices": pixel(
-        (51, 102, 153), ONE_COLOR
-    ),
+    NOT_ENABLED: pixel((51, 102, 153), ONE_COLOR),
     "and (0, 0, 0) at first": pixel((0, 0, 0)),
 }
 

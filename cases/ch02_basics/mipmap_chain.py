@@ -76,8 +76,15 @@ def shown(level):
     return panel("ch02_basics/mipmapped.frag", domain, textures=bricks, viewport=place)
 
 
-SIZES = {n: (float(SIDE >> n),) * 2 for n in range(1, LEVELS)}
+COUNTS = {
+    "levels of 256 × 256": (level_count(256, 256), 9),
+    "texels of all levels": (texel_count(256, 256), 87381),
+    "levels of 5 × 3": (level_count(5, 3), 3),
+}
+SIZES = [(n, (float(SIDE >> n),) * 2) for n in range(1, LEVELS)]
+EXTENT = "level {}'s width and height"
 MEANS = {n: f"level {n} is the mean of level {n - 1}" for n in range(1, LEVELS)}
+ALL, IN_IT = range(LEVELS), "level {} in the picture"
 GENERATED = "one call of glGenerateMipmap makes all levels"
 
 case = Case(
@@ -86,30 +93,18 @@ case = Case(
     math=r"\tau^{n+1}_{i,j} = \tfrac14\left(\tau^n_{2i,2j} + \tau^n_{2i+1,2j} + \tau^n_{2i,2j+1} + "
     r"\tau^n_{2i+1,2j+1}\right), \qquad 1 + \lfloor \log_2 256 \rfloor = 9",
     passes=(
-        picture(map(shown, range(LEVELS)), (3 * SIDE, 2 * SIDE), clear=(0.93, 0.93, 0.92, 1.0)),
+        picture(map(shown, ALL), (3 * SIDE, 2 * SIDE), clear=(0.93, 0.93, 0.92, 1.0)),
         *map(level_pass, (*range(2, LEVELS), 1)),
     ),
     picture="picture.FragColor",
     expect=[
         *(formula(f"level{n}.FragColor", mean_of_four(n), name=mean) for n, mean in MEANS.items()),
+        *(formula("picture.FragColor", in_its_place(n), draw=n, name=IN_IT.format(n)) for n in ALL),
         *(
-            formula("picture.FragColor", in_its_place(n), draw=n, name=f"level {n} in the picture")
-            for n in range(LEVELS)
+            figure(f"level{n}.extent", EXTENT.format(n), {}, s, reference=size_of(n))
+            for n, s in SIZES
         ),
-        *(
-            figure(
-                f"level{n}.extent", f"level {n}'s width and height", {}, size, reference=size_of(n)
-            )
-            for n, size in SIZES.items()
-        ),
-        *results(
-            {
-                "levels of 256 × 256": (level_count(256, 256), 9),
-                "texels of all levels": (texel_count(256, 256), 87381),
-                "levels of 5 × 3": (level_count(5, 3), 3),
-            },
-            digits=0,
-        ),
+        *results(COUNTS, digits=0),
         gl_calls("glGenerateMipmap", times=1, pass_name="level1", name=GENERATED),
     ],
     errata=[

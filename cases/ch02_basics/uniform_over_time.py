@@ -10,6 +10,7 @@ Try: in `ch02_basics/uniform_over_time.frag` write `sin(2.0 * time) / 2.0` for `
 the green that the shader computes swings twice as fast as the one that is sent.
 """
 
+from functools import partial
 from math import pi, sin
 
 import numpy as np
@@ -23,14 +24,8 @@ from ..scenes.laws import unchanged
 from ..scenes.panels import rectangle
 from ..scenes.waves import pulse
 
-FRAMES = [
-    ("0", 0.0, 0.5),
-    ("1", 1.0, 0.920735),
-    ("2", 2.0, 0.954649),
-    ("3", 3.0, 0.570560),
-    ("1.5708 (π÷2)", pi / 2, 1.0),
-    ("4.7124 (3π÷2)", 3 * pi / 2, 0.0),
-]
+FRAMES = [("0", 0.0, 0.5), ("1", 1.0, 0.920735), ("2", 2.0, 0.954649), ("3", 3.0, 0.570560)]
+FRAMES += [("1.5708 (π÷2)", pi / 2, 1.0), ("4.7124 (3π÷2)", 3 * pi / 2, 0.0)]
 
 # Past π the specification promises nothing of a sine; the conformance suite allows |t|·2⁻¹².
 LATER = Rules(trig_outside="scaled")
@@ -69,11 +64,6 @@ def painted(place, ourColor, time, frag_coord, corner=START):
     return vec4(mix(color, vec3(1.0), drawn(bead, 2.5)), 1.0)
 
 
-def painted_near(place, ourColor, time, frag_coord):
-    """The same from near by."""
-    return painted(place, ourColor, time, frag_coord, NEAR)
-
-
 def picture(corner, extent, moment):
     """The curve in a part of the plane."""
     shader, domain = "ch02_basics/uniform_over_time_picture.frag", rectangle(corner, extent)
@@ -100,6 +90,7 @@ bead = {"time": 2.5, "ourColor": our_color(2.5)}
 # The bead's radius is a third of this part's width, and of its height.
 EXTENT = (1.0, 0.2254)
 NEAR = (bead["time"] - 0.5 * EXTENT[0], bead["ourColor"][1] - 0.5 * EXTENT[1])
+FROM_NEAR = partial(painted, corner=NEAR)
 MAIN = fullscreen("ch02_basics/uniform_over_time.frag", domain={}, uniforms=moment)
 
 case = Case(
@@ -119,7 +110,7 @@ case = Case(
             "the bead at t = 2.5",
             bead,
             passes=(*picture(NEAR, EXTENT, bead), *MAIN),
-            expect=[formula("picture.FragColor", painted_near, rules=LATER, name="from near by")],
+            expect=[formula("picture.FragColor", FROM_NEAR, rules=LATER, name="from near by")],
         ),
     ],
 )

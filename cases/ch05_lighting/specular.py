@@ -30,7 +30,8 @@ EYE = (0.0, 1.9, 5.6)
 LIGHT = {"lightColor": (1.0, 0.96, 0.90), "lightPos": (-1.8, 3.4, 2.4), "viewPos": EYE}
 CAMERA = camera(EYE, (0.0, 0.72, 0.0), 18.3, 3.0)
 LEANING = translate((0.85, 0.72, -0.3)) @ turned(58.0, (1.0, -0.25, 0.3))
-RING, BALL = assets.torus(0.74, 0.27), assets.sphere(0.62, segments=64, rings=32)
+BALL = assets.sphere(0.62, segments=64, rings=32)
+THINGS = (BALL, translate((-1.25, 0.62, 0.3))), (assets.torus(0.74, 0.27), LEANING)
 
 # From below: the sum, the specular part alone, ambient and diffuse part.
 ROWS = [(0.1, 0.75, 0.9), (0.0, 0.0, 0.9), (0.1, 0.75, 0.0)]
@@ -43,7 +44,11 @@ def strengths(ambient, diffuse, specular):
 
 def thing(geometry, model, row):
     """One thing in one row, with that row's strengths of the three parts."""
-    material = {"objectColor": lit.CORAL, **strengths(*ROWS[row]), "shininess": 32.0}
+    material = {
+        "objectColor": lit.CORAL,
+        **strengths(*ROWS[row]),
+        "shininess": 32.0,
+    }
     shader, uniforms = "ch05_lighting/specular.frag", {**LIGHT, **material}
     return lit.thing(shader, geometry, model, CAMERA, uniforms, cell=cell(row, 1, 3))
 
@@ -59,6 +64,8 @@ STRONGEST = "1 for a viewer in the mirrored ray, at (−1.2, −1, 2)"
 MIRRORED = (-1.2, -1.0, 2.0)
 GREEN_HIGHLIGHT = "a green thing's highlight in white light"
 GREEN = {"lightPos": (0.0, 0.0, 2.0), "objectColor": (0.0, 1.0, 0.0)}
+HIGHLIGHT = "the point's highlight over the shininess"
+QUARTER_STEPS = {"values": [2.0 ** (k / 4.0) for k in range(33)], "log_x": True}
 ASIDE = {"viewPos": lit.ASIDE, "shininess": 0.5}
 
 case = Case(
@@ -67,12 +74,7 @@ case = Case(
     math=r"s = [N \cdot L > 0]\,\max(R \cdot V,\ 0)^{32}, \qquad R = 2\,(N \cdot L)\,N - L, \qquad "
     r"C = (k_a + k_d\, d + k_s\, s)\, L_c \odot O",
     passes=lit.photographed(
-        [
-            thing(geometry, model, row)
-            for row in range(3)
-            for geometry, model in ((BALL, translate((-1.25, 0.62, 0.3))), (RING, LEANING))
-        ],
-        clear=(0.01, 0.012, 0.016, 1.0),
+        [thing(*one, row) for row in range(3) for one in THINGS], clear=(0.01, 0.012, 0.016, 1.0)
     ),
     picture="picture.FragColor",
     rows=("ambient and diffuse", "specular", "all of them"),
@@ -89,15 +91,7 @@ case = Case(
         figure("FragColor", GREEN_HIGHLIGHT, {**POINT, **GREEN}, (0.0, 1.6, 0.0, 1.0)),
         figure("spec", STRONGEST, {**POINT, "viewPos": MIRRORED, "shininess": 32.0}, 1.0),
         figure("spec", "nearly 90° from the mirrored ray", {**POINT, **ASIDE}, 0.071075),
-        sweep(
-            "spec",
-            specular_factor,
-            over="shininess",
-            values=[2.0 ** (k / 4.0) for k in range(33)],
-            at=POINT,
-            log_x=True,
-            name="the point's highlight over the shininess",
-        ),
+        sweep("spec", specular_factor, over="shininess", at=POINT, name=HIGHLIGHT, **QUARTER_STEPS),
     ],
     errata=[
         Erratum(

@@ -40,12 +40,8 @@ WHITE = (1.0, 1.0, 1.0, 0.0)
 
 def halves(mesh):
     """The railway's depth on the left, its distance on the right."""
-    return [
-        tested(
-            "ch06_tests/depth_linear", mesh, {**SEEN, "linearly": linearly}, cell=cell(column, 2)
-        )
-        for column, linearly in enumerate((0.0, 1.0))
-    ]
+    shader = "ch06_tests/depth_linear"
+    return [tested(shader, mesh, {**SEEN, "linearly": k}, cell=cell(int(k), 2)) for k in (0.0, 1.0)]
 
 
 def linear(frag_coord, near, far):

@@ -45,12 +45,9 @@ COLOR = opaque(unchanged("color"))
 
 def single(k, model, state):
     """A box in the outline's colour."""
-    plain = stage.prop(BOXES[k], CAMERA, model=model)
+    plain, shader = stage.prop(BOXES[k], CAMERA, model=model), "ch06_tests/single_color.frag"
     return replace(
-        plain,
-        fragment="ch06_tests/single_color.frag",
-        uniforms={**plain.uniforms, "color": ORANGE},
-        state=state,
+        plain, fragment=shader, uniforms={**plain.uniforms, "color": ORANGE}, state=state
     )
 
 
@@ -72,7 +69,13 @@ def wrong(outline, objects, larger):
     return np.count_nonzero((outline == 1.0) != ((larger == 1.0) & (objects == 0.0)))
 
 
-SETS = {"outline": "judged.outline", "objects": "objects.outline", "larger": "larger.outline"}
+def marked(outline):
+    """How many pixels the outline has."""
+    return np.count_nonzero(outline == 1.0)
+
+
+OUTLINE = {"outline": "judged.outline"}
+SETS = {**OUTLINE, "objects": "objects.outline", "larger": "larger.outline"}
 
 case = Case(
     title="Outlines by the stencil buffer",
@@ -104,11 +107,7 @@ case = Case(
         formula("judged.outline", lambda: 1.0, name="where an outline is"),
         formula("judged.gl_Position", clip_position, name="the larger box in clip space"),
         measure("pixels where outline ≠ larger − objects", wrong, reads=SETS, equals=0, digits=0),
-        measure(
-            "pixels of the outline",
-            lambda outline: (outline == 1.0).sum(),
-            reads={"outline": "judged.outline"},
-            at_least=100,  # no formula's: the sets above are not all empty
-        ),
+        # No formula's: the sets above are not all empty.
+        measure("pixels of the outline", marked, reads=OUTLINE, at_least=100),
     ],
 )

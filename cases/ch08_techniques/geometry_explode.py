@@ -17,7 +17,7 @@ from math import pi, radians
 from shaderlab import Case, Mesh, Variant, formula, query, value
 from shaderlab.assets import meshes, solids
 from shaderlab.glslmath import cross, dot, max, mul, normalize, sin, sqrt, swizzle, vec3, vec4
-from shaderlab.reference.transforms import look_at, perspective, rotate, translate
+from shaderlab.reference.transforms import look_at, perspective, rotate, translate, world_position
 
 from ..scenes.draws import tested
 from ..scenes.figures import results
@@ -31,9 +31,8 @@ VIEW = look_at((0.0, 0.8, 5.0), (0.0, 0.0, 0.0))
 PROJECTION = perspective(radians(42.0), 1.0, 0.1, 20.0)
 
 SHADERS = tuple(f"ch08_techniques/geometry_explode.{stage}" for stage in ("vert", "geom", "frag"))
-
-
 UNIFORMS = {"model": MODEL, "view": VIEW, "projection": PROJECTION, "time": 0.0}
+UPWARD = {"fColor": (1.0, 0.5, 0.31), "fNormal": (0.0, 2.0, 0.0)}
 DUSK = (0.13, 0.14, 0.17, 1.0)
 
 
@@ -42,14 +41,9 @@ def magnitude(time):
     return 0.5 * (sin(time) + 1.0)
 
 
-def in_world(aPos, model):
-    """A vertex in the world."""
-    return swizzle(mul(model, vec4(aPos, 1.0)), "xyz")
-
-
 def placed(aPos, model):
     """The same with w = 1: the projection is the geometry shader's."""
-    return vec4(in_world(aPos, model), 1.0)
+    return vec4(world_position(aPos, model), 1.0)
 
 
 def dimmed(aColor, aNormal):
@@ -80,6 +74,9 @@ def shaded(fColor, fNormal):
     return vec4(sqrt(fColor * (0.3 + 0.7 * lamp)), 1.0)
 
 
+MOVED = {"0": (0.5, 0.0), "1": (0.920735, 1.0), "π∕2": (1.0, pi / 2), "−π∕2": (0.0, -pi / 2)}
+
+
 def at(name, moved, time):
     """One moment."""
     figures = results({f"moved at {name}": (float(magnitude(time)), moved)})
@@ -93,12 +90,7 @@ case = Case(
     r"\frac{(p_1 - p_0) \times (p_2 - p_0)}{\lVert (p_1 - p_0) \times (p_2 - p_0) \rVert}",
     passes=photographed([tested(SHADERS, BALL, UNIFORMS)], (512, 512), clear=DUSK),
     picture="picture.FragColor",
-    variants=[
-        at("t = 0", 0.5, 0.0),
-        at("t = 1", 0.920735, 1.0),
-        at("t = π∕2", 1.0, pi / 2.0),
-        at("t = −π∕2", 0.0, -pi / 2.0),
-    ],
+    variants=[at(f"t = {name}", *figures) for name, figures in MOVED.items()],
     expect=[
         formula("judged.gl_Position", position),
         formula("judged.fColor", color),
@@ -107,13 +99,8 @@ case = Case(
         *picture_checks(),
         query("geometry_primitives_emitted", equals=288, name="as many triangles as before"),
         formula("judged.gl_in.gl_Position", placed, name="vertices in the world"),
-        formula("judged.VS_OUT.world", in_world, name="… handed on"),
+        formula("judged.VS_OUT.world", world_position, name="… handed on"),
         formula("judged.VS_OUT.color", dimmed, name="their colours"),
-        value(
-            "judged.FragColor",
-            at={"fColor": (1.0, 0.5, 0.31), "fNormal": (0.0, 2.0, 0.0)},
-            equals=(0.927362, 0.655744, 0.516333, 1.0),
-            digits=6,
-        ),
+        value("judged.FragColor", at=UPWARD, equals=(0.927362, 0.655744, 0.516333, 1.0), digits=6),
     ],
 )

@@ -74,7 +74,12 @@ def roughness(color):
 
 
 TURNED = {"TexCoords": Ramp((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0))}
-DRAWN = {"image": Output("frame.FragColor")}
+FRAME = {"textures": {"image": Output("frame.FragColor")}, "size": (SIDE, SIDE)}
+AFTER = {"calm": "calm.FragColor"}
+ROUGHNESS = [
+    reading(name, reads={"color": f"{name}.FragColor"}, equals=e, digits=3)
+    for name, e in (("frame", 0.047), ("fxaa", 0.041))
+]
 BOTH = {"upright": "fxaa.FragColor", "turned": "turned_fxaa.FragColor"}
 
 case = Case(
@@ -84,9 +89,7 @@ case = Case(
     r"t \perp \nabla \ell",
     passes=(
         frame("frame"),
-        panel_pass(
-            "turned", "ch02_basics/textured.frag", TURNED, textures=DRAWN, size=(SIDE, SIDE)
-        ),
+        panel_pass("turned", "ch02_basics/textured.frag", TURNED, **FRAME),
         smoothed("fxaa", Output("frame.FragColor", **SMOOTH)),
         smoothed("turned_fxaa", Output("turned.FragColor", **SMOOTH)),
         smoothed("calm", Texture(image=CALM, **SMOOTH), 24),
@@ -97,22 +100,9 @@ case = Case(
         formula("frame.FragColor", wheel, name="the wheel"),
         formula("turned.FragColor", sampled("image"), name="turned"),
         formula("fxaa.FragColor", fxaa, name="means along edges"),
-        measure(
-            "change where contrast is low",
-            changed,
-            reads={"calm": "calm.FragColor"},
-            equals=0.0,
-            digits=9,
-        ),
+        measure("change where contrast is low", changed, reads=AFTER, equals=0.0, digits=9),
         measure("edges of the turned wheel", unturned, reads=BOTH, at_most=2.0**-12),
-        measure(
-            "mean difference of neighbours",
-            roughness,
-            readings=[
-                reading(name, reads={"color": f"{name}.FragColor"}, equals=e, digits=3)
-                for name, e in (("frame", 0.047), ("fxaa", 0.041))
-            ],
-        ),
+        measure("mean difference of neighbours", roughness, readings=ROUGHNESS),
         formula("picture.FragColor", sampled("image"), draw=0, name="as it is drawn"),
         formula("picture.FragColor", sampled("image"), draw=1, name="after FXAA"),
     ],

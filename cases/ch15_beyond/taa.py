@@ -87,6 +87,7 @@ def missing():
 
 LAST = f"mean_{FRAMES - 1}"
 READ = {name: f"frame_{k}.FragColor" for k, name in enumerate("abcdefgh")}
+READ["mean"] = f"{LAST}.FragColor"
 
 case = Case(
     title="TAA",
@@ -105,12 +106,7 @@ case = Case(
     expect=[
         formula("frame.FragColor", wheel, name="the wheel"),
         *(formula(f"frame_{k}.FragColor", wheel, name=f"shifted, {k}") for k in (2, 4)),
-        measure(
-            "from the mean of all frames",
-            from_mean,
-            reads={"mean": f"{LAST}.FragColor", **READ},
-            at_most=2.0**-21,
-        ),
+        measure("from the mean of all frames", from_mean, reads=READ, at_most=2.0**-21),
         exact("fading_3.FragColor", (0.31640625, 0.31640625, 0.31640625, 1.0), name="(1 − ¼)⁴"),
         formula("moved.FragColor", taa, name="a history that is cut"),
         formula("picture.FragColor", sampled("image"), draw=0, name="one frame"),
