@@ -9,8 +9,8 @@ same manner, and BC7 has eight modes to choose from. ETC1 is a part of ETC2: its
 ETC2. Files keep the blocks behind a header, as DDS files do, and nothing has to be decoded to
 upload them.
 
-Look at: the emblem in six formats, from the lower left ETC1, ETC2 and ETC2 with alpha, above BC1,
-BC3 and BC7, and over each what it lost, eight times as large, on grey. Losses have the shape of
+Look at: the emblem in six formats. The lower row has ETC1, ETC2 and ETC2 with alpha, the upper one
+BC1, BC3 and BC7; over each is what it lost, eight times as large, on grey. Losses have the shape of
 blocks, and most are at the rays' edges, where a block holds only two or four colours. BC7 loses
 next to nothing.
 

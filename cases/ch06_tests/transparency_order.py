@@ -6,9 +6,9 @@ just that if the farthest is drawn first. Opaque things are drawn first, with th
 mask on; the panes are tested, so that opaque things hide them, but write no depth.
 
 Look at: three discs of glass before a wall, red the farthest, blue the nearest, and a dark disc
-that stands between green and blue. Left: drawn from far to near. Middle: from near to far, and red
-seems to lie in front where all three overlap. Right: from near to far with the depth written, and
-what is behind a pane is not seen at all.
+that stands between green and blue. On the left they are drawn from far to near. In the middle they
+are drawn from near to far, and where all three overlap, red seems to lie in front. On the right
+they are drawn from near to far and write their depth: nothing behind a pane is visible.
 
 Try: in `ch06_tests/glass.frag` write `FragColor = vec4(color.rgb, 1.0)` for `FragColor = color`:
 opaque discs need no order where the depth is written: the right panel looks like the left one.

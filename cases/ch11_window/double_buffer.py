@@ -1,4 +1,4 @@
-"""Two buffers in turn, a model: the screen never shows a frame that is only half drawn.
+"""A model of two buffers in turn: the screen never shows a frame that is only half drawn.
 
 A frame takes many draws, and the screen refreshes at any time. With one buffer it is read in the
 middle of the next frame: first the sky has been painted over everything, then, a moment later, the

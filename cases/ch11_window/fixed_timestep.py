@@ -7,10 +7,10 @@ next frame. Then the state after n steps depends on n alone. Here the step is 1/
 numbers are binary fractions, so nothing is ever rounded and every state is exact.
 
 Look at: a ball that bounces, one dot a frame, from left to right in time. Marks below the floor
-show when the frames were. In the upper strip all 64 take 1/32 second, in the middle one some take
-eight times as long as others, and yet their dots lie on the same arcs, which are grey behind them.
-Below, the same uneven frames with steps as long as the frames are: the ball flies lower, and soon
-bounces at other times.
+show when the frames were. In the upper strip, all 64 take 1/32 second; in the middle one, some take
+eight times as long as others. Yet the dots of both lie on the same arcs, drawn in grey behind them.
+The lowest strip has the same uneven frames, but each step is as long as its frame: the ball flies
+lower, and soon bounces at other times.
 
 Try: in `ch11_window/fixed_timestep.frag` write `-speed` for `-0.75 * speed`: with fixed steps the
 ball loses nothing, and rises about as high each time.

@@ -2,10 +2,10 @@
 
 A display can't show that a neon tube is eight times as bright as white paper. An eye and a lens
 would scatter some of it around, and so the picture is told to: what lies above 1 is taken out,
-blurred and added again. A blur in two dimensions of 9 × 9 weights is two of nine weights, across
-and upward, as each weight is a product; and nine become five samples, as one between two texels is
-their mean by where it lies. Variances add up: the same blur n times is √n times as wide. Weights
-that do not add up to 1 would make each of these steps brighter or darker.
+blurred and added again. As each weight is a product, a blur with 9 × 9 weights is two blurs with
+nine, across and upward; and nine samples become five, because one between two texels reads their
+mean, weighted by where it lies. Variances add up: the same blur n times is √n times as wide.
+Weights that do not add up to 1 would make each of these steps brighter or darker.
 
 Look at: the same neon sign twice. On the left the tubes are cut-out shapes; on the right they
 shine.

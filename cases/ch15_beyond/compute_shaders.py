@@ -1,12 +1,12 @@
 """Compute shaders: many work at once, share what they found, and wait for each other.
 
-Sums from the left look as if they had to wait: each needs the one before. But if each of 256 adds
-what is 1, 2, 4 … to its left, all are done after eight rounds, exactly. A Fourier transform of 128
-numbers takes seven rounds of 64 pairs instead of 128² products. What stands between the rounds is a
-barrier: nobody reads what others have not yet written. Checks know without a second transform: one
-bright point is a wave of the same strength everywhere, and the strength of all numbers together
-stays (Parseval). Where particles pull each other, no pull is without its opposite: the sum of their
-speeds stays.
+Running sums look sequential: each needs the one before. But if each of 256 numbers adds the one
+that is 1, 2, 4 … places to its left, all sums are complete after eight rounds, exactly. A Fourier
+transform of 128 numbers takes seven rounds of 64 pairs instead of 128² products. Between the rounds
+stands a barrier: nothing is read before it has been written. The checks need no second transform:
+one bright point becomes a wave of the same strength everywhere, and the total strength does not
+change (Parseval). Where particles attract each other, each pull has its opposite, so the sum of
+their speeds does not change either.
 
 Look at: an opening with six blades, and a bright lamp seen through it. The light is bent by the
 square of its Fourier transform, red more than blue.
@@ -14,7 +14,7 @@ square of its Fourier transform, red more than blue.
 Try: in `ch15_beyond/starburst.frag` write `light(1.0), light(1.0), light(1.0)` for `light(1.2),
 light(1.0), light(0.84)`: light of one colour.
 
-Compute shaders are OpenGL's since 4.3: softpipe, WebGL2 and the lab's Vulkan have none.
+Compute shaders came with OpenGL 4.3; softpipe, WebGL2 and the lab's Vulkan have none.
 """
 
 import math

@@ -6,8 +6,8 @@ changes, to the bit, and a picture that is turned by 90° gets the same edges. A
 eye sees, it wants colours as a display shows them, not light. What it can't do is bring back what
 was lost: where a spoke is thinner than a pixel and its dots do not meet, it smooths dots.
 
-Look at: a Ferris wheel, 72 pixels wide. Left as it is drawn, right after FXAA: the stairs of its
-rings are gone, and the sky, which has no edges, is the same.
+Look at: a Ferris wheel, 72 pixels wide. On the left as it is drawn, on the right after FXAA: the
+stairs of its rings are gone, and the sky, which has no edges, is the same.
 
 Try: in `ch15_beyond/fxaa.frag` write `color = far` for `color = luma(far) < least || luma(far) >
 most ? near : far`: spokes smear into each other.

@@ -8,7 +8,7 @@ listing cuts at 5/256: on black, encoded for a display, those are 43 codes, and 
 a code wants balls of 1.8 here, a dozen on a pixel, and 72 halves still add up to some codes:
 engines make light end at a distance instead.
 
-Look at: 72 candles around nine posts at dusk. A pixel asks a few of them, those that reach it.
+Look at: 72 candles around nine posts at dusk. A pixel asks only the few that reach it.
 
 Try: in `ch15_beyond/light_volume.vert` write `0.1 * reach * aPos` for `reach * aPos`: the light
 ends at the edges of polyhedra.

@@ -2,8 +2,8 @@
 
 "Over" wants what is farther first. These petals have no order: each lies over the one to its right,
 all the way around. So the order has to be found pixel by pixel. A list keeps each layer's colour
-and depth, is sorted, and is then what "over" says; it takes memory for each layer. A weighted sum
-takes two targets, whatever there is: colours times α and a weight that falls with the depth are
+and depth; once sorted, it gives what "over" says, but it takes memory for each layer. A weighted
+sum takes two targets, whatever there is: colours times α and a weight that falls with the depth are
 added up, 1 − α multiplied. The second is exact: it is how much of the wall is seen. The first is a
 mean, and exact where there is one layer, or one colour. A well-known listing gives weights up to
 3000 and adds them up in half floats: 22 layers are infinite.

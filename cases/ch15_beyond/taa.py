@@ -6,8 +6,8 @@ later; with 1/n for the n-th, that is the mean of all shifts, as if each pixel h
 has moved leaves ghosts, unless the history is cut to the range of colours about the pixel. In bytes
 a history stops short: once α times what is missing is less than half a code, it stays as it is.
 
-Look at: a Ferris wheel, 72 pixels wide. Left one frame, right the mean of eight: the spokes are
-whole, though none of the eight frames has them whole.
+Look at: a Ferris wheel, 72 pixels wide. On the left is one frame, on the right the mean of eight:
+the spokes are whole, though none of the eight frames has them whole.
 
 Try: in `ch15_beyond/edges_scene.frag` write `vec2 at = place;` for `vec2 at = place + jitter;`: all
 frames are the same, and their mean has the same hard edges.

@@ -3,9 +3,9 @@
 A mesh of patches is divided while it is drawn. The control stage says into how many parts each edge
 and the inside go; the evaluation stage places each new corner, by weights of the patch's corners
 whose sum is 1. A triangle whose edges and inside go into n parts becomes 3n²/2 triangles, half a
-triangle less if n is odd. Two patches that share an edge must divide it alike, and place what is on
-it alike, or the ball has cracks: a level may depend on the edge, and not on the patch. The usual
-"distance to the patch's middle" does not.
+triangle less if n is odd. Two patches that share an edge must divide it alike and place its points
+alike, or the ball cracks: a level may depend on the edge, but not on the patch. The usual "distance
+to the patch's middle" does not.
 
 Look at: a mosaic of twenty patches with dark edges; its tiles are small at the upper left, which is
 where the ball is divided finest, and large on the other side.
@@ -13,7 +13,7 @@ where the ball is divided finest, and large on the other side.
 Try: in `ch15_beyond/tessellation.tese` write `fractional_odd_spacing` for `equal_spacing`: parts of
 an edge differ in length, so that levels can change without a jump.
 
-Tessellation is OpenGL's since 4.0: softpipe, WebGL2 and the lab's Vulkan have none.
+Tessellation came with OpenGL 4.0; softpipe, WebGL2 and the lab's Vulkan have none.
 """
 
 import numpy as np

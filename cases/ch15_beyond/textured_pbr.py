@@ -1,12 +1,12 @@
 """Materials from textures: what a surface is, texel by texel.
 
 A material of today (glTF's) is a few textures: a colour, which for a metal is what it reflects, and
-roughness and metalness as two channels of one image. Each is multiplied by a factor, so that a
-white texture leaves the factor, and one colour all over gives what the factor alone would, to the
-bit. Colours are stored as a display wants them, and must be decoded once: the sampler does it for
-sRGB formats, and a shader that raises them to 2.2 again makes them too dark. Roughness and
-metalness are numbers, and are not decoded at all. A roughness of 0 makes the well-known D of a
-halfway vector that faces straight 0 / 0, so it must be kept above.
+roughness and metalness as two channels of one image. Each is multiplied by a factor: a white
+texture leaves the factor as it is, and a texture of a single colour gives what the factor alone
+would, to the bit. Colours are stored as a display expects them, and must be decoded once: the
+sampler does it for sRGB formats, and a shader that raises them to 2.2 again makes them too dark.
+Roughness and metalness are numbers, and are not decoded at all. A roughness of 0 makes the
+well-known D of a halfway vector that faces straight 0 / 0, so it must be kept above.
 
 Look at: a vase of blue glaze with gold laid in. One mesh, one material: only the textures know
 where the gold is, and that the glaze is worn rough towards the foot.
