@@ -37,11 +37,11 @@ _NARROWER = 256.0  # times than the widest side: a side is not halved before tha
 _OUTPUT, _UNKNOWN = -1, -2  # ids of places: an output, what could not be run
 _NEEDED = ("gl_FragDepth", "gl_Position")
 
-Condition = Callable[[Mapping[str, Any]], Mapping[str, Any]]  # what has to hold, in words
+Condition = Callable[[Mapping[str, Any], InputBatch], Mapping[str, Any]]  # what holds, in words
 Point = tuple[InputBatch, int, WatchedInstruction | None]  # a row; what goes wrong there
 
 
-def are_finite(outputs: Mapping[str, Any]) -> Mapping[str, Any]:
+def are_finite(outputs: Mapping[str, Any], batch: InputBatch) -> Mapping[str, Any]:
     """The condition that each float output is a finite number."""
     return {
         f"{name} is a finite number": ~(isnan(value) | isinf(value))
@@ -62,7 +62,7 @@ class Proof:
 
     Args:
         program, inputs, domains: one stage, and what it reads, as of `domains_of`.
-        condition: what has to hold of the outputs.
+        condition: what has to hold of the outputs for the inputs.
         refuted, tried: places that are not asked about, and inputs to begin with.
         counts: which inputs settle a place, by default all; `points` has others if none does.
         hazards: whether instructions are watched.
@@ -141,7 +141,7 @@ class Proof:
             self._at_once = max(self._at_once // 4, 1)  # one of them spoils all
             return {Place(_UNKNOWN, (), error.message): np.ones(batch.count, np.bool_)}
         self._lines |= watcher.lines
-        return (watcher.bad if self._hazards else {}) | self._judge(result, batch.count)
+        return (watcher.bad if self._hazards else {}) | self._judge(result, batch)
 
     def _interpret(self, batch: InputBatch, arithmetic: Any, watch: Any) -> Interpreted:
         return interpret(
@@ -149,14 +149,14 @@ class Proof:
             max_blocks=_MAX_BLOCKS, watch=watch, unwritten=True,
         )  # fmt: skip
 
-    def _judge(self, result: Interpreted, count: int) -> dict[Place, Flags]:
+    def _judge(self, result: Interpreted, batch: InputBatch) -> dict[Place, Flags]:
         """Where the condition may not hold; in float32, where it does not."""
-        drawn = ~np.broadcast_to(result.discarded.all_true, (count,))
+        drawn = ~np.broadcast_to(result.discarded.all_true, (batch.count,))
         found = {}
-        for name, holds in self._condition(result.outputs).items():
+        for name, holds in self._condition(result.outputs, batch).items():
             truth = holds.all_true if isinstance(holds, TriBool) else np.asarray(holds)
             fails = ~truth.reshape(len(truth), -1).all(axis=1)
-            found[Place(_OUTPUT, (), name)] = np.broadcast_to(fails, (count,)) & drawn
+            found[Place(_OUTPUT, (), name)] = np.broadcast_to(fails, drawn.shape) & drawn
         return found
 
     def _halve(self, low: Array, high: Array, flags: Flags) -> tuple[Array, Array, Flags]:
@@ -215,7 +215,7 @@ class Proof:
         result = self._interpret(batch, FLOAT32, watcher)
         bad = {place: one.bad for place, one in watcher.found.items() if self._hazards}
         counted = ~np.zeros(1, np.bool_) if self._counts is None else self._counts(batch)
-        for place, rows in (bad | self._judge(result, batch.count)).items():
+        for place, rows in (bad | self._judge(result, batch)).items():
             if rows.any() and place not in self._settled:
                 counts = bool((rows & counted).any())
                 row = int((rows & counted if counts else rows).argmax())

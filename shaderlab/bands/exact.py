@@ -7,14 +7,18 @@ pass NaN on.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextvars import ContextVar
 from dataclasses import replace
-from typing import Any, Literal, NoReturn
+from typing import Any, Literal
 
 import numpy as np
 
 from shaderlab.bands.bounds import BandT, Bounds, combine_terms
 from shaderlab.bands.rounding import Flags, Float64Array, Rules
 from shaderlab.errors import FormulaError
+
+DECIDING: ContextVar[bool] = ContextVar("DECIDING", default=False)
+"""Whether a Python condition may take what is the same at all values; elsewhere it raises."""
 
 
 class TriBool:
@@ -92,7 +96,9 @@ class TriBool:
         """GLSL's `any`: over the last axis, which stays with size 1."""
         return ~(~self).all()
 
-    def __bool__(self) -> NoReturn:
+    def __bool__(self) -> bool:
+        if DECIDING.get() and (self.all_true.all() or self.all_false.all()):
+            return bool(self.all_true.all())
         raise FormulaError(
             "a comparison of bands has no single answer: it may differ from pixel to pixel",
             remedy="choose with glslmath.where(condition, a, b); combine conditions with & | ~",

@@ -129,7 +129,8 @@ def _merge_outcomes(outcomes: list[Outcome]) -> Iterator[Outcome]:
     """The outcomes, those of one property as one: its batches were judged one by one."""
     together: dict[tuple[str, int], Outcome] = {}
     for number, outcome in enumerate(outcomes):
-        key = (outcome.name, outcome.line if outcome.kind == "given" else -1 - number)
+        is_batch = outcome.kind in ("given", "proof")
+        key = (outcome.name, outcome.line if is_batch else -1 - number)
         judged = outcome.judged + (together[key].judged if key in together else 0)
         together[key] = replace(outcome, judged=judged)
     names: Counter[str] = Counter()
@@ -192,7 +193,7 @@ class Function:
     ) -> None:
         self.signatures = tuple(overloads)
         self.folder = folder  # what paths of textures are relative to
-        self._source = source
+        self.source = source
         self._given = given
         self.__name__ = overloads[0].name
         self.__doc__ = "\n".join(map(str, overloads))
@@ -206,7 +207,7 @@ class Function:
         wanted = [word.strip() for word in types.split(",") if word.strip()]
         for one in self.signatures:
             if [str(p.type) for p in one.parameters] == wanted:
-                return Function(self._source, [one], self.folder, self._given)
+                return Function(self.source, [one], self.folder, self._given)
         raise CallError(
             f"{self.__name__} has no overload ({types})",
             remedy=f"there is {', '.join(map(str, self.signatures))}",
@@ -292,7 +293,7 @@ class Function:
         from shaderlab.functions.proving import prove_law
 
         try:
-            outcome = prove_law(self, self._source, law, ranges)
+            outcome = prove_law(self, law, ranges)
         except ShaderlabError as error:
             raise error.with_traceback(_short_traceback(error)) from error.__cause__
         if (found := current_notes()) is not None:
@@ -304,20 +305,20 @@ class Function:
         """Note a call for the test that runs, or that no test makes it."""
         found = current_notes()
         if found is not None:
-            found.add_call(self._source, checks.function_source(self, call))
+            found.add_call(self.source, checks.function_source(self, call))
         elif (known := _LOADS.get()) is not None:
-            known.called_outside.add(self._source.path)
+            known.called_outside.add(self.source.path)
         return found
 
     def place_of(self, signature: Signature) -> tuple[str, int]:
-        return self._source.place(signature.line)
+        return self.source.place(signature.line)
 
     def bind(self, *arguments: Any, **named: Any) -> Call:
         """The overload that arguments fit, with them. Raises CallError."""
         return bind_arguments(self.signatures, arguments, named, self._given)
 
     def evaluate(self, call: Call) -> Any:
-        return evaluate(self._source, self.folder, call)
+        return evaluate(self.source, self.folder, call)
 
 
 def _short_traceback(error: ShaderlabError) -> TracebackType | None:

@@ -7,7 +7,6 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -270,7 +269,7 @@ class Search:
         self._test = test
         self._domains = {n: d for n, d in flatten(domains) if isinstance(d, Domain)}
         self._fixed = {n: d for n, d in flatten(domains) if not isinstance(d, Domain)}
-        self._one_by_one = False
+        self._one_by_one = self._is_sampled = False
 
     @cached_property
     def _hints(self) -> Array:
@@ -295,28 +294,52 @@ class Search:
             )
         return others
 
-    def run(self, batch: Batch) -> None:
-        """Try a batch. Raises what the test raises for its smallest counterexample."""
+    @cached_property
+    def proof(self) -> tuple[bool, dict[str, tuple[float, ...]]]:
+        """Whether the test is shown to hold for all arguments, on every conforming device; else
+        arguments for which it does not hold in float32, or none."""
+        from shaderlab.functions.proving import prove_test
+
+        domains: Mapping[str, Any] = self._domains
+        try:
+            ends = {n: "unit" if d == Directions() else (d.low, d.high) for n, d in domains.items()}
+            ends |= {n: (float(v), float(v)) for n, v in self._fixed.items()}
+            found = prove_test(self._function, self._test, ends, self._result_names)
+        except Exception:  # the test does what bands don't, or the function what can't be proved
+            return False, {}
+        for batch, row, _ in found.points.values():
+            return False, batch.example(row, domains)
+        return all(claim.status == "proved" for claim in found.claims()), {}
+
+    def run(self, batch: Batch) -> int:
+        """Try a batch; of what is proved samples once, since a driver may not conform. How many
+        arguments were tried. Raises what the test raises for its smallest counterexample."""
         __tracebackhide__ = True
         if isinstance(batch, dict):
             values = {n: np.asarray(v)[None] for n, v in flatten(batch)}
+        elif self.proof[0] and self._is_sampled:
+            return 0
         else:
+            self._is_sampled = True
             rng = np.random.default_rng(batch)
             values = {
                 name: domain.sample(rng, (SAMPLES, *self._type_of(name).shape), self._hints)
                 for name, domain in self._domains.items()
             }
+            for name, value in self.proof[1].items():
+                values[name][0] = np.reshape(value, values[name].shape[1:])
         if not values:
             raise CallError(f"given: nothing of {self._function.__name__} is searched")
         arguments = self._arguments(values)
         if not self._fails(arguments):
-            return
+            return _count(arguments)
         wrong = self._halve(arguments)
         values = {name: value[wrong] for name, value in values.items()}
         if wrong.stop - wrong.start > 1:  # no single one fails: it is about several together
             self._test(**self._arguments(values))
         else:
             self._report(self._simplify(values))
+        return _count(arguments)
 
     def _type_of(self, name: str) -> Type:
         """The type of an argument, or of a member by its whole name."""
@@ -443,6 +466,9 @@ DRAWS = 10
 def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
     """A test of a property: `@glsl.given(lighting.fresnel, cosine=glsl.floats(0, 1))`.
 
+    A proof for all arguments is tried first, as of `Function.prove`: of a test that compares, such
+    as `assert 0 <= y <= 1`. Else the property is searched with samples. The report says which.
+
     The test gets the arguments by their names, and by any other name what the function returns for
     them; with `out` parameters that is a mapping, or each of them by its own name. It asserts on
     arrays, or on single numbers, or returns where the property holds.
@@ -466,8 +492,7 @@ def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
 
         def run(batch: Batch) -> None:
             __tracebackhide__ = True
-            with _note_outcome(function, test, batch):
-                search.run(batch)
+            _run(search, function, batch, test.__code__.co_firstlineno)
 
         # Hypothesis takes it for the test: failures show that, and the database knows it by that.
         for name in ("__name__", "__qualname__", "__module__", "__doc__"):
@@ -492,9 +517,8 @@ def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
     return decorate
 
 
-@contextmanager
-def _note_outcome(function: Function, test: Test, batch: Batch) -> Iterator[None]:
-    """Note how a batch fares, where a report wants it."""
+def _run(search: Search, function: Function, batch: Batch, at: int) -> None:
+    """Run a batch, and note how it fares, where a report wants it: whether it is proved."""
     __tracebackhide__ = True
     found = current_notes()
     file, line = function.place
@@ -504,10 +528,11 @@ def _note_outcome(function: Function, test: Test, batch: Batch) -> Iterator[None
         status="pass",
         judged=1 if isinstance(batch, dict) else SAMPLES,
         sources=(SourceText(file=file, line=line, language="glsl", text=str(function.__doc__)),),
-        line=test.__code__.co_firstlineno,
+        line=at,
     )
     try:
-        yield
+        judged = search.run(batch)
+        outcome = replace(outcome, judged=judged, kind="proof" if search.proof[0] else "given")
     except Exception as error:
         said = "\n".join([str(error) or type(error).__name__, *getattr(error, "__notes__", ())])
         outcome = replace(outcome, status="fail", outside=1, message=said)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,16 +12,18 @@ import numpy as np
 
 from shaderlab.analysis.answer import format_inputs
 from shaderlab.analysis.audit import Audit, Hazard
-from shaderlab.analysis.batches import asks_for_neighbours
+from shaderlab.analysis.batches import InputBatch, asks_for_neighbours
+from shaderlab.analysis.boxes import ARITHMETIC
 from shaderlab.analysis.hazards import find_written_outputs
 from shaderlab.analysis.inputs import domains_of, inputs_of, sample_inputs
 from shaderlab.analysis.interpreter import Program, load
 from shaderlab.analysis.interpreter.interpret import interface_name
-from shaderlab.analysis.proof import Proof
+from shaderlab.analysis.proof import BOXES, Condition, Proof
 from shaderlab.analysis.requests import AuditFile
-from shaderlab.compiler.sources import Source
+from shaderlab.bands import Band
+from shaderlab.bands.exact import DECIDING
 from shaderlab.compiler.spirv import StorageClass, type_name
-from shaderlab.errors import CallError, ShaderlabError
+from shaderlab.errors import CallError, FormulaError, ShaderlabError
 from shaderlab.functions.evaluation import use_worker
 from shaderlab.functions.interpreting import AuditFunctions, find_entry_points
 from shaderlab.functions.library import Function, Library
@@ -32,29 +35,16 @@ if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
 
 _MAIN = re.compile(r"\bvoid\s+main\s*\(")
+_BOXES = 1024  # of a test, which is called for each
 _NUMBERS = re.compile(r"(float|int|uint|[iu]?vec[234])")
 
 
-def prove_law(
-    function: Function, source: Source, law: Callable[..., Any], ranges: Mapping[str, Any]
-) -> Outcome:
+def prove_law(function: Function, law: Callable[..., Any], ranges: Mapping[str, Any]) -> Outcome:
     """Whether a condition of a function's results holds for all arguments; see `Function.prove`."""
-    entries = {str(one): stage for one, stage in find_entry_points(source)}
-    signature = function.signatures[0]
-    if len(function.signatures) > 1 or str(signature) not in entries:
-        raise CallError(f"{function.__name__} is overloaded, or of an included file")
-    program = load(entries[str(signature)])
-    inputs = inputs_of(program)
-    words = {n: r if isinstance(r, str) else f"{r[0]!r}:{r[1]!r}" for n, r in ranges.items()}
-    domains = domains_of(inputs, [program], words)
-    for name, domain in domains.items():
-        if domain.source == "assumed" and domain.kind != "texture":
-            raise CallError(f"{function.__name__}: {name} has no range", remedy=f"{name}=(0, 1)")
-    proof = Proof(
-        program, inputs, domains, hazards=False,
-        condition=lambda outputs: {"the law holds": law(*outputs.values())},
-        tried=[sample_inputs(inputs, domains, 1024, 0)],
-    )  # fmt: skip
+    program, proof = find_proof(
+        function, lambda outputs, _: {"the law holds": law(*outputs.values())}, ranges
+    )
+    signature, inputs = function.signatures[0], proof.space.inputs
     message = "; ".join(str(one) for one in proof.claims() if one.status == "open")
     for batch, row, _ in proof.points.values():
         example = batch.example(row, inputs)
@@ -69,6 +59,75 @@ def prove_law(
         name=function.__name__, kind="proof", status="fail" if message else "pass",
         message=message, judged=proof.tried, sources=(text,),
     )  # fmt: skip
+
+
+def find_proof(
+    function: Function,
+    condition: Condition,
+    ranges: Mapping[str, Any],
+    boxes: int = BOXES,
+) -> tuple[Program, Proof]:
+    """A function's program, and the search for a condition of its results in ranges of its
+    arguments.
+
+    Raises:
+        CallError, UsageError, NotInterpretedError: it can't be asked about, or has other arguments.
+    """
+    entries = {str(one): stage for one, stage in find_entry_points(function.source)}
+    signature = function.signatures[0]
+    if len(function.signatures) > 1 or str(signature) not in entries:
+        raise CallError(f"{function.__name__} is overloaded, or of an included file")
+    program = load(entries[str(signature)])
+    inputs = inputs_of(program)
+    words = {n: r if isinstance(r, str) else f"{r[0]!r}:{r[1]!r}" for n, r in ranges.items()}
+    domains = domains_of(inputs, [program], words)
+    for name, domain in domains.items():
+        if domain.source == "assumed" and domain.kind != "texture":
+            raise CallError(f"{function.__name__}: {name} has no range", remedy=f"{name}=(0, 1)")
+    samples = [sample_inputs(inputs, domains, 1024, 0)]
+    return program, Proof(
+        program, inputs, domains, condition=condition, tried=samples, hazards=False, boxes=boxes
+    )
+
+
+def prove_test(
+    function: Function,
+    test: Callable[..., Any],
+    ranges: Mapping[str, Any],
+    results: Sequence[str],
+) -> Proof:
+    """The search for arguments for which a test of them and of the `results` fails, called with
+    bands of each box, and in float32. Raises as the test and `find_proof`."""
+    names = inspect.signature(test).parameters
+    floats = {one.name for one in function.signatures[0].given if one.type.kind == "float"}
+
+    def hold(outputs: Mapping[str, Any], batch: InputBatch) -> Mapping[str, Any]:
+        given = {
+            name: Band.between(v.real, v.imag, ARITHMETIC.rules) if np.iscomplexobj(v) else v
+            for name, v in batch.each.items()
+            if name in floats
+        } | dict(outputs)
+        if len(results) == len(outputs) == 1:
+            given[results[0]] = next(iter(outputs.values()))
+
+        def holds(rows: slice) -> bool:
+            try:
+                found = test(**{name: given[name][rows] for name in names})
+                return found is None or bool(
+                    found.all() if isinstance(found, np.ndarray) else found
+                )
+            except (AssertionError, FormulaError, ValueError):  # or it is undecided
+                return False
+
+        whole = holds(slice(None))
+        each = [whole or holds(slice(row, row + 1)) for row in range(batch.count)]
+        return {"the test holds": np.array(each)}
+
+    token = DECIDING.set(True)
+    try:
+        return find_proof(function, hold, ranges, _BOXES)[1]
+    finally:
+        DECIDING.reset(token)
 
 
 @dataclass(frozen=True)
