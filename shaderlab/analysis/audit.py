@@ -20,7 +20,7 @@ from shaderlab.model.frame import Array, Bindings, Texels
 
 from .answer import format_inputs
 from .batches import InputBatch, merge_batches, run_batch
-from .checks import INDEX, OVERFLOW, Place, WatchedInstruction, Watcher
+from .checks import INDEX, OVERFLOW, Place, Watcher
 from .hazards import (
     Audit as Audit,
     Claim,
@@ -42,7 +42,7 @@ from .inputs import (
 from .interpreter import Program
 from .interpreter.values import Flags
 from .portability import Spread, find_spreads, widest_spreads
-from .proof import BOXES, Proof
+from .proof import BOXES, Point, Proof
 from .undefined import divergent, sine_hashes, undefined_values
 
 RANDOM, ZERO, EQUAL = range(3)
@@ -101,40 +101,12 @@ def is_continuous(one: Input, domain: InputDomain) -> bool:
     return floats and one.name != "gl_FragCoord"
 
 
-@dataclass(frozen=True, eq=False)
-class Counterexample:
-    """An invocation, `row` of `batch`, at which an instruction goes wrong. `origin` is `RANDOM`,
-    `ZERO` or `EQUAL`."""
-
-    place: Place
-    watched: WatchedInstruction
-    batch: InputBatch
-    row: int
-    origin: int = RANDOM
-
-    @property
-    def operands(self) -> tuple[float, ...]:
-        """The instruction's operands there, of one component."""
-        known = self.watched.operands
-        return known.get(self.row) or next(iter(known.values()), ())
-
-
-def watch_batch(program: Program, batch: InputBatch) -> dict[Place, WatchedInstruction]:
-    """How far each instruction is from going wrong on some invocations."""
+def find_counterexamples(program: Program, batch: InputBatch) -> dict[Place, Point]:
+    """The first invocation at which each instruction goes wrong, of those that do."""
     watcher = Watcher(batch.count)
     run_batch(program, batch, watch=watcher)
-    return watcher.found
-
-
-def find_counterexamples(
-    found: Mapping[Place, WatchedInstruction], batch: InputBatch, origins: Array
-) -> Iterator[Counterexample]:
-    """The first invocation at which each instruction goes wrong; a random one if there is one."""
-    for place, one in found.items():
-        rows = np.flatnonzero(one.bad)
-        if rows.size:
-            row = int(rows[np.argmin(origins[rows], axis=0)])
-            yield Counterexample(place, one, batch, row, int(origins[row]))
+    found = {place: one for place, one in watcher.found.items() if one.bad.any()}
+    return {place: Point(batch, int(one.bad.argmax()), one) for place, one in found.items()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,58 +132,33 @@ class Plan:
 
 def search_inputs(
     program: Program, inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], plan: Plan
-) -> tuple[dict[Place, Counterexample], InputBatch, Proof]:
+) -> tuple[dict[Place, Point], InputBatch, Proof]:
     """Try to make every instruction of a program go wrong: on random invocations and special ones,
     then in boxes in which it may. The counterexamples, those invocations, and the boxes."""
     batch = first_batch(inputs, domains, plan.count)
-    watched = watch_batch(program, batch)
-    origins = find_origins(batch, inputs, domains)
-    found = {e.place: e for e in find_counterexamples(watched, batch, origins)}
-    if not plan.prove:  # which is about the ranges
-        found |= _find_by_constants(program, inputs, domains, watched, found, plan.count)
-    settled = {place for place, e in found.items() if plan.prove or e.origin == RANDOM}
 
     def find_ordinary(some: InputBatch) -> Flags:
         return np.equal(find_origins(some, inputs, domains), RANDOM)
 
     proof = Proof(
         program, inputs, domains,
-        refuted=settled,
-        tried=[e.batch.alone(e.row, program)[0] for e in found.values()],
+        tried=[batch],
         counts=None if plan.prove else find_ordinary,
         boxes=BOXES if plan.prove else _BOXES,
     )  # fmt: skip
-    for place, (some, row, instruction) in proof.points.items():
-        if instruction is not None:
-            origin = int(find_origins(some, inputs, domains)[row])
-            if place not in found or origin < found[place].origin:
-                found[place] = Counterexample(place, instruction, some, row, origin)
+    found = {place: one for place, one in proof.points.items() if one.watched is not None}
+    # What goes wrong with inputs that are the program's own numbers, such as `id == 12345`: behind
+    # conditions that nothing else meets, and where 0 is wrong. An index is not taken beyond its
+    # range.
+    domains = {} if plan.prove else add_constants(domains, inputs, [program])
+    if any(domain.constants for domain in domains.values()):
+        others = find_counterexamples(program, first_batch(inputs, domains, plan.count))
+        found |= {
+            place: one
+            for place, one in others.items()
+            if place not in found and (place not in proof.reached or "0" in place.kind)
+        }
     return found, batch, proof
-
-
-def _find_by_constants(
-    program: Program,
-    inputs: Mapping[str, Input],
-    domains: Mapping[str, InputDomain],
-    watched: Mapping[Place, WatchedInstruction],
-    known: Mapping[Place, Counterexample],
-    count: int,
-) -> dict[Place, Counterexample]:
-    """What goes wrong with inputs that are the program's own numbers, such as `id == 12345`: behind
-    conditions that nothing else meets, and where 0 is wrong. An index is not taken beyond its
-    range."""
-    domains = add_constants(domains, inputs, [program])
-    if not any(domain.constants for domain in domains.values()):
-        return {}
-    batch = first_batch(inputs, domains, count)
-    examples = find_counterexamples(
-        watch_batch(program, batch), batch, find_origins(batch, inputs, domains)
-    )
-    return {
-        e.place: e
-        for e in examples
-        if e.place not in known and (e.place not in watched or "0" in e.place.kind)
-    }
 
 
 _ONLY_AT_0 = "; only if an input is 0"
@@ -238,11 +185,7 @@ def audit_program(
     if captured:
         batches = merge_batches(captured, program, _MAX_CAPTURED)
         examples = [
-            example
-            for batch in batches
-            for example in find_counterexamples(
-                watch_batch(program, batch), batch, np.full(batch.count, RANDOM)
-            )
+            pair for batch in batches for pair in find_counterexamples(program, batch).items()
         ]
         tried = sum(batch.count for batch in batches)
         words = dict.fromkeys(inputs, "as in the case")
@@ -253,10 +196,10 @@ def audit_program(
     else:
         domains = domains_of(inputs, [program], plan.ranges)
         found, first, proof = search_inputs(program, inputs, domains, plan)
-        examples, tried = list(found.values()), first.count + proof.tried
+        examples, tried = list(found.items()), proof.tried
         batches = [first.part(np.arange(plan.count))]
         words = {name: f"{domain} ({domain.source})" for name, domain in domains.items()}
-    hazards = [h for e in examples for h in _hazards(program, e, inputs, not captured)]
+    hazards = [h for pair in examples for h in _hazards(program, *pair, inputs, domains)]
     claims: list[Claim] = []
     if plan.prove and captured:
         claims = [*proof.claims(), *proof.refuted_claims()]
@@ -294,17 +237,17 @@ def prove_between_draws(
 
 
 def _claims(
-    program: Program, found: Mapping[Place, Counterexample], proof: Proof, hazards: list[Hazard]
+    program: Program, found: Mapping[Place, Point], proof: Proof, hazards: list[Hazard]
 ) -> Iterator[Claim]:
     """What holds for all inputs, or is open; adds an output to the hazards that is no number for no
     reason that is there."""
     yield from proof.claims()
     shown = {(hazard.line, hazard.kind) for hazard in hazards}
-    for place, e in found.items():
-        file, line = program.place(e.watched.at.line)
+    for place, (batch, row, watched) in found.items():
+        file, line = program.place(watched.at.line if watched else 0)
         if (line, place.kind) not in shown and place.kind != OVERFLOW.kind:
             note = "no output depends on it with "
-            note += format_inputs(e.batch.example(e.row, e.batch.each))
+            note += format_inputs(batch.example(row, batch.each))
             yield Claim(file=file, line=line, what=f"no {place.kind}", status="open", note=note)
     for place, (batch, row, watched) in proof.points.items():
         if watched is None and not hazards:
@@ -320,26 +263,33 @@ def _claims(
 
 
 def _hazards(
-    program: Program, example: Counterexample, inputs: Mapping[str, Input], made_up: bool
+    program: Program,
+    place: Place,
+    point: Point,
+    inputs: Mapping[str, Input],
+    domains: Mapping[str, InputDomain] | None,
 ) -> Iterator[Hazard]:
-    """The hazard about an instruction; none where no output depends on its result."""
-    place, one, batch = example.place, example.watched, example.batch
-    outputs = find_dependents(program, batch, example.row, place)
-    if not outputs and made_up:  # a texture may have mipmaps
+    """The hazard about an instruction; none where no output depends on its result. Of inputs that
+    were searched, with the `domains`, it says what is special about them."""
+    (batch, row, one), origin = point, RANDOM
+    outputs = find_dependents(program, batch, row, place)
+    if not outputs and domains is not None:  # a texture may have mipmaps
         texels = {name: add_mipmaps(own) for name, own in batch.bindings.textures.items()}
         batch = replace(batch, bindings=replace(batch.bindings, textures=texels))
-        outputs = find_dependents(program, batch, example.row, place)
-    if not outputs and place.kind != INDEX.kind:
+        outputs = find_dependents(program, batch, row, place)
+    if one is None or (not outputs and place.kind != INDEX.kind):
         return
-    words = one.check.words(*example.operands)
-    if example.origin != RANDOM:
-        words += "; only if two inputs are equal" if example.origin == EQUAL else _ONLY_AT_0
+    if domains is not None:
+        origin = find_origins(batch.part(np.array([row])), inputs, domains)[0]
+    words = one.check.words(*(one.operands.get(row) or next(iter(one.operands.values()), ())))
+    if origin != RANDOM:
+        words += "; only if two inputs are equal" if origin == EQUAL else _ONLY_AT_0
     file, line = program.place(one.at.line)
     yield Hazard(
         file=file, line=line, kind=place.kind,
         message=words if words.startswith(place.kind) else f"{place.kind}: {words}",
-        evident=example.origin == RANDOM,
-        inputs=batch.example(example.row, inputs),
+        evident=bool(origin == RANDOM),
+        inputs=batch.example(row, inputs),
         outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
         calls=tuple(program.place(call)[1] for call in place.calls),
     )  # fmt: skip

@@ -20,7 +20,7 @@ from shaderlab.model.frame import Array
 
 from .batches import InputBatch, asks_for_neighbours
 from .checks import CHECKS, INDEX, INDEXING, Check, Place, arguments_of, indices_of, number_of
-from .inputs import UNIT, Input, InputDomain, sample_inputs
+from .inputs import Input, InputDomain, sample_inputs
 from .interpreter import Bands, Program
 from .interpreter.program import Instruction
 from .interpreter.running import Run
@@ -137,11 +137,8 @@ class Space:
             if self.domains[name].kind == "unit":
                 most = np.maximum(np.abs(a), np.abs(b))
                 least = np.maximum(np.maximum(a, -b), 0.0)
-                lengths = (1.0 - UNIT, 1.0 + UNIT)
-                if self._is_drawn:
-                    lengths = self.domains[name].low, self.domains[name].high
-                found &= (most**2).sum(axis=1) >= lengths[0]
-                found &= (least**2).sum(axis=1) <= lengths[1]
+                found &= (most**2).sum(axis=1) >= self.domains[name].low
+                found &= (least**2).sum(axis=1) <= self.domains[name].high
             other = self._columns.get(self.domains[name].above)
             if other is not None and other[1] == self._columns[name][1]:
                 found &= (b >= low[:, other[0]]).all(axis=1)

@@ -17,7 +17,7 @@ from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.model.frame import Array
 
 from .batches import InputBatch, join_batches, run_batch
-from .inputs import InputDomain, interpolate_inputs
+from .inputs import InputDomain
 from .interpreter import Arithmetic, Bands, Program, Stored
 from .noise import run
 
@@ -54,11 +54,12 @@ def jumps(
         low, high = start, InputBatch({**start.each, **moved}, start.bindings, PAIRS)
         before = np.full(PAIRS, np.inf)
         for number in range(_ROUNDS):
-            points = [
-                replace(low, each={**low.each, **interpolate_inputs(low, high, t, steady, domains)})
+            pairs = [(n, low.each[n].astype(np.float64), high.each[n]) for n in steady]
+            ways = (
+                {n: domains[n].clip(a + t * (b - a)) for n, a, b in pairs}
                 for t in np.linspace(0.0, 1.0, _PARTS + 1)
-            ]
-            along = join_batches(points)
+            )
+            along = join_batches([replace(low, each={**low.each, **way}) for way in ways])
             changes = _find_changes(program, along)
             steepest = changes.argmax(axis=0) * PAIRS + np.arange(PAIRS)
             low, high = along.part(steepest), along.part(steepest + PAIRS)

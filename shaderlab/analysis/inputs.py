@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -111,8 +111,9 @@ class InputDomain:
     """Which values an input is given.
 
     Attributes:
-        kind: numbers between `low` and `high`, vectors of length 1, matrices that turn, those that
-            turn, scale and move, those of a perspective, or textures.
+        kind: numbers between `low` and `high`, vectors of length 1 (the square of whose length lies
+            between them), matrices that turn, those that turn, scale and move, those of a
+            perspective, or textures.
         source: "given" by --range, "declared" in a comment, "learned" from captures,
             or "assumed".
         above: the name of an input than which this one is not less.
@@ -167,6 +168,8 @@ class InputDomain:
         return InputDomain("number", self.low - wide, self.high + wide)
 
 
+_GIVE = 1e-6  # of the square of a vector's length
+_UNIT_VECTOR = InputDomain("unit", 1.0 - _GIVE, 1.0 + _GIVE)
 # By a word of the name: the last one that is here counts.
 _RANGES: Mapping[str, tuple[float, float]] = {
     **dict.fromkeys(("position", "pos", "eye", "target", "origin"), (-4.0, 4.0)),
@@ -262,7 +265,7 @@ def add_constants(
 
 def _parse_range(text: str, name: str) -> InputDomain:
     if text == "unit":
-        return InputDomain("unit")
+        return _UNIT_VECTOR
     parts = re.split(r"\.\.|:", text)
     try:
         low, high = map(float, parts)
@@ -289,7 +292,7 @@ def _assume_domain(one: Input) -> InputDomain:
             "projection" if "projection" in words else "rotation" if turns else "affine"
         )
     if one.type in ("vec2", "vec3") and is_direction(one.name):
-        return InputDomain("unit")
+        return _UNIT_VECTOR
     if one.type in ("bool", "bvec2", "bvec3", "bvec4"):
         return InputDomain("number")
     if not one.type.startswith(("float", "vec")):
@@ -516,20 +519,6 @@ def add_mipmaps(texels: Texels) -> Texels:
     return replace(texels, filter=("linear_mipmap_linear", "linear"), smaller=smaller)
 
 
-def interpolate_inputs(
-    start: InputBatch,
-    end: InputBatch,
-    t: Any,
-    names: Iterable[str],
-    domains: Mapping[str, InputDomain],
-) -> dict[str, Array]:
-    """Inputs at a share, or at shares (count, 1), of the straight ways between two batches."""
-    pairs = {n: (start.each[n].astype(np.float64), end.each[n].astype(np.float64)) for n in names}
-    return {name: domains[name].clip(a + t * (b - a)) for name, (a, b) in pairs.items()}
-
-
-UNIT = 1e-6
-"""How far from 1 the square of a unit vector's length may be."""
 _NEAR = 1e-3  # how far from 1 the length of a unit vector is found
 _AFFINE = np.array([0.0, 0.0, 0.0, 1.0])
 
@@ -601,7 +590,7 @@ def enclose_inputs(
         ends = float(rows.min()), float(rows.max())
         if rows.dtype.kind == "f" and rows.ndim == 2 and rows.shape[1] in (2, 3):
             square = (rows.astype(np.float64) ** 2).sum(axis=1)
-            ends = max(float(square.min()) - UNIT, 0.0), float(square.max()) + UNIT
+            ends = max(float(square.min()) - _GIVE, 0.0), float(square.max()) + _GIVE
             domains[name] = InputDomain("unit", *ends, source="learned")
         else:
             domains[name] = InputDomain("number", *ends, source="learned")

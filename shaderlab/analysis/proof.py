@@ -8,8 +8,8 @@ docs/internals/proof.md says why nothing is claimed that does not hold.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from .checks import Place, WatchedInstruction, Watcher
 from .hazards import Claim
 from .inputs import Input, InputDomain
 from .interpreter import FLOAT32, Interpreted, Program, interpret
+from .interpreter.running import MAX_BLOCKS
 from .interpreter.values import Flags
 
 BOXES = 200_000  # that are run at most
@@ -38,7 +39,14 @@ _OUTPUT, _UNKNOWN = -1, -2  # ids of places: an output, what could not be run
 _NEEDED = ("gl_FragDepth", "gl_Position")
 
 Condition = Callable[[Mapping[str, Any], InputBatch], Mapping[str, Any]]  # what holds, in words
-Point = tuple[InputBatch, int, WatchedInstruction | None]  # a row; what goes wrong there
+
+
+class Point(NamedTuple):
+    """An invocation, `row` of `batch`, and which instruction goes wrong there; None for outputs."""
+
+    batch: InputBatch
+    row: int
+    watched: WatchedInstruction | None
 
 
 def are_finite(outputs: Mapping[str, Any], batch: InputBatch) -> Mapping[str, Any]:
@@ -63,7 +71,7 @@ class Proof:
     Args:
         program, inputs, domains: one stage, and what it reads, as of `domains_of`.
         condition: what has to hold of the outputs for the inputs.
-        refuted, tried: places that are not asked about, and inputs to begin with.
+        tried: inputs to begin with.
         counts: which inputs settle a place, by default all; `points` has others if none does.
         hazards: whether instructions are watched.
         boxes: how many boxes are run at most.
@@ -72,6 +80,7 @@ class Proof:
     Attributes:
         tried: how many inputs were run in float32.
         points: a counterexample for each place that has one.
+        reached: the places that an invocation came to.
         space: the ranges.
     """
 
@@ -82,7 +91,6 @@ class Proof:
         domains: Mapping[str, InputDomain],
         *,
         condition: Condition = are_finite,
-        refuted: Collection[Place] = (),
         tried: Sequence[InputBatch] = (),
         counts: Callable[[InputBatch], Flags] | None = None,
         hazards: bool = True,
@@ -94,13 +102,16 @@ class Proof:
         self.points: dict[Place, Point] = {}
         self._program, self._condition, self._hazards = program, condition, hazards
         self.space = Space(program, inputs, domains, drawn)
-        self._settled, self._counts = set(refuted), counts
+        self.reached: set[Place] = set()
+        self._settled, self._counts = set[Place](), counts
         self._numbers: dict[Place, int] = {}  # the column of each place in what is open
         self._lines: dict[Place, int] = {}
         # What is left: boxes that can't be halved, and what is open in each of them.
         self._left: list[tuple[Array, Array, Flags]] = []
+        self._most_blocks = MAX_BLOCKS
         for batch in tried:
             self._try(batch)
+        self._most_blocks = _MAX_BLOCKS
         self._search()
 
     def _search(self) -> None:
@@ -146,7 +157,7 @@ class Proof:
     def _interpret(self, batch: InputBatch, arithmetic: Any, watch: Any) -> Interpreted:
         return interpret(
             self._program, batch.each, batch.bindings, arithmetic, count=batch.count,
-            max_blocks=_MAX_BLOCKS, watch=watch, unwritten=True,
+            max_blocks=self._most_blocks, watch=watch, unwritten=True,
         )  # fmt: skip
 
     def _judge(self, result: Interpreted, batch: InputBatch) -> dict[Place, Flags]:
@@ -213,13 +224,14 @@ class Proof:
         self.tried += batch.count
         watcher = Watcher(batch.count)
         result = self._interpret(batch, FLOAT32, watcher)
+        self.reached.update(watcher.found)
         bad = {place: one.bad for place, one in watcher.found.items() if self._hazards}
         counted = ~np.zeros(1, np.bool_) if self._counts is None else self._counts(batch)
         for place, rows in (bad | self._judge(result, batch)).items():
             if rows.any() and place not in self._settled:
                 counts = bool((rows & counted).any())
                 row = int((rows & counted if counts else rows).argmax())
-                self.points[place] = batch, row, watcher.found.get(place)
+                self.points[place] = Point(batch, row, watcher.found.get(place))
                 self._settled |= {place} if counts else set()
         with np.errstate(invalid="ignore"):
             outputs = [v.astype(np.float64).sum(axis=1) for _, v in _floats(result.outputs)]
