@@ -44,7 +44,10 @@ def main() -> None:
                 print(f"{case.id}: {source.name}: not run: {error.message}")
                 counts[False, "not run"] += 1
                 continue
-            seconds += time.process_time() - start
+            taken = time.process_time() - start
+            seconds += taken
+            if taken > 1.0:
+                print(f"{case.id}: {source.name}: {taken:.1f} s", flush=True)
             for claim in claims:
                 counts[claim.line > 0, claim.status] += 1
                 if claim.status == "open":

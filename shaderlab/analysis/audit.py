@@ -70,7 +70,7 @@ def find_origins(
     places = [
         name
         for name, one in inputs.items()
-        if is_continuous(one, domains[name]) and one.type != "float" and is_place(name)
+        if one.type.startswith("vec") and name != "gl_FragCoord" and is_place(name)
         if domains[name].source == "assumed" and domains[name].kind == "number"
     ]
     found = np.full(batch.count, RANDOM)
@@ -95,18 +95,15 @@ def _with_extremes(texels: Texels) -> Texels:
     return replace(texels, values=values)
 
 
-def is_continuous(one: Input, domain: InputDomain) -> bool:
-    """Whether an input is a float, or a vector of floats, that may be changed a little."""
-    floats = one.type.startswith(("float", "vec")) and domain.kind in ("number", "unit")
-    return floats and one.name != "gl_FragCoord"
-
-
-def find_counterexamples(program: Program, batch: InputBatch) -> dict[Place, Point]:
-    """The first invocation at which each instruction goes wrong, of those that do."""
+def find_counterexamples(
+    program: Program, batch: InputBatch, origins: Array | int = RANDOM
+) -> dict[Place, Point]:
+    """The first invocation at which each instruction goes wrong; a random one if there is one."""
     watcher = Watcher(batch.count)
     run_batch(program, batch, watch=watcher)
     found = {place: one for place, one in watcher.found.items() if one.bad.any()}
-    return {place: Point(batch, int(one.bad.argmax()), one) for place, one in found.items()}
+    rows = {place: np.where(one.bad, origins, np.inf).argmin() for place, one in found.items()}
+    return {place: Point(batch, int(rows[place]), one) for place, one in found.items()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,7 +149,8 @@ def search_inputs(
     # range.
     domains = {} if plan.prove else add_constants(domains, inputs, [program])
     if any(domain.constants for domain in domains.values()):
-        others = find_counterexamples(program, first_batch(inputs, domains, plan.count))
+        tried = first_batch(inputs, domains, plan.count)
+        others = find_counterexamples(program, tried, find_origins(tried, inputs, domains))
         found |= {
             place: one
             for place, one in others.items()
@@ -233,7 +231,7 @@ def prove_between_draws(
         NotInterpretedError: they give it what is no number.
     """
     domains, drawn = enclose_inputs(inputs, captured)
-    return Proof(program, inputs, domains, boxes=_BOXES, drawn=drawn)
+    return Proof(program, inputs, domains, boxes=_BOXES // 4, drawn=drawn)
 
 
 def _claims(

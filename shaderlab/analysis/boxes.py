@@ -223,14 +223,17 @@ class BoxWatcher:
         texels: the range of each texture's texels by its identity.
         lines: of each instruction that was looked at, by its place.
         bad: where it may go wrong, (count,).
+        steps: how many instructions were run.
     """
 
     count: int
     texels: Mapping[int, InputDomain]
     lines: dict[Place, int] = field(default_factory=dict)
     bad: dict[Place, Flags] = field(default_factory=dict)
+    steps: int = 1
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
+        self.steps += 1
         for check in CHECKS.get(number_of(at.op, at.operands), ()):
             values = run.values(arguments_of(at.op, at.operands))
             self._note(run, at, state, check, [ends_of(value) for value in values])

@@ -32,7 +32,8 @@ BOXES = 200_000  # that are run at most
 _AT_ONCE = 2048
 _POINTS = 16_384  # run in float32 for so many boxes
 _MAX_BLOCKS = 2000
-_BOXES_A_FAILURE = 4096  # a loop that does not end takes long
+_BOXES_A_FAILURE = 8192  # a loop that does not end takes long
+_LONG = 400  # instructions that are run: a box of a longer program counts for several
 _FIRST = 1e35  # times a width: more than any effect
 _NARROWER = 256.0  # times than the widest side: a side is not halved before that
 _OUTPUT, _UNKNOWN = -1, -2  # ids of places: an output, what could not be run
@@ -121,7 +122,6 @@ class Proof:
         while len(low) and self._waiting > 0 and self._patience >= 0:
             now = self._at_once
             some = low[:now], high[:now]
-            self._waiting -= len(some[0])
             found = self._run(*some)
             for place in found:
                 self._numbers.setdefault(place, len(self._numbers))
@@ -151,6 +151,8 @@ class Proof:
             self._patience -= 1
             self._at_once = max(self._at_once // 4, 1)  # one of them spoils all
             return {Place(_UNKNOWN, (), error.message): np.ones(batch.count, np.bool_)}
+        finally:
+            self._waiting -= batch.count * -(-watcher.steps // _LONG)
         self._lines |= watcher.lines
         return (watcher.bad if self._hazards else {}) | self._judge(result, batch)
 
