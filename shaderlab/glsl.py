@@ -9,7 +9,6 @@ from shaderlab.engine.judging.laws import (
     symmetric as symmetric,
 )
 from shaderlab.functions.checks import (
-    idempotent as idempotent,
     inverse as inverse,
     same_as as same_as,
     table as table,

@@ -13,7 +13,6 @@ from shaderlab.compiler.spirv import Op
 from shaderlab.model.frame import Array, Bindings, Fragments, Samples
 
 from .interpreter import FLOAT32, Arithmetic, Interpreted, Program, interpret
-from .interpreter.running import Trace, Watch
 
 DERIVATIVES = range(Op.DPdx, Op.FwidthCoarse + 1)
 _HUGE = float(np.finfo(np.float32).max)
@@ -81,25 +80,12 @@ def asks_for_neighbours(program: Program, bindings: Bindings) -> bool:
 
 
 def run_batch(
-    program: Program,
-    batch: InputBatch,
-    arithmetic: Arithmetic = FLOAT32,
-    *,
-    watch: Watch | None = None,
-    trace: Trace | None = None,
-    unwritten: bool = True,
+    program: Program, batch: InputBatch, arithmetic: Arithmetic = FLOAT32, **options: Any
 ) -> Interpreted:
-    """Run a program on a batch. Raises as `interpret` does."""
-    return interpret(
-        program,
-        batch.each,
-        batch.bindings,
-        arithmetic,
-        count=batch.count,
-        watch=watch,
-        trace=trace,
-        unwritten=unwritten,
-    )
+    """Run a program on a batch, by default with what is not written. Options and errors are those
+    of `interpret`."""
+    options = {"unwritten": True, **options}
+    return interpret(program, batch.each, batch.bindings, arithmetic, count=batch.count, **options)
 
 
 def flatten_outputs(outputs: Mapping[str, Any], finite: bool = True) -> list[tuple[str, Array]]:

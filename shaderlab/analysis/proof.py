@@ -9,6 +9,7 @@ docs/internals/proof.md says why nothing is claimed that does not hold.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,13 +20,12 @@ from shaderlab.glslmath.choice import isinf, isnan
 from shaderlab.model.frame import Array
 
 from .answer import format_inputs
-from .batches import InputBatch
+from .batches import InputBatch, run_batch
 from .boxes import ARITHMETIC, BoxWatcher, Space
 from .checks import Place, WatchedInstruction, Watcher
 from .hazards import Claim
 from .inputs import Input, InputDomain
-from .interpreter import FLOAT32, Interpreted, Program, interpret
-from .interpreter.running import MAX_BLOCKS
+from .interpreter import Interpreted, Program
 from .interpreter.values import Flags
 
 BOXES = 200_000  # that are run at most
@@ -109,10 +109,10 @@ class Proof:
         self._lines: dict[Place, int] = {}
         # What is left: boxes that can't be halved, and what is open in each of them.
         self._left: list[tuple[Array, Array, Flags]] = []
-        self._most_blocks = MAX_BLOCKS
+        self._interpret = partial(run_batch, program)
         for batch in tried:
             self._try(batch)
-        self._most_blocks = _MAX_BLOCKS
+        self._interpret = partial(run_batch, program, max_blocks=_MAX_BLOCKS)
         self._search()
 
     def _search(self) -> None:
@@ -146,7 +146,7 @@ class Proof:
         batch = self.space.ranges(low, high)
         watcher = BoxWatcher(batch.count, self.space.texels)
         try:
-            result = self._interpret(batch, ARITHMETIC, watcher)
+            result = self._interpret(batch, ARITHMETIC, watch=watcher)
         except NotInterpretedError as error:
             self._patience -= 1
             self._at_once = max(self._at_once // 4, 1)  # one of them spoils all
@@ -155,12 +155,6 @@ class Proof:
             self._waiting -= batch.count * -(-watcher.steps // _LONG)
         self._lines |= watcher.lines
         return (watcher.bad if self._hazards else {}) | self._judge(result, batch)
-
-    def _interpret(self, batch: InputBatch, arithmetic: Any, watch: Any) -> Interpreted:
-        return interpret(
-            self._program, batch.each, batch.bindings, arithmetic, count=batch.count,
-            max_blocks=self._most_blocks, watch=watch, unwritten=True,
-        )  # fmt: skip
 
     def _judge(self, result: Interpreted, batch: InputBatch) -> dict[Place, Flags]:
         """Where the condition may not hold; in float32, where it does not."""
@@ -225,7 +219,7 @@ class Proof:
         and the sum of the outputs."""
         self.tried += batch.count
         watcher = Watcher(batch.count)
-        result = self._interpret(batch, FLOAT32, watcher)
+        result = self._interpret(batch, watch=watcher)
         self.reached.update(watcher.found)
         bad = {place: one.bad for place, one in watcher.found.items() if self._hazards}
         counted = ~np.zeros(1, np.bool_) if self._counts is None else self._counts(batch)

@@ -10,12 +10,13 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Iterator, Set
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.analysis.interpreter import Bands, Interpreted, interpret
+from shaderlab.analysis.interpreter import Bands, Interpreted, Program, interpret
 from shaderlab.analysis.interpreter.values import Flags
 from shaderlab.bands import Band
 from shaderlab.compiler.sources import Source
@@ -26,11 +27,13 @@ from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.engine.judging.bands import store_band
 from shaderlab.engine.worker import Worker
 from shaderlab.errors import DeviceLostError, ShaderlabError
+from shaderlab.files import display_path
 from shaderlab.model.expectation import Judgement, Need
 from shaderlab.model.frame import PassDraw
 from shaderlab.model.phases import phase
 from shaderlab.model.records import Explanation, ModulesRecord, Outcome, Row
 
+from .batches import InputBatch
 from .invocations import Invocations, program_of, sample_fragments, stage_of
 
 if TYPE_CHECKING:
@@ -100,9 +103,33 @@ class SelfCheck:
             left_out=tuple(dict.fromkeys(left_out)),
         )
         rows = [row for check in checks.values() for row in check.rows]
+        rows += self._prove() if self._every else ()
         message = next((check.message for check in checks.values() if check.message), "")
         outcome = Outcome.of_rows(_NAME, "module", rows, message, judged)
         return record, Judgement(outcome=outcome)
+
+    def _prove(self) -> Iterator[Row]:
+        """How much about each program is proved for all inputs between those of its draws."""
+        from .audit import prove_between_draws  # few runs ask
+        from .inputs import inputs_of
+
+        drawn: dict[Program, list[InputBatch]] = {}
+        for key in self._keys:
+            with suppress(ShaderlabError):
+                given = sample_fragments(self._evaluation, key, PIXELS)
+                batch = InputBatch(given.each, given.bindings, given.count)
+                drawn.setdefault(given.program, []).append(batch)
+            self._evaluation.answers.pop(CapturedFragments(key), None)
+        for program, batches in drawn.items():
+            with suppress(ShaderlabError), phase("judge", "proving each program"):
+                proof = prove_between_draws(program, inputs_of(program), batches)
+                claims = [*proof.claims(), *proof.refuted_claims()]
+                known = sum(claim.status == "proved" for claim in claims)
+                words = f"proved for all inputs: {known} of {len(claims)} claims"
+                label = f"{display_path(program.path)} with inputs between those of its draws"
+                yield Row(
+                    label=label, expected="no hazard, finite outputs", measured=words, ok=True
+                )
 
     def _check(self, key: PassDraw) -> _DrawCheck:
         """Check a draw, once."""

@@ -117,7 +117,8 @@ def _numbers(value: Any, kind: Type, label: str) -> Array:
         raise _misfit_error(value, kind, label, "an array of numbers") from None
     if array.dtype.kind not in _ACCEPTED[kind.kind]:
         whole = array.dtype.kind == "f" and kind.kind in ("int", "uint")
-        remedy = "make them whole with .astype(int)" if whole else f"give {_numbers_of(kind)}"
+        wanted = {"float": "numbers", "bool": "booleans"}.get(kind.kind, "whole numbers")
+        remedy = "make them whole with .astype(int)" if whole else f"give {wanted}"
         raise _misfit_error(value, kind, label, remedy=remedy)
     own = len(kind.shape)
     if array.ndim < own or array.shape[array.ndim - own :] != kind.shape:
@@ -138,10 +139,6 @@ def _in_range(array: Array, kind: Type, label: str) -> Array:
             wrong = low if low < limits.min else high
             raise CallError(f"{label}: {kind} can't hold {wrong}")
     return array.astype(limits.dtype, copy=False)
-
-
-def _numbers_of(kind: Type) -> str:
-    return {"float": "numbers", "bool": "booleans"}.get(kind.kind, "whole numbers")
 
 
 def _misfit_error(

@@ -119,7 +119,11 @@ class Kernel:
     def _reading(self) -> Iterator[str]:
         """Declares arguments and reads them; sets the globals."""
         parameters = {p.name for p in self.signature.parameters}
-        for inputs, word in ((self.varying, _varying_word), (self.shared, _shared_word)):
+        ways: tuple[tuple[tuple[Input, ...], Callable[[int], str]], ...] = (
+            (self.varying, lambda n: f"{PREFIX}words[{n}]"),
+            (self.shared, lambda n: f"{_SHARED}[{n // 4}].{'xyzw'[n % 4]}"),
+        )
+        for inputs, word in ways:
             at = 0
             for given in inputs:
                 name = rename(given.name)
@@ -135,14 +139,6 @@ class Kernel:
 def local_name(name: str) -> str:
     """The wrapper's variable for a parameter."""
     return f"{PREFIX}p_{name}"
-
-
-def _varying_word(index: int) -> str:
-    return f"{PREFIX}words[{index}]"
-
-
-def _shared_word(index: int) -> str:
-    return f"{_SHARED}[{index // 4}].{'xyzw'[index % 4]}"
 
 
 def _assign(target: str, kind: Type, word: Callable[[int], str], at: int) -> Iterator[str]:

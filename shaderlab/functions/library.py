@@ -63,10 +63,6 @@ class Notes:
     def __bool__(self) -> bool:
         return bool(self.outcomes or self.called)
 
-    def add_call(self, source: Source, definition: SourceText) -> None:
-        self.called.setdefault((definition.file, definition.line), definition)
-        self.sources.setdefault(source.path, source)
-
 
 _NOTES: ContextVar[Notes | None] = ContextVar("_NOTES", default=None)
 
@@ -305,7 +301,9 @@ class Function:
         """Note a call for the test that runs, or that no test makes it."""
         found = current_notes()
         if found is not None:
-            found.add_call(self.source, checks.function_source(self, call))
+            definition = checks.function_source(self, call)
+            found.called.setdefault((definition.file, definition.line), definition)
+            found.sources.setdefault(self.source.path, self.source)
         elif (known := _LOADS.get()) is not None:
             known.called_outside.add(self.source.path)
         return found

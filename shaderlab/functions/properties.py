@@ -272,10 +272,6 @@ class Search:
         self._one_by_one = self._is_sampled = False
 
     @cached_property
-    def _hints(self) -> Array:
-        return hints_of("".join(s.code for s in self._function.signatures))
-
-    @cached_property
     def _inputs(self) -> dict[str, Type]:
         """The types of what the function takes, by name."""
         signatures = self._function.signatures
@@ -322,8 +318,9 @@ class Search:
         else:
             self._is_sampled = True
             rng = np.random.default_rng(batch)
+            hints = hints_of("".join(s.code for s in self._function.signatures))
             values = {
-                name: domain.sample(rng, (SAMPLES, *self._type_of(name).shape), self._hints)
+                name: domain.sample(rng, (SAMPLES, *self._type_of(name).shape), hints)
                 for name, domain in self._domains.items()
             }
             for name, value in self.proof[1].items():

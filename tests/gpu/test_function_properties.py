@@ -12,8 +12,10 @@ from hypothesis.database import InMemoryExampleDatabase
 
 from benchmarks.planted import planted, search
 from shaderlab import glsl
-from shaderlab.errors import CallError
+from shaderlab.bands import Band
+from shaderlab.errors import CallError, FormulaError
 from shaderlab.functions import properties
+from shaderlab.functions.library import record_of_test, take_notes
 from shaderlab.functions.properties import hints_of, weight
 
 SHADER = """
@@ -24,6 +26,7 @@ float several(float a, float b, float t) { return mix(a, b, t) + (t > 0.98 ? 0.1
 vec3 unit(vec3 v) { return normalize(v); }
 vec3 lit(Lamp lamp, float k) { return lamp.color * lamp.power * (k > 3.0 ? -1.0 : 1.0); }
 float scaled(float x) { return 2.0 * x; }
+float needle(float x) { return abs(x - 0.73125) < 1e-6 ? 2.0 : x; }
 float parted(float x, out float whole) { whole = floor(x); return x - whole; }
 """
 UNIT = glsl.floats(0.0, 1.0)
@@ -216,3 +219,46 @@ def test_samples_stay_in_their_domain_and_reach_its_edges() -> None:
     assert weight(0.0) < weight(1.0) < weight(0.5) < weight(0.25) < weight(0.3333)
     positive = glsl.floats(0.0, 1.0).sample(rng, (10_000,), np.zeros(0))
     assert not np.signbit(positive).any() and (positive == 0.0).any()
+
+
+def outcomes(test: Callable[..., Any]) -> list[tuple[str, int]]:
+    """The kinds of what a test that passes notes, and on how many arguments it ran."""
+    with take_notes() as notes:
+        test()
+    return [
+        (one.kind, one.judged)
+        for one in record_of_test("t.py", "t", 1, status="pass", notes=notes).expectations
+    ]
+
+
+def test_bounds_are_proved_and_run_once(shader: glsl.Library) -> None:
+    assert outcomes(glsl.given(shader.right, c=UNIT)(on_numbers)) == [("proof", 10_000)]
+    assert outcomes(glsl.given(shader.right, c=UNIT)(on_arrays)) == [("proof", 10_000)]
+
+    def in_order(x: Any, whole: Any, result: Any) -> Any:
+        return (whole <= 1.0) & (result <= 1.001) & (x >= 0.0)
+
+    assert outcomes(glsl.given(shader.parted, x=UNIT)(in_order)) == [("proof", 10_000)]
+
+
+def test_what_is_not_proved_is_sampled(shader: glsl.Library) -> None:
+    def largest(y: Any) -> None:
+        assert y.max() <= 1.0
+
+    def below(c: Any, y: Any) -> None:
+        assert y <= c  # c * c <= c, but the box forgets that both are one
+
+    for test in (largest, below):
+        assert outcomes(glsl.given(shader.right, c=UNIT)(test)) == [("given", 100_000)]
+
+
+def test_a_proof_finds_what_no_sample_does(shader: glsl.Library) -> None:
+    def bounded(x: Any, y: Any) -> None:
+        assert y <= 1.0
+
+    assert "@glsl.example(x=0.73125" in failure(glsl.given(shader.needle, x=UNIT)(bounded))
+
+
+def test_a_condition_of_bands_has_an_answer_in_proofs_alone() -> None:
+    with pytest.raises(FormulaError, match="no single answer"):
+        bool(Band.exact([1.0]) < 2.0)

@@ -52,6 +52,13 @@ def test_outputs_that_nothing_looks_at_are_judged(lab: SceneRunner, case: Case) 
     assert (outcome.kind, outcome.status, outcome.judged) == ("module", "pass", 2 * 256)
 
 
+def test_what_is_proved_of_a_program_is_said(case: Case) -> None:
+    (scene,) = case.scenes()
+    with SceneRunner(RunOptions(modules=True)) as lab:
+        rows = lab.run(scene).expectations[-1].rows
+    assert rows[-1].measured == "proved for all inputs: 3 of 3 claims"
+
+
 def test_one_wrong_pixel_is_found_and_named(lab: SceneRunner, case: Case) -> None:
     (scene,) = case.scenes()
     with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:

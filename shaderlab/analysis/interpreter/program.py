@@ -29,19 +29,8 @@ from shaderlab.errors import NotInterpretedError, ShaderError
 # In NonSemantic.Shader.DebugInfo.100.
 DEBUG_LINE = 103
 
-Kind = Literal[
-    "void",
-    "bool",
-    "int",
-    "float",
-    "vector",
-    "matrix",
-    "array",
-    "struct",
-    "image",
-    "pointer",
-    "sampler",
-]
+Kind = Literal["void", "bool", "int", "float", "vector", "matrix", "array", "struct", "image",
+               "pointer", "sampler"]  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
