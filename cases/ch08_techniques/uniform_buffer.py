@@ -27,7 +27,8 @@ from shaderlab.reference.transforms import clip_position, look_at, perspective, 
 from ..scenes.draws import tested
 from ..scenes.figures import figures
 from ..scenes.laws import unchanged
-from ..scenes.panels import picture
+from ..scenes.panel_checks import smaller_check, softened_check
+from ..scenes.panels import picture, softened_pass
 
 PAPER = (0.13, 0.14, 0.17, 1.0)
 PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)
@@ -145,8 +146,15 @@ case = Case(
     section="8.4",
     math=r"o_{i+1} = \left\lceil \frac{o_i + s_i}{a_{i+1}} \right\rceil a_{i+1}, \qquad "
     r"a(\mathtt{float}) = 4,\; a(\mathtt{vec3}) = a(\mathtt{mat4}) = 16",
-    passes=(picture(CUBES, None, "main", depth="depth24", clear=PAPER),),
+    passes=(
+        picture(CUBES, (1024, 1024), "scene", depth="depth24", clear=PAPER),
+        *softened_pass("scene", (512, 512), domain={}),
+        picture(CUBES, None, "main", depth="depth24", clear=PAPER),
+    ),
+    picture="picture.FragColor",
     expect=[
+        softened_check(),
+        smaller_check("main", edges=0.0005),
         *(
             block_layout("Matrices", OFFSETS, size=128, draw=k, name=f"Matrices, {color}")
             for k, color in enumerate(COLORS)
@@ -167,6 +175,7 @@ case = Case(
                 index=k,
                 buffer=f"buffer {k + 1}",
                 times=4,
+                pass_name="main",
                 name=f"four cubes read one buffer of {block}",
             )
             for k, block in enumerate(("Matrices", "Lights"))
