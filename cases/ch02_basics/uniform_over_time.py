@@ -37,11 +37,6 @@ def our_color(time):
     return (0.0, sin(time) / 2.0 + 0.5, 0.0, 1.0)
 
 
-def curve(place):
-    """How far a place is above the curve."""
-    return swizzle(place, "y") - pulse(swizzle(place, "x"))
-
-
 def painted(place, ourColor, time, frag_coord, corner=START):
     """The curve over the colour of each moment, and the bead on it, which is the uniform."""
     x, y, size = swizzle(place, "x"), swizzle(place, "y"), pixel_size(place, corner, frag_coord)
@@ -52,13 +47,16 @@ def painted(place, ourColor, time, frag_coord, corner=START):
     def bead(place):
         return length((place - vec2(time, swizzle(ourColor, "g"))) * vec2(0.2254, 1.0)) - 0.075
 
+    def above_curve(place):
+        return swizzle(place, "y") - pulse(swizzle(place, "x"))
+
     def drawn(field, width):
         return line(field, place, size, width)
 
     level = drawn(lambda place: swizzle(place, "y"), 1.0)
     level = level + drawn(lambda place: swizzle(place, "y") - 1.0, 1.0)
     color = mix(color, vec3(0.30), level)
-    color = mix(color, vec3(0.85), drawn(curve, 2.0))
+    color = mix(color, vec3(0.85), drawn(above_curve, 2.0))
     color = mix(color, vec3(0.85), 0.5 * drawn(lambda place: swizzle(place, "x") - time, 1.0))
     color = where(bead(place) < 0.0, swizzle(ourColor, "rgb"), color)
     return vec4(mix(color, vec3(1.0), drawn(bead, 2.5)), 1.0)

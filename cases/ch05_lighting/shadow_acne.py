@@ -52,11 +52,8 @@ def surfaces(bias, size):
 
 def by_rays(bias, size):
     """The map against one that rays make: the same texels, the same bias, nothing rasterised."""
-    return reading(
-        f"{SERIES[bias]}, {size}²",
-        reads=surfaces(bias, size),
-        given={"size": size, "biases": BIASES[bias]},
-    )
+    given = {"size": size, "biases": BIASES[bias]}
+    return reading(f"{SERIES[bias]}, {size}²", reads=surfaces(bias, size), given=given)
 
 
 def table(label, statistic, of, **none):

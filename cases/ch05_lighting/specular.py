@@ -2,10 +2,8 @@
 
 The ray from the lamp is reflected about the normal. A viewer in its path sees a highlight, which
 fades with the angle from it: by the angle's cosine, raised to the power of the shininess. Of the
-three parts only this one depends on the viewer, so it moves when the viewer does. With the normal
-(0, 0, 1), a lamp at (1.2, 1, 2) and a viewer at (0, 0, 3) the cosine is 0.788110, and its 32nd
-power is next to nothing. A face that is turned away from the lamp gets no rays to reflect, so it
-has no highlight, even if the formula's cosine is large.
+three parts only this one depends on the viewer, so it moves when the viewer does. A face that is
+turned away from the lamp reflects nothing: it has no highlight, even where the cosine is large.
 
 Look at: the same ring and ball three times. Above is what ambient and diffuse light show: chalk. In
 the middle is the specular part alone, a few points of light on black. Below is the sum, and the

@@ -46,11 +46,6 @@ def cut(place, threshold):
     return leaf_alpha(place) < threshold
 
 
-def below(alpha):
-    """What is thrown away of the ramp."""
-    return alpha < THRESHOLD
-
-
 def ramp_color(alpha):
     """Green with the alpha that came in."""
     return vec4(0.2, 0.5, 0.2, alpha)
@@ -74,6 +69,7 @@ def bunches(name, by):
 
 # Pixels of a leaf that are at or above the threshold.
 OWN = int((leaf_alpha(centres(LEAVES)) >= THRESHOLD).sum())
+KEPT_OF_RAMP = {"discards": lambda alpha: alpha < THRESHOLD, "name": "what is kept of the ramp"}
 # Two leaves on the same pixels, the nearer one first: the second shows where the first was cut.
 TWO = (leaf(THRESHOLD, 0.25), leaf(0.0, 0.5))
 KEPT, RIB = (0.2, 0.5, 0.2, 0.1), (0.636, 0.751, 0.398, 1.0)
@@ -98,7 +94,7 @@ case = Case(
         coverage(180 * 8, pass_name="ramp", name="180 of 200 columns are kept"),
         coverage(100 * 8, pass_name="edge", name="from 0.0999 to 0.1001, the upper half is kept"),
         figure("edge.FragColor", "0.1 itself is kept", {"alpha": 0.1}, KEPT, reference=ramp_color),
-        formula("ramp.FragColor", ramp_color, discards=below, name="what is kept of the ramp"),
+        formula("ramp.FragColor", ramp_color, **KEPT_OF_RAMP),
         figure("ramp.FragColor", "α = 0.1025", Pixel(20, 4), (0.2, 0.5, 0.2, 0.1025)),
         coverage(OWN, pass_name="leaf", name="the leaf's own pixels"),
         formula("leaf.FragColor", leaf_color, discards=cut, name="the leaf"),

@@ -65,16 +65,13 @@ frame = [
     strip(1.0, Stencil(func="equal", reference=1), cell(0, 1, 1)),
 ]
 hollow = np.pad(np.pad([[0.0]], 1, constant_values=1.0), 3).astype(np.float32)
-EMPTY = {**FORMATS, "clear_stencil": 0}
 STENCIL = call("glReadPixels", 0, 0, 1, 1, "GL_STENCIL_INDEX", "GL_UNSIGNED_BYTE")
 ATTACHED = depth_alone("GL_DEPTH24_STENCIL8", "GL_DEPTH_STENCIL_ATTACHMENT")
 
 
-def cleared(value):
-    """The stencil buffer is cleared to a value."""
-    return call("glClearStencil", value), call("glClear", "GL_STENCIL_BUFFER_BIT")
-
-
+FIVE, ZERO = (
+    (call("glClearStencil", value), call("glClear", "GL_STENCIL_BUFFER_BIT")) for value in (5, 0)
+)
 truth = np.array([[[passes(c, r)] for c in range(COLUMNS)] for r in range(ROWS)], np.float32)
 
 case = Case(
@@ -84,7 +81,7 @@ case = Case(
     r"(\mathit{stored} \mathbin{\&} \mathit{mask})",
     passes=(
         picture((*stored, *tests), (COLUMNS, ROWS), "table", **FORMATS),
-        picture(frame, (9, 9), "hollow", **EMPTY),
+        picture(frame, (9, 9), "hollow", **{**FORMATS, "clear_stencil": 0}),
         *shown("verdicts", "table.total", (COLUMNS, ROWS), (8, 8), group=(4.0, 4.0)),
     ),
     picture="picture.FragColor",
@@ -95,8 +92,8 @@ case = Case(
         exact("hollow.total", hollow, name="a hollow rectangle: only where a 1 is stored"),
         *answers(
             {
-                "glClear stores glClearStencil's value": (STENCIL, 5, ATTACHED, cleared(5)),
-                "… the last one": (STENCIL, 0, ATTACHED, cleared(5), cleared(0)),
+                "glClear stores glClearStencil's value": (STENCIL, 5, ATTACHED, FIVE),
+                "… the last one": (STENCIL, 0, ATTACHED, FIVE, ZERO),
             }
         ),
         *shown_checks("verdicts"),

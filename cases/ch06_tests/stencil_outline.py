@@ -38,8 +38,7 @@ MODELS = PLACES[0] @ turned(24.0), PLACES[1] @ turned(-18.0)
 BOX = solids.box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
 BOXES = [solids.painted(BOX, color) for color in ((0.10, 0.36, 0.42), (0.36, 0.16, 0.30))]
 FLOOR = stage.prop(tile(2.2, 0.5), CAMERA)
-JUDGED = (96, 54)
-ORANGE = (0.98, 0.62, 0.12)
+JUDGED, ORANGE = (96, 54), (0.98, 0.62, 0.12)
 COLOR = opaque(unchanged("color"))
 
 
@@ -69,13 +68,9 @@ def wrong(outline, objects, larger):
     return np.count_nonzero((outline == 1.0) != ((larger == 1.0) & (objects == 0.0)))
 
 
-def marked(outline):
-    """How many pixels the outline has."""
-    return np.count_nonzero(outline == 1.0)
-
-
-OUTLINE = {"outline": "judged.outline"}
-SETS = {**OUTLINE, "objects": "objects.outline", "larger": "larger.outline"}
+SETS = {"outline": "judged.outline", "objects": "objects.outline", "larger": "larger.outline"}
+# No formula's: the sets above are not all empty.
+SOME = {"reads": {"outline": "judged.outline"}, "at_least": 100}
 
 case = Case(
     title="Outlines by the stencil buffer",
@@ -107,7 +102,6 @@ case = Case(
         formula("judged.outline", lambda: 1.0, name="where an outline is"),
         formula("judged.gl_Position", clip_position, name="the larger box in clip space"),
         measure("pixels where outline ≠ larger − objects", wrong, reads=SETS, equals=0, digits=0),
-        # No formula's: the sets above are not all empty.
-        measure("pixels of the outline", marked, reads=OUTLINE, at_least=100),
+        measure("pixels of the outline", lambda outline: (outline == 1.0).sum(), **SOME),
     ],
 )

@@ -55,7 +55,7 @@ def told(usage):
 TIMES = {"stream": 1, "static": 1, "dynamic": 3}
 WRITTEN = {"stream": "written once", "static": "written once", "dynamic": "written thrice"}
 ALL = [hinted(usage, cell(place, 3, 3)) for place, usage in enumerate(USAGES)]
-
+BATCHED = {"aPos": (0, 12), "aColor": (12 * butterfly().vertices, 12)}
 LAYOUT = "what the vertex array holds: bytes to begin at, and strides"
 
 case = Case(
@@ -71,11 +71,7 @@ case = Case(
         *rosette_checks("stream_draw"),
         *pictured_checks(),
         *each_draw("judged.FragColor", encoded, {k: f"picture, {u}" for k, u in enumerate(USAGES)}),
-        attribute_layout(
-            {"aPos": (0, 12), "aColor": (12 * butterfly().vertices, 12)},
-            pass_name="static_draw",
-            name=LAYOUT,
-        ),
+        attribute_layout(BATCHED, pass_name="static_draw", name=LAYOUT),
         *(check for usage in USAGES for check in told(usage)),
         *answers(
             {
