@@ -68,7 +68,7 @@ def find_escapes(case: Case, worker: Worker, count: int, seed: int = 0) -> int:
     result = run_batch(program, batch)
     gone = np.broadcast_to(result.discarded.all_true, (count,))
     wrong = np.zeros(count, np.bool_)
-    for holds in are_finite(result.outputs).values():
+    for holds in are_finite(result.outputs, batch).values():
         wrong |= ~np.asarray(holds).all(axis=-1)
     scalar = {name for name, one in inputs.items() if one.type in ("float", "int")}
     given = {n: batch.each[n][:, 0] if n in scalar else batch.each[n] for n in inputs}
