@@ -9,6 +9,7 @@ from shaderlab.engine.judging.laws import (
     symmetric as symmetric,
 )
 from shaderlab.functions.checks import (
+    idempotent as idempotent,
     inverse as inverse,
     same_as as same_as,
     table as table,

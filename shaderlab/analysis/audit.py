@@ -21,13 +21,7 @@ from shaderlab.model.frame import Array, Bindings, Texels
 from .answer import format_inputs
 from .batches import InputBatch, merge_batches, run_batch
 from .checks import INDEX, OVERFLOW, Place, Watcher
-from .hazards import (
-    Audit as Audit,
-    Claim,
-    Hazard as Hazard,
-    find_dependents,
-    find_written_outputs,
-)
+from .hazards import Audit as Audit, Claim, Hazard as Hazard, find_dependents, find_written_outputs
 from .inputs import (
     Input,
     InputDomain,

@@ -56,6 +56,20 @@ class Inverse(Close, CallLaw):
 
 
 @dataclass(frozen=True)
+class Idempotent(Close, CallLaw):
+    """f(f(x)) = f(x), in the first parameter or `argument`."""
+
+    argument: str = ""
+
+    def judge_call(self, function: Function, call: Call, got: Any) -> Finding:
+        name = self.argument or call.signature.given[0].name
+        again = np.asarray(function.evaluate(replace_arguments(call, {name: got})))
+        x = _argument(function, call, name)
+        trivial = "it returns its argument" if np.array_equal(np.asarray(got), x) else ""
+        return self.compare(again, got, trivial)
+
+
+@dataclass(frozen=True)
 class SameAs(Close, CallLaw):
     """The value of another function, of GLSL or of Python, for the same arguments."""
 
@@ -96,7 +110,7 @@ class Table(Close, CallLaw):
         return close.compare(measured, expected)
 
 
-inverse, same_as, table = Inverse, SameAs, Table
+inverse, idempotent, same_as, table = Inverse, Idempotent, SameAs, Table
 
 
 def judge_law(law: Law | CallLaw, function: Function, call: Call, got: Any) -> Finding:

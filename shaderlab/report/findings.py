@@ -11,12 +11,7 @@ from pathlib import Path
 from shaderlab.files import read_regular
 from shaderlab.model.records import Diagnostic, Outcome, Record, Run, Severity, Verdict
 from shaderlab.report.grouping import PASSABLE, STATUS_WORDS
-from shaderlab.report.text import (
-    clean,
-    format_label,
-    format_outcome,
-    plural,
-)
+from shaderlab.report.text import clean, format_label, format_outcome, plural
 
 _PLACE = re.compile(r"(?P<file>[^\n]+?):(?P<line>\d+): ")
 _CASE = re.compile(r"case\s*[:=]")

@@ -60,11 +60,7 @@ def write(run: Run, folder: str | Path) -> Path:
     write_text(shared / "search.js", _search_script(page))
     path = target / FILE_NAME
     front = render(
-        "index.html.j2",
-        root="",
-        here="",
-        drivers=compare_drivers(run, links),
-        links=links,
+        "index.html.j2", root="", here="", drivers=compare_drivers(run, links), links=links
     )
     write_text(path, front)
     return path

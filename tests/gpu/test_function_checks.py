@@ -47,6 +47,7 @@ vec3 mapped(vec3 light) { return light / (1.0 + light); }
 vec3 green(vec3 light) { return light / vec3(1.0 + light.x, 1.0 + light.x, 1.0 + light.z); }
 float squared(float x) { return x * x; }
 float cubed(float x) { return x * x * x; }
+float limited(float x) { return clamp(x, 0.0, 1.0); }
 float halved(float x) { return 0.5 * x; }
 float less(float a, float b) { return a - b; }
 float both(float a, float b) { return a * b + (a + b); }
@@ -180,6 +181,7 @@ PASS: list[tuple[str, Any, tuple[Any, ...]]] = [
     ("encode", glsl.inverse(decoded, ulp=64), (UNIT,)),
     ("squared", glsl.even("x"), (X,)),
     ("cubed", glsl.odd("x"), (X,)),
+    ("limited", glsl.idempotent(), (X,)),
     ("both", glsl.symmetric(("a", "b")), (X, X[::-1])),
     ("fades", glsl.same_as(fading, ulp=2), (D, *LAMP)),
     ("fades", glsl.table([1.0, 0.8913, 0.012], digits=3), ([0.0, 1.0, 49.3], *LAMP)),
@@ -229,6 +231,7 @@ FAIL: list[tuple[str, Any, tuple[Any, ...], list[str]]] = [
     ("squared", glsl.odd("x"), (X,), ["odd does not hold", "x = -"]),
     ("cubed", glsl.even("x"), (X,), ["even does not hold"]),
     ("cubed", glsl.odd("x"), ([0.0],), ["could hardly fail: x is 0"]),
+    ("halved", glsl.idempotent(), (X,), ["measured   -0.4", "reference  -0.9"]),
     ("less", glsl.symmetric(("a", "b")), (X, X[::-1]), ["a = -1.8", "b = 1.8"]),
     ("both", glsl.symmetric(("a", "b")), (X, X), ["a and b are equal"]),
     ("encode", glsl.inverse(np.sqrt), (UNIT,), ["inverse does not hold"]),

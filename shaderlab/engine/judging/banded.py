@@ -262,12 +262,7 @@ def judge_band(
         # A band without an end allows NaN, but a number that the formula gives does not.
         inside[rows] &= ~(np.isnan(measured[rows]) & np.isfinite(band.values_at(rows)))
     return Banded(
-        measured=measured,
-        low=band.low,
-        high=band.high,
-        inside=inside,
-        unit=band.unit,
-        band=band,
+        measured=measured, low=band.low, high=band.high, inside=inside, unit=band.unit, band=band
     )
 
 
