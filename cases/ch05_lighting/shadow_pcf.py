@@ -113,7 +113,8 @@ case = Case(
     passes=(
         courtyard.cast("map", LIGHT_SPACE, MODEL, 512),
         *courtyard.photographed(
-            courtyard.in_cell(seen("", radius, PILLAR), cell(radius, 2)) for radius in (0, 1)
+            [courtyard.in_cell(seen("", radius, PILLAR), cell(radius, 2)) for radius in (0, 1)],
+            size=(768, 768),
         ),
         seen("one", 0, size=(96, 96), colors=SHADOW),
         seen("nine", 1, size=(96, 96)),

@@ -18,14 +18,15 @@ equally sharp.
 import numpy as np
 
 from shaderlab import Case, Output, Texture, formula, measure
-from shaderlab.glslmath import distance, max, mix, normalize, swizzle, vec2, vec3, vec4, where
+from shaderlab.glslmath import mix, normalize, swizzle, vec3, vec4
 
+from ..scenes import round_lamp
 from ..scenes.cameras import camera, camera_rays
 from ..scenes.drawing import chessboard
 from ..scenes.figures import results
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import WHOLE, cell, enlarged, panel, panel_pass, square
-from ..scenes.round_lamp import BALLS, LAMP, POINTS, SIDE, by_closer, by_variance, rays
+from ..scenes.round_lamp import BALLS, LAMP, POINTS, SIDE
 
 EYE = (0.0, 3.4, 4.6)
 RAYS = camera_rays(**camera(EYE, (0.0, 0.30, 0.0), 31.0))
@@ -57,32 +58,9 @@ def blurred(name, map):
     return panel_pass(name, shader, {}, textures={"map": map}, size=size)
 
 
-def heights(place, balls):
-    """What the lamp sees, and its square."""
-    height = 0.0
-    for ball in balls:
-        under = distance(place, swizzle(ball, "xz")) < swizzle(ball, "w")
-        height = max(height, where(under, swizzle(ball, "y"), 0.0))
-    return vec2(height, height * height)
-
-
-def from_means(map, means):
-    """How far a blurred map is from means by NumPy."""
-    padded = np.pad(map, ((6, 6), (6, 6), (0, 0)), mode="edge")
-    for axis in (0, 1):
-        padded = np.lib.stride_tricks.sliding_window_view(padded, 13, axis=axis).mean(axis=-1)
-    return np.abs(padded - means).max()
-
-
-def places(size):
-    """The pixels' places on a map."""
-    steps = (np.arange(size) + 0.5) / size
-    return np.stack(np.meshgrid(steps, steps), -1).reshape(-1, 2)
-
-
 def from_rays(closer):
     """The mean and the largest difference from what rays find."""
-    return np.abs(closer.ravel() - rays(places(len(closer))))
+    return np.abs(closer.ravel() - round_lamp.rays(round_lamp.places(len(closer))))
 
 
 def seen(share):
@@ -112,7 +90,10 @@ def seen(share):
 
 def unlike(color, map, means):
     """The share of pixels a thirtieth of a code of eight bits or more from the same in float64."""
-    panels = [seen(lambda at: by_variance(means, at)), seen(lambda at: by_closer(map, at))]
+    panels = [
+        seen(lambda at: round_lamp.by_variance(means, at)),
+        seen(lambda at: round_lamp.by_closer(map, at)),
+    ]
     return 1.0 - np.mean(np.abs(color - np.concatenate(panels, axis=1)).max(axis=-1) < 2.0**-13)
 
 
@@ -122,10 +103,10 @@ def two_heights():
     return 1.0 - mean**2 / square
 
 
-# A floor, and something with a straight edge 0.6 above it.
+# Something with a straight edge, 0.6 above a floor; where a place is no number, nothing is free.
 X = (np.arange(64) + 0.5) / 64.0
 EDGE = np.zeros((64, 64, 4))
-EDGE[:, 32:, :2] = 0.6, 0.36
+EDGE[:, :32, :2] = 0.6, 0.36
 NOISE = np.random.default_rng(15).uniform(0.0, 1.0, (16, 16, 4))
 EDGE_SHADES = {"map": Texture(image=EDGE, **NEAREST), "means": Output("edge.moments", **NEAREST)}
 
@@ -139,9 +120,14 @@ def from_share(variance):
 
 def from_segment(closer):
     """How far percentage-closer is from the part of a circle on one side of an edge."""
-    u = np.clip((0.5 - X) / (LAMP * 0.6), -1.0, 1.0)
+    u = np.clip((X - 0.5) / (LAMP * 0.6), -1.0, 1.0)
     share = 0.5 + (u * np.sqrt(1.0 - u * u) + np.arcsin(u)) / np.pi
     return np.abs(closer[..., 0] - share).max()
+
+
+def from_same(closer):
+    """How far percentage-closer is from the same in float64."""
+    return np.abs(closer.reshape(-1, 1) - round_lamp.by_closer(EDGE, round_lamp.places(64))).max()
 
 
 SMALL_COLOR = {"color": "small.FragColor", "map": "map.moments", "means": "means.moments"}
@@ -168,16 +154,16 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        formula("map.moments", heights, name="what the lamp sees"),
+        formula("map.moments", round_lamp.moments, name="what the lamp sees"),
         measure(
             "means",
-            from_means,
+            round_lamp.from_means,
             reads={"map": "map.moments", "means": "means.moments"},
             at_most=2.0**-18,
         ),
         measure(
             "means of random texels",
-            lambda means: from_means(NOISE[..., :2], means),
+            lambda means: round_lamp.from_means(NOISE[..., :2], means),
             reads={"means": "noise.moments"},
             at_most=2.0**-18,
         ),
@@ -201,6 +187,12 @@ case = Case(
             from_segment,
             reads={"closer": "edge_shares.closer"},
             at_most=0.05,
+        ),
+        measure(
+            "one height: from the same in float64",
+            from_same,
+            reads={"closer": "edge_shares.closer"},
+            at_most=2.0**-20,
         ),
         *results({"light that leaks through two heights": (two_heights, 0.235849)}),
     ],

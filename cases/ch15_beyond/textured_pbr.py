@@ -152,7 +152,7 @@ case = Case(
     math=r"a = a_f\,\mathrm{decode}(a_t), \qquad r = \max(r_f\,r_t, 0.045), \qquad f_0 = "
     r"\operatorname{mix}(0.04, a, m_f\,m_t)",
     passes=(
-        *lit.photographed(*VASES, clear=(0.30, 0.27, 0.24, 1.0), size=(64, 64)),
+        *lit.photographed(*VASES, clear=(0.30, 0.27, 0.24, 1.0), size=(64, 64), side=768),
         *small("factors", WHITE, FACTORS),
         *small("alike", ALIKE, NO_FACTORS),
     ),

@@ -144,29 +144,34 @@ def photographed(
     output: str = "FragColor",
     name: str = "judged",
     size: tuple[int, int] | None = None,
+    side: int = 1024,
 ) -> tuple[Pass, ...]:
     """Passes "scene" and "picture" for people, and one for the checks; both scenes as `twins`.
 
     Args:
-        draws: of the large scene, 1024 × 1024.
+        draws: of the large scene.
         judged: of the small one, if they are others.
         clear: the background of both.
         output: what the picture shows.
         name: of the pass that is judged.
         size: of that pass; a case's own by default.
+        side: of the large scene; the picture has half of it, if that is not 1024.
     """
-    large = large_scene(draws, clear=clear, output=output)
+    large = large_scene(draws, clear=clear, output=output, side=side)
+    half = None if side == 1024 else (side // 2, side // 2)
     target = Target(size=size, depth="depth24", clear=large.target.clear)
     return (
         *twins(large, output),
-        *picture(output=output),
+        *picture(output=output, size=half),
         *twins(Pass(name=name, target=target, draws=tuple(judged or draws)), output),
     )
 
 
-def large_scene(draws: Sequence[Draw], *, clear: Color = BLACK, output: str = "FragColor") -> Pass:
+def large_scene(
+    draws: Sequence[Draw], *, clear: Color = BLACK, output: str = "FragColor", side: int = 1024
+) -> Pass:
     """The pass "scene" for people, in light."""
-    target = Target(size=(1024, 1024), colors={output: "rgba16f"}, depth="depth24", clear=clear)
+    target = Target(size=(side, side), colors={output: "rgba16f"}, depth="depth24", clear=clear)
     return Pass(name="scene", target=target, draws=tuple(draws))
 
 

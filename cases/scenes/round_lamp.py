@@ -9,10 +9,13 @@ Places of the map are 0…1 over the floor from −2 to 2.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from shaderlab.glslmath import Value, distance, max, swizzle, vec2, where
 
 Array = npt.NDArray[Any]
 
@@ -32,6 +35,41 @@ _TURN = math.pi * (3.0 - math.sqrt(5.0)) * np.arange(32)
 _AWAY = np.sqrt((np.arange(32) + 0.5) / 32.0)
 POINTS = _AWAY[:, None] * np.column_stack([np.cos(_TURN), np.sin(_TURN)])
 """Points spread evenly in a circle of radius 1."""
+
+
+def moments(place: Value, balls: Sequence[Value]) -> Value:
+    """The height of what the lamp sees straight below, and its square.
+
+    >>> moments(np.array([1.1, -0.4]), BALLS).round(6).tolist()
+    [1.05, 1.1025]
+    """
+    height: Value = 0.0
+    for ball in balls:
+        under = distance(place, swizzle(ball, "xz")) < swizzle(ball, "w")
+        height = max(height, where(under, swizzle(ball, "y"), 0.0))
+    return vec2(height, height * height)
+
+
+def places(size: int) -> Array:
+    """The middles of a map's texels, or of a target's pixels, (size², 2).
+
+    >>> places(2)[1].tolist()
+    [0.75, 0.25]
+    """
+    steps = (np.arange(size) + 0.5) / size
+    return np.stack(np.meshgrid(steps, steps), -1).reshape(-1, 2)
+
+
+def from_means(map: Array, means: Array) -> float:
+    """How far a blurred map is from the means of 13 × 13 texels.
+
+    >>> from_means(np.ones((2, 2, 1)), np.full((2, 2, 1), 0.75))
+    0.25
+    """
+    padded = np.pad(map, ((6, 6), (6, 6), (0, 0)), mode="edge")
+    for axis in (0, 1):
+        padded = np.lib.stride_tricks.sliding_window_view(padded, 13, axis=axis).mean(axis=-1)
+    return float(np.abs(padded - means).max())
 
 
 def rays(at: Array) -> Array:
@@ -58,7 +96,7 @@ def by_closer(map: Array, at: Array) -> Array:
     """
 
     def texel(where: Array) -> Array:
-        i = np.clip(np.floor(where * SIDE).astype(int), 0, SIDE - 1)
+        i = np.clip(np.floor(where * len(map)).astype(int), 0, len(map) - 1)
         return np.asarray(map[i[..., 1], i[..., 0], 0])
 
     found = texel(at[:, None] + LAMP * 1.1 * POINTS)

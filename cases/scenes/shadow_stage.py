@@ -222,10 +222,11 @@ def photographed(draws: Iterable[Draw], **target: Any) -> tuple[Pass, ...]:
     """Passes "scene" for people, with the places that rays need to check it, and "picture"; and
     "scene-backwards", the triangles of each draw from last to first."""
     target = {"size": (1024, 1024), "colors": PICTURED, "depth": "depth24", **target}
+    half = (target["size"][0] // 2,) * 2 if target["size"] != (1024, 1024) else None
     scene = Pass(name="scene", target=Target(**target), draws=tuple(draws))
     twin, _ = twins(scene)
     draws = tuple(twins(replace(scene, draws=(draw,)))[0].draws[0] for draw in scene.draws)
-    return replace(twin, draws=draws), scene, *picture()
+    return replace(twin, draws=draws), scene, *picture(size=half)
 
 
 def picture_checks(

@@ -38,22 +38,23 @@ float sampled(vec3 here, vec3 normal)
     return open / float(POINTS);
 }
 
-// The light between the view and a horizon, by the cosine to the normal (Jimenez et al. 2016).
-float arc(float horizon, float lean)
+// The light between the view and a horizon that rises so steeply, by the cosine to a normal whose parts
+// towards the horizon and the view these are (Jimenez et al. 2016): with the angle h from the view
+// (upward sin² h + toward (h - sin h cos h)) / 2.
+float arc(float slope, float toward, float upward)
 {
-    return 0.25 * (cos(lean) - cos(2.0 * horizon - lean) + 2.0 * horizon * sin(lean));
+    float sine = inversesqrt(1.0 + slope * slope);
+    return 0.5 * (sine * sine * upward + (QUARTER - atan(slope) - slope * sine * sine) * toward);
 }
 
-// How far up the highest thing on one side is, as an angle from straight up.
-float horizonOf(vec3 here, vec2 along)
+// How steeply the highest thing on one side rises, no less than the surface itself.
+float steepest(vec3 here, vec2 along, float slope)
 {
-    float upward = -1.0;
     for (int k = 1; k <= steps; ++k) {
-        vec2 off = radius * float(k) / float(steps) * along;
-        float rise = heightAt(here.xy + off) - here.z;
-        upward = max(upward, rise / sqrt(dot(off, off) + rise * rise));
+        float far = radius * float(k) / float(steps);
+        slope = max(slope, (heightAt(here.xy + far * along) - here.z) / far);
     }
-    return acos(min(upward, 1.0));    // which rounding may exceed
+    return slope;
 }
 
 float horizons(vec3 here, vec3 normal)
@@ -61,13 +62,10 @@ float horizons(vec3 here, vec3 normal)
     float sum = 0.0;
     for (int k = 0; k < SLICES; ++k) {
         vec2 along = slices[k];
-        float inside = dot(normal.xy, along);
-        float shown = sqrt(inside * inside + normal.z * normal.z);
-        float lean = atan(inside / normal.z);  // of two arguments SwiftShader makes pi of -0.0
-        // No farther than the surface itself.
-        float right = min(horizonOf(here, along), lean + QUARTER);
-        float left = max(-horizonOf(here, -along), lean - QUARTER);
-        sum += shown * (arc(right, lean) + arc(left, lean));
+        float toward = dot(normal.xy, along);
+        float falls = toward / normal.z;
+        sum += arc(steepest(here, along, -falls), toward, normal.z);
+        sum += arc(steepest(here, -along, falls), -toward, normal.z);
     }
     return sum / float(SLICES);
 }
