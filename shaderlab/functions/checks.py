@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.engine.judging.banded import judge_band
+from shaderlab.engine.judging.banded import Banded, judge_band
 from shaderlab.engine.judging.laws import Close, Finding, Law
 from shaderlab.engine.judging.references import Inputs, parameter_name
 from shaderlab.errors import CallError, FormulaError
@@ -23,7 +23,7 @@ from shaderlab.functions.signatures import Type
 from shaderlab.glslmath.choice import where
 from shaderlab.glslmath.vector import stack
 from shaderlab.model.frame import Array
-from shaderlab.model.records import Outcome, SourceText
+from shaderlab.model.records import Curve, Outcome, SourceText
 from shaderlab.report.text import format_outcome
 
 if TYPE_CHECKING:
@@ -133,8 +133,11 @@ def _argument(function: Function, call: Call, name: str) -> Any:
     return argument.value
 
 
-def judge_function(function: Function, law: Law | CallLaw | Reference, call: Call) -> list[Outcome]:
-    """The outcomes of a check: one, or with a reference one for each part of the result.
+def judge_function(
+    function: Function, law: Law | CallLaw | Reference, call: Call, curves: list[Curve]
+) -> list[Outcome]:
+    """The outcomes of a check: one, or with a reference one for each part of the result, whose
+    curve over the only number that varies is added to `curves`.
 
     Raises:
         CallError: the reference's parameters are not the function's.
@@ -148,7 +151,10 @@ def judge_function(function: Function, law: Law | CallLaw | Reference, call: Cal
     kept = find_kept(call, found[0])
     if not isinstance(law, Law | CallLaw):
         inputs = match_inputs(law, call, kept.reshape(-1), function.folder)
-        return [judge_reference(function, law, call, part, inputs, kept) for part in found]
+        banded = [part.judge(law, inputs, kept) for part in found]
+        for part, values in zip(found, banded, strict=True):
+            curves += _curves(part.named(function.__name__), values)
+        return [judge_reference(function, call, *each) for each in zip(found, banded, strict=True)]
     if not isinstance(got, np.ndarray | np.generic):
         names = ", ".join(part.named("").removeprefix(".") for part in found)
         raise CallError(
@@ -177,19 +183,15 @@ def function_source(function: Function, call: Call) -> SourceText:
     return SourceText(file=file, line=line, language="glsl", text=call.signature.definition)
 
 
-def judge_reference(
-    function: Function, reference: Reference, call: Call, part: Part, inputs: Inputs, kept: Array
-) -> Outcome:
+def judge_reference(function: Function, call: Call, part: Part, banded: Banded) -> Outcome:
     """The outcome of a part of a call's result under a reference."""
-    measured = part.rows(kept)
-    banded = judge_band(measured, part.of(reference), inputs, rules=None)
     status, message = banded.verdict()
     return Outcome(
         name=part.named(function.__name__),
         kind="formula",
         status=status,  # type: ignore[arg-type]
         message=message,
-        judged=int(measured.size),
+        judged=int(banded.measured.size),
         outside=banded.outside,
         worst=banded.worst(),
         vacuous=banded.vacuous_share,
@@ -197,6 +199,17 @@ def judge_reference(
         informative=banded.informative_share,
         sources=(function_source(function, call), banded.source),
     )
+
+
+def _curves(name: str, banded: Banded) -> list[Curve]:
+    """The curve over the only number that varies, of 300 points and the worst one; or none."""
+    if [each.shape[1:] for each in banded.inputs.each.values()] != [(1,)]:
+        return []
+    ((over, x),) = banded.inputs.each.items()
+    order = np.argsort(x[:, 0], kind="stable")
+    some = {*order[:: max(1, len(order) // 300)], banded.furthest()[0]}
+    rows = np.array([row for row in order if row in some])
+    return [banded.curve(name, over, name, x[rows, 0].tolist(), rows)]
 
 
 def _judge_law(
@@ -263,6 +276,10 @@ class Part:
         found = np.ma.getdata(self.values).reshape(kept.size, -1)
         found = found if kept.all() else found[kept.reshape(-1)]
         return found.astype(np.float32) if found.dtype == bool else found
+
+    def judge(self, reference: Reference, inputs: Inputs, kept: Array) -> Banded:
+        """Its numbers beside a reference's band."""
+        return judge_band(self.rows(kept), self.of(reference), inputs, rules=None)
 
     def of(self, reference: Reference) -> Reference:
         """This part of a reference's result, as a reference with the same parameters."""

@@ -143,7 +143,7 @@ def judge_every(
     grid = Grid(function, arguments, named, step)
     some = np.unique(np.linspace(0, grid.count - 1, _FIRST).astype(np.int64))
     first = grid.bind(some)
-    outcomes = judge_function(function, law, first)
+    outcomes = judge_function(function, law, first, [])
     if any(one.status != "pass" for one in outcomes):
         return first, outcomes
     started = shown = time.monotonic()
@@ -153,7 +153,7 @@ def judge_every(
         for indices in grid.blocks():
             before, call = call, grid.bind(indices)
             if isinstance(law, Law | CallLaw):
-                before, found = call, judge_function(function, law, call)
+                before, found = call, judge_function(function, law, call, [])
             else:
                 got = function.evaluate(call)
                 found = waiting.result() if waiting else []
@@ -181,7 +181,8 @@ def _judge_block(function: Function, law: Reference, call: Call, got: Any) -> li
     some = inputs.part(rows)
     for part in parts:
         if rows.size and judge_band(part.rows(kept)[rows], part.of(law), some, rules=None).outside:
-            return [judge_reference(function, law, call, one, inputs, kept) for one in parts]
+            judged = ((one, one.judge(law, inputs, kept)) for one in parts)
+            return [judge_reference(function, call, *each) for each in judged]
     return []
 
 

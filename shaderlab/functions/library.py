@@ -38,7 +38,7 @@ from shaderlab.functions.signatures import (
     find_signatures,
     read_declarations,
 )
-from shaderlab.model.records import Outcome, ProgramRecord, Record, SourceText, Status
+from shaderlab.model.records import Curve, Outcome, ProgramRecord, Record, SourceText, Status
 
 Kept = TypeVar("Kept")
 
@@ -57,6 +57,7 @@ class Notes:
     """What one test did: the outcomes of its checks, and the functions that it called."""
 
     outcomes: list[Outcome] = field(default_factory=list)
+    curves: list[Curve] = field(default_factory=list)
     called: dict[tuple[str, int], SourceText] = field(default_factory=dict)
     sources: dict[str, Source] = field(default_factory=dict)
 
@@ -114,6 +115,7 @@ def record_of_test(
         message="" if is_explained else message,
         seconds=seconds,
         programs=tuple(map(_program_of, found.sources.values())),
+        curves=tuple(found.curves),
         expectations=tuple(
             replace(o, sources=tuple(replace(s, file=display_path(s.file)) for s in o.sources))
             for o in outcomes
@@ -254,6 +256,7 @@ class Function:
             CallError, ShaderError: as in a call; or the reference takes other arguments.
         """
         __tracebackhide__ = True
+        curves: list[Curve] = []
         try:
             if every:
                 from shaderlab.functions.exhaustive import judge_every
@@ -261,11 +264,12 @@ class Function:
                 call, outcomes = judge_every(self, law, int(every), arguments, named)
             else:
                 call = self.bind(*arguments, **named)
-                outcomes = checks.judge_function(self, law, call)
+                outcomes = checks.judge_function(self, law, call, curves)
         except ShaderlabError as error:
             raise error.with_traceback(_short_traceback(error)) from error.__cause__
         found = self._note(call)
         if found is not None:
+            found.curves += curves
             line = sys._getframe(1).f_lineno
             found.outcomes += [replace(outcome, line=line) for outcome in outcomes]
         if any(outcome.status != "pass" for outcome in outcomes):

@@ -427,13 +427,10 @@ class Component:
 
 @dataclass(frozen=True)
 class WorstPanel:
-    """The components of a worst value, the one that is meant, and where that lies on a number
-    line (`Component.locate`)."""
+    """The components of a worst value, and the one that is meant."""
 
     components: tuple[Component, ...]
     meant: Component
-    measured_at: float | None
-    reference_at: float | None
 
 
 def lay_out_worst(worst: Worst) -> WorstPanel | None:
@@ -442,7 +439,4 @@ def lay_out_worst(worst: Worst) -> WorstPanel | None:
     components = tuple(Component(*each) for each in values)
     if not 0 <= worst.component < len(components):
         return None
-    meant = components[worst.component]
-    return WorstPanel(
-        components, meant, meant.locate(meant.measured), meant.locate(meant.reference)
-    )
+    return WorstPanel(components, components[worst.component])

@@ -74,14 +74,15 @@ def compare_drivers(run: Run, links: Mapping[tuple[str, str], str]) -> DriverTab
     return DriverTable(
         drivers=tuple(names.items()),
         rows=tuple(sorted(rows, key=lambda row: row.agrees)),
-        differences=tuple(
-            sorted(
-                (each for each in run.disagreements if each.verdict != "equal"),
-                key=lambda each: each.verdict != "outside",
-            )
-        ),
+        differences=list_differences(run),
         outputs=Counter(each.verdict for each in run.disagreements),
     )
+
+
+def list_differences(run: Run) -> tuple[Disagreement, ...]:
+    """Return the outputs that differ between drivers; what leaves a band comes first."""
+    unequal = (each for each in run.disagreements if each.verdict != "equal")
+    return tuple(sorted(unequal, key=lambda each: each.verdict != "outside"))
 
 
 def _cell(result: DriverResult | None) -> str:

@@ -8,12 +8,12 @@ from __future__ import annotations
 import hashlib
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 from urllib.parse import quote
 
 from markupsafe import Markup
@@ -33,6 +33,7 @@ from shaderlab.model.records import (
     Status,
 )
 from shaderlab.report.charts import Chart, draw_curve, draw_plot
+from shaderlab.report.comparison import list_differences
 from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, count_totals, group_cases
 from shaderlab.report.pictures import Picture, Pictures
 from shaderlab.report.sources import (
@@ -159,9 +160,6 @@ class VariantView:
         return [check for check in self.checks if check[0].status != "pass"]
 
 
-Drawn = TypeVar("Drawn", Curve, Plot)
-
-
 @dataclass(frozen=True)
 class CaseView:
     """A case with all its variants; `page` is its own page in the run's folder.
@@ -206,11 +204,16 @@ class CaseView:
     @property
     def charts(self) -> list[tuple[str, Chart]]:
         """Its plots and curves, each with the names of its variants, "" if all share it."""
-        plots = self._with_variants(lambda record: record.plots)
-        curves = self._with_variants(lambda record: record.curves)
+        users: dict[Plot | Curve, dict[str, None]] = {}
+        for record in self.group.records:
+            for drawing in (*record.plots, *record.curves):
+                users.setdefault(drawing, {})[record.variant] = None
         return [
-            *((names, draw_plot(plot)) for names, plot in plots),
-            *((names, draw_curve(curve)) for names, curve in curves),
+            (
+                "" if len(names) == len(self.variants) else ", ".join(names),
+                draw_curve(each) if isinstance(each, Curve) else draw_plot(each),
+            )
+            for each, names in sorted(users.items(), key=lambda user: isinstance(user[0], Curve))
         ]
 
     @property
@@ -305,16 +308,6 @@ class CaseView:
         anchor = None if line is None else anchor_of((*self.glsl, *self.python), file, line)
         return anchor and f"#{anchor}"
 
-    def _with_variants(
-        self, drawings_of: Callable[[Record], Iterable[Drawn]]
-    ) -> Iterator[tuple[str, Drawn]]:
-        users: dict[Drawn, dict[str, None]] = {}
-        for record in self.group.records:
-            for drawing in drawings_of(record):
-                users.setdefault(drawing, {})[record.variant] = None
-        for drawing, names in users.items():
-            yield "" if len(names) == len(self.variants) else ", ".join(names), drawing
-
 
 @dataclass(frozen=True)
 class ChapterView:
@@ -370,11 +363,9 @@ def build_page(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | No
     anchors = Anchors()
     groups = group_cases(run.records)
     known = mutants or {}
-    # What leaves a band comes first.
     differences: dict[str, list[Disagreement]] = {}
-    for each in sorted(run.disagreements, key=lambda each: each.verdict != "outside"):
-        if each.verdict != "equal":
-            differences.setdefault(each.id, []).append(each)
+    for each in list_differences(run):
+        differences.setdefault(each.id, []).append(each)
     cases = []
     for group in groups:
         anchor = anchors.new("case", group.id)

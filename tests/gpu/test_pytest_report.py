@@ -77,6 +77,12 @@ def test_cases_and_functions_stand_on_one_page(
     assert found["test_right"].title == "Halves."
     names = [outcome.name for outcome in found["test_right"].expectations]
     assert names == ["half_of", "half_of (2)"]
+    (curve,) = found["test_wrong"].curves
+    assert (curve.x_label, curve.x[0], curve.x[-1], len(curve.x)) == ("x", 1.0, 2.0, 11)
+    assert curve.measured == tuple(0.5 * x for x in curve.x)
+    assert all(low > y for low, y in zip(curve.low, curve.measured, strict=True))
+    assert "11 outside" in (tests.path / "out/cases/test-light.html").read_text()
+    assert 'class="dots is-outside"' in (tests.path / "out/index.html").read_text()
     (wrong,) = found["test_wrong"].expectations
     assert wrong.kind == "formula" and wrong.worst is not None and wrong.line == 14
     (searched,) = found["test_searched"].expectations

@@ -283,18 +283,14 @@ def _lift_memory_limit() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
-_INSTALL_SPIRV_CROSS = (
-    "Debian/Ubuntu: apt-get install spirv-cross · Fedora: dnf install spirv-tools · "
-    "Arch: pacman -S spirv-cross"
-)
-
-
 def find_cross_compiler() -> str:
     """Return the command of SPIRV-Cross. Raises DriverError if it is not there."""
     found = shutil.which("spirv-cross")
     if found is None:
         raise DriverError(
-            "no spirv-cross, which makes ESSL of modules", remedy=_INSTALL_SPIRV_CROSS
+            "no spirv-cross, which makes ESSL of modules",
+            remedy="Debian/Ubuntu: apt-get install spirv-cross · Fedora: dnf install spirv-tools · "
+            "Arch: pacman -S spirv-cross",
         )
     return found
 

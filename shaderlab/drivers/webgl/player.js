@@ -128,16 +128,22 @@ const makePlayer = () => {
     return given;
   };
 
+  const bound = (data, [name, where, given]) =>
+    [own[name] ?? gl[name], where, given.map((each) => argument(each, data))];
+  const run = ([call, where, given]) => {
+    const result = call.apply(gl, given);
+    if (where > 0) objects.set(where, result);
+    return result;
+  };
+
   return {
     play(text) {
       const [calls, bytes] = JSON.parse(text);
       const data = Uint8Array.fromBase64(bytes).buffer;
       const reply = [];
-      for (const [name, where, given] of calls) {
-        const call = own[name] ?? gl[name];
-        const result = call.apply(gl, given.map((each) => argument(each, data)));
-        if (where > 0) objects.set(where, result);
-        else if (where < 0) reply.push(result ?? null);
+      for (const call of calls) {
+        const result = run(bound(data, call));
+        if (call[1] < 0) reply.push(result ?? null);
       }
       return JSON.stringify({ reply, lost: gl.isContextLost() });
     },
@@ -150,20 +156,13 @@ const makePlayer = () => {
       const needed = ["EXT_color_buffer_float", ...(filtered ? ["OES_texture_float_linear"] : [])];
       const lacking = needed.find((name) => !extensions[name]);
       if (lacking) return { lacks: `this browser has no ${lacking}` };
-      const bound = ([name, where, given]) =>
-        [own[name] ?? gl[name], where, given.map((each) => argument(each, data))];
-      const run = ([call, where, given]) => {
-        const result = call.apply(gl, given);
-        if (where > 0) objects.set(where, result);
-        return result;
-      };
       const refused = [];
       for (const call of calls) {
-        const result = run(bound(call));
+        const result = run(bound(data, call));
         if (call[0] === "link" && result) refused.push(result[1]);
       }
       if (refused.length) return { lacks: `this browser refuses a shader: ${refused[0]}` };
-      const frame = repeated(calls).map(bound);
+      const frame = repeated(calls).map((call) => bound(data, call));
       const draw = () => frame.reduce((last, call) => (call[1] < 0 ? run(call) : (run(call), last)), null);
       // Each uniform that has an effect and is no array, with its numbers where they stand.
       const names = new Map(calls.filter(([name]) => name === "locate")

@@ -3,7 +3,7 @@ vertex, or along one input."""
 
 import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from shaderlab.errors import CaseError
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs
 from shaderlab.model.frame import Array, Frame, Image
-from shaderlab.model.records import Curve, Outcome, Row
+from shaderlab.model.records import Outcome, Row
 from shaderlab.model.scene import UniformValue
 
 Reference = Callable[..., Any]
@@ -196,19 +196,8 @@ class Sweep(ReferenceExpectation):
         banded = judge_band(
             samples.outputs[self.own_name(scene)], self.reference, inputs, rules=self.rules
         )
-        component = int(np.argmax(np.ptp(banded.reference, axis=0)))
-        several = banded.measured.shape[1] > 1
-        curve = Curve(
-            title=self.name,
-            x_label=self.over,
-            y_label=f"{self.output}.{'xyzw'[component]}" if several else self.output,
-            x=tuple(self.values),
-            measured=tuple(banded.measured[:, component].tolist()),
-            reference=tuple(banded.reference[:, component].tolist()),
-            low=tuple(banded.low[:, component].tolist()),
-            high=tuple(banded.high[:, component].tolist()),
-            log_x=self.log_x,
-        )
+        curve = banded.curve(self.name, self.over, self.output, self.values)
+        curve = replace(curve, log_x=self.log_x)
         return self.judgement(scene, banded, banded.verdict(), curve=curve)
 
 

@@ -6,7 +6,7 @@ pixel, so distances are computed block by block, in memory that stays in the pro
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,7 +18,7 @@ from shaderlab.bands import Rules
 from shaderlab.bands.bounds import contains, widths
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
-from shaderlab.model.records import Row, SourceText, Worst, significant
+from shaderlab.model.records import Curve, Row, SourceText, Worst, significant
 
 from .bands import FLOAT_FORMATS, MAX_UNDECIDED, MIN_INFORMATIVE, ReferenceBand, reference_band
 from .references import Inputs, Reference, evaluate, source_of
@@ -186,6 +186,16 @@ class Banded(BoundedValues):
             widths=self.widths_at(i, c),
             inputs=self.inputs.at(i, names),
         )
+
+    def curve(
+        self, title: str, over: str, label: str, x: Sequence[float], rows: Any = slice(None)
+    ) -> Curve:
+        """What the report draws over an input: of the component that the reference varies most."""
+        number = int(np.argmax(np.ptp(self.reference, axis=0)))
+        y_label = f"{label}.{'xyzw'[number]}" if self.measured.shape[1] > 1 else label
+        names = ("measured", "reference", "low", "high")
+        numbers = {name: tuple(getattr(self, name)[rows, number].tolist()) for name in names}
+        return Curve(title=title, x_label=over, y_label=y_label, x=tuple(x), **numbers)
 
     def _require_inside(self, i: int, reference: Array) -> None:
         """Raise FormulaError where the reference leaves its own band, but for float64's roundings

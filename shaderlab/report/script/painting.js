@@ -151,30 +151,27 @@ class View {
 }
 // What is drawn over the pictures: the pixel that is read, the worst one, values outside.
 
-/** A frame around the pixel that is read, light and dark so that it shows on any colour. */
-function cross(context, view, [x, y], ratio) {
+/** Strokes around a pixel, light and dark so that they show on any colour. */
+function around(context, view, [x, y], least, strokes, path) {
   const [left, top, side] = view.square(x, y, context.canvas);
-  const size = Math.max(side, 7 * ratio);
-  const shift = (size - side) / 2;
-  for (const [colour, width] of [["#000", 3], ["#fff", 1.2]]) {
-    context.strokeStyle = colour;
-    context.lineWidth = width * ratio;
-    context.strokeRect(left - shift, top - shift, size, size);
-  }
-}
-
-/** A ring around the worst pixel. */
-function ring(context, view, [x, y], ratio) {
-  const [left, top, side] = view.square(x, y, context.canvas);
-  const radius = Math.max(side, 9 * ratio);
-  for (const [colour, width] of [["#fff", 4.5], ["#c01010", 2.2]]) {
-    context.strokeStyle = colour;
-    context.lineWidth = width * ratio;
+  const size = Math.max(side, least);
+  for (const [colour, width] of strokes) {
+    [context.strokeStyle, context.lineWidth] = [colour, width];
     context.beginPath();
-    context.arc(left + side / 2, top + side / 2, radius, 0, 2 * Math.PI);
+    path(left + side / 2, top + side / 2, size);
     context.stroke();
   }
 }
+
+/** A frame around the pixel that is read. */
+const cross = (context, view, place, ratio) => around(context, view, place, 7 * ratio,
+  [["#000", 3 * ratio], ["#fff", 1.2 * ratio]],
+  (x, y, size) => context.rect(x - size / 2, y - size / 2, size, size));
+
+/** A ring around the worst pixel. */
+const ring = (context, view, place, ratio) => around(context, view, place, 9 * ratio,
+  [["#fff", 4.5 * ratio], ["#c01010", 2.2 * ratio]],
+  (x, y, size) => context.arc(x, y, size, 0, 2 * Math.PI));
 
 // The table under the pictures: one pixel's numbers, channel by channel.
 
