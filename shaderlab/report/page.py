@@ -204,7 +204,7 @@ class CaseView:
     @property
     def charts(self) -> list[tuple[str, Chart]]:
         """Its plots and curves, each with the names of its variants, "" if all share it."""
-        users: dict[Plot | Curve, dict[str, None]] = {}
+        users: dict[Any, dict[str, None]] = {}
         for record in self.group.records:
             for drawing in (*record.plots, *record.curves):
                 users.setdefault(drawing, {})[record.variant] = None

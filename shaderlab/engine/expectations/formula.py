@@ -196,8 +196,8 @@ class Sweep(ReferenceExpectation):
         banded = judge_band(
             samples.outputs[self.own_name(scene)], self.reference, inputs, rules=self.rules
         )
-        curve = banded.curve(self.name, self.over, self.output, self.values)
-        curve = replace(curve, log_x=self.log_x)
+        drawn = banded.curve(self.name, self.over, self.output, self.values)
+        curve = replace(drawn, log_x=self.log_x)
         return self.judgement(scene, banded, banded.verdict(), curve=curve)
 
 

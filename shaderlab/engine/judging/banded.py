@@ -194,7 +194,7 @@ class Banded(BoundedValues):
         number = int(np.argmax(np.ptp(self.reference, axis=0)))
         y_label = f"{label}.{'xyzw'[number]}" if self.measured.shape[1] > 1 else label
         names = ("measured", "reference", "low", "high")
-        numbers = {name: tuple(getattr(self, name)[rows, number].tolist()) for name in names}
+        numbers: Any = {name: tuple(getattr(self, name)[rows, number].tolist()) for name in names}
         return Curve(title=title, x_label=over, y_label=y_label, x=tuple(x), **numbers)
 
     def _require_inside(self, i: int, reference: Array) -> None:
