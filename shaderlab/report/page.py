@@ -26,7 +26,6 @@ from shaderlab.model.records import (
     ErratumNote,
     Outcome,
     PassRecord,
-    Plot,
     Record,
     Row,
     Run,
