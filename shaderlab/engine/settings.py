@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from shaderlab.errors import UsageError, suggest
-from shaderlab.files import display_path
+from shaderlab.files import display_path, read_regular
 from shaderlab.model.options import Limits
 
 FILE = "pyproject.toml"
 TABLE = "shaderlab"
+_MOST_MEGABYTES = 4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,7 +107,10 @@ def _read_table(file: Path) -> Mapping[str, Any] | None:
     import tomllib  # few folders have one
 
     try:
-        text = file.read_text(encoding="utf-8")
+        data = read_regular(file, (_MOST_MEGABYTES << 20) + 1)
+        if len(data) > _MOST_MEGABYTES << 20:
+            raise ValueError(f"it has more than {_MOST_MEGABYTES} MB")
+        text = data.decode("utf-8")
         if TABLE not in text:
             return None
         table = tomllib.loads(text).get("tool", {}).get(TABLE)

@@ -206,5 +206,6 @@ def _describe_failure(
 ) -> str:
     if item.status != "error":
         return f"{what}: {item.message}"
-    unforeseen = not isinstance(item.value, ShaderlabError)
-    return f"unforeseen {type(item.value).__name__}: " * unforeseen + format_error(item)
+    unforeseen = not isinstance(item.value, ShaderlabError | MemoryError)
+    said = format_error(item) or "out of memory"
+    return f"unforeseen {type(item.value).__name__}: " * unforeseen + said

@@ -13,7 +13,7 @@ import gc
 import hashlib
 import random
 import weakref
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,7 @@ import numpy as np
 import pytest
 
 from shaderlab.analysis.self_check import SelfCheck
+from shaderlab.compiler.sources import Source
 from shaderlab.drivers.opengl import drawing
 from shaderlab.drivers.opengl.backend import OpenGLSession
 from shaderlab.engine.evaluation import Evaluation
@@ -55,6 +56,10 @@ class Watched(SceneRunner):
         super().__init__(RunOptions(modules=False))
         self.hashes: dict[tuple[str, str], dict[str, str]] = {}
         self._judged = judged
+
+    def cuts_loops(self, sources: Iterable[Source]) -> bool:
+        """No: drawing probes for loops without end belongs to judging."""
+        return False
 
     def judge_all(
         self,

@@ -158,6 +158,9 @@ def test_what_is_not_there_is_an_error_with_its_remedy(
     monkeypatch.setenv("SHADERLAB_CHROMIUM", str(tmp_path / "none"))
     with pytest.raises(DriverError, match="none does not start"):
         device.Browser()
+    monkeypatch.setenv("PLAYWRIGHT_NODEJS_PATH", "/bin/false")
+    with pytest.raises(DriverError, match="Playwright does not start"):
+        device.Browser()
 
 
 def test_a_lost_context_is_told() -> None:

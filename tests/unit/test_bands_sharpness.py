@@ -143,18 +143,18 @@ def test_a_band_costs_some_times_what_its_formula_does() -> None:
     inputs = [Band.exact(x) for x in scene()]
     d = Band.exact(distances())
 
-    def best(run: Callable[[], Any]) -> float:
+    def best(run: Callable[[], Any], runs: int = 40) -> float:
         times = []
-        for _ in range(5):
-            start = time.process_time()
+        for _ in range(runs):  # some of which a busy machine leaves alone
+            start = time.thread_time()
             run()
-            times.append(time.process_time() - start)
+            times.append(time.thread_time() - start)
         return min(times)
 
     plain = distances()
     limit = 100 * best(lambda: attenuation(plain, 1.0, 0.09, 0.032))
     assert best(lambda: attenuation(d, 1.0, 0.09, 0.032)) < limit
-    assert best(lambda: blinn_phong(*inputs)) < 30 * best(lambda: blinn_phong(*scene()))
+    assert best(lambda: blinn_phong(*inputs), 8) < 30 * best(lambda: blinn_phong(*scene()), 8)
 
 
 def test_smoothstep_beyond_its_edges_is_exact() -> None:

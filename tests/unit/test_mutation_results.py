@@ -82,6 +82,7 @@ class Prepared:
         ),
         ({"status": "error", "value": ShaderError("no a.frag")}, "no a.frag"),
         ({"status": "error", "value": KeyError("a")}, "unforeseen KeyError: 'a'"),
+        ({"status": "error", "value": MemoryError()}, "out of memory"),
     ],
 )
 def test_a_case_without_mutants_stops_no_other(failure: dict[str, Any], said: str) -> None:

@@ -153,6 +153,7 @@ def test_all_settings_become_options(game: Path) -> None:
     ("text", "message"),
     [
         ("[tool.shaderlab", "no TOML file"),
+        ("#" * (4 << 20) + "\n[tool.shaderlab]", "it has more than 4 MB"),
         ("[tool]\nshaderlab = 3", "is no table"),
         ("[tool.shaderlab]\nshader = []", "no setting 'shader'\n  → did you mean shaders"),
         ("[tool.shaderlab]\nsize = 3", "→ there is: shaders, include, targets, driver, timeout"),

@@ -216,7 +216,10 @@ class Browser:
             self._guard.wait()
 
     async def _start(self) -> None:
-        self._playwright = await self._api.async_playwright().start()
+        try:
+            self._playwright = await self._api.async_playwright().start()
+        except Exception as error:  # of no class of its own
+            raise DriverError(f"Playwright does not start: {error}") from error
         self._browser = await self._playwright.chromium.launch(
             executable_path=self._path, args=_FLAGS
         )
