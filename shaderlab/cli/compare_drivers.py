@@ -174,9 +174,8 @@ def pixel_distances(a: Array, b: Array) -> Array:
         steps = np.abs(a.astype(np.int64) - b.astype(np.int64)).astype(np.float64)
     else:
         kind = {2: np.int16, 4: np.int32, 8: np.int64}[a.dtype.itemsize]
-        steps = np.abs(_to_ordered_integers(a, kind) - _to_ordered_integers(b, kind)).astype(
-            np.float64
-        )
+        one, two = (_to_ordered_integers(each, kind) for each in (a, b))
+        steps = np.abs(one - two).astype(np.float64)
         nan_a, nan_b = np.isnan(a), np.isnan(b)
         steps[nan_a & nan_b] = 0.0
         steps[nan_a ^ nan_b] = np.inf

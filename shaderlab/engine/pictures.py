@@ -85,7 +85,7 @@ class PictureWriter:
         return PassRecord(
             name=description.name,
             draws=tuple(draw.shaders for draw in description.draws),
-            reads=tuple(_outputs_read(description)),
+            reads=tuple(dict.fromkeys(o.path for d in description.draws for o in d.outputs_read())),
             attachments=tuple(
                 self._attachment(f"{description.name}.{name}", name, image)
                 for name, image in own.items()
@@ -204,28 +204,16 @@ def _write_numbers(path: Path, numbers: pictures.Values, equal: bool) -> None:
     write_bytes(path, packed)
 
 
-def _outputs_read(description: Pass) -> Iterable[str]:
-    """The earlier outputs that a pass reads, each once."""
-    return dict.fromkeys(
-        output.path for draw in description.draws for output in draw.outputs_read()
-    )
-
-
 def _display(image: Image) -> pictures.Display:
     """The image as people see it. A single row, as of a buffer, is shown as a strip: of as many
     pixels as a picture is wide at most, and an eighth as high."""
-    display = pictures.to_display(_colours(image))
+    display = pictures.to_display(image.values[..., :3])  # as a window shows it
     height, width = display.image.shape[:2]
     if height > 1 or width == 1:
         return display
     chosen = display.image[:, np.linspace(0, width - 1, min(width, WIDEST)).round().astype(int)]
     strip = np.repeat(chosen, max(1, chosen.shape[1] // 8), axis=0)
     return display._replace(image=strip)
-
-
-def _colours(image: Image) -> Array:
-    """The image without alpha: what a window would show."""
-    return image.values[..., :3] if image.values.shape[-1] == 4 else image.values
 
 
 def _common_range(shown: Sequence[Array], covered: Array | None) -> tuple[float, float] | None:

@@ -113,7 +113,8 @@ class RecordBuilder:
                     with self.notice_if_unwritable():
                         file = pictures.write_assembly(draw.compiled.spirv)
                     self._programs[draw.sources] = _program_record(draw, file)
-        self.set(buffers=_buffer_records(programs))
+        buffers = [*_uniform_buffers(programs), *_vertex_buffers(programs)]
+        self.set(buffers=tuple(buffers[:_MOST_BUFFERS]))
 
     def add_driver_verdicts(
         self, verdict_of: Callable[[tuple[Source, ...]], records.Verdict]
@@ -354,11 +355,6 @@ def _format_input(value: object) -> str:
 
 def _numbers(value: object) -> list[float]:
     return [float(v) for v in np.ravel(np.asarray(value, np.float64))]
-
-
-def _buffer_records(prepared: Programs) -> tuple[records.BufferRecord, ...]:
-    """Uniform buffers, and vertex buffers of meshes that ask for a layout, each once."""
-    return tuple([*_uniform_buffers(prepared), *_vertex_buffers(prepared)][:_MOST_BUFFERS])
 
 
 def _uniform_buffers(prepared: Programs) -> Iterator[records.BufferRecord]:

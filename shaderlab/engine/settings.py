@@ -16,7 +16,7 @@ from shaderlab.model.options import Limits
 
 FILE = "pyproject.toml"
 TABLE = "shaderlab"
-_MOST_MEGABYTES = 4
+_MOST_BYTES = 4 << 20
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,10 +107,9 @@ def _read_table(file: Path) -> Mapping[str, Any] | None:
     import tomllib  # few folders have one
 
     try:
-        data = read_regular(file, (_MOST_MEGABYTES << 20) + 1)
-        if len(data) > _MOST_MEGABYTES << 20:
-            raise ValueError(f"it has more than {_MOST_MEGABYTES} MB")
-        text = data.decode("utf-8")
+        text = read_regular(file, _MOST_BYTES + 1).decode("utf-8")
+        if len(text) > _MOST_BYTES:
+            raise ValueError("it has more than 4 MB")
         if TABLE not in text:
             return None
         table = tomllib.loads(text).get("tool", {}).get(TABLE)
