@@ -34,6 +34,7 @@ CODE_BY_CODE = np.rint(ALL_CODES * 255.0).astype(np.uint8)
 GREY_BY_GREY = CODE_BY_CODE[..., [0, 0, 0, 3]]
 
 SRGB_TEXTURE = Texture(image=ALL_CODES, format="srgb8_alpha8")
+FLOAT_TEXTURE = Texture(image=ALL_CODES, format="rgba32f")
 BLACK_AND_WHITE = Texture(
     image=assets.checker(size=2, cells=2, dark=(0, 0, 0, 1), light=(1, 1, 1, 1)),
     format="srgb8_alpha8",
@@ -82,6 +83,7 @@ case = Case(
         converted("gamma_framebuffer", "framebuffer", domain={"code": across(0.0, 256.0)}),
         converted("gamma_encoded", "texture", "rgba8", textures={"image": SRGB_TEXTURE}),
         converted("gamma_texture", "there-and-back", textures={"image": SRGB_TEXTURE}),
+        converted("gamma_texture", "floats", "rgba32f", textures={"image": FLOAT_TEXTURE}),
         converted("gamma_texture", "dither", domain=MIDDLE, textures={"image": BLACK_AND_WHITE}),
         panel_pass("main", "ch05_lighting/gamma.frag", RAMP, {"gamma": 2.2}),
     ),
@@ -114,6 +116,8 @@ case = Case(
         ),
         exact("framebuffer.FragColor", GREY_BY_GREY, name="an sRGB framebuffer encodes"),
         exact("texture.FragColor", CODE_BY_CODE, name="an sRGB texture decodes"),
+        # Light that is .2 % more has the same code; 32 bits tell.
+        exact("floats.FragColor", ALL_CODES.astype(np.float32), name="floats stay as they are"),
         exact("there-and-back.FragColor", CODE_BY_CODE, name="both together change nothing"),
         formula("dither.FragColor", lambda: vec4(vec3(0.5), 1.0), name="half of the pixels white"),
         *results({"… is a grey of": (255.0 * srgb_encode(0.5), 188.0)}, digits=0),
