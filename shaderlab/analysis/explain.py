@@ -63,14 +63,9 @@ def trace_invocations(given: Invocations, arithmetic: Arithmetic) -> Trace:
     """Interpret invocations and keep what they store. Raises as `interpret` does."""
     events: list[Stored] = []
     result = interpret(
-        given.program,
-        given.each,
-        given.bindings,
-        arithmetic,
-        count=given.count,
-        max_blocks=_MOST_BLOCKS,
-        trace=events.append,
-    )
+        given.program, given.each, given.bindings, arithmetic, count=given.count,
+        max_blocks=_MOST_BLOCKS, trace=events.append,
+    )  # fmt: skip
     undecided = np.zeros(given.count, np.bool_)
     for flags in result.undecided.values():
         undecided = undecided | flags
@@ -101,8 +96,7 @@ def explain(
         )
     bands = trace_invocations(given, Bands())
     row = int(rows[0])
-    driver: Mapping[Stored, Array] = {}
-    refused = ""
+    driver, refused = dict[Stored, Array](), ""
     if not if_outside or _is_outside(evaluation, key, given, bands, row):
         here = [event for event in bands.stored if event.mask[row]]
         undecided = bool(bands.undecided[row])
@@ -111,6 +105,16 @@ def explain(
         except ShaderlabError as error:
             refused = str(error).splitlines()[0]
     return Explanation(pixel=pixel, steps=steps_at(given, bands, driver, row), refused=refused)
+
+
+def inputs_at(
+    evaluation: Evaluation, key: PassDraw, pixel: tuple[int, int]
+) -> dict[str, tuple[float, ...]]:
+    """What a draw's fragment shader gets at a pixel that it is seen at. Raises as `explain`."""
+    given = sample_fragments(evaluation, key, among=np.array([pixel]))
+    row = int(np.flatnonzero(np.all(given.pixels == pixel, axis=-1))[0])
+    some = InputBatch(given.each, given.bindings, given.count)
+    return some.example(row, inputs_of(given.program))
 
 
 def _is_outside(
@@ -206,11 +210,9 @@ def explain_file(
     inputs = inputs_of(program)
     made_up = sample_inputs(inputs, domains_of(inputs, [program], ranges), most, 0)
     row = _widest(_as_invocations(program, made_up))
-    rows = made_up.rows_with(np.array([row]), program)
-    some = _as_invocations(program, made_up.part(rows))
-    steps = steps_at(
-        some, trace_invocations(some, Bands()), {}, int(np.flatnonzero(rows == row)[0])
-    )
+    batch, own = made_up.alone(row, program)
+    some = _as_invocations(program, batch)
+    steps = steps_at(some, trace_invocations(some, Bands()), {}, own)
     return Explanation(pixel=(0, 0), steps=steps), made_up.example(row, inputs)
 
 

@@ -177,7 +177,8 @@ class AuditCase:
 
 @dataclass(frozen=True)
 class ExplainPixel:
-    """Asks for the `Explanation` of a draw at a pixel, by default the one whose band is widest.
+    """Asks for the `Explanation` of a draw at a pixel, by default the one whose band is widest; and
+    for what that gets, by name.
 
     `pass_name` is None for the last pass; `draw` counts from 0, from the last one if negative.
     """
@@ -189,13 +190,14 @@ class ExplainPixel:
     pixel: tuple[int, int] | None
     options: RunOptions
 
-    def perform(self, worker: Worker) -> Explanation:
-        from shaderlab.analysis.explain import explain, widest_pixel
+    def perform(self, worker: Worker) -> tuple[Explanation, Mapping[str, tuple[float, ...]]]:
+        from shaderlab.analysis.explain import explain, inputs_at, widest_pixel
 
         lab, scene = worker.lab(self.options), worker.scenes(str(self.file))[self.variant]
         key = scene.draw_key(self.pass_name, self.draw)
         with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
-            return explain(evaluation, key, self.pixel or widest_pixel(evaluation, key))
+            pixel = self.pixel or widest_pixel(evaluation, key)
+            return explain(evaluation, key, pixel), inputs_at(evaluation, key, pixel)
 
 
 @dataclass(frozen=True)

@@ -104,19 +104,16 @@ def command(arguments: ExplainArguments) -> int:
         shared.make_executor(arguments.driver, arguments.limits, arguments.workers, early=False)
     ) as executor:
         request = _make_request(arguments, executor)
-        value = shared.perform_one(executor, request)
-    explained: Explanation = value
-    where, others = None, {}
-    if arguments.is_shader:
-        explained, inputs = value
-        others = {"inputs": {name: list(values) for name, values in inputs.items()}}
-        where = f"with {format_inputs(inputs, len(inputs))}"
+        explained, inputs = shared.perform_one(executor, request)
     if arguments.json_file is not None:
         from shaderlab.model.store import to_plain
 
-        shared.write_json({**to_plain(explained), **others}, arguments.json_file)
+        own = {"inputs": {name: list(values) for name, values in inputs.items()}}
+        shared.write_json({**to_plain(explained), **own}, arguments.json_file)
     if arguments.json_file != "-":
-        show(explained, where)
+        x, y = explained.pixel
+        pixel = "" if arguments.is_shader else f"pixel ({x}, {y}), counted from the lower left, "
+        show(explained, f"{pixel}with {format_inputs(inputs, len(inputs))}")
     return FAILED if any(s.by_driver and not s.inside for s in explained.steps) else OK
 
 
@@ -154,14 +151,13 @@ def _make_request(arguments: ExplainArguments, executor: Executor) -> ExplainFil
     )
 
 
-def show(explained: Explanation, where: str | None = None) -> None:
-    """Print the table, and where precision goes; `where` is said in place of the pixel."""
+def show(explained: Explanation, where: str) -> None:
+    """Print where that is, the table, and where precision goes."""
     from shaderlab.cli.showing import Show, make_table
     from shaderlab.report.text import clean
 
     console = Show().console
-    x, y = explained.pixel
-    console.print(where or f"pixel ({x}, {y}), counted from the lower left")
+    console.print(where)
     right = ("ulp off", "ulp wide", "lost here")
     left = ("line", "name", "value", "float64", "band")
     table = make_table(*left, *right, right=right, whole=left)

@@ -201,13 +201,15 @@ def test_the_command(tmp_path: Path) -> None:
     words = [str(tmp_path / "t.py"), "-j", "0", "--size", "16"]
     shown = CliRunner().invoke(command, [*words, "--pixel", "11,8"], standalone_mode=False)
     assert shown.exception is None and shown.return_value == 0, shown.output
-    assert "pixel (11, 8), counted from the lower left" in shown.output
+    assert "pixel (11, 8), counted from the lower left, with " in shown.output
     assert "lit.frag:12" in shown.output and "ULP lost at" in shown.output
 
     file = tmp_path / "steps.json"
     shown = CliRunner().invoke(command, [*words, "--json", str(file)], standalone_mode=False)
     data = json.loads(file.read_text())
     assert data["steps"][0]["name"] == "toLight" and data["steps"][-1]["by_driver"]
+    x, y = data["pixel"]
+    assert data["inputs"]["at"] == [(2 * x + 1) / 16 - 1.0, (2 * y + 1) / 16 - 1.0]
 
     for wrong, said in ((["--pixel", "11"], "two numbers"), (["--variant", "no"], "no variant")):
         shown = CliRunner().invoke(command, [*words, *wrong], standalone_mode=False)
