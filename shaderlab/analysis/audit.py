@@ -34,7 +34,6 @@ from .inputs import (
     sample_inputs,
 )
 from .interpreter import Program
-from .interpreter.values import Flags
 from .portability import Spread, find_spreads, widest_spreads
 from .proof import BOXES, Point, Proof
 from .undefined import divergent, sine_hashes, undefined_values
@@ -127,14 +126,10 @@ def search_inputs(
     """Try to make every instruction of a program go wrong: on random invocations and special ones,
     then in boxes in which it may. The counterexamples, those invocations, and the boxes."""
     batch = first_batch(inputs, domains, plan.count)
-
-    def find_ordinary(some: InputBatch) -> Flags:
-        return np.equal(find_origins(some, inputs, domains), RANDOM)
-
     proof = Proof(
         program, inputs, domains,
         tried=[batch],
-        counts=None if plan.prove else find_ordinary,
+        counts=None if plan.prove else lambda some: find_origins(some, inputs, domains) == RANDOM,
         boxes=BOXES if plan.prove else _BOXES,
     )  # fmt: skip
     found = {place: one for place, one in proof.points.items() if one.watched is not None}

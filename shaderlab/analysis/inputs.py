@@ -587,13 +587,15 @@ def enclose_inputs(
         each[name] = rows
         if not rows.size or not np.isfinite(rows).all():
             raise NotInterpretedError(f"not proved: {name} is no number in a draw")
+        kind: Kind = "number"
         ends = float(rows.min()), float(rows.max())
         if rows.dtype.kind == "f" and rows.ndim == 2 and rows.shape[1] in (2, 3):
             square = (rows.astype(np.float64) ** 2).sum(axis=1)
-            ends = max(float(square.min()) - _GIVE, 0.0), float(square.max()) + _GIVE
-            domains[name] = InputDomain("unit", *ends, source="learned")
-        else:
-            domains[name] = InputDomain("number", *ends, source="learned")
+            kind, ends = (
+                "unit",
+                (max(float(square.min()) - _GIVE, 0.0), float(square.max()) + _GIVE),
+            )
+        domains[name] = InputDomain(kind, *ends, source="learned")
     return domains, InputBatch({**drawn.each, **each}, drawn.bindings, drawn.count)
 
 

@@ -131,14 +131,6 @@ def _costliest_line(program: Program, batch: InputBatch, row: int) -> tuple[str,
     return program.place(max(finite)[1]) if finite else ("", 0)
 
 
-def sample(batch: InputBatch) -> InputBatch:
-    """Some of the invocations, whole quads from all over."""
-    if batch.count <= MOST:
-        return batch
-    start: Array = np.linspace(0, batch.count // 4 - 1, MOST // 4).astype(np.int64) * 4
-    return batch.part((start[:, None] + np.arange(4)).ravel())
-
-
 _SMALLEST = 2.0**-14  # a float16 that is no subnormal number
 
 
@@ -233,10 +225,14 @@ def _codes(values: Array, exact: Array) -> Array:
 
 
 def find_spreads(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> list[Spread]:
-    """How far devices may differ at each float output, on some of the invocations."""
+    """How far devices may differ at each float output, on some of the invocations: whole quads
+    from all over."""
     if program.stage not in ("vertex", "fragment"):
         return []
-    some = sample(batch)
+    some = batch
+    if batch.count > MOST:
+        start: Array = np.linspace(0, batch.count // 4 - 1, MOST // 4).astype(np.int64) * 4
+        some = batch.part((start[:, None] + np.arange(4)).ravel())
     found = portability(program, some, inputs)
     return found + mediump(program, some, inputs) if program.stage == "fragment" else found
 

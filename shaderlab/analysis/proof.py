@@ -27,6 +27,7 @@ from .hazards import Claim
 from .inputs import Input, InputDomain
 from .interpreter import Interpreted, Program
 from .interpreter.values import Flags
+from .undefined import NEEDED
 
 BOXES = 200_000  # that are run at most
 _AT_ONCE = 2048
@@ -37,7 +38,6 @@ _LONG = 400  # instructions that are run: a box of a longer program counts for s
 _FIRST = 1e35  # times a width: more than any effect
 _NARROWER = 256.0  # times than the widest side: a side is not halved before that
 _OUTPUT, _UNKNOWN = -1, -2  # ids of places: an output, what could not be run
-_NEEDED = ("gl_FragDepth", "gl_Position")
 
 Condition = Callable[[Mapping[str, Any], InputBatch], Mapping[str, Any]]  # what holds, in words
 
@@ -62,7 +62,7 @@ def _floats(outputs: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     for name, value in outputs.items():
         if isinstance(value, tuple):
             yield from _floats({f"{name}[{i}]": part for i, part in enumerate(value)})
-        elif isinstance(value, Band | np.ndarray) and (name[:3] != "gl_" or name in _NEEDED):
+        elif isinstance(value, Band | np.ndarray) and (name[:3] != "gl_" or name in NEEDED):
             yield name, value
 
 

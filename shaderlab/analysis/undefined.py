@@ -29,7 +29,7 @@ READ, UNWRITTEN = "uninitialised read", "output not written"
 _VALUES = (0.21, 3.4)
 _ARGUMENT = "param"  # what glslang calls the copy of an argument
 _INTERFACE = "gl_"  # built-in outputs need no value
-_NEEDED = ("gl_FragDepth", "gl_Position")  # but for these, where a shader writes to them at all
+NEEDED = ("gl_FragDepth", "gl_Position")  # but for these, where a shader writes to them at all
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def _find_differences(
     for name, a in flatten_outputs(one.outputs):
         b = others.get(name)
         built_in = unwritten and name.startswith(_INTERFACE)
-        if b is None or (built_in and not name.startswith(_NEEDED)):
+        if b is None or (built_in and not name.startswith(NEEDED)):
             continue
         differs = (~((a == b) | (np.isnan(a) & np.isnan(b)))).any(axis=-1) & ~gone
         if differs.any() and not (built_in and differs.all()):

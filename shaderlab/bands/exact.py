@@ -75,7 +75,6 @@ class TriBool:
         )
 
     def __or__(self, other: Any) -> TriBool:
-        other = as_tri_bool(other)
         return ~(~self & ~as_tri_bool(other))
 
     __rand__ = __and__

@@ -62,10 +62,7 @@ def prove_law(function: Function, law: Callable[..., Any], ranges: Mapping[str, 
 
 
 def find_proof(
-    function: Function,
-    condition: Condition,
-    ranges: Mapping[str, Any],
-    boxes: int = BOXES,
+    function: Function, condition: Condition, ranges: Mapping[str, Any], boxes: int = BOXES
 ) -> tuple[Program, Proof]:
     """A function's program, and the search for a condition of its results in ranges of its
     arguments.
@@ -91,10 +88,7 @@ def find_proof(
 
 
 def prove_test(
-    function: Function,
-    test: Callable[..., Any],
-    ranges: Mapping[str, Any],
-    results: Sequence[str],
+    function: Function, test: Callable[..., Any], ranges: Mapping[str, Any], results: Sequence[str]
 ) -> Proof:
     """The search for arguments for which a test of them and of the `results` fails, called with
     bands of each box, and in float32. Raises as the test and `find_proof`."""
