@@ -76,7 +76,8 @@ def shown(quarter, curve, exposure):
 
 
 CLIPPED, REINHARD, EXPOSURE = 0, 1, 2
-QUARTERS = [shown(2, CLIPPED, 1.0), shown(3, REINHARD, 1.0)]
+# An exposure of 2 shows where the other curves use it, too.
+QUARTERS = [shown(2, CLIPPED, 2.0), shown(3, REINHARD, 2.0)]
 QUARTERS += [shown(0, EXPOSURE, 0.25), shown(1, EXPOSURE, 4.0)]
 
 
@@ -166,7 +167,7 @@ case = Case(
         *both_ways(room("judged")),
         bright("half-floats", "rgba16f"),
         bright("bytes", "rgba8"),
-        panel_pass("curves", SHADER, {"light": across(0.0, 8.0)}, {"exposure": 1.0}),
+        panel_pass("curves", SHADER, {"light": across(0.0, 8.0)}, {"exposure": 2.0}),
     ),
     picture="picture.FragColor",
     expect=[
