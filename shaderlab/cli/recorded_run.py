@@ -128,12 +128,10 @@ def read_journal(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
     try:
         with open(open_regular(path), "rb") as file:
             *lines, _ = file.read().split(b"\n")
-    except (FileNotFoundError, NotADirectoryError) as error:
-        raise UsageError(
-            "there is no run to resume", file=path, remedy="name the folder of a run"
-        ) from error
     except OSError as error:
-        raise UsageError(f"can't resume this run: {error.strerror}", file=path) from error
+        missing = isinstance(error, FileNotFoundError | NotADirectoryError)
+        said = "there is no run to resume" if missing else f"can't resume this: {error.strerror}"
+        raise UsageError(said, file=path, remedy="name the folder of a run") from error
     if not lines:
         raise UsageError("this run never began", file=path, remedy="start it again")
     try:

@@ -191,7 +191,7 @@ def make_ids_distinct(cases: Sequence[CaseInfo]) -> list[CaseInfo]:
     Raises:
         UsageError: two files of one folder have the same id.
     """
-    files = [Path(case.file).resolve() for case in cases]
+    files = [Path(os.path.realpath(case.file)) for case in cases]  # also of links in a circle
     ids = {file: case.id for file, case in zip(files, cases, strict=True)}
     parts = {file: [*file.parts[1:-1], case_id] for file, case_id in ids.items()}
     length = 1

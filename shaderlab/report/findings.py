@@ -97,7 +97,7 @@ def find_repository() -> Path:
 def relative_path(root: Path, file: str) -> str | None:
     """Return a file's path below a folder, with "/"; None if it is elsewhere."""
     path = Path(os.path.abspath(file))
-    for one in (path, path.resolve()):
+    for one in (path, Path(os.path.realpath(path))):
         if one.is_relative_to(root):
             return one.relative_to(root).as_posix()
     return None

@@ -77,10 +77,12 @@ def test_errors_are_one_block_unless_debugging(
     assert call("list").exception is error
 
 
-def test_of_several_wrong_files_each_is_a_job_and_one_alone_an_error(tmp_path: Path) -> None:
-    def load(files: Sequence[Path]) -> list[CaseInfo]:
-        return [CaseInfo(file=str(f), id=f.stem, error=CaseError(f.stem)) for f in files]
+def load(files: Sequence[Path]) -> list[CaseInfo]:
+    """What is in files that are all wrong."""
+    return [CaseInfo(file=str(f), id=f.stem, error=CaseError(f.stem)) for f in files]
 
+
+def test_of_several_wrong_files_each_is_a_job_and_one_alone_an_error(tmp_path: Path) -> None:
     for name in ("one.py", "two.py"):
         (tmp_path / name).touch()
     names = [str(tmp_path / "one.py"), str(tmp_path / "two.py")]
@@ -99,3 +101,9 @@ def test_cases_that_cannot_be_loaded_hide_no_others(tmp_path: Path) -> None:
     assert result.exit_code == 1
     assert "  good " in result.stdout and "bad" not in result.stdout
     assert "bad.py" in result.stderr and "No module named 'nothing'" in result.stderr
+
+
+def test_a_link_to_itself_is_a_wrong_file_like_others(tmp_path: Path) -> None:
+    for name in ("one.py", "two.py"):
+        (tmp_path / name).symlink_to(name)
+    assert [job.id for job in select_jobs([str(tmp_path)], False, (), load)] == ["one", "two"]
