@@ -62,6 +62,8 @@ MISTAKES = [
     ("hdr", "lib/tone.glsl", "light / (1.0 + light)", "light / (1.0 + dot(light, light))"),
     ("hdr", "lib/tone.glsl", "exp(-light * exposure)", "exp(-light / exposure)"),
     ("hdr", "hdr_scene.frag", "/ dot(ray, ray)", "/ length(ray)"),
+    ("hdr", "hdr.frag", "reinhard(light)", "reinhard(light * exposure)"),
+    ("hdr", "hdr_curves.frag", "reinhard(vec3(light))", "reinhard(vec3(light) * exposure)"),
     ("hdr", "hdr.frag", "encoded(0.25 * sum)", "0.25 * sum"),
     ("pbr", FACETS, "roughness * roughness;\n    float alpha2", "roughness;\n    float alpha2"),
     ("pbr", FACETS, "grown * grown / 8.0", "roughness * roughness / 2.0"),
