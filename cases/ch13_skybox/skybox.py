@@ -39,7 +39,7 @@ from ..scenes.crates import crates, of_wood, turned_normal, wooden
 from ..scenes.draws import tested, twins
 from ..scenes.figures import figure
 from ..scenes.laws import sampled, unchanged
-from ..scenes.panel_checks import filled_check, softened_check
+from ..scenes.panel_checks import filled_check, smaller_check, softened_check
 from ..scenes.panels import cell, picture, softened_pass
 from ..scenes.sky import skies
 
@@ -104,11 +104,18 @@ def changed(one, other):
 
 
 LONG = {"Normal": (0.0, 2.0, 0.0), "TexCoords": (0.4, 0.3)}
-HALVES = [
-    draw
-    for k, view in enumerate((HERE, THERE))
-    for draw in (*on_the_ground(view, CRATE, cell(k, 2)), sky(view, MORNING, cell=cell(k, 2)))
-]
+
+
+def halves(*size, name):
+    """Both places beside each other, from crates of their own: what is uploaded for one pass is not
+    what another one is drawn from."""
+    draws = [
+        draw
+        for k, view in enumerate((HERE, THERE))
+        for draw in (*on_the_ground(view, CRATE, cell(k, 2)), sky(view, MORNING, cell=cell(k, 2)))
+    ]
+    return picture(draws, size, name, depth="depth24", colors={"FragColor": "rgba16f"})
+
 
 SAME_PIXELS = "sky first or last: the same pixels"
 SAME_AGAIN = "the order of drawing changes no pixel"
@@ -120,9 +127,8 @@ case = Case(
     r"\begin{pmatrix} \mathbf p \\ 1 \end{pmatrix}, \qquad "
     r"\mathbf c_{\text{sky}} = (c_x, c_y, c_w, c_w) \;\Rightarrow\; z = 1",
     passes=(
-        *twins(
-            picture(HALVES, (1536, 768), "scene", depth="depth24", colors={"FragColor": "rgba16f"})
-        ),
+        *twins(halves(1536, 768, name="scene")),
+        halves(192, 96, name="judged"),
         *softened_pass("scene", (768, 384)),
         alone("here", HERE),
         alone("there", THERE),
@@ -135,6 +141,7 @@ case = Case(
     expect=[
         softened_check(),
         any_order("scene.FragColor"),
+        smaller_check(edges=0.002),  # joints of planks are thinner than a small pixel
         filled_check("scene"),
         formula("here.gl_Position", sky_clip, name="turned, not moved, and z = w"),
         formula("there.gl_Position", sky_clip, name="the same from elsewhere"),
