@@ -57,7 +57,8 @@ class Device:
     def within_ulps(self, exact: np.ndarray, ulps: np.ndarray | float) -> np.ndarray:
         """As `within`, but zero stays zero and no error takes a value past it."""
         result = self.within(exact, ulps * ulp(exact))
-        result = np.where(result * np.sign(exact) > 0.0, result, 0.0)
+        is_kept = np.isnan(exact) | (result * np.sign(exact) > 0.0)
+        result = np.where(is_kept, result, 0.0)
         return np.where(np.abs(exact) > 3.4028235e38, self.rounded(exact), result)
 
     def add(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:

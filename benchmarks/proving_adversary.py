@@ -22,7 +22,7 @@ from benchmarks.adversary_device import Device
 from benchmarks.erring_arithmetic import Erring
 from benchmarks.proving import Case, find_escapes
 from shaderlab.analysis.batches import InputBatch, run_batch
-from shaderlab.analysis.boxes import ARITHMETIC, BoxWatcher, Space
+from shaderlab.analysis.boxes import ARITHMETIC, BoxWatcher, Space, ends_of
 from shaderlab.analysis.inputs import domains_of, inputs_of
 from shaderlab.analysis.interpreter import FLOAT32, Program
 from shaderlab.analysis.proof import Proof
@@ -117,7 +117,7 @@ def leave_boxes(case: Case, program: Program, seed: int, tally: Counter[str]) ->
     found["the driver"] = load(case.code)["f"](**given)
     low, high, nan = (
         np.repeat(np.broadcast_to(end, (BOXES, 1)), POINTS, axis=0)
-        for end in (whole.lo, whole.hi, whole.nan)
+        for end in (*ends_of(whole), whole.nan)
     )
     escaped = False
     for name, values in found.items():

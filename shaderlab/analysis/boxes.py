@@ -274,8 +274,9 @@ class BoxWatcher:
 
 
 def ends_of(value: Any) -> tuple[Array, Array]:
-    """The least and the greatest of what a band or an integer may be."""
-    return value.lo.astype(np.float64), value.hi.astype(np.float64)
+    """The least and the greatest of what a band, settled, or an integer may be."""
+    low, high = value.apply_slack() if isinstance(value, Band) else (value.lo, value.hi)
+    return low.astype(np.float64), high.astype(np.float64)
 
 
 def may_go_wrong(check: Check, ends: Sequence[tuple[Array, Array]]) -> Flags | None:
