@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -135,26 +134,6 @@ def test_what_is_undefined_is_counted() -> None:
     # Where x is 0 as well: a device's log2(0) may be finite (SwiftShader's is some -139).
     assert 0.3 < g.pow(x, 0.01).hi[0, 0] < 0.45 and g.pow(x, 0.4).hi[0, 0] > 4.2e-18
     assert g.normalize(g.vec3(x)).vacuous[0].all()
-
-
-def test_a_band_costs_some_times_what_its_formula_does() -> None:
-    """Compared with the same formulas in float64, which take as long as the machine lets them:
-    measured 23 and 6 times as long."""
-    inputs = [Band.exact(x) for x in scene()]
-    d = Band.exact(distances())
-
-    def best(run: Callable[[], Any], runs: int = 40) -> float:
-        times = []
-        for _ in range(runs):  # some of which a busy machine leaves alone
-            start = time.thread_time()
-            run()
-            times.append(time.thread_time() - start)
-        return min(times)
-
-    plain = distances()
-    limit = 100 * best(lambda: attenuation(plain, 1.0, 0.09, 0.032))
-    assert best(lambda: attenuation(d, 1.0, 0.09, 0.032)) < limit
-    assert best(lambda: blinn_phong(*inputs), 8) < 30 * best(lambda: blinn_phong(*scene()), 8)
 
 
 def test_smoothstep_beyond_its_edges_is_exact() -> None:
