@@ -449,9 +449,9 @@ def smooth_quads(
     share = 2.0 ** rng.uniform(-9.0, 0.0, (len(first), 1))[of.ravel()]
     each = {name: values[first][of.ravel()] for name, values in batch.each.items()}
     for name, same in each.items():
-        if name in inputs and not inputs[name].uniform and same.dtype.kind == "f":
-            moved = same + share * (batch.each[name] - same)
-            each[name] = domains[name].clip(moved)
+        varies = name in inputs and not inputs[name].uniform
+        if varies and same.dtype.kind == "f" and same.ndim == 2:  # a matrix stays one
+            each[name] = domains[name].clip(same + share * (batch.each[name] - same))
     return replace(batch, each={**each, "gl_FragCoord": places})
 
 

@@ -194,6 +194,7 @@ def test_numbers_that_the_shader_names_are_tried(value: str, hazards: int) -> No
             "textureLod(map, at, log2(float(abs(k)))).r",
             [True],
         ),
+        ("in mat3 turn; uniform sampler2D map;", "texture(map, turn[0].xy).r", []),
         ("in vec2 at;", "log2(max(abs(at.x - 0.25), abs(at.y - 0.75)))", [True]),  # both at once
     ],
 )
