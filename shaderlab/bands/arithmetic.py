@@ -340,9 +340,11 @@ def sum_last(a: BandT) -> BandT:
     no_zeros = a.least_abs_sum > 0.0
     if not no_zeros:
         count = _over_last((sizes > 0.0).astype(np.float64), np.add)
-    if a.shape[-1] > 2:
-        # All partial sums but the last, which `derive` rounds, may each lose a step.
-        between = np.maximum(count - 2.0, 0.0) * step
+    # Each partial sum may lose a step, but the last one, which `derive` rounds, only where a factor
+    # that all products have is taken out.
+    rounded = 1.0 if a.rules.rearrange and not a.is_plain else 2.0
+    if a.shape[-1] >= rounded:
+        between = np.maximum(count - rounded, 0.0) * step
         low, high = lo - between, hi + between
         positive, negative = (low < 0.0), (high > 0.0)
         if np.count_nonzero(positive):
@@ -352,7 +354,8 @@ def sum_last(a: BandT) -> BandT:
         lo, hi = low, high
     if not a.rules.rearrange:
         return a.join_flags_over_last().derive(lo, hi, nan=nan)
-    terms.slack = step if no_zeros else np.where(count >= 2.0, step, 0.0)
+    if a.is_plain:
+        terms.slack = step if no_zeros else np.where(count >= 2.0, step, 0.0)
     return a.join_flags_over_last().derive(lo, hi, nan=nan, terms=terms)
 
 

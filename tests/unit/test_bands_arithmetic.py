@@ -250,3 +250,12 @@ def test_widths_are_one_on_a_bound_and_zero_in_the_middle() -> None:
     assert anything.widths([123.0]) == 0.0 and anything.widths([np.nan]) == 0.0
     overflow = Band.exact([LARGEST]) * 4.0
     assert overflow.widths([np.inf]) == 0.0 and overflow.widths([1.0]) > 1.0
+
+
+def test_a_factor_may_be_taken_out_of_a_dot_product() -> None:
+    rng = np.random.default_rng(5)
+    a, x = (rng.uniform(-2.0, 2.0, (20_000, 1)).astype(np.float32) for _ in range(2))
+    near = -a * (1.0 + rng.uniform(-1.0, 1.0, a.shape) * 2.0 ** -rng.integers(0, 20, a.shape))
+    b = near.astype(np.float32)
+    one, two, factor = (Band.exact(each.astype(np.float64)) for each in (a, b, x))
+    assert g.dot(g.vec2(one, two), g.vec2(factor)).contains((a + b) * x).all()
