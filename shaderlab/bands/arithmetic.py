@@ -343,7 +343,7 @@ def sum_last(a: BandT) -> BandT:
     # Each partial sum may lose a step, but the last one, which `derive` rounds, only where a factor
     # that all products have is taken out.
     rounded = 1.0 if a.rules.rearrange and not a.is_plain else 2.0
-    if a.shape[-1] >= rounded:
+    if a.shape[-1] > rounded:
         between = np.maximum(count - rounded, 0.0) * step
         low, high = lo - between, hi + between
         positive, negative = (low < 0.0), (high > 0.0)

@@ -30,14 +30,14 @@ def has_no_entry(path: Path) -> bool:
     return not re.search(rb"\[shader\(|\bmain\s*\(", path.read_bytes())
 
 
-def find_compiler(path: Path, else_: str) -> str:
+def find_compiler(path: Path, otherwise: str) -> str:
     """Return the program that makes SPIR-V of such a file. Raises ShaderError: it is not installed;
-    the remedy ends with `else_`."""
+    the remedy ends with `otherwise`."""
     name = _COMMANDS[path.suffix.lower()].split()[0]
     own = os.path.dirname(sys.executable)  # where wheels put their commands
     program = shutil.which(name) or shutil.which(name, path=own)
     if program is None:
-        remedy = f"put {name} on PATH, or {else_}"
+        remedy = f"put {name} on PATH, or {otherwise}"
         raise ShaderError(f"needs {name}, which is not installed", file=path, remedy=remedy)
     return program
 

@@ -255,7 +255,7 @@ def resized_passes(scene: Scene) -> Sequence[str]:
     found: dict[str, None] = {}
     for description in scene.passes:
         own = description.target.size is None and not description.computes
-        if own or not _find_read_passes(description).isdisjoint(found):
+        if own or not find_read_passes(description).isdisjoint(found):
             found[description.name] = None
     return list(found)
 
@@ -265,11 +265,11 @@ def with_read_passes(scene: Scene, names: Iterable[str]) -> set[str]:
     needed = set(names)
     for description in reversed(scene.passes):
         if description.name in needed:
-            needed |= _find_read_passes(description)
+            needed |= find_read_passes(description)
     return needed
 
 
-def _find_read_passes(description: Pass) -> set[str]:
+def find_read_passes(description: Pass) -> set[str]:
     """The earlier passes whose outputs a pass reads or draws onto."""
     read = {output.pass_name for draw in description.draws for output in draw.outputs_read()}
     return read | ({description.onto} if description.onto else set())

@@ -98,8 +98,9 @@ def _settings(folder: str, working: str) -> Settings:
             return Settings(root=root)
     marked = (r for r in (here, *here.parents) if any((r / name).is_file() for name in MARKS))
     # Without a mark, where the command was given; but nobody's whole home folder.
-    parts = here.is_relative_to(working) and not Path.home().is_relative_to(working)
-    return Settings(root=next(marked, Path(working) if parts else None))
+    home = Path(os.path.expanduser("~"))
+    known = here.is_relative_to(working) and not home.is_relative_to(working)
+    return Settings(root=next(marked, Path(working) if known else None))
 
 
 def _read_table(file: Path) -> Mapping[str, Any] | None:

@@ -203,7 +203,8 @@ def judge_reference(function: Function, call: Call, part: Part, banded: Banded) 
 
 def _curves(name: str, banded: Banded) -> list[Curve]:
     """The curve over the only number that varies, of 300 points and the worst one; or none."""
-    if [each.shape[1:] for each in banded.inputs.each.values()] != [(1,)]:
+    varying = [each.shape[1:] for each in banded.inputs.each.values()]
+    if varying != [(1,)] or not banded.measured.size:
         return []
     ((over, x),) = banded.inputs.each.items()
     order = np.argsort(x[:, 0], kind="stable")
@@ -273,7 +274,7 @@ class Part:
 
     def rows(self, kept: Array) -> Array:
         """Its numbers for the elements that are kept, (count, numbers); booleans as 0.0 and 1.0."""
-        found = np.ma.getdata(self.values).reshape(kept.size, -1)
+        found = np.ma.getdata(self.values).reshape(kept.size, math.prod(self.type.shape))
         found = found if kept.all() else found[kept.reshape(-1)]
         return found.astype(np.float32) if found.dtype == bool else found
 

@@ -7,10 +7,10 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeVar
 
+from shaderlab.engine.pictures import find_read_passes, with_read_passes
 from shaderlab.files import display_path
 from shaderlab.model.calls import CallEdit
 from shaderlab.model.case import Case, Scene
-from shaderlab.model.scene import Pass
 
 T = TypeVar("T")
 STATE = "state"
@@ -82,24 +82,9 @@ def with_readers(scene: Scene, passes: Collection[str]) -> set[str]:
     """Return the names of these passes and of all that read what they draw."""
     touched = set(passes)
     for description in scene.passes:
-        if _inputs_of(description) & touched:
+        if find_read_passes(description) & touched:
             touched.add(description.name)
     return touched
-
-
-def with_inputs(scene: Scene, passes: Iterable[str]) -> set[str]:
-    """Return the names of these passes and of all earlier ones that they read."""
-    wanted = set(passes)
-    for description in reversed(scene.passes):
-        if description.name in wanted:
-            wanted |= _inputs_of(description)
-    return wanted
-
-
-def _inputs_of(description: Pass) -> set[str]:
-    """The passes whose outputs a pass reads as textures or in buffers, or that it draws onto."""
-    found = {output.pass_name for draw in description.draws for output in draw.outputs_read()}
-    return found | ({description.onto} if description.onto else set())
 
 
 def part_of(scene: Scene, passes: Collection[str], expect: Iterable[int] = ()) -> Scene:
@@ -125,7 +110,7 @@ class Trial:
         """Return as much of the changed scene as the expectations need, or all that is touched."""
         names = {name for i in self.expect for name in self.scene.expect[i].passes(self.scene)}
         names |= self.touched if everything else set()
-        return part_of(self.effect.scene, with_inputs(self.scene, names), self.expect)
+        return part_of(self.effect.scene, with_read_passes(self.scene, names), self.expect)
 
 
 Status = Literal["killed", "survived", "equivalent", "no difference", "invalid"]

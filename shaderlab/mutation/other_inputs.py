@@ -21,13 +21,14 @@ from shaderlab.drivers.programs.stages import array_elements
 from shaderlab.drivers.programs.textures import format_of, shape_of
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.base import Named
+from shaderlab.engine.pictures import with_read_passes
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import UnsupportedError
 from shaderlab.model import textures
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, PassDraw, Texels, differ
 from shaderlab.model.scene import UNIT_SQUARE, Ramp, Target, UniformBuffer
-from shaderlab.mutation.mutants import Trial, part_of, with_inputs
+from shaderlab.mutation.mutants import Trial, part_of
 
 _ROUNDS = 6
 _MOST_KEPT = 48  # rounds, each with the pictures of a scene
@@ -114,7 +115,7 @@ class WiderInputs:
         They follow from the unmutated scene, so that every mutant of `program` gets the same ones.
         """
         original = self._originals[variant]
-        needed = with_inputs(original.scene, passes)
+        needed = with_read_passes(original.scene, passes)
         maker = _InputMaker(original, number)
         draws = {
             (p.name, index): draw
@@ -131,7 +132,7 @@ class WiderInputs:
         inputs = InputRound(changes, targets, probed, *stages)
         part = part_of(original.scene, needed)
         scene, programs = inputs.apply(part, {n: original.programs[n] for n in needed})
-        names = with_inputs(scene, passes)
+        names = with_read_passes(scene, passes)
         programs = {name: programs[name] for name in names}
         try:
             run = self._lab.evaluation(part_of(scene, names), programs, like=original)

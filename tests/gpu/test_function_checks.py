@@ -239,6 +239,7 @@ FAIL: list[tuple[str, Any, tuple[Any, ...], list[str]]] = [
     ("fades", glsl.table([1.0, 0.9], digits=2), ([0.0, 1.0], *LAMP), ["reference  0.9"]),
     ("kept", glsl.bounded(0.0), ([-1.0, -2.0],), ["nothing was judged"]),
     ("squared", glsl.bounded(0.0), (np.zeros(0),), ["nothing was judged"]),
+    ("squared", lambda x: x * x, (np.zeros(0),), ["nothing was judged"]),
 ]  # fmt: skip
 
 

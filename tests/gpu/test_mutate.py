@@ -432,7 +432,7 @@ def test_a_part_that_does_not_run_unmutated_kills_nobody(
         judge = Judge(lab, case)
         mutant = next(m for m in make_mutants(case, MutationPlan(state=False)))
         assert judge.judge(mutant).status != "invalid"
-        monkeypatch.setattr("shaderlab.mutation.mutants.with_inputs", lambda *_: {"quads"})
+        monkeypatch.setattr("shaderlab.mutation.mutants.with_read_passes", lambda *_: {"quads"})
         with pytest.raises(PartError, match="the passes quads do not run by themselves") as caught:
             judge.judge(mutant)
     assert caught.value.file == str(folder / "compared.py")

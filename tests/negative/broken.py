@@ -9,10 +9,11 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from shaderlab.engine.catalogue import data_folder
+from shaderlab.engine.pictures import with_read_passes
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Outcome
-from shaderlab.mutation.mutants import with_inputs, with_readers
+from shaderlab.mutation.mutants import with_readers
 
 if TYPE_CHECKING:
     from shaderlab.drivers.programs.prepare import Programs
@@ -90,7 +91,7 @@ def _rewritten(scene: Scene, programs: Programs) -> set[str]:
 def _passes(scene: Scene, index: int) -> frozenset[str]:
     """What has to be drawn for one of a scene's expectations: all of it if none is named."""
     read = scene.expect[index].passes(scene) or {one.name for one in scene.passes}
-    return frozenset(with_inputs(scene, read))
+    return frozenset(with_read_passes(scene, read))
 
 
 def _work(scene: Scene, passes: Collection[str]) -> int:

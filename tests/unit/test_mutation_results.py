@@ -14,6 +14,7 @@ import pytest
 from shaderlab.cli.mutate import _is_too_low
 from shaderlab.engine.expectations.exact import exact
 from shaderlab.engine.jobs import Executor
+from shaderlab.engine.pictures import with_read_passes
 from shaderlab.errors import ShaderError
 from shaderlab.model.case import Case
 from shaderlab.model.mesh import Mesh
@@ -29,7 +30,7 @@ from shaderlab.mutation import (
     score,
 )
 from shaderlab.mutation.campaign import CaseTarget, JudgeMutant, MutationPlan, MutationRun
-from shaderlab.mutation.mutants import STATE, Status, with_inputs, with_readers
+from shaderlab.mutation.mutants import STATE, Status, with_readers
 from shaderlab.mutation.state_mutants import mutate_state
 from shaderlab.workers.pool import ItemResult
 
@@ -220,5 +221,5 @@ def test_passes_read_as_faces_or_layers_are_drawn_with_their_reader(kind: str) -
     reader = Pass(name="reader", target=Target(), draws=(draw,))
     case = Case(title="Maps", passes=(*maps, reader), expect=[exact("reader.FragColor", 1.0)])
     scene = next(iter(case.scenes()))
-    assert with_inputs(scene, {"reader"}) == {p.name for p in scene.passes}
+    assert with_read_passes(scene, {"reader"}) == {p.name for p in scene.passes}
     assert with_readers(scene, {"map 3"}) == {"map 3", "reader"}

@@ -84,6 +84,9 @@ def test_without_any_mark_the_working_folder_is_the_root(
     assert "float glow()" in shaders.load("glow.frag").text
     with pytest.raises(ShaderError, match="leads out of the shader folders"):
         shaders.load("../../../secret.glsl")
+    monkeypatch.delenv("HOME")  # as in a container whose user is in no list
+    monkeypatch.setattr("pwd.getpwuid", {}.__getitem__)
+    assert load_settings(game / "shaders").root == game
     monkeypatch.setenv("HOME", str(game / "tests"))
     assert load_settings(game / "engine").root is None, "nobody's home folder is a project"
 
