@@ -180,6 +180,15 @@ def write_bytes(path: str | Path, data: bytes) -> None:
         draft.write_bytes(data)
 
 
+def write_if_changed(path: str | Path, data: bytes) -> None:
+    """As `write_bytes`, where the file has other bytes: replacing one waits for the disk, and most
+    of a report's pictures are those of the run before."""
+    with suppress(OSError):
+        if os.lstat(path).st_size == len(data) and read_regular(path) == data:
+            return
+    write_bytes(path, data)
+
+
 def write_named(path: str | Path, data: bytes, *, append: bool = False) -> None:
     """Write a file that a person named, whole or not at all where it is a regular file.
 

@@ -17,7 +17,7 @@ import numpy as np
 from shaderlab.compiler.glslang import disassemble_stages
 from shaderlab.drivers import Backend
 from shaderlab.drivers.programs.prepare import Programs
-from shaderlab.files import replace_file, write_bytes
+from shaderlab.files import replace_file, write_bytes, write_if_changed
 from shaderlab.model import pictures
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Image
@@ -122,7 +122,7 @@ class PictureWriter:
         if self._folder is None:
             return PictureFiles()
         names = ("measured",) if passed else ("measured", "reference")
-        shown = {what: np.asarray(arrays[what]) for what in names}
+        shown = {what: _get_array(arrays, what) for what in names}
         covered = arrays.get("covered")
         if covered is not None and covered.all():
             covered = None
@@ -137,7 +137,7 @@ class PictureWriter:
             captions[what] = display.caption
             files[what] = self._save(f"{label}-{what}", seen, COMPARISON_SIDE)
         if not passed:
-            distance = np.asarray(arrays["distance"])
+            distance = _get_array(arrays, "distance")
             seen, palette = pictures.distance_picture(
                 distance, np.abs(distance) > 1.0, min_side=COMPARISON_SIDE
             )
@@ -152,7 +152,7 @@ class PictureWriter:
         """Write the calls that draw the picture, as a script, which a page on a disk may load."""
         relative, path = self._file("live", "js")
         text = base64.b64encode(recording).decode()
-        write_bytes(path, f'globalThis.shaderlabRecording = "{text}";\n'.encode())
+        write_if_changed(path, f'globalThis.shaderlabRecording = "{text}";\n'.encode())
         return relative
 
     def write_assembly(self, spirv: Mapping[str, Mapping[str, bytes]]) -> str:
@@ -196,12 +196,17 @@ class PictureWriter:
         return relative, path
 
 
+def _get_array(arrays: Mapping[str, Any], name: str) -> Array:
+    array = arrays[name]
+    return np.asarray(array() if callable(array) else array)
+
+
 def _write_numbers(path: Path, numbers: pictures.Values, equal: bool) -> None:
     """Write numbers, or those of a corner where every bit is equal and the data do not compress."""
     packed = pictures.pack(numbers)
     if equal and len(packed) > LARGE:
         packed = pictures.pack(numbers.corner())
-    write_bytes(path, packed)
+    write_if_changed(path, packed)
 
 
 def _display(image: Image) -> pictures.Display:

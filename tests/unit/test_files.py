@@ -17,6 +17,7 @@ from shaderlab.files import (
     read_regular,
     replace_file,
     write_bytes,
+    write_if_changed,
     write_named,
     write_text,
 )
@@ -206,3 +207,11 @@ def test_only_regular_files_are_read_and_no_other_makes_wait(tmp_path: Path) -> 
         read_regular(tmp_path)
     with pytest.raises(FileNotFoundError):
         read_regular(tmp_path / "gone")
+
+
+def test_a_file_that_has_these_bytes_already_is_not_replaced(tmp_path: Path) -> None:
+    file = tmp_path / "a.png"
+    for data, changed in ((b"old", True), (b"old", False), (b"new", True), (b"longer", True)):
+        before = file.stat().st_ino if file.exists() else 0
+        write_if_changed(file, data)
+        assert file.read_bytes() == data and (file.stat().st_ino != before) is changed

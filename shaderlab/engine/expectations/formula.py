@@ -138,18 +138,21 @@ def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
         full[covered] = values
         return full
 
-    reference = banded.reference
-    if image.values.dtype.kind in "iu":
-        reference = np.nan_to_num(np.rint(reference)).astype(image.values.dtype)
+    def reference() -> Array:
+        values = banded.reference
+        if image.values.dtype.kind in "iu":
+            values = np.nan_to_num(np.rint(values)).astype(image.values.dtype)
+        return lay_out(values, 0)
+
     return {
         "measured": lay_out(banded.measured, 0),
-        "reference": lay_out(reference, 0),
-        "distance": lay_out(banded.measure_distances(), np.nan),
+        "reference": reference,
+        "distance": lambda: lay_out(banded.measure_distances(), np.nan),
         "covered": covered,
-        "exact": lay_out(banded.reference, np.nan),
-        "low": lay_out(banded.low, np.nan),
-        "high": lay_out(banded.high, np.nan),
-        "outside": lay_out(~banded.inside, False),
+        "exact": banded.band.values_at,
+        "low": banded.low.__getitem__,
+        "high": banded.high.__getitem__,
+        "outside": lambda rows: ~banded.inside[rows],
         "unit": np.asarray(banded.unit or 0.0),
     }
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shaderlab.errors import AssetError, require_extra
-from shaderlab.files import write_bytes
+from shaderlab.files import write_if_changed
 
 from .display import as_pixels, enlarge, to_display
 
@@ -100,7 +100,7 @@ def write_picture(
     Here, and nowhere else, it is decided how pictures are encoded. Raises AssetError.
     """
     try:
-        write_bytes(path, encode(pixels, palette))
+        write_if_changed(path, encode(pixels, palette))
     except OSError as error:
         raise AssetError(
             f"can't write the picture ({error.strerror or error})",

@@ -114,9 +114,17 @@ def judged_part(arrays: Mapping[str, Any], worst: tuple[int, int] | None = None)
     part = slice(*box[1]), slice(*box[0])
     measured = arrays["measured"][part]
     if "exact" in arrays:
-        reference, low, high, outside = (
-            arrays[name][part] for name in ("exact", "low", "high", "outside")
-        )
+        pixels = (np.cumsum(covered) - 1).reshape(covered.shape)[part][covered[part]]
+
+        def take(name: str) -> Numbers:
+            if not callable(arrays[name]):
+                return arrays[name][part]  # type: ignore[no-any-return]
+            numbers = arrays[name](pixels)
+            full = np.zeros(measured.shape, numbers.dtype)
+            full[covered[part]] = numbers
+            return full
+
+        reference, low, high, outside = map(take, ("exact", "low", "high", "outside"))
         unit = float(arrays["unit"])
     else:
         low = high = reference = arrays["reference"][part]
