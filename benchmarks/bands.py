@@ -16,6 +16,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 import tracemalloc
@@ -36,7 +37,7 @@ from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Frame
 from shaderlab.model.options import RunOptions
-from shaderlab.workers.worker import keep_freed_memory
+from shaderlab.workers.pool import ENVIRONMENT
 
 SIDE = 64
 LARGE = 512
@@ -61,7 +62,8 @@ def main(words: list[str] | None = None) -> int:
     options.add_argument("--variants", action="store_true", help="list every variant")
     options.add_argument("--operations", action="store_true", help="single operations alone")
     given = options.parse_args(words)
-    keep_freed_memory()  # as workers do
+    if not ENVIRONMENT.items() <= os.environ.items():  # compute as workers do
+        os.execve(sys.executable, sys.orig_argv, os.environ | ENVIRONMENT)
     if given.operations:
         operations()
         return 0

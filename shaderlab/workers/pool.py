@@ -6,7 +6,6 @@ no threads, no OpenGL context and no `__main__`.
 
 import contextlib
 import errno
-import functools
 import itertools
 import os
 import pickle
@@ -17,7 +16,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -36,9 +35,17 @@ GROWTH = 448 << 20
 before its next one: drivers keep a little of every scene."""
 AHEAD = 32
 """How many items are taken ahead of the results that were read."""
-# Libraries for matrices and pictures start a thread per core and let all of them wait busily;
-# workers share the cores already, and multiply matrices of four rows.
-_ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+ENVIRONMENT = {
+    # Libraries for matrices and pictures start a thread per core and let all of them wait busily;
+    # workers share the cores already, and multiply matrices of four rows.
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    # glibc reuses what large arrays have freed, up to 192 MB of it: returned to the system, the
+    # same pages would be faulted in again, for a tenth of a run's time.
+    "MALLOC_TRIM_THRESHOLD_": str(192 << 20),
+    "MALLOC_MMAP_MAX_": "0",
+}
+"""Of workers, where the user's own says nothing else."""
 _PROGRAM = "from shaderlab.workers.worker import main; main()"
 
 
@@ -73,185 +80,117 @@ class _Run(queue.SimpleQueue["ItemResult | BaseException | None"]):
     closed = False
 
 
-@dataclass(eq=False)
-class WorkerDiedError(Exception):
-    """A worker is gone: how it ended, with the step that it noted last."""
-
-    status: Literal["crash", "timeout"]
-    message: str
-    step: str = ""
-
-
 class _Process(subprocess.Popen[bytes]):
-    """A process whose id is known before it runs its program, so that it can be ended even if it is
-    stopped on its way there."""
+    """A process that answers one item after the other until it dies.
 
-    pid = 0
-
-    def __init__(self) -> None:
-        """Start nothing yet."""
-
-    def start(self, command: Sequence[str], **options: Any) -> None:
-        # With a group to change to, Python calls fork: vfork would hold the whole of Python up
-        # until the program runs.
-        super().__init__(command, group=os.getgid(), **options)
-
-
-class _Worker:
-    """A process that answers items, as `WorkerPool` says.
-
-    It is started with the first item, and again with the first one after it died. One thread uses
-    it; any thread may call `close`. `memory` is what the process held when it had answered its
-    first item, 0 before.
+    Its id is known before it runs its program, so that it can be ended even if it is stopped on
+    its way there. `memory` is what it held when it had answered its first item, 0 before.
     """
 
-    def __init__(
-        self, work: str, limits: Limits, folder: Path, environment: Mapping[str, str]
-    ) -> None:
-        self.memory = 0
-        self._limits = limits
-        self._folder = folder
-        self._environment = environment
-        memory = int(limits.gigabytes * (1 << 30))
-        self._arguments = [str(os.getpid()), work, str(limits.seconds), str(memory)]
-        self._lock = threading.Lock()  # for the two below
-        self._closed = False
-        self._process: _Process | None = None
-        self._streams: Sequence[Any] = ()
-        self._pid = 0
+    pid = 0
+    memory = 0
 
-    def answer(self, item: Any) -> tuple[Any, Any]:
-        """Return the answer to an item: "done" or "error", and what that gives. Raises
-        WorkerDiedError: it crashed or took too long."""
-        self._send(item)
-        kind, value = self._receive(self._limits.seconds)
-        while kind == "limit":
-            kind, value = self._receive(value)
-        self.memory = self.memory or measure_memory(self._pid) or 1
-        return kind, value
-
-    def wait_until_ready(self) -> None:
-        """Start the process, if there is none, and wait for it. Raises ShaderlabError: it can't."""
-        if self.memory and measure_memory(self._pid) - self.memory > GROWTH:
-            self.end()
-        with self._lock:
-            if self._process is not None:
-                return
-            if self._closed:
-                raise ShaderlabError("the pool of workers is closed")
-            self._process = _Process()
-        try:
-            self._start(self._process)
-        except OSError as error:
-            self._process = None
-            said = f"can't start a worker process: {error.strerror or error}"
-            raise ShaderlabError(said, remedy=suggest_limit(error)) from error
-        try:
-            self._receive(max(START_SECONDS, self._limits.seconds))
-        except WorkerDiedError as error:
-            remedy = "see that this Python can import shaderlab: run `shaderlab doctor`"
-            if error.status == "timeout":
-                remedy = "wait until this machine is less busy, or allow more time: --timeout S"
-            said = f"can't start a worker process: {error.message}"
-            raise ShaderlabError(said, remedy=remedy) from error
-
-    def close(self) -> None:
-        """End the process, and start no other one."""
-        with self._lock:
-            self._closed = True
-            if self._process is not None:
-                _kill_group(self._process)
-
-    def end(self) -> int:
-        """End the process and close its streams; return its exit status."""
-        with self._lock:
-            process, self._process = self._process, None
-            if process is not None:
-                _kill_group(process)
-                process.wait()
-        for stream in self._streams:
-            stream.close()
-        self.memory = 0
-        return 0 if process is None else process.returncode
-
-    def _start(self, process: _Process) -> None:
-        self._socket, theirs = socket.socketpair()
+    def __init__(self, seconds: float) -> None:
+        """Make the way to it; start nothing yet."""
+        self._seconds = seconds
+        self._socket, self._theirs = socket.socketpair()
         self._answers = self._socket.makefile("rb")
         # Both live as long as the process, and take no space on a disk that may be full.
         self._errors, self._steps = open_memory_file(), open_memory_file()
         self._steps.truncate(STEP_BYTES)
-        self._streams = (self._answers, self._socket, self._errors, self._steps)
-        inherited = [theirs.fileno(), self._steps.fileno()]
-        with theirs:
-            process.start(
-                [sys.executable, "-P", "-c", _PROGRAM, *map(str, inherited), *self._arguments],
+
+    def start(self, arguments: Sequence[str], **place: Any) -> None:
+        """Start it, with arguments for its `main`. Raises OSError."""
+        inherited = [self._theirs.fileno(), self._steps.fileno()]
+        with self._theirs:
+            super().__init__(
+                [sys.executable, "-P", "-c", _PROGRAM, *map(str, inherited), *arguments],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=self._errors,
-                cwd=self._folder,
-                env=self._environment,
                 pass_fds=inherited,
                 process_group=0,  # so that what it starts can be ended with it
+                # With a group to change to, Python calls fork: vfork would hold the whole of
+                # Python up until the program runs.
+                group=os.getgid(),
+                **place,
             )
-        self._pid = process.pid
 
-    def _send(self, value: Any) -> None:
+    def wait_until_ready(self) -> None:
+        """Raises ShaderlabError: it has died, or takes too long."""
+        status, _, message, _ = self._receive(max(START_SECONDS, self._seconds))
+        if status == "ready":
+            return
+        remedy = "see that this Python can import shaderlab: run `shaderlab doctor`"
+        if status == "timeout":
+            remedy = "wait until this machine is less busy, or allow more time: --timeout S"
+        raise ShaderlabError(f"can't start a worker process: {message}", remedy=remedy)
+
+    def answer(self, number: int, item: Any) -> ItemResult:
+        """Return the result of an item."""
+        began = time.monotonic()
         self._socket.settimeout(None)
         with contextlib.suppress(OSError):  # it is gone then; reading its answer says how
-            self._socket.sendall(pickle.dumps(value, pickle.HIGHEST_PROTOCOL))
+            self._socket.sendall(pickle.dumps(item, pickle.HIGHEST_PROTOCOL))
+        answer = self._receive(self._seconds)
+        while answer[0] == "limit":
+            answer = self._receive(answer[1])
+        self.memory = self.memory or measure_memory(self.pid) or 1
+        return ItemResult(number, item, *answer, time.monotonic() - began)
 
-    def _receive(self, seconds: float) -> tuple[Any, Any]:
+    def end(self) -> None:
+        """Kill it and all that it started, and close the way to it."""
+        self.kill()
+        self.wait()
+        for stream in (self._answers, self._socket, self._errors, self._steps):
+            stream.close()
+
+    def kill(self) -> None:
+        """Kill it, its group, and what it started in other groups. Any thread may call this."""
+        if not self.pid:
+            return
+        single = list(_descendants(self.pid))
+        if self.returncode is None:
+            single.append(self.pid)  # which may have no group yet
+        for kill, number in [(os.killpg, self.pid), *((os.kill, one) for one in single)]:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                kill(number, signal.SIGKILL)
+
+    def _receive(self, seconds: float) -> tuple[Any, Any, str, str]:
+        """Return a status and a value; where it died, also how, and its last step."""
         self._socket.settimeout(seconds)
         try:
-            answer: tuple[Any, Any] = pickle.load(self._answers)
+            return (*pickle.load(self._answers), "", "")
         except TimeoutError:
-            raise self._died(seconds, late=True) from None
+            stopped = os.waitid(os.P_PID, self.pid, os.WSTOPPED | os.WNOWAIT | os.WNOHANG)
+            how = ", and the process was stopped (SIGSTOP)" if stopped else ""
+            status, message = "timeout", f"took longer than {seconds:g} s{how}"
         except (EOFError, OSError, pickle.UnpicklingError):
-            raise self._died(seconds) from None
+            status, message = "crash", f"the process died: {self._find_cause()}"
+            if self.returncode == -signal.SIGALRM:
+                status, message = "timeout", f"took longer than {seconds:g} s"
         except Exception as error:  # an exception's own class may raise when it is unpickled
-            return "error", TypeError(f"can't be received: {error}")
-        return answer
-
-    def _died(self, seconds: float, late: bool = False) -> WorkerDiedError:
-        """Return how the process ended, once it is gone with everything that it started."""
-        assert self._process is not None
-        stopped, ended = None, False
-        if late:
-            stopped = os.waitid(os.P_PID, self._pid, os.WSTOPPED | os.WNOWAIT | os.WNOHANG)
-        else:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                ended = self._process.wait(END_SECONDS) is not None
-        _kill_group(self._process)  # before its last line is read
+            return "error", TypeError(f"can't be received: {error}"), "", ""
         self._steps.seek(0)
         step = self._steps.read(STEP_BYTES).rstrip(b"\0").decode("utf-8", "ignore")
-        self._errors.seek(max(self._errors.seek(0, os.SEEK_END) - 2000, 0))
-        lines = self._errors.read().decode("utf-8", "replace").split("\n")
-        code = self.end()
-        if late or -code == signal.SIGALRM:
-            how = ", and the process was stopped (SIGSTOP)" if stopped else ""
-            return WorkerDiedError("timeout", f"took longer than {seconds:g} s{how}", step)
-        how = f"exit status {code}"
-        if not ended:
+        self.end()
+        return status, None, message, step
+
+    def _find_cause(self) -> str:
+        """How it ended by itself, and the last line that it wrote."""
+        try:
+            code = self.wait(END_SECONDS)
+            how = f"exit status {code}"
+            if code < 0:
+                how = f"signal {-code}"
+                with contextlib.suppress(ValueError):
+                    how += f" ({signal.Signals(-code).name})"
+        except subprocess.TimeoutExpired:
             how = "it closed its connection, but did not end"
-        elif code < 0:
-            how = f"signal {-code}"
-            with contextlib.suppress(ValueError):
-                how += f" ({signal.Signals(-code).name})"
-        last_lines = filter(None, (line.strip() for line in reversed(lines)))
-        message = ", ".join([how, *itertools.islice(last_lines, 1)])
-        return WorkerDiedError("crash", f"the process died: {message}", step)
-
-
-def _kill_group(process: _Process) -> None:
-    """Kill a process, its group, and what it started in other groups."""
-    if not process.pid:
-        return
-    single = list(_descendants(process.pid))
-    if process.returncode is None:
-        single.append(process.pid)  # which may have no group yet
-    for kill, number in [(os.killpg, process.pid), *((os.kill, one) for one in single)]:
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            kill(number, signal.SIGKILL)
+        self.kill()  # what it started may still write
+        self._errors.seek(max(self._errors.seek(0, os.SEEK_END) - 2000, 0))
+        last_line = self._errors.read().decode("utf-8", "replace").rstrip().rpartition("\n")[2]
+        return ", ".join(filter(None, [how, last_line.strip()]))
 
 
 def _descendants(process: int) -> Iterator[int]:
@@ -289,14 +228,17 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
 
     def __init__(self, work: str, *, limits: Limits | None = None, jobs: int = 1) -> None:
         self.jobs = max(jobs, 1)
+        self._limits = limits or Limits()
+        memory = int(self._limits.gigabytes * (1 << 30))
+        self._arguments = [str(os.getpid()), str(memory), str(self._limits.seconds), work]
         path = os.pathsep.join(sort_search_path(sys.path))
-        environment = {**_ONE_THREAD, **os.environ, "PYTHONPATH": path}
-        self._make = functools.partial(_Worker, work, limits or Limits(), Path.cwd(), environment)
+        environment = {**ENVIRONMENT, **os.environ, "PYTHONPATH": path}
+        self._place = {"cwd": Path.cwd(), "env": environment}
         self._queue: queue.SimpleQueue[tuple[_Run, int, Any] | None] = queue.SimpleQueue()
         self._lock = threading.Lock()  # for all below
         self._closed = False
         self._unfinished = 0  # items, but for those of `start`
-        self._workers: dict[threading.Thread, _Worker] = {}
+        self._processes: dict[threading.Thread, _Process | None] = {}
 
     def __exit__(self, *_: object) -> None:
         self.close()
@@ -305,13 +247,13 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         """End all workers, whatever they are doing."""
         with self._lock:
             self._closed = True
-        for worker in self._workers.values():
-            worker.close()
+        for _ in self._processes:
             self._queue.put(None)
-        for thread, worker in self._workers.items():
-            while thread.is_alive():
-                worker.close()  # again: its process may have got its id after the first time
-                thread.join(0.5)
+        while alive := [thread for thread in self._processes if thread.is_alive()]:
+            for thread in alive:  # again: its process may have got its id after the first time
+                if process := self._processes[thread]:
+                    process.kill()
+            alive[0].join(0.5)
 
     def start(self, item: Any) -> None:
         """Start the first worker with an item whose result nobody needs, and wait for neither."""
@@ -348,46 +290,56 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
                 return False
             self._queue.put((run, number, item))
             self._unfinished += number >= 0
-            if len(self._workers) < min(self.jobs, max(self._unfinished, 1)):
-                worker = self._make()
-                thread = threading.Thread(target=self._serve, args=[worker], daemon=True)
-                self._workers[thread] = worker  # first: Ctrl-C may come while it starts
+            if len(self._processes) < min(self.jobs, max(self._unfinished, 1)):
+                thread = threading.Thread(target=self._serve, daemon=True)
+                self._processes[thread] = None  # first: Ctrl-C may come while it starts
                 try:
                     thread.start()
                 except RuntimeError as error:  # the system allows no more of them
-                    del self._workers[thread]
-                    if not self._workers:
+                    del self._processes[thread]
+                    if not self._processes:
                         remedy = suggest_limit(OSError(errno.EAGAIN, ""))
                         raise ShaderlabError(str(error), remedy=remedy) from error
         return True
 
-    def _serve(self, worker: _Worker) -> None:
-        """Give a worker one item after the other, until the pool is closed."""
+    def _serve(self) -> None:
+        """Give a process of this thread's own one item after the other, until the pool is closed.
+
+        Where it dies, a fresh one is asked again if an earlier item may have left its memory in
+        disorder.
+        """
+        process = None
         while (taken := self._queue.get()) is not None:
             run, number, item = taken
             result: ItemResult | BaseException | None = None
             try:
-                if not (self._closed or run.closed):
-                    result = self._answer(worker, number, item)
+                while result is None and not (self._closed or run.closed):
+                    process = self._make_ready(process)
+                    used = process.memory
+                    result = process.answer(number, item)
+                    if result.status == "crash" and used:
+                        result = None
             except BaseException as error:
                 result = None if self._closed else error
             with self._lock:
                 self._unfinished -= number >= 0
             run.put(result)
-        worker.end()
+        if process is not None:
+            process.end()
 
-    def _answer(self, worker: _Worker, number: int, item: Any) -> ItemResult:
-        """The result of an item; where the worker dies, its replacement is asked again if an
-        earlier item may have left the memory in disorder."""
-        while True:
-            worker.wait_until_ready()
-            fresh, began = not worker.memory, time.monotonic()
-            try:
-                kind, value = worker.answer(item)
-            except WorkerDiedError as error:
-                if error.status == "timeout" or fresh or self._closed:
-                    seconds = time.monotonic() - began
-                    how = error.status, None, error.message, error.step, seconds
-                    return ItemResult(number, item, *how)
-            else:
-                return ItemResult(number, item, kind, value, seconds=time.monotonic() - began)
+    def _make_ready(self, process: _Process | None) -> _Process:
+        """Return the process, or a fresh one if it has died or holds too much memory."""
+        if process is not None and process.returncode is None:
+            if measure_memory(process.pid) - process.memory <= GROWTH:
+                return process
+            process.end()
+        thread = threading.current_thread()
+        try:
+            self._processes[thread] = process = _Process(self._limits.seconds)
+            process.start(self._arguments, **self._place)
+        except OSError as error:
+            self._processes[thread] = None
+            said = f"can't start a worker process: {error.strerror or error}"
+            raise ShaderlabError(said, remedy=suggest_limit(error)) from error
+        process.wait_until_ready()
+        return process

@@ -21,7 +21,6 @@ from shaderlab.errors import CaseError
 GRACE = 2.0
 """A worker ends itself once an item has taken this many times the limit that its parent watches."""
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36
-_M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4
 
 
 class Channel:
@@ -101,15 +100,14 @@ def main() -> None:
     """Answer items from the parent's socket, as pickles, until the parent closes it.
 
     `sys.argv` has the descriptors of the socket and of the file for steps, the parent's process id,
-    the name of the work, and an item's limits in seconds and bytes.
+    an item's limits in bytes and seconds, and the name of the work.
     """
-    name, seconds = sys.argv[4], float(sys.argv[5])
-    socket_number, steps, parent_id, memory = map(int, (*sys.argv[1:4], sys.argv[6]))
+    socket_number, steps, parent_id, memory = map(int, sys.argv[1:5])
+    seconds, name = float(sys.argv[5]), sys.argv[6]
     del sys.argv[1:]
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
     die_with_parent(parent_id)
     _limit_memory(memory)
-    keep_freed_memory()
     parent = socket.socket(fileno=socket_number)
     channel = Channel(parent, seconds, steps)
     os.register_at_fork(after_in_child=channel.detach_copy)
@@ -134,18 +132,6 @@ def die_with_parent(parent: int) -> None:
     prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != parent:  # it ended in between
         os._exit(1)
-
-
-def keep_freed_memory() -> None:
-    """Have glibc's malloc reuse what large arrays have freed, up to 192 MB of it.
-
-    It would return the memory to the system and fault the same pages in again: a tenth of a run's
-    time.
-    """
-    with contextlib.suppress(OSError, AttributeError, TypeError):
-        mallopt = ctypes.CDLL(None).mallopt
-        mallopt(_M_TRIM_THRESHOLD, 192 << 20)
-        mallopt(_M_MMAP_MAX, 0)
 
 
 def _limit_memory(size: int) -> None:
