@@ -55,12 +55,19 @@ def as_integers(*values: Value) -> list[Integer] | None:
 
 
 def apply(
-    plain: Callable[..., Any], on_bands: Callable[..., Band | TriBool], *values: Value
+    plain: Callable[..., Any],
+    on_bands: Callable[..., Band | TriBool],
+    *values: Value,
+    on_integers: Callable[..., Integer] | None = None,
 ) -> Any:
-    """`on_bands` of the values as bands if one is a band, else `plain` of them as float64.
+    """`on_bands` of the values as bands if one is a band, else `plain` of them as float64; of
+    integers `on_integers`, if there is such a function.
 
     Of literals it is both: a compiler may compute them, in float64 or as the device does.
     """
+    whole = None if on_integers is None else as_integers(*values)
+    if on_integers is not None and whole is not None:
+        return on_integers(*whole)
     for value in values:
         if isinstance(value, Band):
             return on_bands(*[o if o is value else value.lift(o) for o in values])

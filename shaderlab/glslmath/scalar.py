@@ -14,7 +14,7 @@ import numpy as np
 from shaderlab.bands import Band, TriBool, arithmetic, exact, functions, integer
 
 from .choice import where
-from .dispatch import Value, apply, as_integers, as_number, mark_undefined
+from .dispatch import Value, apply, as_number, mark_undefined
 
 __all__ = [
     "abs", "acos", "acosh", "asin", "asinh", "atan", "atanh", "ceil", "clamp", "cos", "cosh",
@@ -113,18 +113,12 @@ def inversesqrt(x: Value) -> Value:
 
 def abs(x: Value) -> Value:
     """|x|; exact."""
-    whole = as_integers(x)
-    if whole is not None:
-        return integer.absolute_value(*whole)
-    return apply(np.abs, exact.absolute_value, x)
+    return apply(np.abs, exact.absolute_value, x, on_integers=integer.absolute_value)
 
 
 def sign(x: Value) -> Value:
     """-1, 0 or 1; exact."""
-    whole = as_integers(x)
-    if whole is not None:
-        return integer.sign(*whole)
-    return apply(np.sign, lambda a: exact.apply_monotone(a, np.sign), x)
+    return apply(np.sign, lambda a: exact.apply_monotone(a, np.sign), x, on_integers=integer.sign)
 
 
 def floor(x: Value) -> Value:
@@ -177,18 +171,12 @@ def mod(x: Value, y: Value) -> Value:
 
 def min(x: Value, y: Value) -> Value:
     """The smaller; exact. Where one may be NaN, either may come out."""
-    whole = as_integers(x, y)
-    if whole is not None:
-        return integer.minimum_of(*whole)
-    return apply(np.minimum, exact.minimum_of, x, y)
+    return apply(np.minimum, exact.minimum_of, x, y, on_integers=integer.minimum_of)
 
 
 def max(x: Value, y: Value) -> Value:
     """The larger; exact. Where one may be NaN, either may come out."""
-    whole = as_integers(x, y)
-    if whole is not None:
-        return integer.maximum_of(*whole)
-    return apply(np.maximum, exact.maximum_of, x, y)
+    return apply(np.maximum, exact.maximum_of, x, y, on_integers=integer.maximum_of)
 
 
 def clamp(x: Value, minimum: Value, maximum: Value) -> Value:
@@ -197,11 +185,11 @@ def clamp(x: Value, minimum: Value, maximum: Value) -> Value:
     >>> float(clamp(1.5, 0.0, 1.0))
     1.0
     """
-    whole = as_integers(x, minimum, maximum)
-    if whole is not None:
-        return integer.clamp(*whole)
 
-    return apply(lambda x, a, b: np.minimum(np.maximum(x, a), b), exact.clamp, x, minimum, maximum)
+    def plain(x: Value, minimum: Value, maximum: Value) -> Value:
+        return np.minimum(np.maximum(x, minimum), maximum)
+
+    return apply(plain, exact.clamp, x, minimum, maximum, on_integers=integer.clamp)
 
 
 def mix(x: Value, y: Value, a: Value) -> Value:

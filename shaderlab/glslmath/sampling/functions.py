@@ -22,6 +22,7 @@ from .reading import (
     component,
     components,
     hull,
+    map_span,
     require_narrow,
     to_span,
     widen,
@@ -152,8 +153,7 @@ def _sample_plane(sampler: Sampler, p: Any, lod: Span | None, offset: Offset) ->
     layers: list[Integers] = [np.zeros(to_span(p)[0].shape[:-1], np.int64)]
     if texels.kind == "2DArray":
         count = reading.level_values(sampler, 0).shape[0]
-        low, high = component(to_span(p), 2)
-        ends = [low] if low is high else [low, high]
+        ends = reading.ends_of(component(to_span(p), 2))
         layers = [np.clip(np.floor(end + 0.5), 0, count - 1).astype(np.int64) for end in ends]
 
     def filtered(level: int, word: str) -> Span:
@@ -177,9 +177,7 @@ def _sample_plane(sampler: Sampler, p: Any, lod: Span | None, offset: Offset) ->
 
 def _sample_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
     reference = find_reference(sampler, p)
-    bounds = to_span(p)
-    shorter = bounds[0][..., :3]
-    direction = (shorter,) * 2 if bounds[0] is bounds[1] else (shorter, bounds[1][..., :3])
+    direction = map_span(lambda bound: bound[..., :3], to_span(p))
     faces = list(reading.find_faces(direction, sampler.rules is None))
 
     def filtered(level: int, word: str) -> Span:
@@ -201,9 +199,7 @@ def _sample_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
                     found = reading.read_across_edges(sampler, level, column, row, number)
                 return _compare(sampler, depths, found, at)
 
-            x, y = (
-                (e[0] * size,) * 2 if e[0] is e[1] else (e[0] * size, e[1] * size) for e in (s, t)
-            )
+            x, y = (map_span(lambda bound: bound * size, each) for each in (s, t))
             part = _filter(sampler, word, texel, x, y)
             if low is None:
                 shape = (*may.shape, part[0].shape[-1])
@@ -227,10 +223,9 @@ def find_reference(sampler: Sampler, p: Any) -> Span | None:
         return None
     span = to_span(p)
     last = components(span) - 1
-    bounds = tuple(bound[..., last:] for bound in span)
     if sampler.texels.format[:7] in reading.LARGEST:
-        bounds = tuple(np.clip(bound, 0.0, 1.0) for bound in bounds)
-    return bounds[0], bounds[1]
+        return map_span(lambda bound: np.clip(bound[..., last:], 0.0, 1.0), span)
+    return map_span(lambda bound: bound[..., last:], span)
 
 
 def _compare(sampler: Sampler, reference: Span | None, found: Span, at: Any) -> Span:

@@ -34,11 +34,15 @@ def to_span(value: Any) -> Span:
     return number, number
 
 
+def map_span(function: Callable[[Array], Array], span: Span) -> Span:
+    """A function of both bounds, called once where they are the same."""
+    low = function(span[0])
+    return low, low if span[0] is span[1] else function(span[1])
+
+
 def component(span: Span, index: int) -> Span:
     """One component of a coordinate, without the last axis."""
-    low, high = span
-    one = low[..., index]
-    return (one, one) if low is high else (one, high[..., index])
+    return map_span(lambda bound: bound[..., index], span)
 
 
 def components(span: Span) -> int:
@@ -148,15 +152,13 @@ def read_texels(
     column = wrap_index(x.astype(np.int64), width, modes[0])
     row = wrap_index(y.astype(np.int64), height, modes[1])
     outside = (column < 0) | (row < 0) | (layer < 0)
-    low, high = fetch(sampler, level, *(np.where(outside, 0, n) for n in (column, row, layer)))
+    found = fetch(sampler, level, *(np.where(outside, 0, n) for n in (column, row, layer)))
     if not outside.any():
-        return low, high
+        return found
     texels = sampler.texels
     fixed = texels.values.dtype == np.uint8 or texels.format in LARGEST
     border = _border(tuple(texels.border[:channels]), fixed)
-    same, outside = low is high, outside[..., None]
-    low = np.where(outside, border, low)
-    return low, low if same else np.where(outside, border, high)
+    return map_span(lambda bound: np.where(outside[..., None], border, bound), found)
 
 
 def compare(function: str, reference: Span, texel: Span) -> Span:
@@ -200,15 +202,11 @@ def _decode(sampler: Sampler, values: Array) -> Span:
 
 
 def _complete(span: Span) -> Span:
-    low, high = span
-    channels = low.shape[-1]
+    *count, channels = span[0].shape
     if channels == 4:
         return span
-    filler = np.broadcast_to(
-        np.array([0.0, 0.0, 0.0, 1.0])[channels:], (*low.shape[:-1], 4 - channels)
-    )
-    whole = np.concatenate([low, filler], axis=-1)
-    return whole, whole if low is high else np.concatenate([high, filler], axis=-1)
+    filler = np.broadcast_to(np.array([0.0, 0.0, 0.0, 1.0])[channels:], (*count, 4 - channels))
+    return map_span(lambda bound: np.concatenate([bound, filler], axis=-1), span)
 
 
 Flags = npt.NDArray[np.bool_]
@@ -463,7 +461,7 @@ def nearest(texel: Texel, x: Span, y: Span) -> Span:
     """The texel that contains a position (in texels, 0 at the edge), or both candidates."""
     require_narrow(x, "texture()")
     require_narrow(y, "texture()")
-    columns, rows = [np.floor(end) for end in _ends(x)], [np.floor(end) for end in _ends(y)]
+    columns, rows = [np.floor(end) for end in ends_of(x)], [np.floor(end) for end in ends_of(y)]
     found = texel(columns[0], rows[0], EVERYWHERE)
     crossing = (columns[0] != columns[-1]) | (rows[0] != rows[-1])
     if not crossing.any():
@@ -517,7 +515,8 @@ def _split_at_integer(span: Span) -> list[Span]:
     return [(low, middle), (middle, high)]
 
 
-def _ends(span: Span) -> list[Array]:
+def ends_of(span: Span) -> list[Array]:
+    """Both bounds, or the only one."""
     return [span[0]] if span[0] is span[1] else [span[0], span[1]]
 
 
@@ -527,8 +526,8 @@ def _mix_cell(texel: Texel, x: Span, y: Span, places: Any) -> Span:
     Numbers, whose bounds are one array, have one corner and no rounding.
     """
     left, low = np.floor(x[0]), np.floor(y[0])
-    across = [(end - left)[..., None] for end in _ends(x)]
-    up = [(end - low)[..., None] for end in _ends(y)]
+    across = [(end - left)[..., None] for end in ends_of(x)]
+    up = [(end - low)[..., None] for end in ends_of(y)]
     texels = [texel(left + i, low + j, places) for j in (0, 1) for i in (0, 1)]
     if x[0] is x[1] and y[0] is y[1]:
         mean = _at_corners([lowest for lowest, _ in texels], across, up)[0]
