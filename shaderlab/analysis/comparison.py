@@ -46,6 +46,7 @@ from .inputs import (
     Input,
     InputDomain,
     add_constants,
+    coarsen_inputs,
     domains_of,
     inputs_of,
     learn_domains,
@@ -53,7 +54,7 @@ from .inputs import (
     vary_inputs,
 )
 from .interpreter import Program
-from .noise import Compared, PerturbedFloat, Ran, compare, confirm, run
+from .noise import Compared, PerturbedFloat, Ran, compare, confirm, keep_defined, run
 
 _PIXELS = (ExecutionMode.PixelCenterInteger, ExecutionMode.OriginUpperLeft)
 _INTERPOLATED = (Decoration.NoPerspective, Decoration.Flat, Decoration.Centroid, Decoration.Sample)
@@ -229,6 +230,9 @@ class _Comparison:
         for batch in itertools.chain(captured, rounds):
             yield batch
         if batch is not None and self.plan.rounds:
+            coarse = keep_defined(self.programs, coarsen_inputs(batch, self.domains))
+            if coarse.count:
+                yield coarse
             around = jumps(self.programs, batch, self.domains)
             if around is not None:
                 yield around

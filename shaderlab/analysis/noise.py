@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 import struct
 import zlib
-from collections.abc import Mapping, Set
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
@@ -21,6 +21,7 @@ from .interpreter.values import Flags
 
 _OPERATION = 2.0**-52
 _INPUT = 2.0**-24  # a float32 is within half of an ULP of what it stands for, at most
+_GIVEN = 1.001 * _INPUT  # what a number that nothing was done to errs by
 _POOL = 1 << 17
 _BEYOND = (1 << 29) - 1  # the bits of a float64 that a float32 has not
 _DOUBLE = struct.Struct("<d")
@@ -51,14 +52,29 @@ class PerturbedFloat(Numbers):
         return self._perturb(found, np.broadcast_to(rounded, found.shape), _INPUT, "input")
 
     def literal(self, value: float) -> Array:
-        found: Array = super().literal(value)
-        return self._perturb(found, found != np.float32(value), _INPUT, f"literal {value!r}")
+        found: Array = super().literal(float(np.float32(value)))
+        return self._perturb(found, found != value, _INPUT, f"literal {value!r}")
 
     def undefined(self) -> Array:
         return np.full((1, 1), np.nan)
 
+    def take_given(self, values: Sequence[Any]) -> Sequence[Any]:
+        """The values, without noise where a device errs neither: as they were given or written."""
+        return [self._take_given(value) for value in values] if self.copies else values
+
+    def _take_given(self, value: Any) -> Any:
+        if type(value) is not np.ndarray or len(value) == 1:
+            return value
+        blocks = value.reshape(1 + self.copies, self.count, *value.shape[1:])
+        first = blocks[0]
+        with np.errstate(all="ignore"):
+            near = (np.abs(blocks - first) <= _GIVEN * np.abs(first)).all(axis=0)
+        given = near & ((first.view(np.int64) & _BEYOND) == 0)
+        return np.where(given, first, blocks).reshape(value.shape)
+
     def call(self, function: str, *values: Any) -> Any:
-        found = Numbers.call(self, function, *values)
+        taken = self.take_given(values) if function == "step" else values
+        found = Numbers.call(self, function, *taken)
         if function == "pow":
             x, y = values
             found = np.where((x < 0.0) | ((x == 0.0) & (y <= 0.0)), np.nan, found)
@@ -88,6 +104,29 @@ class PerturbedFloat(Numbers):
         found = value.copy()
         np.multiply(exact, factors, out=found[block:], where=rounded[block:])
         return found if block == self.count else np.repeat(found, self.count, axis=0)
+
+
+@dataclass(frozen=True)
+class _Watching(PerturbedFloat):
+    """Notes the invocations that meet something infinite or undefined, on any path."""
+
+    met: Flags = field(default_factory=lambda: np.zeros(0, np.bool_))
+
+    def call(self, function: str, *values: Any) -> Any:
+        found = super().call(function, *values)
+        if type(found) is np.ndarray and len(found) == len(self.met):
+            self.met[~np.isfinite(found).reshape(len(found), -1).all(axis=1)] = True
+        return found
+
+
+def keep_defined(programs: tuple[Program, Program], batch: InputBatch) -> InputBatch:
+    """The invocations that meet nothing infinite or undefined, with their quads where it matters.
+    Raises as `run`."""
+    met = np.zeros(batch.count, np.bool_)
+    for program in programs:
+        run(program, batch, 0, _Watching(count=batch.count, met=met))
+        met[batch.rows_with(np.flatnonzero(met), program)] = True
+    return batch.part(np.flatnonzero(~met))
 
 
 def _place(salt: str, number: float) -> int:
@@ -149,7 +188,9 @@ class Compared:
     why: str
 
 
-def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
+def run(
+    program: Program, batch: InputBatch, copies: int = COPIES, noise: PerturbedFloat | None = None
+) -> Ran:
     """A program on some inputs, without noise and so many times with it.
 
     Raises:
@@ -162,7 +203,7 @@ def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
         for name, values in batch.each.items()
     }
     found = interpret(
-        program, each, batch.bindings, PerturbedFloat(count=count, copies=copies),
+        program, each, batch.bindings, noise or PerturbedFloat(count=count, copies=copies),
         count=count * times, places=_separate_runs(each.get("gl_FragCoord"), count), unwritten=True,
     )  # fmt: skip
     gone = np.broadcast_to(found.discarded.all_true, (count * times,))

@@ -210,6 +210,27 @@ def test_what_lies_between_two_numbers_that_are_nearly_the_same_is_tried() -> No
     assert compared(text % "0.0031308", text % "0.00313").same is False
 
 
+@pytest.mark.parametrize(
+    ("old", "wrong", "right"),
+    [
+        ("v.x < 0.1", "v.x <= 0.1", "step(0.1, v.x) == 0.0"),
+        ("v.x - v.y > v.z", "v.x - v.y >= v.z", "!(v.x <= v.z + v.y)"),
+        ("length(v.xy) > 1.0", "length(v.xy) >= 1.0", "dot(v.xy, v.xy) > 1.0"),
+        ("fract(v.x * 4.0) >= 0.5", "fract(v.x * 4.0) > 0.5", "mod(4.0 * v.x, 1.0) >= 0.5"),
+        ("dot(v, normal) > limit", "dot(v, normal) >= limit", "!(dot(normal, v) <= limit)"),
+        ("abs(v.x) >= abs(v.y)", "abs(v.x) > abs(v.y)", "v.x * v.x >= v.y * v.y"),
+        ("v.x < 0.7", "v.x < 0.70001", "v.x < 0.0 || v.x * v.x < 0.49"),
+        ("v.x < 0.3", "0.3 >= v.x", "10.0 * v.x < 3.0"),
+        ("int(v.x * 4.0) < 3", "int(ceil(v.x * 4.0)) < 3", "int(trunc(v.x * 4.0)) <= 2"),
+    ],
+)
+def test_what_is_compared_meets_its_bounds(old: str, wrong: str, right: str) -> None:
+    text = "in vec3 v; in vec3 normal; uniform float limit; out float o; // range: 0..1\n"
+    text += "void main() { o = %s ? 1.0 : limit; }"
+    assert compared(text % old, text % wrong, accuracy=False).same is False
+    assert compared(text % old, text % right, accuracy=False).same is True
+
+
 def test_levels_of_detail_matter_where_a_texture_has_mipmaps() -> None:
     text = "uniform sampler2D map; in vec2 uv; out vec4 o; void main() { o = %s; }"
     plain = "texture(map, uv)"
@@ -399,7 +420,7 @@ def test_noise_errs_by_what_rounding_may() -> None:
     assert given[1, 0] != given[2, 0]
     assert rough.literal(0.5) == 0.5
     tenth = rough.literal(0.1)
-    assert (tenth[:3] == 0.1).all() and (tenth[3:] != 0.1).all() and len(tenth) == 9
+    assert (tenth[:3] == np.float32(0.1)).all() and (tenth[3:] != 0.1).all() and len(tenth) == 9
     third = rough.call("divide", np.ones((1, 1)), np.full((1, 1), 3.0))
     assert (third[:3] == 1.0 / 3.0).all() and (third[3:] != 1.0 / 3.0).all()
     assert (abs(third * 3.0 - 1.0) <= 2.0**-51).all()

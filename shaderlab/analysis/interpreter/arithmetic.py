@@ -8,7 +8,7 @@ and (count or 1, rows, columns) for matrices.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -63,6 +63,10 @@ class Numbers:
     def rounded(self, value: Any) -> Any:
         """What `glslmath` and `sampling` give (float64 arrays or bands), as this arithmetic's."""
         return self._convert(value)
+
+    def take_given(self, values: Sequence[Any]) -> Sequence[Any]:
+        """What a comparison of these values decides by."""
+        return values
 
     def _convert(self, value: Any) -> Any:
         if isinstance(value, tuple):

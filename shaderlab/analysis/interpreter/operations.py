@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from shaderlab.bands.rounding import LARGEST, RELATIVE_STEP
 from shaderlab.compiler.spirv import Glsl450 as G, Op
 from shaderlab.errors import FormulaError
 
-from .arithmetic import FLOAT64
+from .arithmetic import FLOAT64, Numbers
 from .program import Instruction, Type
 from .values import PathState, compose, fetch, known_index, replace_part, select
 
@@ -211,7 +211,13 @@ COMPOSITES: Mapping[int, Handler] = {
 
 
 def _compare(function: Any) -> Handler:
-    return apply(lambda *values: as_tri_bool(function(*values)))
+    def run_comparison(run: Run, at: Instruction, state: PathState) -> Any:
+        values: Sequence[Any] = run.values(at.operands)
+        if isinstance(run.arithmetic, Numbers):
+            values = run.arithmetic.take_given(values)
+        return as_tri_bool(function(*values))
+
+    return run_comparison
 
 
 def _different(a: TriBool, b: TriBool) -> TriBool:
