@@ -1,10 +1,11 @@
 """No state leaks from one scene to the next: the catalogue gives the same in any order.
 
-Everything that is judged is in a scene's `Frame`, and judging is a function of that alone. So the
-whole catalogue is drawn and captured in one process, in a random order and in its reverse, each in
-a context of its own, and the frames are compared byte for byte; a sample is judged in both orders
-besides. Of any two scenes each is drawn after the other in one of the orders: state that one leaves
-behind for good shows in the other, whichever they are.
+Everything that is judged is in a scene's `Frame`, and judging is a function of that alone. So cases
+that have between them whatever the catalogue sets (states, targets, meshes, textures, buffers) and
+asks are drawn and captured in one process, in a random order and in its reverse, each in a context
+of its own, and the frames are compared byte for byte; a sample is judged in both orders besides. Of
+any two scenes each is drawn after the other in one of the orders: state that one leaves behind for
+good shows in the other, whichever they are.
 """
 
 from __future__ import annotations
@@ -47,6 +48,17 @@ from tests.catalogue import shipped
 SEED = 1
 SAMPLE = ("blend-equation", "depth-not-cleared", "face-culling", "uniform-buffer", "z-fighting")
 SIDE = 24
+NAMES = {
+    "fragment",
+    "vertex",
+    "geometry",
+    "tess_control",
+    "tess_evaluation",
+    "compute",
+    "name",
+    "path",
+}
+"""Fields whose words are the case's own, not the lab's."""
 
 
 class Watched(SceneRunner):
@@ -126,11 +138,41 @@ def parts(value: Any) -> Iterator[bytes | memoryview]:
 
 
 def scenes() -> list[Scene]:
-    """One variant of each case, in a random order. What is not judged is drawn small."""
-    first = (next(iter(case.scenes())) for case in shipped().values())
+    """One variant of each of some cases, in a random order: the sample, and of all others as few as
+    have whatever any of them sets or asks. What is not judged is drawn small."""
+    kinds = {case.id: set(find_kinds(next(case.scenes()))) for case in shipped().values()}
+    chosen = list(SAMPLE)
+    left = set[Any]().union(*kinds.values()).difference(*(kinds[id] for id in SAMPLE))
+    while left:
+        chosen.append(max(kinds, key=lambda id: len(kinds[id] & left)))
+        left -= kinds[chosen[-1]]
+    first = (next(shipped()[id].scenes()) for id in chosen)
     found = [scene if scene.case.id in SAMPLE else smaller(scene) for scene in first]
     random.Random(SEED).shuffle(found)
     return found
+
+
+def find_kinds(value: Any, owner: str = "") -> Iterator[tuple[str, Any]]:
+    """All that a scene sets and asks: each field of its parts that is not as it is by default, with
+    the word, or the kind of value, that it has there."""
+    if isinstance(value, Scene):
+        yield from find_kinds(value.passes)
+        yield from (("expectation", type(expectation)) for expectation in value.expect)
+    elif is_dataclass(value):
+        for each in fields(value):
+            one, name = getattr(value, each.name), f"{type(value).__name__}.{each.name}"
+            if each.name in NAMES:
+                yield name, bool(one)
+            elif not isinstance(one, str | bool | int | float | None) or one != each.default:
+                yield from find_kinds(one, name)
+    elif isinstance(value, Mapping | tuple | list | frozenset):
+        for one in value.values() if isinstance(value, Mapping) else value:
+            yield from find_kinds(one, owner)
+    elif isinstance(value, np.ndarray):
+        yield owner, (value.dtype.kind, value.ndim)
+    else:
+        word = isinstance(value, str | bool) and "." not in str(value)  # no file
+        yield owner, value if word else isinstance(value, float | int) or type(value)
 
 
 def smaller(scene: Scene) -> Scene:
