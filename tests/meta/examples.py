@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
@@ -58,10 +59,18 @@ def examples(page: Path) -> Iterator[File | Command]:
                 yield Command(line, tuple(output), int(found[0][1]) if found else 0)
 
 
-def execute(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
+def execute(
+    line: str, folder: Path, pytester: pytest.Pytester | None = None
+) -> subprocess.CompletedProcess[str]:
     """Run a command line in a folder, with this environment's `pytest` and `shaderlab`; a
-    `shaderlab` that is the whole line runs in this process, as starting takes longer than most."""
+    `shaderlab` that is the whole line runs in this process, as starting takes longer than most, and
+    so does a `pytest` where there is a `pytester`."""
     words = shlex.split(line)
+    if words[0] == "pytest" and pytester is not None:
+        with contextlib.chdir(folder):
+            ended = pytester.runpytest_inprocess(*words[1:])
+        said = ended.stdout.str(), ended.stderr.str()
+        return subprocess.CompletedProcess(words, int(ended.ret), *said)
     if words[0] == "shaderlab" and not {">", "|", "&&"} & set(words):
         with contextlib.chdir(folder):
             done = CliRunner().invoke(cli, words[1:])

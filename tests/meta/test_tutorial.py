@@ -15,15 +15,20 @@ from tests.meta.examples import Command, examples, execute, missing
 
 @pytest.mark.parametrize(("page", "least"), [("tutorial", 8), ("diff", 4), ("audit", 1)])
 def test_each_command_prints_what_the_page_shows(
-    repository: Path, tmp_path: Path, page: str, least: int
+    repository: Path,
+    pytester: pytest.Pytester,
+    monkeypatch: pytest.MonkeyPatch,
+    page: str,
+    least: int,
 ) -> None:
-    commands = 0
+    monkeypatch.setenv("SHADERLAB_JOBS", "0")  # each worker takes longer to start than a command
+    folder, commands = pytester.path, 0
     for example in examples(repository / "docs" / "guide" / f"{page}.md"):
         if not isinstance(example, Command):
-            (tmp_path / example.name).write_text(example.text, encoding="utf-8")
+            (folder / example.name).write_text(example.text, encoding="utf-8")
             continue
         commands += 1
-        done = execute(example.line, tmp_path)
+        done = execute(example.line, folder, pytester)
         printed = done.stdout + done.stderr
         assert done.returncode == example.status, printed
         lines = missing(example.shown, printed)
