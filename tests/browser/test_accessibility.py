@@ -44,15 +44,11 @@ def test_no_violation(visit: Callable[..., Any], lamp: Sample, scheme: str, widt
 
 
 @pytest.mark.parametrize(("scheme", "width"), [("dark", 1280), ("light", 390)])
-def test_no_violation_of_the_front_page(
+def test_no_violation_of_the_front_page_but_what_is_put_there(
     visit: Callable[..., Any], lamp: Sample, scheme: str, width: int
 ) -> None:
     page = visit(lamp.page, color_scheme=scheme, viewport={"width": width, "height": 900})
     page.evaluate(UNFOLD)
     assert violations(page) == []
-
-
-def test_the_checker_sees_violations(visit: Callable[..., Any], lamp: Sample) -> None:
-    page = visit(lamp.page)
-    page.evaluate("document.querySelector('h1').style.color = '#ddd'")
+    page.evaluate("document.querySelector('h1').style.color = '#8883'")
     assert any("color-contrast" in found for found in violations(page, "h1"))

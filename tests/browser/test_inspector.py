@@ -93,15 +93,12 @@ def test_what_was_not_drawn_says_so(page: Any) -> None:
     assert "not drawn" in where(page) and cells(page) == []
 
 
-def test_a_failure_opens_at_its_worst_pixel_and_returns_there(fresh: Any) -> None:
+def test_a_failure_opens_at_its_worst_pixel_which_pointer_and_arrow_keys_move(fresh: Any) -> None:
     assert where(fresh) == f"Pixel ({WORST[0]}, {WORST[1]}), the worst: outside its band"
     hover(fresh, 3, 3)
     assert where(fresh).startswith("Pixel (3, 3)")
     fresh.mouse.move(2, 2)
     assert where(fresh).startswith(f"Pixel ({WORST[0]}, {WORST[1]})")
-
-
-def test_arrow_keys_move_the_pixel(fresh: Any) -> None:
     fresh.locator(f"{CHECK} .triple").focus()
     for key, expected in (
         ("ArrowRight", (14, 4)), ("ArrowUp", (14, 5)), ("Shift+ArrowLeft", (6, 5)),
@@ -132,7 +129,9 @@ def test_a_tap_on_a_phone_pins_the_pixel(visit: Callable[..., Any], lamp: Sample
     assert where(phone).startswith(f"Pixel ({x}, {y})")
 
 
-def test_zoom_keeps_texels_crisp_in_all_pictures(fresh: Any, lamp: Sample) -> None:
+def test_zoom_keeps_texels_crisp_and_channels_and_exposure_change_them(
+    fresh: Any, lamp: Sample
+) -> None:
     fresh.locator(f"{CHECK} [data-do=worst]").click()
     assert fresh.locator(f"{CHECK} [data-part=zoom]").text_content() != "1×"
     x, y = WORST
@@ -144,9 +143,11 @@ def test_zoom_keeps_texels_crisp_in_all_pictures(fresh: Any, lamp: Sample) -> No
         assert texel(fresh, 0.5 + dx, 0.5, 1)[:3] == rgb
     fresh.locator(f"{CHECK} [data-do=all]").click()
     assert fresh.locator(f"{CHECK} [data-part=zoom]").text_content() == "1×"
+    change_channels_and_exposure(fresh)
 
 
-def test_channels_and_exposure_change_what_is_drawn(fresh: Any) -> None:
+def change_channels_and_exposure(fresh: Any) -> None:
+    """They change what is drawn, and nothing else."""
     at = (7.5 / WIDTH, (HEIGHT - 5.5) / HEIGHT)
     plain = texel(fresh, *at)
     slider = fresh.locator(f"{CHECK} [data-part=exposure]")
