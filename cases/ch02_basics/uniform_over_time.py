@@ -101,6 +101,7 @@ case = Case(
         formula("green", pulse, rules=LATER),
         figure("FragColor", ANOTHER, {"ourColor": OTHER}, OTHER, reference=unchanged("ourColor")),
         sweep("green", pulse, over="time", values=np.linspace(0.0, 2 * pi, 65), rules=LATER),
+        value("green", at={"time": 103.0}, equals=0.811494, digits=6, rules=LATER, name="later"),
     ],
     variants=[
         *(frame(*row) for row in FRAMES),

@@ -145,6 +145,10 @@ def past_the_edge(blinn):
 
 # A light that is not in one plane with viewer and normal, nor given as a unit vector.
 ASIDE = {"slope": 0.5, "lightDir": (-0.6, 1.2, 0.4), "shininess": 8.0}
+# The lamp in the surface's own plane, and a little above it; the viewer on the mirrored side.
+LEVEL = {"slope": -2.0, "lightDir": (1.0, 0.0, 0.0), "shininess": 8.0}
+RISEN = {**LEVEL, "lightDir": (1.0, 0.0005, 0.0)}
+ABOVE_FLOOR = {"FragPos": (0.0, 0.005, 0.9), "Normal": (0.0, -1.0, 0.0)}
 
 case = Case(
     title="Blinn–Phong beside Phong",
@@ -190,6 +194,16 @@ case = Case(
         sweep("blinn", blinn_over_slope, over="slope", values=SLOPES),
         figure("phong", "Phong, light from aside", ASIDE, 0.711321),
         figure("blinn", "Blinn, light from aside", ASIDE, 0.899891),
+        figure("phong", "Phong, lamp level with the surface", LEVEL, 0.0),
+        figure("blinn", "Blinn, lamp level with the surface", LEVEL, 0.0),
+        figure("phong", "Phong, lamp just risen", RISEN, 0.410420),
+        figure("blinn", "Blinn, lamp just risen", RISEN, 0.805372),
+        figure(
+            "picture.FragColor",
+            "just above the floor",
+            ABOVE_FLOOR,
+            (0.212128, 0.121018, 0.106184, 1.0),
+        ),
     ],
     variants=[
         Variant("shininess 8", {"shininess": 8.0}, expect=past_the_edge(0.018862)),

@@ -231,7 +231,7 @@ def judged(scheme):
 FACING = {"FragPos": (0.0, 0.0, 0.0), "Normal": SUN, "Color": (1.0, 1.0, 1.0)}
 PAST_LAST = {**FACING, "FragPos": (-10.0, 0.0, -80.0)}
 PAST_FAR = {**FACING, "FragPos": tuple(-18.15 * s for s in SUN)}  # a depth of 1.005
-LEAST = round(texel_depths(light_spaces("practical", 1.0))[0], 6)
+LEAST = np.round(texel_depths(light_spaces("practical", 1.0)), 6)
 
 case = Case(
     title="Cascaded shadow maps",
@@ -266,8 +266,9 @@ case = Case(
         formula("practical.FragColor", color),
         formula("practical.bias", own_bias),
         figure(
-            "practical.bias", "the least bias, where the sun falls straight down", FACING, LEAST
+            "practical.bias", "the least bias, where the sun falls straight down", FACING, LEAST[0]
         ),
+        figure("practical.bias", "… in the last cascade", PAST_LAST, LEAST[2]),
         figure("practical.cascade", "past the last split the last cascade goes on", PAST_LAST, 2.0),
         figure("practical.shadow", "just past the far plane nothing is dark", PAST_FAR, 0.0),
         measure(

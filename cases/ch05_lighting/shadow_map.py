@@ -25,7 +25,7 @@ from shaderlab.reference.transforms import look_at, orthographic
 from ..scenes import shadow_stage as courtyard
 from ..scenes.cameras import camera
 from ..scenes.courtyard_light import courtyard_references
-from ..scenes.figures import figure, results
+from ..scenes.figures import figure, figures, results
 from ..scenes.shadow_stage import BOXES, EYE, LIGHT_VIEW, MODEL, SHADOW, SUN, WHITE, reads
 from ..scenes.shadow_truth import against_rays, told_wrongly
 
@@ -69,6 +69,11 @@ IN_SHADOW = {
     "Normal": (-2.0, 4.0, -1.0),
     "Color": GREY,
     "FragPosLightSpace": LIGHT_SPACE @ MODEL @ (-0.9, 0.0, 0.4, 1.0),
+}
+PLACE = IN_SHADOW["FragPosLightSpace"]
+AT = {
+    "the place by w, which need not be 1": ({"FragPosLightSpace": 20.0 * PLACE}, 1.0),
+    "just past the far plane": ({"FragPosLightSpace": (*PLACE[:2], 1.0002, 1.0)}, 0.0),
 }
 
 TURNED = (0.544450, 0.592841, 0.685453)
@@ -128,6 +133,7 @@ case = Case(
         ),
         *results({"multiplied by the grey twice": (0.15 * GREY[0] * GREY[0], 0.0375)}, digits=4),
         figure("judged.FragColor", KEPT, IN_SHADOW, (0.075, 0.075, 0.075, 1.0)),
+        *figures("judged.shadow", AT, at=IN_SHADOW),
     ],
     errata=[
         Erratum(

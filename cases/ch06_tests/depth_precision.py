@@ -38,6 +38,7 @@ WIDTH = 512
 SQUARE = assets.quad(2.0)
 # No pixel of the judged chart lies on these.
 LINES = {"the line at z = 1": 0.0, "the line at z = 10": 1.0, "just inside a line": 0.00398}
+BESIDE = {"decade": 0.00402, "height": 0.5}
 
 
 def chart(row, near):
@@ -201,6 +202,7 @@ case = Case(
             "judged.FragColor",
             {
                 **{line: ({"decade": x, "height": 0.5}, GREY) for line, x in LINES.items()},
+                "just outside a line": (BESIDE, DARK),
                 "just below the bar at the top": ({"decade": 0.5, "height": 0.98}, DARK),
             },
             reference=painted,
