@@ -175,8 +175,8 @@ case = Case(
     section="5.9.2",
     math=r"s = \left[\lVert p - l \rVert (1 - b) > z_{\text{cube}}(p - l)\right]",
     passes=(
-        *(face(name, 256) for name in FACES),
-        *(one for name in FACES for one in both_ways(face(name, 512))),
+        *(one for name in FACES for one in both_ways(face(name, 256))),
+        *(face(name, 512) for name in FACES),
         *shadow_stage.photographed(by_lamp("", 512, BIAS, BULB).draws, clear=NIGHT),
         picture([replace(BULB, state=State())], None, "bulb"),
         lit.glow((1.0, 0.9, 0.7)),
@@ -190,7 +190,7 @@ case = Case(
             formula(f"{name}-256.depth", stored, discards=beyond, name=f"distances on {name}")
             for name in FACES
         ),
-        *(any_order(f"{name}-512.depth") for name in FACES),
+        *(any_order(f"{name}-256.depth") for name in FACES),
         formula("+x-256.gl_Position", light_position),
         formula("+x-256.FragPos", world_position),
         *lit.vertex_stage_checks("gl_Position", "FragPos", "Normal", "Color", pass_name="judged"),

@@ -130,7 +130,7 @@ def _faults(
         at = np.flatnonzero(everything.covered)
         missing.flat[at] = ~_find_seen_alike(found, everything, at)
     if rule is not None:
-        if everything is not None:
+        if everything is not None and missing.any():
             missing[missing] = _evaluate_rule(rule, frame, key, everything, missing).all_false
         surplus = found.covered.copy()
         surplus[surplus] = _evaluate_rule(rule, frame, key, found, surplus).all_true
