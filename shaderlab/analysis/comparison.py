@@ -33,6 +33,7 @@ from shaderlab.files import display_path
 
 from .answer import Answer, Numerics, OutputAnswer
 from .batches import InputBatch, merge_batches
+from .coverage import lines_not_run
 from .differences import (
     MOST,
     bands_of,
@@ -40,7 +41,6 @@ from .differences import (
     discards,
     first_difference,
     jumps,
-    lines_not_run,
 )
 from .inputs import (
     Input,

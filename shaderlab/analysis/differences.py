@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Callable, Mapping, Set
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -209,17 +209,4 @@ def discards(program: Program) -> list[int]:
         for block in function.blocks.values()
         for instruction in block
         if instruction.op == Op.Kill
-    )
-
-
-def lines_not_run(program: Program, ran: Set[int]) -> list[int]:
-    """The first lines of blocks that were not run, of functions that were; ends of blocks, where
-    nothing is done, don't count."""
-    return sorted(
-        {
-            block[0].line
-            for function in program.functions.values()
-            for label, block in function.blocks.items()
-            if label not in ran and len(block) > 1 and not ran.isdisjoint(function.blocks)
-        }
     )

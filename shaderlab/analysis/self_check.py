@@ -31,9 +31,9 @@ from shaderlab.files import display_path
 from shaderlab.model.expectation import Judgement, Need
 from shaderlab.model.frame import PassDraw
 from shaderlab.model.phases import phase
-from shaderlab.model.records import Explanation, ModulesRecord, Outcome, Row
+from shaderlab.model.records import Explanation, LineCoverage, ModulesRecord, Outcome, Row
 
-from .batches import InputBatch
+from .batches import InputBatch, fragment_batch
 from .invocations import Invocations, program_of, sample_fragments, stage_of
 
 if TYPE_CHECKING:
@@ -49,7 +49,8 @@ _NAME = "each draw is what its shader says"
 class _DrawCheck:
     """What checking one draw found: a row for each output, or why the draw was left out; the
     outputs that were judged, and those outside of their bands; how many pixels were judged, over
-    all outputs; and words about the first pixel that is outside."""
+    all outputs; words about the first pixel that is outside; and the program with what it came
+    to."""
 
     rows: list[Row] = field(default_factory=list)
     left_out: str = ""
@@ -57,6 +58,7 @@ class _DrawCheck:
     outside: list[str] = field(default_factory=list)
     judged: int = 0
     message: str = ""
+    taken: tuple[Program, Set[tuple[int, int]]] | None = None
 
 
 class SelfCheck:
@@ -101,6 +103,7 @@ class SelfCheck:
             judged=judged,
             outputs=tuple(dict.fromkeys(outputs)),
             left_out=tuple(dict.fromkeys(left_out)),
+            coverage=_list_lines(checks.values()) if self._every else (),
         )
         rows = [row for check in checks.values() for row in check.rows]
         rows += self._prove() if self._every else ()
@@ -163,6 +166,8 @@ def _check_outputs(
         return
     if not shows_what_is_written(evaluation, key):
         given = _redraw_unblended(evaluation, key, given)
+    if every:
+        check.taken = given.program, result.taken | _take_discarded(evaluation, key, given)
     discarded = result.discarded.all_true.reshape(-1)
     for name, band in result.outputs.items():
         outside = find_outside(given, name, band)
@@ -188,12 +193,26 @@ def _interpret_draw(
     given = sample_fragments(evaluation, key, None if every else PIXELS, program=program)
     if not given.count:
         return given, None
-    blocks = _MOST_BLOCKS if every else _SAMPLE_BLOCKS
+    return given, _interpret(program, given, _MOST_BLOCKS if every else _SAMPLE_BLOCKS)
+
+
+def _interpret(program: Program, given: Invocations | InputBatch, most: int) -> Interpreted:
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
-        return given, interpret(
-            program, given.each, given.bindings, Bands(), count=given.count, max_blocks=blocks
+        return interpret(
+            program, given.each, given.bindings, Bands(), count=given.count, max_blocks=most
         )
+
+
+def _take_discarded(
+    evaluation: Evaluation, key: PassDraw, given: Invocations
+) -> Set[tuple[int, int]]:
+    """The blocks that fragments came to which a draw may have discarded, as of `Interpreted`."""
+    captured = evaluation.answer(CapturedFragments(key))
+    if captured.undiscarded is None:
+        return set()
+    batch = fragment_batch(captured, given.bindings, PIXELS)
+    return _interpret(given.program, batch, _MOST_BLOCKS).taken
 
 
 def shows_what_is_written(evaluation: Evaluation, key: PassDraw) -> bool:
@@ -243,6 +262,16 @@ def _choose_draws(evaluation: Evaluation, known: Set[Need], *, every: bool) -> I
         first = sorted((min(keys, key=cost) for keys in passes.values()), key=cost)
         yield first[0]
         yield from (key for key in first[1:] if cost(key) == (False, False))
+
+
+def _list_lines(checks: Iterable[_DrawCheck]) -> tuple[LineCoverage, ...]:
+    from .coverage import Lines, add_coverage, record_lines  # few runs ask
+
+    lines: Lines = {}
+    for check in checks:
+        if check.taken:
+            add_coverage(lines, *check.taken)
+    return record_lines(lines)
 
 
 def _leave_out(check: _DrawCheck, key: PassDraw, why: str) -> None:

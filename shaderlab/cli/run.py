@@ -64,7 +64,7 @@ class RunArguments:
             include=self.includes,
             targets=self.compile_targets,
             gl_calls=self.gl_calls,
-            modules=self.modules,
+            modules=True if "lcov" in self.outputs else self.modules,
             driver=self.drivers[0] if self.drivers else self.driver,
             limits=self.limits,
         )

@@ -397,14 +397,27 @@ class DrawnOutput:
 
 
 @dataclass(frozen=True, kw_only=True)
+class LineCoverage:
+    """A line of a shader: whether a fragment came to it, and which ways of its branches were taken,
+    one after the other."""
+
+    file: str
+    line: int
+    was_run: bool
+    branches: tuple[bool, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
 class ModulesRecord:
     """What a scene's fragment shaders were interpreted for, to judge what the driver drew: how many
     pixels' outputs lie inside or outside of their modules' bands, the outputs ("pass.output"), and
-    the draws that were left out, each with the reason."""
+    the draws that were left out, each with the reason. `coverage` is known where all pixels were
+    looked at."""
 
     judged: int = 0
     outputs: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+    coverage: tuple[LineCoverage, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

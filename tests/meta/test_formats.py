@@ -16,6 +16,7 @@ from shaderlab.model.records import (
     CallsRecord,
     Disagreement,
     DriverResult,
+    LineCoverage,
     ModulesRecord,
     Run,
 )
@@ -45,7 +46,9 @@ def full() -> Run:
     calls = CallsRecord(pass_name="p", draw=None, calls=("glClear();",))
     own = record(
         seconds=NAN, timings={"draw": 0.5}, gl_calls=(calls,),
-        modules=ModulesRecord(judged=1),
+        modules=ModulesRecord(
+            judged=1, coverage=(LineCoverage(file="a.frag", line=3, was_run=True),)
+        ),
     )  # fmt: skip
     result = DriverResult(driver="x", renderer="y", id="lamp", variant="50", status="pass")
     apart = Disagreement(

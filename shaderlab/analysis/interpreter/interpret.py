@@ -170,13 +170,19 @@ class Interpreted:
             hold.
         discarded: which invocations were discarded, (count,); undecided where a band is open.
         undecided: by line of the program's text, the invocations that took both sides of a branch.
-        ran: the labels of the blocks that an invocation came to.
+        taken: each two blocks, by their labels, of which an invocation came to one after the other;
+            0 comes before a function's first.
     """
 
     outputs: Mapping[str, Any]
     discarded: TriBool
     undecided: Mapping[int, Flags]
-    ran: Set[int] = frozenset()
+    taken: Set[tuple[int, int]] = frozenset()
+
+    @property
+    def ran(self) -> Set[int]:
+        """The labels of the blocks that an invocation came to."""
+        return {label for _, label in self.taken}
 
 
 def interpret(
@@ -245,5 +251,5 @@ def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
         outputs={} if end is None else find_outputs(program, end.memory, count),
         discarded=TriBool(run.killed & ~survivors, ~run.killed),
         undecided=run.undecided,
-        ran=run.ran,
+        taken=run.taken,
     )

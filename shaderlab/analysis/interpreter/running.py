@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Set
+from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
@@ -177,6 +177,8 @@ class Run:
         calls: the lines of the calls under way.
         killed: the invocations that a `discard` may have ended.
         undecided: by line, the invocations that took both sides of a branch there.
+        taken: each two blocks, by their labels, of which one was run after the other; 0 comes
+            before a function's first.
     """
 
     program: Program
@@ -195,16 +197,12 @@ class Run:
         self.calls: list[int] = []
         self.killed: Flags = np.zeros(self.count, np.bool_)
         self.undecided: dict[int, Flags] = {}
+        self.taken: set[tuple[int, int]] = set()
         self.units: dict[int, tuple[Value, float]] = {}
         self._blocks = 0
         self._reads: list[Value] = []
         self._steps: dict[int, Steps] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
-
-    @property
-    def ran(self) -> Set[int]:
-        """The labels of the blocks that were run so far."""
-        return self._steps.keys()
 
     def value(self, id_: int) -> Value:
         """What an operand's id stands for."""
@@ -276,7 +274,9 @@ class Run:
     def call(self, function: Function, state: PathState) -> PathState | None:
         """Run a function; the state in which it returns, None if it returns nowhere."""
         order = function.order
-        waiting = {next(iter(function.blocks)): [state]}
+        first = next(iter(function.blocks))
+        self.taken.add((0, first))
+        waiting = {first: [state]}
         returned: list[PathState] = []
         visits: dict[int, int] = {}
         while waiting:
@@ -340,5 +340,6 @@ class Run:
         leaving = branch(self, function, last, state)
         for target, next_state in leaving:
             if target is not None:
+                self.taken.add((label, target))
                 take_phis(self, function, label, target, next_state)
         return leaving

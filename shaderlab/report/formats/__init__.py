@@ -44,6 +44,7 @@ class Format(NamedTuple):
 FORMATS = (
     Format("json", "Write results as JSON; - for stdout."),
     Format("junit", "Write results as JUnit XML; - for stdout."),
+    Format("lcov", "Write which lines of fragment shaders ran as LCOV, for coverage services."),
     Format("markdown", "Write a summary in Markdown; - for stdout."),
     Format("sarif", "Write failures with file and line as SARIF; - for stdout.", findings=True),
 )
