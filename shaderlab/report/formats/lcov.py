@@ -25,7 +25,7 @@ def render(run: Run) -> str:
             count, ways = lines.get(one.line, (0, []))
             ways = [a + b for a, b in zip_longest(ways, one.branches, fillvalue=0)]
             lines[one.line] = count + one.was_run, ways
-    if not files:
+    if run.records and not files:
         raise UsageError("the run has no coverage of shaders", remedy="run with --modules")
     return "".join(f"{row}\n" for file in sorted(files) for row in _rows(file, files[file]))
 
