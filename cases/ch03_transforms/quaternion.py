@@ -21,13 +21,12 @@ import numpy as np
 from numpy.linalg import norm
 
 from shaderlab import Case, Mesh, Target, assets, formula, mesh_pass, sweep
-from shaderlab.assets import solids
 from shaderlab.glslmath import vec4
 from shaderlab.reference.euler import euler_matrix
 from shaderlab.reference.quaternions import axis_angle, conjugate, matrix_of, product, slerp, turned
 from shaderlab.reference.transforms import scale
 
-from ..scenes import stage
+from ..scenes import painted_solids as solids, stage
 from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figure, figures, results
 from ..scenes.glm import slerp_by_glm, turned_by_glm

@@ -17,11 +17,10 @@ outerProduct(u, u)`: letters shrink along their axis, which the third term preve
 from math import radians
 
 from shaderlab import Case, Erratum, formula
-from shaderlab.assets import solids
 from shaderlab.glslmath import normalize
 from shaderlab.reference.transforms import rotate, rotated, translate
 
-from ..scenes import stage
+from ..scenes import painted_solids as solids, stage
 from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import rotated_by_glm

@@ -16,10 +16,9 @@ on the stretched letters as if on others.
 from numpy.linalg import det
 
 from shaderlab import Case, formula
-from shaderlab.assets import solids
 from shaderlab.reference.transforms import scale, scaled, translate
 
-from ..scenes import stage
+from ..scenes import painted_solids as solids, stage
 from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import scaled_by_glm

@@ -23,11 +23,10 @@ from itertools import accumulate
 import numpy as np
 
 from shaderlab import Case, Erratum, assets, formula
-from shaderlab.assets import solids
 from shaderlab.glslmath import mul, vec4
 from shaderlab.reference.transforms import normal_matrix, scale, translate, world_normal
 
-from ..scenes import stage
+from ..scenes import painted_solids as solids, stage
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figure, results
 from ..scenes.glm import scaled_then_rotated_by_glm, translated_from_by_glm

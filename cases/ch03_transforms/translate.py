@@ -14,11 +14,10 @@ the left letter stops halfway along its arrow, and the right one does not notice
 """
 
 from shaderlab import Case, Depth, Erratum, formula
-from shaderlab.assets import solids
 from shaderlab.glslmath import swizzle
 from shaderlab.reference.transforms import in_view, scale, translate, translated
 
-from ..scenes import stage
+from ..scenes import painted_solids as solids, stage
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import translated_by_glm

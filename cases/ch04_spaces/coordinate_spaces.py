@@ -20,7 +20,6 @@ from math import radians
 import numpy as np
 
 from shaderlab import Case, Erratum, assets, formula
-from shaderlab.assets import solids
 from shaderlab.glslmath import mul, swizzle, vec4
 from shaderlab.reference.spaces import device, window
 from shaderlab.reference.transforms import (
@@ -34,7 +33,7 @@ from shaderlab.reference.transforms import (
     world_normal,
 )
 
-from ..scenes import stage
+from ..scenes import painted_solids as solids, stage
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import figure
 from ..scenes.glm import clip_by_glm

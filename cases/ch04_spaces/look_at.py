@@ -16,12 +16,11 @@ the camera sees shrinks by one or two hundredths.
 import numpy as np
 
 from shaderlab import Case, Erratum, assets, formula
-from shaderlab.assets import solids
 from shaderlab.glslmath import mul, vec4
 from shaderlab.reference.spaces import in_camera
 from shaderlab.reference.transforms import look_at, translate
 
-from ..scenes import stage
+from ..scenes import painted_solids as solids, stage
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import figures, results
 from ..scenes.glm import in_camera_by_glm, rotation_by_glm_float32

@@ -19,10 +19,9 @@ from dataclasses import replace
 import numpy as np
 
 from shaderlab import Case, Pass, State, Stencil, Target, any_order, formula, measure
-from shaderlab.assets import solids
 from shaderlab.reference.transforms import clip_position, scale, translate, world_normal
 
-from ..scenes import stage
+from ..scenes import painted_solids as solids, stage
 from ..scenes.cameras import camera, turned
 from ..scenes.draws import twins
 from ..scenes.figures import each_draw

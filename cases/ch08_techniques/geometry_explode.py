@@ -15,10 +15,11 @@ Try: in `ch08_techniques/geometry_explode.geom` write `sin(time)` for `(sin(time
 from math import pi, radians
 
 from shaderlab import Case, Mesh, Variant, formula, query, value
-from shaderlab.assets import meshes, solids
+from shaderlab.assets import meshes
 from shaderlab.glslmath import cross, dot, max, mul, normalize, sin, sqrt, swizzle, vec3, vec4
 from shaderlab.reference.transforms import look_at, perspective, rotate, translate, world_position
 
+from ..scenes import painted_solids as solids
 from ..scenes.draws import tested
 from ..scenes.figures import results
 from ..scenes.laws import entry

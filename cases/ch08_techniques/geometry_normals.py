@@ -16,12 +16,12 @@ Try: in `ch08_techniques/geometry_normals.geom` write `float(end) * -gs_in[i].no
 import numpy as np
 
 from shaderlab import Case, any_order, both_ways, formula, query
-from shaderlab.assets import meshes, solids
+from shaderlab.assets import meshes
 from shaderlab.glslmath import floor, mix, mul, normalize, vec3, vec4
 from shaderlab.reference.rasterisation import samples_passed
 from shaderlab.reference.transforms import normal_matrix, translate
 
-from ..scenes import stage
+from ..scenes import painted_solids as solids, stage
 from ..scenes.cameras import camera, turned
 from ..scenes.draws import tested
 from ..scenes.figures import figure

@@ -15,12 +15,11 @@ first sample is not the mean.
 """
 
 from shaderlab import Case, Output, exact, formula
-from shaderlab.assets import solids
 from shaderlab.glslmath import abs, floor, swizzle, vec4, where
 from shaderlab.glslmath.sampling import texelFetch
 from shaderlab.reference.transforms import clip_position, translate, world_normal
 
-from ..scenes import stage
+from ..scenes import painted_solids as solids, stage
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figures
 from ..scenes.panels import panel_pass, picture, rectangle

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.assets.meshes import Geometry, cube, joined, moved
-from shaderlab.assets.solids import painted
 
+from .painted_solids import painted
 from .remembered import remembered
 
 Array = npt.NDArray[Any]

@@ -9,11 +9,11 @@ import numpy as np
 
 from shaderlab import Draw, Pass
 from shaderlab.assets.meshes import Geometry, joined, moved, plane, sphere
-from shaderlab.assets.solids import lathe, painted
 from shaderlab.reference.transforms import scale
 
 from . import lit
 from .cameras import camera, turned
+from .painted_solids import lathe, painted
 from .remembered import remembered
 
 EYE = (4.4, 5.2, 8.6)

@@ -1,6 +1,6 @@
 """Painted props for scenes that show a transform: axes, a letter, an aircraft, a floor, a track.
 
-Vertices have a colour, `aColor`, as all solids of `shaderlab.assets.solids` have.
+Vertices have a colour, `aColor`, as all solids of `painted_solids` have.
 """
 
 from __future__ import annotations
@@ -14,7 +14,11 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.assets.meshes import Geometry, joined, moved, sphere, torus
-from shaderlab.assets.solids import (
+from shaderlab.reference.euler import gimbal_axes
+from shaderlab.reference.transforms import rotate, translate
+
+from .cameras import turned
+from .painted_solids import (
     BLUE,
     GOLD,
     GREEN,
@@ -32,10 +36,6 @@ from shaderlab.assets.solids import (
     rod,
     wire,
 )
-from shaderlab.reference.euler import gimbal_axes
-from shaderlab.reference.transforms import rotate, translate
-
-from .cameras import turned
 from .remembered import remembered
 
 Vector = npt.NDArray[Any]

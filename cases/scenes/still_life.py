@@ -11,12 +11,12 @@ import numpy.typing as npt
 
 from shaderlab import Output, Pass, Ramp, Target, measure
 from shaderlab.assets.meshes import Geometry, joined, moved, sphere, torus
-from shaderlab.assets.solids import box, painted
 from shaderlab.model.textures import TextureSource
 from shaderlab.reference.rasterisation import samples_seen
 
 from .cameras import camera
 from .figures import figure, ground
+from .painted_solids import box, painted
 from .panels import WHOLE, panel_pass
 from .props import letter_f
 from .remembered import remembered
