@@ -23,12 +23,10 @@ _TEXT = """\
 # The course
 
 The lessons follow a set of study notes on OpenGL, section by section. For each section: the lesson
-and its law, and the expectations that fail where that does not hold, by kind and name. Of those
-whose names differ in a number one is listed, and five of a kind at most. Where a lesson proves more
-than its own law, the expectations that do are named. `shaderlab run ID` draws a lesson and judges
-all of this; [expectations](expectations.md) explains the kinds.
+and its law, and how many expectations of each kind fail where that does not hold. Where a lesson
+proves more than its own law, the expectations that do are named. `shaderlab run ID` draws a lesson
+and judges all of this; [expectations](expectations.md) explains the kinds.
 """
-_SHOWN = 5  # names of a kind
 
 SECTIONS: Mapping[str, str] = {
     number: title
@@ -162,13 +160,7 @@ def _law(case: Case) -> str:
 
 
 def _by(case: Case) -> str:
-    parts = []
-    for kind, names in names_of(case).items():
-        alike = {re.sub(r"\d+", "0", name): name for name in reversed(names)}
-        some = list(reversed(alike.values()))
-        more = f" and {len(some) - _SHOWN} more" if len(some) > _SHOWN else ""
-        parts.append(f"*{kind}*: {', '.join(map(_cell, some[:_SHOWN]))}{more}")
-    return " · ".join(parts)
+    return ", ".join(f"{kind} {len(names)}" for kind, names in names_of(case).items())
 
 
 def _cell(text: str) -> str:
