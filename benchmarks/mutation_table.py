@@ -1,9 +1,9 @@
 """Writes docs/internals/mutation-scores.md: `python -m benchmarks.mutation_table [FILE.json…]`.
 
 Takes the cases in each FILE, which `shaderlab mutate --json FILE` wrote, into mutation-scores.json,
-and writes the page's tables from that and from mutation-survivors.toml, which says why a mutant
-survives. Survivors that nothing there is about are printed, and the exit status is 1. Of files that
-`mutate --api` wrote, the cases go to api-mutation-scores.json, and their survivors into the table.
+and writes the page's tables from that. Survivors that nothing in mutation-survivors.toml is about,
+which says why mutants survive, are printed, and the exit status is 1. Of files that `mutate --api`
+wrote, the cases go to api-mutation-scores.json, and their survivors into the table.
 """
 
 from __future__ import annotations
@@ -47,8 +47,7 @@ def main(files: Sequence[str]) -> int:
             ]
     _write(SCORES, scores)
     _write(API_SCORES, calls)
-    text = page(PAGE.read_text(encoding="utf-8"), scores, known, calls)
-    PAGE.write_text(text, encoding="utf-8")
+    PAGE.write_text(page(PAGE.read_text(encoding="utf-8"), scores, calls), encoding="utf-8")
     for line in unknown:
         print(f"not in {SURVIVORS.name}: {line}")
     return 1 if unknown else 0
@@ -108,18 +107,15 @@ def is_about(entry: Entry, case_id: str, survivor: Mapping[str, Any]) -> bool:
         return change.endswith(tuple(entry.get("state", ())))
     name, number = Path(survivor["file"]).name, int(survivor["line"])
     return (
-        any(name == file and number == line_number(file, text) for file, text in _lines(entry))
+        any(name == file and number == line_number(file, text) for file, text in lines_of(entry))
         or name in entry.get("files", ())
         or survivor["before"].startswith(tuple(entry.get("before", ())))
     )
 
 
-def page(
-    text: str, scores: Mapping[str, Row], known: Sequence[Entry], calls: Mapping[str, Entry]
-) -> str:
+def page(text: str, scores: Mapping[str, Row], calls: Mapping[str, Entry]) -> str:
     """The page with its tables made anew."""
-    text = between(text, "scores", score_table(scores))
-    return between(between(text, "survivors", survivor_table(known)), "calls", call_table(calls))
+    return between(between(text, "scores", score_table(scores)), "calls", call_table(calls))
 
 
 def score_table(scores: Mapping[str, Row]) -> str:
@@ -149,15 +145,6 @@ def score_table(scores: Mapping[str, Row]) -> str:
             "when a mistake in an included file hit all programs at once, and one that only shows "
             "where no expectation reads was left out."
         )
-    return "\n".join(lines)
-
-
-def survivor_table(known: Sequence[Entry]) -> str:
-    """A row for each explanation, with the lines' present numbers."""
-    lines = ["| mistake | why |", "|---|---|"]
-    for entry in known:
-        places = [f"`{file}:{line_number(file, text)}`" for file, text in _lines(entry)]
-        lines.append(f"| {entry['mistake'].format(*places)} | {entry['why']} |")
     return "\n".join(lines)
 
 
@@ -201,7 +188,8 @@ def _write(file: Path, scores: Mapping[str, Entry]) -> None:
     file.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
 
 
-def _lines(entry: Entry) -> Iterator[tuple[str, str]]:
+def lines_of(entry: Entry) -> Iterator[tuple[str, str]]:
+    """The shaders' lines that an explanation is about: file and text."""
     yield from entry.get("lines", ())
 
 

@@ -22,8 +22,13 @@ SURVIVOR = {
 
 def test_the_page_is_what_the_data_give() -> None:
     text = made.PAGE.read_text(encoding="utf-8")
-    found = made.page(text, made.load_scores(), made.load_survivors(), made.load_api_scores())
+    found = made.page(text, made.load_scores(), made.load_api_scores())
     assert text == found, "run `python -m benchmarks.mutation_table`"
+
+
+def test_explanations_are_about_lines_that_shaders_have() -> None:
+    places = [place for entry in made.load_survivors() for place in made.lines_of(entry)]
+    assert len(places) > 50 and all(made.line_number(*place) for place in places)
 
 
 def test_every_case_has_a_row() -> None:
