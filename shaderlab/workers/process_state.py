@@ -12,6 +12,7 @@ import resource
 import signal
 import sys
 import warnings
+from collections.abc import Mapping
 from types import FunctionType, ModuleType
 from typing import Any
 
@@ -34,30 +35,26 @@ class ProcessState:
 
     def __init__(self) -> None:
         self._settings = _read_settings()
-        modules = {n: m for n, m in sys.modules.items() if n.partition(".")[0] in _SHARED}
-        self._functions = {name: (vars(m), _functions_of(m)) for name, m in modules.items()}
-        self._methods = [
-            (kind, [(k, v) for k, v in vars(kind).items() if isinstance(v, _METHODS)])
-            for name, (_, functions) in self._functions.items()
-            for _, kind in functions
-            if isinstance(kind, type) and kind.__module__ == name
+        self._modules = {n: m for n, m in sys.modules.items() if n.partition(".")[0] in _SHARED}
+        self._functions: list[tuple[Mapping[str, Any], list[tuple[str, Any]]]] = [
+            (vars(module), _functions_of(module)) for module in self._modules.values()
         ]
+        for name, module in self._modules.items():
+            for kind in vars(module).values():
+                if isinstance(kind, type) and kind.__module__ == name:
+                    methods = [(k, v) for k, v in vars(kind).items() if isinstance(v, _METHODS)]
+                    self._functions.append((vars(kind), methods))
 
     def has_changed(self) -> bool:
         """Whether anything is another than at that time; what modules have besides is not."""
         try:
             if _read_settings() != self._settings:
                 return True
-            for name, (names, functions) in self._functions.items():
-                if vars(sys.modules[name]) is not names:
-                    return True
+            if any(sys.modules[name] is not module for name, module in self._modules.items()):
+                return True
+            for names, functions in self._functions:
                 for key, value in functions:  # thousands: `all` would take three times as long
                     if names[key] is not value:
-                        return True
-            for kind, methods in self._methods:
-                members = vars(kind)
-                for key, value in methods:
-                    if members[key] is not value:
                         return True
         except Exception:  # what would tell is broken itself, or something is gone
             return True
