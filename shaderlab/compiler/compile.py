@@ -246,17 +246,9 @@ def _parse_logs(linked: Linked, sources: Sequence[Source]) -> tuple[Diagnostic, 
     for source in sources:
         found |= dict.fromkeys(parse_stage_log(linked.stage_logs[source.stage], source))
     found |= dict.fromkeys(parse_link_log(linked.log, sources))
-    return _require_error(tuple(found), linked.ok, sources[-1])
-
-
-def _require_error(
-    diagnostics: tuple[Diagnostic, ...], ok: bool, source: Source
-) -> tuple[Diagnostic, ...]:
-    """Return the diagnostics, with an error added if the compiler failed without reporting one."""
-    if ok or has_errors(diagnostics):
-        return diagnostics
-    message = "the compiler rejects the shader without a message"
-    return (*diagnostics, source.diagnostic(message))
+    if not linked.ok and not has_errors(tuple(found)):
+        found[sources[-1].diagnostic("the compiler rejects the shader without a message")] = None
+    return tuple(found)
 
 
 _DIRECTIVE = r"^[ \t]*#[ \t]*(?!define\b)[^\n]*"

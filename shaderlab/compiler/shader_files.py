@@ -309,9 +309,10 @@ class Roots:
         """
         found: dict[str, str] = {}
         for folder in self.folders:
-            for name in _below(folder, most):
-                path = _resolve_folder(os.path.join(folder, name))
-                found[path] = min(found.get(path, name), name, key=len)
+            for file in map(Path, itertools.islice(_walk(str(folder)), most)):
+                if is_shader(file.name) and file.is_file():
+                    path, name = _resolve_folder(str(file)), file.relative_to(folder).as_posix()
+                    found[path] = min(found.get(path, name), name, key=len)
         return tuple(dict.fromkeys([*self._overrides, *found.values()]))
 
     def _read_override(self, key: str, name: str) -> File:
@@ -386,12 +387,6 @@ def normalise_name(name: str, folder: str = "") -> str:
 def is_shader(name: str) -> bool:
     """Return whether a file's name is a shader's, or an included one's."""
     return _SHADER_SUFFIXES.fullmatch(os.path.splitext(name)[1]) is not None
-
-
-def _below(folder: Path, most: int | None) -> Iterator[str]:
-    for path in map(Path, itertools.islice(_walk(str(folder)), most)):
-        if _SHADER_SUFFIXES.fullmatch(path.suffix) and path.is_file():
-            yield path.relative_to(folder).as_posix()
 
 
 @dataclass(frozen=True)

@@ -274,17 +274,17 @@ class Executor:
         if result.status == "done":
             record: Record = result.value
             return record
+        driver = ""
+        if result.status != "error":
+            driver = result.item.job.driver or self.about().get("renderer", "")
         return make_failed_record(
             result.item.job,
             result.status,
             format_error(result),
             step=result.step,
-            driver=self._driver_of(result.item.job) if result.status != "error" else "",
+            driver=driver,
             seconds=self.limits.seconds if result.status == "timeout" else 0.0,
         )
-
-    def _driver_of(self, job: Job) -> str:
-        return job.driver or self.about().get("renderer", "")
 
 
 class ProcessExecutor(Executor):

@@ -188,15 +188,9 @@ class TestFileTarget(MutationTarget):
         for text, source in result.loads.sources.items():
             used = frozenset(result.loads.used.get(text, ()))
             tests = (_callers(source, result) & green) or green
-            for mutant in mutate_stage(source, (source.name,), functions=used):
-                fields = {
-                    **vars(mutant),
-                    "source": source,
-                    "used": used,
-                    "tests": tests,
-                    "red": red,
-                }
-                found.append(FunctionMutant(**fields))
+            mutants = mutate_stage(source, (source.name,), functions=used)
+            own: dict[str, Any] = {"source": source, "used": used, "tests": tests, "red": red}
+            found += (FunctionMutant(**vars(mutant), **own) for mutant in mutants)
         if not found:
             raise CaseError(
                 "no test of this file asks for a function of GLSL",

@@ -196,7 +196,8 @@ def _make_device(driver: str, instance: Any, structs: Structs) -> Device:
     version = (properties.apiVersion >> 22 & 127, properties.apiVersion >> 12 & 1023)
     if version < REQUIRED_VERSION:
         raise DriverError(f"{name} has Vulkan {version[0]}.{version[1]}; the lab needs 1.3")
-    extensions = _list_extensions(physical)
+    listed = vulkan.vkEnumerateDeviceExtensionProperties(physical, None)
+    extensions = {extension.extensionName for extension in listed}
     for wanted in _NEEDED:
         if wanted not in extensions:
             raise DriverError(f"{name} lacks {wanted}, by which Vulkan draws as OpenGL does")
@@ -220,12 +221,10 @@ def _make_device(driver: str, instance: Any, structs: Structs) -> Device:
         "DeviceCreateInfo", pNext=core, queueCreateInfoCount=1, pQueueCreateInfos=[queue_info],
         enabledExtensionCount=len(used), ppEnabledExtensionNames=used,
     ))  # fmt: skip
-    queue = ffi.new("VkQueue *")
-    lib.vkGetDeviceQueue(device, family, 0, queue)
+    queue = vulkan.vkGetDeviceQueue(device, family, 0)
     pool_info = structs("CommandPoolCreateInfo", queueFamilyIndex=family)
     pool = _create_object("vkCreateCommandPool", "VkCommandPool", device, pool_info)
-    memory = ffi.new("VkPhysicalDeviceMemoryProperties *")
-    lib.vkGetPhysicalDeviceMemoryProperties(physical, memory)
+    memory = vulkan.vkGetPhysicalDeviceMemoryProperties(physical)
     kinds = [memory.memoryTypes[k].propertyFlags for k in range(memory.memoryTypeCount)]
     said = ffi.string(about.driverInfo).decode()
     spelt = ".".join(map(str, (*version, properties.apiVersion & 4095)))
@@ -239,7 +238,7 @@ def _make_device(driver: str, instance: Any, structs: Structs) -> Device:
     }
     return Device(
         driver, info, features, properties.limits, tuple(kinds),
-        instance, physical, device, queue[0], pool, structs,
+        instance, physical, device, queue, pool, structs,
     )  # fmt: skip
 
 
@@ -258,9 +257,7 @@ def _choose_physical(driver: str, instance: Any) -> Any:
         raise DriverError(f"the Vulkan driver {driver} has no device")
 
     def order(physical: Any) -> int:
-        properties = ffi.new("VkPhysicalDeviceProperties *")
-        lib.vkGetPhysicalDeviceProperties(physical, properties)
-        return _PREFERRED.index(properties.deviceType)
+        return _PREFERRED.index(vulkan.vkGetPhysicalDeviceProperties(physical).deviceType)
 
     return min(list(found)[: count[0]], key=order)
 
@@ -271,14 +268,6 @@ def _read_properties(physical: Any, structs: Structs) -> tuple[Any, Any]:
     found = structs("PhysicalDeviceProperties2", pNext=about)
     lib.vkGetPhysicalDeviceProperties2(physical, found)
     return found.properties, about
-
-
-def _list_extensions(physical: Any) -> set[str]:
-    count = ffi.new("uint32_t *")
-    lib.vkEnumerateDeviceExtensionProperties(physical, NULL, count, NULL)
-    found = ffi.new("VkExtensionProperties[]", count[0])
-    lib.vkEnumerateDeviceExtensionProperties(physical, NULL, count, found)
-    return {ffi.string(one.extensionName).decode() for one in found}
 
 
 def _chain_features(used: list[str], structs: Structs) -> tuple[Any, list[Any]]:
@@ -298,11 +287,7 @@ def _list_enabled(group: Any) -> list[str]:
 
 
 def _find_graphics_family(physical: Any, name: str) -> int:
-    count = ffi.new("uint32_t *")
-    lib.vkGetPhysicalDeviceQueueFamilyProperties(physical, count, NULL)
-    families = ffi.new("VkQueueFamilyProperties[]", count[0])
-    lib.vkGetPhysicalDeviceQueueFamilyProperties(physical, count, families)
-    for number, family in enumerate(families):
+    for number, family in enumerate(vulkan.vkGetPhysicalDeviceQueueFamilyProperties(physical)):
         if family.queueFlags & constant("QUEUE_GRAPHICS_BIT"):
             return number
     raise DriverError(f"{name} does not draw: it has no queue for graphics")
@@ -354,8 +339,7 @@ class Resources(ExitStack):
         structs = Structs()
         bits = constant(f"BUFFER_USAGE_{usage.upper()}_BIT")
         handle = self.create("Buffer", structs("BufferCreateInfo", size=length, usage=bits))
-        needs = ffi.new("VkMemoryRequirements *")
-        lib.vkGetBufferMemoryRequirements(self.device.handle, handle, needs)
+        needs = vulkan.vkGetBufferMemoryRequirements(self.device.handle, handle)
         memory = self._allocate(needs, _HOST, _CACHED)
         check(lib.vkBindBufferMemory(self.device.handle, handle, memory, 0), "binding a buffer")
         at = ffi.new("void **")
@@ -366,8 +350,7 @@ class Resources(ExitStack):
         return Buffer(handle, contents)
 
     def bind_image_memory(self, image: Any) -> None:
-        needs = ffi.new("VkMemoryRequirements *")
-        lib.vkGetImageMemoryRequirements(self.device.handle, image, needs)
+        needs = vulkan.vkGetImageMemoryRequirements(self.device.handle, image)
         memory = self._allocate(needs, 0, _DEVICE_LOCAL)
         check(lib.vkBindImageMemory(self.device.handle, image, memory, 0), "binding an image")
 

@@ -60,7 +60,7 @@ def texture(sampler: Sampler, p: Any, lod: Any = None) -> Any:
         FormulaError: `p` has another number of components, the filters need a level and none is
             given, or a band reaches over several texels.
     """
-    return sample(sampler, p, None if lod is None else component(to_span(lod), 0))
+    return sample(sampler, p, _to_level(lod))
 
 
 def sample(sampler: Sampler, p: Any, level: Span | None, offset: Offset = (0, 0)) -> Any:
@@ -370,9 +370,7 @@ def imageLoad(image: Sampler, p: Any) -> Any:
 def imageSize(image: Sampler) -> Integer:
     """GLSL's `imageSize`: (width, height) in texels, then the layers of an array or the depth of an
     image3D."""
-    count, height, width, _ = reading.level_values(image, 0).shape
-    size = (width, height) if image.texels.kind == "2D" else (width, height, count)
-    return Integer(np.array(size), rules=image.rules)
+    return textureSize(image)
 
 
 # How far log2(m) lies above m - 1 for m in 1…2, at most (where m = 1 / ln 2).
