@@ -72,7 +72,7 @@ def shaders_of(programs: Programs) -> dict[tuple[str, str], list[tuple[str, int]
         for i, draw in enumerate(draws):
             if not draw.draw.compute:
                 for output in draw.interface.outputs:
-                    found.setdefault((draw.text("fragment") or "", output), []).append((name, i))
+                    found.setdefault((draw.text("fragment"), output), []).append((name, i))
     return found
 
 

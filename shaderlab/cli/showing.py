@@ -269,16 +269,13 @@ class Reporter:
             self._print_line(f"{self._done} of {self._total} done{left}; running {name}")
 
     def ends(self, record: Record) -> None:
-        self.advance()
+        self._bar.advance(self._task)
+        self._done += 1
         if text.has_failed(record):
             where = f" on {record.driver_name}" if record.driver_name else ""
             self._print_line(
                 f"{record.status}: {text.format_label(record.id, record.variant)}{where}"
             )
-
-    def advance(self) -> None:
-        self._bar.advance(self._task)
-        self._done += 1
 
     def _print_line(self, line: str) -> None:
         if self._bar.disable:

@@ -51,7 +51,7 @@ def probe_fragments(
     count = max((len(values) for values in inputs.values()), default=1)
     width = min(count, WIDTH)
     size = (width, -(-count // width))
-    discards = stages.may_discard(draw.text("fragment") or "")
+    discards = stages.may_discard(draw.text("fragment"))
     probe = _points_of(draw, complete, count, discards)
     target = Target(depth="depth24_stencil8") if discards else Target()
     outputs = draw.interface.outputs
@@ -85,7 +85,7 @@ def _points_of(
 ) -> PreparedDraw:
     """Return the draw as points, each with its row of the inputs; where the stage may discard,
     points that it keeps count one up in the stencil buffer."""
-    text = draw.text("fragment") or ""
+    text = draw.text("fragment")
     vertex, columns = stages.write_probe_stage(text, tuple(draw.interface.varyings.values()))
     if len(columns) > _MAX_ATTRIBUTES:
         raise UnsupportedError(
@@ -138,7 +138,7 @@ def capture_together(
     types: list[str] = []  # of the attachments
     try:
         for number in sorted(range(len(draws)), key=lambda each: each != index):
-            text, interface = draws[number].text("fragment") or "", draws[number].interface
+            text, interface = draws[number].text("fragment"), draws[number].interface
             parts = stages.fragment_input_parts(text, interface.varyings.values())
             own = [stages.attachment_type(piece) for piece in parts]
             fits = len(interface.outputs) + len(own) + 2 <= stages.MOST_OUTPUTS
@@ -150,7 +150,7 @@ def capture_together(
         texts, pieces = [_write_blank(draw) for draw in draws], {}
         for number, inputs in together.items():
             texts[number], pieces[number] = stages.capture_fragment(
-                draws[number].text("fragment") or "", inputs, numbered=True
+                draws[number].text("fragment"), inputs, numbered=True
             )
         colors = {stages.COORD: "rgba32f", stages.NUMBERED: "r32f"}
         colors |= {f"{stages.PREFIX}out{n}": textures.output_format(t) for n, t in enumerate(types)}
@@ -174,7 +174,7 @@ def capture_fragments(
             are declared in a way that leaves none out.
     """
     found = _capture(draws, index, redraw) if shared is None else shared.fragments(index)
-    text = draws[index].text("fragment") or ""
+    text = draws[index].text("fragment")
     if not (stages.may_discard(text) or stages.writes_depth(text)):
         return found
     return replace(found, undiscarded=_capture(draws, index, redraw, keep_all=True))
@@ -198,7 +198,7 @@ def _capture(
 ) -> Fragments:
     """Capture one draw, among others that only mark where they are seen."""
     draw = draws[index]
-    text, outputs = draw.text("fragment") or "", draw.interface.outputs
+    text, outputs = draw.text("fragment"), draw.interface.outputs
     parts = stages.fragment_input_parts(text, draw.interface.varyings.values())
     crowded = len(outputs) + 2 > stages.MOST_OUTPUTS  # a place and an input do not fit beside them
     room = stages.MOST_OUTPUTS - 1 - (0 if crowded else len(outputs))
@@ -226,7 +226,7 @@ def _with_blanks(draws: Sequence[PreparedDraw], index: int, text: str) -> list[s
 def _write_blank(draw: PreparedDraw) -> str:
     outputs = draw.interface.outputs
     unwanted = outputs if len(outputs) + 1 > stages.MOST_OUTPUTS else ()
-    text, _ = stages.capture_fragment(draw.text("fragment") or "", (), unwanted)
+    text, _ = stages.capture_fragment(draw.text("fragment"), (), unwanted)
     return text.replace(
         f"{stages.COORD} = gl_FragCoord;", f"{stages.COORD} = vec4(0.0, 0.0, 0.0, -1.0);"
     )
@@ -245,7 +245,7 @@ def vertex_output_names(draw: PreparedDraw) -> list[str]:
         return last
     if draw.last_stage == "tess_evaluation":
         last += [piece.name + piece.path for piece in stages.control_outputs(draw.interface)]
-    pieces = vertex_parts(draw.text("vertex") or "", draw.vertex_interface)
+    pieces = vertex_parts(draw.text("vertex"), draw.vertex_interface)
     return [*last, *(entering_name(piece.name + piece.path) for piece in pieces)]
 
 
@@ -362,7 +362,7 @@ def probe_vertices(
 def _run_vertices(
     draw: PreparedDraw, bindings: Bindings, mesh: Mesh, instances: int, capture: CaptureOutputs
 ) -> Samples:
-    text = {"vertex": draw.text("vertex") or ""}
+    text = {"vertex": draw.text("vertex")}
     parts = vertex_parts(text["vertex"], draw.vertex_interface)
     points = replace(draw, draw=replace(
         draw.draw, mesh=replace(mesh.made(), indices=None, primitive="points"),
@@ -378,11 +378,11 @@ def _capture_emitted(
     draw: PreparedDraw, bindings: Bindings, mesh: Mesh, given: Samples, capture: CaptureOutputs
 ) -> Samples:
     texts = {
-        "vertex": stages.pass_instance_on(draw.text("vertex") or ""),
-        "geometry": stages.count_emitted(draw.text("geometry") or ""),
+        "vertex": stages.pass_instance_on(draw.text("vertex")),
+        "geometry": stages.count_emitted(draw.text("geometry")),
     }
     counters = [VaryingPart(name, "", "int") for name in stages.EMITTED.values()]
-    parts = vertex_parts(draw.text("geometry") or "", draw.interface)
+    parts = vertex_parts(draw.text("geometry"), draw.interface)
     plain = replace(draw, draw=replace(draw.draw, vertex_array=True, state=State()))
     got = dict(capture(plain, texts, [*parts, *counters], bindings, None))
     source = {
@@ -390,7 +390,7 @@ def _capture_emitted(
     }
     which = primitive_corners(mesh)[source["gl_PrimitiveIDIn"][:, 0]]
     first = source["gl_InstanceID"] * mesh.vertices
-    vertex = vertex_parts(draw.text("vertex") or "", draw.vertex_interface)
+    vertex = vertex_parts(draw.text("vertex"), draw.vertex_interface)
     outputs = {piece: given.outputs[piece.name + piece.path] for piece in vertex}
     inputs: dict[str, Array] = dict(source)
     for name, values in join_parts(outputs).items():
@@ -406,7 +406,7 @@ def _capture_emitted(
 def _capture_tessellated(
     draw: PreparedDraw, bindings: Bindings, mesh: Mesh, given: Samples, capture: CaptureOutputs
 ) -> Samples:
-    text = draw.text("tess_evaluation") or ""
+    text = draw.text("tess_evaluation")
     plain = replace(draw, draw=replace(draw.draw, vertex_array=True, state=State()))
     outputs: dict[VaryingPart, Array] = {}
     inputs: dict[VaryingPart, Array] = {}

@@ -86,11 +86,11 @@ class PreparedDraw:
     @property
     def last_text(self) -> str:
         """The text of the last stage before rasterisation, empty of a dispatch."""
-        return self.texts.get(self.last_stage, "")
+        return self.text(self.last_stage)
 
-    def text(self, stage: str) -> str | None:
-        """One stage's text after includes, or None where the program has no such stage."""
-        return self.texts.get(stage)
+    def text(self, stage: str) -> str:
+        """One stage's text after includes, "" where the program has no such stage."""
+        return self.texts.get(stage, "")
 
 
 Programs = Mapping[str, tuple[PreparedDraw, ...]]

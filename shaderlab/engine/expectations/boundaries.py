@@ -9,7 +9,7 @@ import numpy as np
 from shaderlab.errors import CaseError
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs
-from shaderlab.model.frame import Array, Frame, Samples, TypedNeed
+from shaderlab.model.frame import Array, Frame, Samples
 from shaderlab.model.phases import phase
 
 from ..judging.banded import judge_band
@@ -17,7 +17,7 @@ from ..judging.bands import PLACE
 from ..judging.references import Inputs, evaluate
 from .base import Context
 from .formula import Reference, ReferenceExpectation
-from .needs import CapturedFragments, inputs_of
+from .needs import CapturedFragments, OwnSamples, inputs_of
 
 WAYS = 256
 """Straight ways between the inputs of two pixels."""
@@ -80,21 +80,15 @@ class Boundaries(ReferenceExpectation):
         return {PLACE: np.stack([x, y, np.full_like(x, 0.5), np.ones_like(x)], -1).reshape(-1, 4)}
 
 
-class BesideBoundaries(TypedNeed[Samples]):
+@dataclass(frozen=True, eq=False)
+class BesideBoundaries(OwnSamples):
     """A draw's program run beside the places where an expectation's reference changes most."""
 
-    def __init__(self, expectation: Boundaries) -> None:
-        self._expectation = expectation
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, BesideBoundaries) and other._expectation is self._expectation
-
-    def __hash__(self) -> int:
-        return hash((BesideBoundaries, id(self._expectation)))
+    expectation: Boundaries
 
     def answer(self, context: Context) -> Samples:
         """Run the program. Raises CaseError where no input varies."""
-        expectation, session = self._expectation, context.session
+        expectation, session = self.expectation, context.session
         key = expectation.key(session.scene)
         with phase("draw", f"sampling for {expectation.name!r}"):
             captured, bindings = session.capture_fragments(key), context.bindings[key]

@@ -44,7 +44,7 @@ class DiscardCheck:
                 CapturedFragments((name, index))
                 for index, draw in enumerate(draws)
                 if self._rule_of((name, index)) is not None
-                or may_discard(text := draw.text("fragment") or "")
+                or may_discard(text := draw.text("fragment"))
                 or writes_depth(text)
             )
             for name, draws in programs.items()
@@ -87,7 +87,7 @@ class DiscardCheck:
     def _find_fault_of(self, key: PassDraw, frame: Frame) -> str:
         name, index = key
         draw = self._programs[name][index]
-        by_depth = writes_depth(draw.text("fragment") or "")
+        by_depth = writes_depth(draw.text("fragment"))
         missing, surplus = _faults(key, frame, by_depth, self._rule_of(key))
         of = f"of draw {index} of pass {name!r} ({draw.draw.fragment})"
         if missing.any():

@@ -47,7 +47,7 @@ class CapturedFragments(TypedNeed[Fragments]):
     def misplaced(self, found: Fragments, programs: Programs) -> str:
         """As `Fragments.misplaced`; "" where the shader may count from elsewhere."""
         draw = programs[self.key[0]][self.key[1]]
-        if draw.draw.compute or changes_inputs(draw.text("fragment") or ""):
+        if draw.draw.compute or changes_inputs(draw.text("fragment")):
             return ""
         return found.misplaced
 
@@ -59,7 +59,7 @@ class CapturedFragments(TypedNeed[Fragments]):
                 return False  # an earlier pass may have left something else
             if not _same_stages(own, other):
                 return False
-            text, other_text = own.text("fragment") or "", other.text("fragment") or ""
+            text, other_text = own.text("fragment"), other.text("fragment")
             if text != other_text and may_drop_fragments(text + other_text):
                 return False
         return True
@@ -80,36 +80,39 @@ class CapturedVertices(TypedNeed[Samples]):
         return _same_stages(programs[name][index], others[name][index])
 
 
-class Probe(TypedNeed[Samples]):
-    """A draw's program run on inputs that an expectation gives.
+@dataclass(frozen=True, eq=False)
+class OwnSamples(TypedNeed[Samples]):
+    """A draw's program run for one expectation alone: two of one kind are the same if they are of
+    the very same expectation."""
 
-    Inputs of the stage are gathered into one draw; a uniform takes one draw for each value.
-
-    Args:
-        expectation: whose output is probed. Two probes of one expectation are the same one.
-        steps: inputs and uniforms of each run, by name; all have the same names.
-    """
-
-    def __init__(
-        self, expectation: OutputExpectation, steps: Sequence[Mapping[str, Any]] = ()
-    ) -> None:
-        self._expectation = expectation
-        self._steps = steps
+    expectation: Any
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Probe) and other._expectation is self._expectation
+        return type(other) is type(self) and other.expectation is self.expectation
 
     def __hash__(self) -> int:
-        return id(self._expectation)
+        return hash((type(self), id(self.expectation)))
+
+
+@dataclass(frozen=True, eq=False)
+class Probe(OwnSamples):
+    """A draw's program run on inputs that an expectation of its output gives.
+
+    Inputs of the stage are gathered into one draw; a uniform takes one draw for each value. `steps`
+    are inputs and uniforms of each run, by name; all have the same names.
+    """
+
+    expectation: OutputExpectation
+    steps: Sequence[Mapping[str, Any]] = ()
 
     def answer(self, context: Context) -> Samples:
         """Run the program. Raises CaseError for a name that is no input and no uniform."""
-        with phase("draw", f"sampling for {self._expectation.name!r}"):
+        with phase("draw", f"sampling for {self.expectation.name!r}"):
             return self._answer(context)
 
     def _answer(self, context: Context) -> Samples:
-        session, steps = context.session, self._steps
-        key = self._expectation.key(session.scene)
+        session, steps = context.session, self.steps
+        key = self.expectation.key(session.scene)
         draw, bindings = session.programs[key[0]][key[1]], context.bindings[key]
         if draw.draw.compute:
             raise UnsupportedError(
@@ -117,14 +120,14 @@ class Probe(TypedNeed[Samples]):
                 remedy="judge what it leaves in its buffers: formula, exact, measure, or "
                 "value(…, at=Pixel(element, 0))",
             )
-        of_vertex = self._expectation.is_of_vertex(session.scene, session.programs)
+        of_vertex = self.expectation.is_of_vertex(session.scene, session.programs)
         variables = draw.interface.attributes if of_vertex else draw.interface.varyings
         inputs = {variable.name: variable for variable in array_elements(variables.values())}
         uniforms = [name for name in steps[0] if name not in inputs]
         for name in uniforms:
             if name not in bindings.uniforms:
                 raise CaseError(
-                    f"{self._expectation.output}: {name!r} is not an input of "
+                    f"{self.expectation.output}: {name!r} is not an input of "
                     f"{' + '.join(draw.draw.shaders)}",
                     remedy=suggest(name, [*inputs, *bindings.uniforms]),
                 )
@@ -151,9 +154,9 @@ class Probe(TypedNeed[Samples]):
         runs: Sequence[Bindings],
         given: Mapping[str, Array],
     ) -> list[Samples]:
-        key = self._expectation.key(session.scene)
+        key = self.expectation.key(session.scene)
         found = session.probe(key, "vertex" if of_vertex else "fragment", runs, given)
-        if of_vertex and self._expectation.own_name(session.scene) not in found[0].outputs:
+        if of_vertex and self.expectation.own_name(session.scene) not in found[0].outputs:
             draw = session.programs[key[0]][key[1]].draw
             raise UnsupportedError(
                 f"running {draw.geometry or draw.tess_evaluation} on given inputs: "
