@@ -11,7 +11,7 @@ endif
 
 # An environment that was moved or copied here, or that lost its Python, is made anew.
 STALE := $(shell test -x $(PY) && test "$$(cat .venv/.ready 2>/dev/null)" = "$(CURDIR)" \
-	|| rm -f .venv/.ready)
+	|| rm -f .venv/.ready .venv/.ready-for-work)
 
 # Several processes where there are several cores; a file's tests stay in one of them. Files are
 # begun in their order, short ones last, so that all processes end together.
@@ -26,10 +26,10 @@ run: .venv/.ready ## run every case and write the report
 	@$(PY) -m shaderlab run $(if $(CASE),$(CASE),--all) $(ARGS)
 
 # Shaders that were compiled at another time are not taken for tested.
-test: .venv/.ready .venv/.ready-for-tests ## run every test
+test: .venv/.ready-for-tests ## run every test
 	@SHADERLAB_CACHE_DIR= $(PY) -m pytest $(PARALLEL) $(ARGS)
 
-test-hard: .venv/.ready .venv/.ready-for-tests ## run every test 10 times, in random order, on busy cores
+test-hard: .venv/.ready-for-tests ## run every test 10 times, in random order, on busy cores
 	@trap 'kill $$busy' EXIT; busy=; \
 	for core in $$(seq $$(nproc)); do while :; do :; done & busy="$$busy $$!"; done; \
 	SHADERLAB_CACHE_DIR= $(PY) -m pytest $(PARALLEL) --count 10 --random-order $(ARGS)
@@ -37,27 +37,35 @@ test-hard: .venv/.ready .venv/.ready-for-tests ## run every test 10 times, in ra
 test-all: ## collect and run a part of the tests on each Python 3.11 to 3.14 that is here
 	@.ci/pythons $(ARGS)
 
-lint: .venv/.ready ## style and types
+lint: .venv/.ready-for-work ## style and types
 	@failed=0; for tool in "ruff check ." "ruff format --check ." mypy; do \
 		$(PY) -m $$tool || failed=1; done; exit $$failed
 
-format: .venv/.ready ## make the style right
+format: .venv/.ready-for-work ## make the style right
 	@$(PY) -m ruff check --fix .
 	@$(PY) -m ruff format .
 
-wheel: .venv/.ready ## build the wheel and the sdist, and try the wheel in a new environment
+wheel: .venv/.ready-for-work ## build the wheel and the sdist, and try the wheel in a new environment
 	@.ci/wheel
 
-docs: .venv/.ready ## build the pages as a site in build/site, and check its links
+docs: .venv/.ready-for-work ## build the pages as a site in build/site, and check its links
 	@.ci/docs
 
-setup: .venv/.ready ## only what run and test set up: .venv, packages, an OpenGL driver
+setup: .venv/.ready-for-work ## only what run and test set up: .venv, packages, an OpenGL driver
 	@echo "setup: ready in .venv"
 
-.venv/.ready: pyproject.toml constraints.txt .ci/setup .ci/system .ci/opengl.py
-	@.ci/setup
+SETS_UP := pyproject.toml constraints.txt .ci/setup .ci/system .ci/opengl.py
 
-.venv/.ready-for-tests: .venv/.ready .ci/system
+# What running cases takes: half of the packages, which install in half the time.
+.venv/.ready: $(SETS_UP)
+	@.ci/setup course,pytest,vulkan
+
+# All packages; .ci/setup makes .venv/.ready as well.
+.venv/.ready-for-work: $(SETS_UP)
+	@.ci/setup dev
+	@touch $@
+
+.venv/.ready-for-tests: .venv/.ready-for-work .ci/system
 	@.ci/system tests
 	@touch $@
 

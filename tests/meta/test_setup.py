@@ -138,7 +138,18 @@ def ready(machine: Machine, folder: Path) -> None:
     python = machine.folder / ".venv" / "bin" / "python"
     python.parent.mkdir(parents=True)
     python.symlink_to(sys.executable)
+    (machine.folder / ".venv" / ".ready-for-work").touch()
     (machine.folder / ".venv" / ".ready").write_text(f"{folder}\n")
+
+
+def test_running_cases_waits_for_no_package_that_only_tests_need(machine: Machine) -> None:
+    assert ".ci/setup course,pytest,vulkan\n" in machine.run("make", "--dry-run", "run").stdout
+    ready(machine, machine.folder)
+    (machine.folder / ".venv" / ".ready-for-work").unlink()
+    assert ".ci/setup" not in machine.run("make", "--dry-run", "run").stdout
+    for what in ("test", "lint", "wheel", "docs", "setup"):
+        done = machine.run("make", "--dry-run", what).stdout
+        assert ".ci/setup dev\n" in done and done.count(".ci/setup") == 1
 
 
 def test_a_second_run_sets_nothing_up(machine: Machine) -> None:
@@ -159,6 +170,7 @@ def test_a_change_of_what_is_needed_sets_up_again(machine: Machine, change: str)
 def test_an_environment_from_elsewhere_or_without_python_is_made_anew(machine: Machine) -> None:
     ready(machine, machine.folder / "elsewhere")
     assert ".ci/setup" in machine.run("make", "--dry-run", "run").stdout
+    assert not (machine.folder / ".venv" / ".ready-for-work").exists()
     shutil.rmtree(machine.folder / ".venv")
     ready(machine, machine.folder)
     (machine.folder / ".venv" / "bin" / "python").unlink()
