@@ -121,8 +121,8 @@ class Session(ABC):
     def redraw_with_text(
         self, key: PassDraw, text: str, outputs: Mapping[str, str]
     ) -> Mapping[str, Array]:
-        """Draw a pass with another fragment shader for one draw, and read some outputs (format by
-        name) of its visible fragments, (height, width, components); zeros elsewhere."""
+        """Draw a pass up to one draw, with another fragment shader for that, and read some outputs
+        (format by name) of its fragments, (height, width, components); zeros elsewhere."""
         raise UnsupportedError("drawing with another text: this driver can't")
 
     def query(self, name: str, *arguments: Any) -> Any:

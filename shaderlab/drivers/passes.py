@@ -217,11 +217,11 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
     def redraw_with_texts(
         self, description: Pass, target: Target, texts: Sequence[str]
     ) -> Mapping[str, Array]:
-        """Draw a pass once more, each draw with another fragment text and without what changes the
-        values that it writes: blending and masks. Returns the attachments."""
+        """Draw a pass's first draws once more, each with another of these fragment texts, without
+        what changes the values that it writes: blending and masks. Returns the attachments."""
         name, colors = description.name, dict(target.colors or {})
         with self.new_target(target, colors, self.extent(description)) as made:
-            for index, (draw, text) in enumerate(zip(self.programs[name], texts, strict=True)):
+            for index, (draw, text) in enumerate(zip(self.programs[name], texts, strict=False)):
                 key, stages = (name, index), {**draw.texts, "fragment": text}
                 if key not in self._plain:
                     state = replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4)

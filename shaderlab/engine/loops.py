@@ -11,10 +11,9 @@ import math
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
-from shaderlab.compiler.compile import Compiled
 from shaderlab.compiler.shader_files import strip_comments
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.syntax import Node, Syntax, walk
@@ -32,7 +31,7 @@ _SHORT = 4096  # turns of all loops with constant bounds, inside one another
 _LOOPS = ("for_statement", "while_statement", "do_statement")
 _BOUND = r"(-?\w+)\s*(?:([-+])\s*(\d+)\s*)?"
 _COUNTING = re.compile(
-    rf"for\s*\(\s*u?int\s+(\w+)\s*=\s*{_BOUND};\s*\1\s*([<>])=?\s*{_BOUND};"
+    rf"for\s*\(\s*u?int\s+(\w+)\s*=\s*{_BOUND};\s*\1\s*([<>])=?\s*{_BOUND}(?:&&[\w\s.<>&!]*)?;"
     r"\s*(?:(\+\+|--)\s*\1|\1\s*(?:(\+\+|--)|([-+])=\s*[1-9]\d*))\s*\)"
 )
 _CONSTANT = re.compile(
@@ -46,8 +45,10 @@ def require_loops_to_end(lab: SceneRunner, scene: Scene, programs: Programs) -> 
     Nothing is said where there are no storage buffers to count in.
     """
     loops: list[tuple[Source, int]] = []
+    # One text for all draws of a source: the driver compiles it once.
+    count = cache(partial(count_turns, loops=loops))
     counted = {
-        name: tuple(_count_draw(draw, loops) for draw in draws) for name, draws in programs.items()
+        name: tuple(_count_draw(draw, count) for draw in draws) for name, draws in programs.items()
     }
 
     def draw() -> None:
@@ -87,13 +88,10 @@ def _require_ends(
             )
 
 
-def _count_draw(draw: PreparedDraw, loops: list[tuple[Source, int]]) -> PreparedDraw:
-    sources = [count_turns(s, loops) if s in draw.authored else s for s in draw.sources]
-
-    def compile_original(_: Sequence[Source], targets: Sequence[str]) -> Compiled:
-        return draw.compiling(draw.sources[:1], targets)
-
-    return replace(draw, sources=tuple(sources), compiling=compile_original)
+def _count_draw(draw: PreparedDraw, count: Callable[[Source], Source]) -> PreparedDraw:
+    sources = tuple(count(each) if each in draw.authored else each for each in draw.sources)
+    first = draw.sources[:1]
+    return replace(draw, sources=sources, compiling=lambda _, to: draw.compiling(first, to))
 
 
 def count_turns(source: Source, loops: list[tuple[Source, int]]) -> Source:

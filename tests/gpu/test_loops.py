@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from shaderlab import glsl
+from shaderlab.drivers.opengl import linking
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.loops import all_are_short
 from shaderlab.engine.run import SceneRunner
@@ -83,6 +86,28 @@ def test_a_long_loop_that_ends_passes(tmp_path: Path, lab: SceneRunner) -> None:
     assert run(lab, faulty.write(tmp_path, "a", body=body)).status == "pass"
 
 
+def test_draws_of_one_shader_are_counted_by_one_program(
+    tmp_path: Path, lab: SceneRunner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = faulty.write(tmp_path, "a", body="while (x > 0.5) x = fract(x * 1.5 + .1) - 0.6;")
+    drawn_thrice = """
+from dataclasses import replace
+case = replace(case, passes=tuple(replace(one, draws=3 * one.draws) for one in case.passes))
+"""
+    file.write_text(file.read_text() + drawn_thrice)
+    linked: list[str] = []
+    verbatim = linking.Linker._link
+
+    def link(self: linking.Linker, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
+        linked.append(stages["fragment"])
+        return verbatim(self, stages, feedback)
+
+    monkeypatch.setattr(linking.Linker, "_link", link)
+    record = run(lab, file)
+    assert record.status == "pass", record.message
+    assert sum("shaderlab_turn(" in text for text in linked) == 1
+
+
 @pytest.mark.parametrize("stage", STAGES)
 def test_loops_of_other_stages(tmp_path: Path, lab: SceneRunner, stage: str) -> None:
     head = "#version 330 core\n"
@@ -115,6 +140,11 @@ def test_loops_of_compute_passes(tmp_path: Path, lab: SceneRunner) -> None:
         (["for (uint i = 0u; i <= N - 1; i++) x += a[i];"], True),
         (["for (int i = 9; i >= 0; i -= 2) ;", "for (int j = 0; j < N; ++j) ;"], True),
         (["for (int i = 0; i < 99; ++i) ;", "for (int j = 0; j < 99; ++j) ;"], False),
+        (["for (int i = 0; i < 9 && x > 0.5 && !b; ++i) ;"], True),
+        (["for (int i = 0; i < 9 && i-- > 0; ++i) ;"], False),
+        (["for (int i = 0; i < 9 && f(i); ++i) ;"], False),
+        (["for (int i = 0; i < 9 || x > 0.5; ++i) ;"], False),
+        (["for (int i = 0; i < 9 && b || x > 0.5; ++i) ;"], False),
         (["for (int i = 0; i < n; ++i) ;"], False),
         (["for (int i = 0; i < 9; --i) ;"], False),
         (["for (int i = 0; i < 9; ++i) i = 0;"], False),

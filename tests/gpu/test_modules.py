@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from shaderlab import Blend, Case, Ramp, State, coverage, fullscreen
+from shaderlab import Blend, Case, Cell, Ramp, State, coverage, fullscreen
 from shaderlab.analysis import self_check
 from shaderlab.analysis.self_check import SelfCheck
 from shaderlab.drivers.opengl import linking
+from shaderlab.drivers.passes import PassSession
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import ModulesRecord
@@ -94,6 +96,36 @@ def test_a_miscompiled_output_that_no_formula_looks_at_turns_the_run_red(
     outcome = wrong.expectations[-1]
     assert (wrong.status, outcome.kind, outcome.status) == ("fail", "module", "fail")
     assert "is outside its shader's band: second is" in outcome.message
+
+
+def test_a_draw_is_made_again_without_those_after_it(
+    case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For a driver, each state of a draw is a program to compile."""
+    (drawn,) = case.passes
+    blend = Blend(source="one", destination="one")
+    draws = tuple(
+        replace(
+            drawn.draws[0],
+            state=State(blend=blend, cell=Cell(column=k, row=0, columns=4, rows=1)),
+        )
+        for k in range(4)
+    )
+    case = replace(case, passes=(replace(drawn, draws=draws),))
+    (scene,) = case.scenes()
+    verbatim, counts = PassSession.redraw_with_texts, list[int]()
+
+    def redraw(self: Any, description: Any, target: Any, texts: Sequence[str]) -> Any:
+        counts.append(len(texts))
+        return verbatim(self, description, target, texts)
+
+    monkeypatch.setattr(PassSession, "redraw_with_texts", redraw)
+    with SceneRunner(RunOptions(size=16, modules=True)) as lab:
+        record = lab.run(scene)
+    outcome = record.expectations[-1]
+    assert (outcome.kind, outcome.status) == ("module", "pass")
+    assert record.modules is not None and record.modules.judged == 2 * 16 * 16
+    assert counts == [4, 1, 2, 3, 4]  # all are captured together, then each is made again
 
 
 def miscompiled(texts: Mapping[str, str]) -> dict[str, str]:

@@ -104,8 +104,8 @@ def _points_of(
 
 
 Redraw = Callable[[Sequence[str], Mapping[str, str]], Mapping[str, Array]]
-"""Draws a pass once more, each of its draws with another fragment text, into attachments of these
-formats by name; gives what they hold."""
+"""Draws a pass once more, its first draws each with another of these fragment texts, into
+attachments of these formats by name; gives what they hold."""
 
 
 @dataclass(frozen=True)
@@ -183,10 +183,11 @@ def capture_fragments(
 def redraw_with_text(
     draws: Sequence[PreparedDraw], index: int, redraw: Redraw, text: str, outputs: Mapping[str, str]
 ) -> Mapping[str, Array]:
-    """Redraw a pass with another fragment text for one draw; returns these outputs of it (formats
-    by name), 0 where the draw is not seen."""
+    """Redraw a pass up to one draw, with another fragment text for that; returns these outputs of
+    it (formats by name), 0 where it leaves none."""
     ending, _ = stages.capture_fragment(text, (), calls=True)
-    images = redraw(_with_blanks(draws, index, ending), {**outputs, stages.COORD: "rgba32f"})
+    texts = _with_blanks(draws[: index + 1], index, ending)  # to compile each state takes time
+    images = redraw(texts, {**outputs, stages.COORD: "rgba32f"})
     unseen = images[stages.COORD][..., 3:] <= 0.0
     for name in outputs:
         np.copyto(images[name], 0, where=unseen)
