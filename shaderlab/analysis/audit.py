@@ -44,6 +44,7 @@ _MIN_TEXEL = 0.02  # of sampled textures; a smaller one is a direction's
 _NEAR_0 = 1e-5
 _MAX_PAIRS = 120
 _BOXES = 4096
+_DRAWN_BOXES = 1536
 
 
 def first_batch(
@@ -220,7 +221,7 @@ def prove_between_draws(
         NotInterpretedError: they give it what is no number.
     """
     domains, drawn = enclose_inputs(inputs, captured)
-    return Proof(program, inputs, domains, boxes=_BOXES // 4, drawn=drawn)
+    return Proof(program, inputs, domains, boxes=_DRAWN_BOXES, drawn=drawn)
 
 
 def _claims(

@@ -24,7 +24,7 @@ from .inputs import Input, InputDomain, sample_inputs
 from .interpreter import Bands, Program
 from .interpreter.program import Instruction
 from .interpreter.running import Run
-from .interpreter.textures import TEXTURES
+from .interpreter.textures import LOOKUPS
 from .interpreter.values import Flags, PathState
 
 ARITHMETIC = Bands(Rules(trig_outside="scaled", ranges=True))
@@ -35,7 +35,6 @@ _FRAG_COORD = ([0.0, 0.0, 0.0, 1e-6], [16384.0, 16384.0, 1.0, 1e6])
 _FINEST = 2.0**-40  # of a range: smaller boxes are not halved
 _SLOPE, _PIXELS = 0.01, 64  # of varyings in a quad, in widths of their ranges; in a row of quads
 _UNDERFLOW = 2.0**-63  # the square of what is smaller may be flushed to 0
-_IMAGES = (Op.SampledImage, Op.Image)
 _MOST_TEXELS = 32768  # of a texture's side, or levels or samples
 
 
@@ -182,7 +181,7 @@ class Space:
             middle = np.clip(middle.astype(np.float32).astype(np.float64), a, b)
             between = (middle > a) & (middle < b)
             after = np.nextafter(a.astype(np.float32), np.float32(np.inf))
-        middle = np.where(between, middle, after)
+        middle = np.minimum(np.where(between, middle, after), b)
         whole = self.whole[sides]
         middle = np.where(whole, np.floor((a + b) / 2.0), middle)
         lower, upper = high.copy(), low.copy()
@@ -240,7 +239,7 @@ class BoxWatcher:
         if at.op in INDEXING:
             for index, size in indices_of(run, at):  # a constant one is right, or does not compile
                 self._note(run, at, state, INDEX, [ends_of(index), (np.full((1, 1), size),) * 2])
-        if at.op in TEXTURES and at.op not in _IMAGES:
+        if at.op in LOOKUPS:
             return self._anything(run, at, result)
         return result
 
@@ -256,8 +255,6 @@ class BoxWatcher:
 
     def _anything(self, run: Run, at: Instruction, result: Any) -> Any:
         """What a texture may give, of which the range of its texels alone is known."""
-        if isinstance(result, tuple):
-            return tuple(self._anything(run, at, part) for part in result)
         texels = run.value(at.operands[0])
         domain = self.texels[id(texels)]
         if isinstance(result, Integer):
@@ -265,12 +262,13 @@ class BoxWatcher:
             ends = (1, _MOST_TEXELS) if query else (int(domain.low), int(domain.high))
             least, most = (np.full(result.shape, end) for end in ends)
             return Integer(least, most, unsigned=result.unsigned, rules=result.rules)
-        lod = at.op == Op.ImageQueryLod
-        low_ = 0.0 if lod or texels.compare is not None else domain.low
-        high = float(_MOST_TEXELS) if lod else 1.0 if texels.compare is not None else domain.high
-        return Band.between(
-            np.full(result.shape, low_), np.full(result.shape, high), ARITHMETIC.rules
-        )
+        low, high = (0.0, 1.0) if texels.compare is not None else (domain.low, domain.high)
+        if at.op == Op.ImageQueryLod:
+            low, high = 0.0, float(_MOST_TEXELS)
+        elif at.op == Op.ImageFetch:  # robust devices give 0 outside of the texture
+            low, high = min(low, 0.0), max(high, 0.0)
+        least, most = (np.full(result.shape, end) for end in (low, high))
+        return Band.between(least, most, ARITHMETIC.rules)
 
 
 def ends_of(value: Any) -> tuple[Array, Array]:

@@ -37,6 +37,7 @@ _BOXES_A_FAILURE = 8192  # a loop that does not end takes long
 _LONG = 400  # instructions that are run: a box of a longer program counts for several
 _FIRST = 1e35  # times a width: more than any effect
 _NARROWER = 256.0  # times than the widest side: a side is not halved before that
+_FEW, _ROUNDS = 64, 3  # boxes that are halved so often before they are run again
 _OUTPUT, _UNKNOWN = -1, -2  # ids of places: an output, what could not be run
 
 Condition = Callable[[Mapping[str, Any], InputBatch], Mapping[str, Any]]  # what holds, in words
@@ -120,7 +121,7 @@ class Proof:
         opened: Flags = np.zeros((1, 0), np.bool_)
         self._patience, self._at_once = self._waiting // _BOXES_A_FAILURE, _AT_ONCE
         while len(low) and self._waiting > 0 and self._patience >= 0:
-            now = self._at_once
+            now = min(self._at_once, self._waiting)
             some = low[:now], high[:now]
             found = self._run(*some)
             for place in found:
@@ -128,7 +129,9 @@ class Proof:
             flags = np.zeros((len(some[0]), len(self._numbers)), np.bool_)
             for place, bad in found.items():
                 flags[:, self._numbers[place]] = bad
-            halves = self._halve(*self._unsettled(*some, flags))
+            halves = self._unsettled(*some, flags)
+            if self._waiting > 0:
+                halves = self._halve(*halves)
             wider = np.zeros((len(opened[now:]), flags.shape[1]), np.bool_)
             wider[:, : opened.shape[1]] = opened[now:]
             rest = low[now:], high[now:], wider
@@ -178,13 +181,15 @@ class Proof:
         widths = weights.copy()
         weights[:few] = np.where(has_effect, effects, weights[:few])
         weights = np.where(self.space.urgent(low, high), _FIRST * widths, weights)
-        weights = np.where(self.space.divisible(low, high), weights, -1.0)
-        ends = (weights < 0.0).all(axis=1)
+        ends = ~self.space.divisible(low, high).any(axis=1)
         self._left.append((low[ends], high[ends], flags[ends]))
-        sides = weights.argmax(axis=1)[~ends] if low.shape[1] else np.zeros(0, np.int64)
-        low, high = self.space.halve(low[~ends], high[~ends], sides)
-        flags = np.concatenate([flags[~ends]] * 2)
-        inside = self.space.feasible(low, high)
+        low, high, flags, weights = low[~ends], high[~ends], flags[~ends], weights[~ends]
+        for _ in range(min(len(low), 1 if len(low) > _FEW else _ROUNDS)):
+            sides = np.where(self.space.divisible(low, high), weights, -1.0).argmax(axis=1)
+            weights[np.arange(len(low)), sides] /= 2.0
+            low, high = self.space.halve(low, high, sides)
+            flags, weights = (np.concatenate([part] * 2) for part in (flags, weights))
+        inside = self.space.feasible(low, high) & (low <= high).all(axis=1)
         return self._unsettled(low[inside], high[inside], flags[inside])
 
     def _effects(self, low: Array, high: Array, flags: Flags) -> Array:

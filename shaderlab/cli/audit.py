@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from shaderlab.analysis.audit import Audit, Plan
     from shaderlab.report.findings import Finding
 
-NO_ANSWER = USAGE
-"""The exit status of an undetermined audit."""
-
 
 @click.command("audit")
 @click.argument("targets", nargs=-1, required=True, metavar="FILE | FOLDER | ID | CASE.py…")
@@ -108,7 +105,7 @@ def command(
     found = {audit.clean for audit in audits}
     if False in found:
         return FAILED
-    return NO_ANSWER if None in found or not audits else unwritten
+    return USAGE if None in found or not audits else unwritten
 
 
 def _make_requests(

@@ -85,6 +85,12 @@ def test_what_is_open_is_said_and_what_is_assumed(tmp_path: Path) -> None:
     assert "far: b: 1..2 (given)" in lines
 
 
+def test_parts_without_a_value_are_no_squares(worker: Worker) -> None:
+    code = "struct S { float p; float q; }; float f(float x) { S s; return x + sqrt(s.p * s.q); }"
+    audit = Case("none", True, code, {"x": "0:1"}).audit(worker)
+    assert [claim.status for claim in audit.claims if claim.line] == ["open"]
+
+
 BOTH = "inversesqrt(x * x + 1e-40)", "inversesqrt(x + 1.0)"
 
 
@@ -255,6 +261,13 @@ def test_what_draws_give_is_proved_between_their_ends(
     assert audit.inputs["n"].endswith("of length 0.899999..0.900001 (in the case)")
     darker = audit_program(program, Plan(prove=True), [*draws, draw(3.0, 0.125)])
     assert "no sqrt of a negative number" in {c.what for c in darker.claims if c.status == "open"}
+
+
+def test_what_is_fetched_from_outside_of_a_texture_may_be_0() -> None:
+    text = LIT.replace("textureLod(map, n.xy, 0.0)", "texelFetch(map, ivec2(9), 0)")
+    program = load(Shaders([]).from_text(text, "fragment", "lit.frag"))
+    audit = audit_program(program, Plan(prove=True), [draw(3.0, 0.5)])
+    assert "no sqrt of a negative number" in {c.what for c in audit.claims if c.status == "open"}
 
 
 def test_a_case_is_proved_between_what_its_draws_give() -> None:

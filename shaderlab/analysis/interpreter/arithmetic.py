@@ -58,24 +58,21 @@ class Numbers:
             if type(found) is np.ndarray and found.dtype.type is self.dtype:
                 return found
             return np.asarray(found).astype(self.dtype, copy=False)
-        return self._convert(getattr(glslmath, function)(*values))
+        return self.rounded(getattr(glslmath, function)(*values))
 
     def rounded(self, value: Any) -> Any:
         """What `glslmath` and `sampling` give (float64 arrays or bands), as this arithmetic's."""
-        return self._convert(value)
-
-    def take_given(self, values: Sequence[Any]) -> Sequence[Any]:
-        """What a comparison of these values decides by."""
-        return values
-
-    def _convert(self, value: Any) -> Any:
         if isinstance(value, tuple):
-            return tuple(self._convert(part) for part in value)
+            return tuple(map(self.rounded, value))
         if isinstance(value, Integer):
             # What is undefined has bounds; a device has one number.
             return Integer(value.lo, unsigned=value.unsigned)
         with np.errstate(all="ignore"):
             return np.asarray(value).astype(self.dtype, copy=False)
+
+    def take_given(self, values: Sequence[Any]) -> Sequence[Any]:
+        """What a comparison of these values decides by."""
+        return values
 
 
 FLOAT16 = Numbers(np.float16)

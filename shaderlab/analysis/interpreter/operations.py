@@ -224,6 +224,8 @@ def _different(a: TriBool, b: TriBool) -> TriBool:
     return (a & ~b) | (~a & b)
 
 
+_ORDERS = {"LessThan": operator.lt, "GreaterThan": operator.gt,
+           "LessThanEqual": operator.le, "GreaterThanEqual": operator.ge}  # fmt: skip
 LOGIC: Mapping[int, Handler] = {
     Op.Any: apply(TriBool.any),
     Op.All: apply(TriBool.all),
@@ -238,10 +240,7 @@ LOGIC: Mapping[int, Handler] = {
     Op.FOrdEqual: _compare(operator.eq),
     Op.FOrdNotEqual: _compare(operator.ne),
     Op.FUnordNotEqual: _compare(operator.ne),
-    Op.FOrdLessThan: _compare(operator.lt),
-    Op.FOrdGreaterThan: _compare(operator.gt),
-    Op.FOrdLessThanEqual: _compare(operator.le),
-    Op.FOrdGreaterThanEqual: _compare(operator.ge),
+    **{Op[f"FOrd{name}"]: _compare(function) for name, function in _ORDERS.items()},
 }
 """The comparisons are those that glslang writes: ordered ones, and != that holds for NaN."""
 
@@ -323,15 +322,9 @@ def _derivative(function: str) -> Handler:
 
 
 DERIVATIVES: Mapping[int, Handler] = {
-    Op.DPdx: _derivative("dFdx"),
-    Op.DPdy: _derivative("dFdy"),
-    Op.Fwidth: _derivative("fwidth"),
-    Op.DPdxFine: _derivative("dFdxFine"),
-    Op.DPdyFine: _derivative("dFdyFine"),
-    Op.FwidthFine: _derivative("fwidthFine"),
-    Op.DPdxCoarse: _derivative("dFdxCoarse"),
-    Op.DPdyCoarse: _derivative("dFdyCoarse"),
-    Op.FwidthCoarse: _derivative("fwidthCoarse"),
+    Op[f"{opcode}{kind}"]: _derivative(f"{name}{kind}")
+    for opcode, name in (("DPdx", "dFdx"), ("DPdy", "dFdy"), ("Fwidth", "fwidth"))
+    for kind in ("", "Fine", "Coarse")
 }
 
 
@@ -375,8 +368,7 @@ def call_extended(run: Run, at: Instruction, state: PathState) -> Any:
         if unsigned is not None:
             values = [value.convert(unsigned) for value in values]
         result: Integer = run.arithmetic.call(function, *values)
-        to = run.program.types[at.type].base
-        return settle(run, result.convert(not to.signed), state)
+        return settle(run, result.convert(not run.program.types[at.type].base.signed), state)
     name = G(number).name if number in set(G) else f"instruction {number}"
     raise run.program.not_interpreted(f"GLSL's {name}", at.line)
 
@@ -403,10 +395,9 @@ def call_integers(
         elif not bits and len({value.unsigned for value in values}) > 1:
             values = [value.convert(values[0].unsigned) for value in values]
         result = function(*values)
-        type_ = run.program.types[at.type]
-        if type_.kind == "struct":
-            return tuple(settle(run, part, state) for part in result)
-        return settle(run, result.convert(not type_.base.signed), state)
+        if not isinstance(result, tuple):
+            result = result.convert(not run.program.types[at.type].base.signed)
+        return settle_parts(run, result, state)
 
     return handler
 
@@ -461,14 +452,11 @@ INTEGERS: Mapping[int, Handler] = {
     Op.SMulExtended: call_integers(lambda a, b: glslmath.imulExtended(a, b)[::-1], unsigned=False),
     Op.IEqual: _compare_integers(operator.eq),
     Op.INotEqual: _compare_integers(operator.ne),
-    Op.UGreaterThan: _compare_integers(operator.gt, unsigned=True),
-    Op.SGreaterThan: _compare_integers(operator.gt, unsigned=False),
-    Op.UGreaterThanEqual: _compare_integers(operator.ge, unsigned=True),
-    Op.SGreaterThanEqual: _compare_integers(operator.ge, unsigned=False),
-    Op.ULessThan: _compare_integers(operator.lt, unsigned=True),
-    Op.SLessThan: _compare_integers(operator.lt, unsigned=False),
-    Op.ULessThanEqual: _compare_integers(operator.le, unsigned=True),
-    Op.SLessThanEqual: _compare_integers(operator.le, unsigned=False),
+    **{
+        Op[f"{sign}{name}"]: _compare_integers(function, unsigned=sign == "U")
+        for sign in "US"
+        for name, function in _ORDERS.items()
+    },
     Op.ShiftRightLogical: call_integers(operator.rshift, unsigned=True),
     Op.ShiftRightArithmetic: call_integers(operator.rshift, unsigned=False),
     Op.ShiftLeftLogical: call_integers(operator.lshift),

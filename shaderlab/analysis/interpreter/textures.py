@@ -28,7 +28,7 @@ from shaderlab.model.frame import Texels
 
 from .operations import Handler, derivative
 from .program import Instruction, Type
-from .values import Flags, PathState, component, compose, select
+from .values import Flags, PathState, component, compose, select, undefined
 
 if TYPE_CHECKING:
     from .running import Run
@@ -322,8 +322,7 @@ def _image(run: Run, at: Instruction, state: PathState) -> Any:
     return run.value(at.operands[0])
 
 
-TEXTURES: Mapping[int, Handler] = {
-    Op.SampledImage: _image,
+LOOKUPS: Mapping[int, Handler] = {
     Op.ImageSampleImplicitLod: _sample(),
     Op.ImageSampleExplicitLod: _sample(),
     Op.ImageSampleDrefImplicitLod: _sample(compared=True),
@@ -335,10 +334,27 @@ TEXTURES: Mapping[int, Handler] = {
     Op.ImageFetch: _fetch,
     Op.ImageGather: _gather(compared=False),
     Op.ImageDrefGather: _gather(compared=True),
-    Op.Image: _image,
     Op.ImageQuerySizeLod: _size,
     Op.ImageQuerySize: _size,
     Op.ImageQueryLod: _query_lod,
     Op.ImageQueryLevels: _levels,
     Op.ImageQuerySamples: _samples,
+}
+
+
+def _look_up(handler: Handler) -> Handler:
+    """A handler that for ranges looks nothing up: who watches the run knows what may be there."""
+
+    def any_value(run: Run, at: Instruction, state: PathState) -> Any:
+        if run.for_ranges:
+            return undefined(run.program.types[at.type], run.arithmetic)
+        return handler(run, at, state)
+
+    return any_value
+
+
+TEXTURES: Mapping[int, Handler] = {
+    Op.SampledImage: _image,
+    Op.Image: _image,
+    **{op: _look_up(handler) for op, handler in LOOKUPS.items()},
 }

@@ -53,7 +53,7 @@ class UnchoosableError(Exception):
 
 def undefined(type_: Type, arithmetic: Arithmetic) -> Value:
     """What a variable holds before anything is stored: any float, 0 and false of other types, for
-    ranges anything as well."""
+    ranges anything as well. No two floats of it are one object, or their product was a square."""
     ranges = arithmetic.rules is not None and arithmetic.rules.ranges
     return _fill(type_, arithmetic, arithmetic.undefined(), anything=ranges)
 
@@ -70,14 +70,15 @@ def _fill(type_: Type, arithmetic: Arithmetic, number: Floats, *, anything: bool
             _fill(member, arithmetic, number, anything=anything) for _, member in type_.members
         )
     if type_.of is not None:
-        return compose(
-            type_, [_fill(type_.of, arithmetic, number, anything=anything)] * type_.count
-        )
+        parts = (type_.of for _ in range(type_.count))
+        return compose(type_, [_fill(of, arithmetic, number, anything=anything) for of in parts])
     if type_.kind == "int":
         zero = Integer(np.zeros((1, 1)), unsigned=not type_.signed, rules=arithmetic.rules)
         return zero.derive(zero.lo, zero.lo, anything=np.full((1, 1), True)) if anything else zero
+    if type_.kind == "float":
+        return number.copy_independent() if isinstance(number, Band) else number
     no = np.zeros((1, 1), np.bool_)
-    return number if type_.kind == "float" else TriBool(no, no if anything else ~no)
+    return TriBool(no, no if anything else ~no)
 
 
 def compose(type_: Type, parts: Sequence[Value]) -> Value:
