@@ -1,5 +1,4 @@
-"""Drawings of numbers: curves with their bands, plots of figures, and the value that is furthest
-from its band."""
+"""Drawings of numbers: curves with their bands, and plots of figures."""
 
 from __future__ import annotations
 
@@ -8,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 
-from shaderlab.model.records import Curve, Plot, PlotPoint, Worst
+from shaderlab.model.records import Curve, Plot, PlotPoint
 from shaderlab.report.text import figure
 
 # Larger values are not drawn: no difference of two smaller ones overflows.
@@ -403,40 +402,3 @@ def half_widths(value: float, low: float, high: float) -> float:
         return 0.0
     beyond = is_outside(value, low, high) and not math.isnan(value)
     return math.copysign(math.inf, value - middle) if beyond else math.nan
-
-
-@dataclass(frozen=True)
-class Component:
-    measured: float
-    reference: float
-    low: float
-    high: float
-
-    @property
-    def outside(self) -> bool:
-        return is_outside(self.measured, self.low, self.high)
-
-    def locate(self, value: float) -> float | None:
-        """Return the position of a value on a number line of 100 units, whose band lies from 30 to
-        70; None where there is no such place (NaN, an infinite band)."""
-        widths = half_widths(value, self.low, self.high)
-        if math.isnan(widths) or not math.isfinite(self.high / 2 - self.low / 2):
-            return None
-        return 50.0 + 20.0 * max(-2.4, min(2.4, widths))
-
-
-@dataclass(frozen=True)
-class WorstPanel:
-    """The components of a worst value, and the one that is meant."""
-
-    components: tuple[Component, ...]
-    meant: Component
-
-
-def lay_out_worst(worst: Worst) -> WorstPanel | None:
-    """Lay out a worst value; vectors of unequal length show as far as all of them reach."""
-    values = zip(worst.measured, worst.reference, worst.low, worst.high, strict=False)
-    components = tuple(Component(*each) for each in values)
-    if not 0 <= worst.component < len(components):
-        return None
-    return WorstPanel(components, components[worst.component])

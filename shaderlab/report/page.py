@@ -16,13 +16,10 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from markupsafe import Markup
-
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import read_regular
 from shaderlab.model.records import (
     Curve,
-    Disagreement,
     ErratumNote,
     Outcome,
     PassRecord,
@@ -32,18 +29,9 @@ from shaderlab.model.records import (
     Status,
 )
 from shaderlab.report.charts import Chart, draw_curve, draw_plot
-from shaderlab.report.comparison import list_differences
 from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, count_totals, group_cases
 from shaderlab.report.pictures import Picture, Pictures
-from shaderlab.report.sources import (
-    Compiled,
-    Listing,
-    anchor_of,
-    list_programs,
-    list_sources,
-    render_formula,
-    render_lesson,
-)
+from shaderlab.report.sources import Listing, anchor_of, list_sources
 from shaderlab.report.text import Anchors, format_conditions
 
 # The folder of the cases' own pages.
@@ -174,7 +162,6 @@ class CaseView:
     python: tuple[Listing, ...]
     variants: tuple[VariantView, ...]
     mutants: Mutants | None
-    differences: tuple[Disagreement, ...]
 
     @property
     def status(self) -> Status:
@@ -191,14 +178,6 @@ class CaseView:
     @property
     def several(self) -> bool:
         return len(self.variants) > 1
-
-    @property
-    def lesson(self) -> Markup:
-        return render_lesson(self.group.first.lesson)
-
-    @property
-    def formula(self) -> Markup:
-        return render_formula(self.group.first.formula)
 
     @property
     def charts(self) -> list[tuple[str, Chart]]:
@@ -218,10 +197,6 @@ class CaseView:
     @property
     def errata(self) -> list[ErratumNote]:
         return list(dict.fromkeys(note for r in self.group.records for note in r.errata))
-
-    @property
-    def compiled(self) -> tuple[Compiled, ...]:
-        return list_programs(self.group)
 
     @property
     def figures(self) -> list[tuple[str, Row]]:
@@ -362,9 +337,6 @@ def build_page(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | No
     anchors = Anchors()
     groups = group_cases(run.records)
     known = mutants or {}
-    differences: dict[str, list[Disagreement]] = {}
-    for each in list_differences(run):
-        differences.setdefault(each.id, []).append(each)
     cases = []
     for group in groups:
         anchor = anchors.new("case", group.id)
@@ -378,7 +350,6 @@ def build_page(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | No
             python=python,
             variants=tuple(_variant(record, anchor, anchors) for record in group.records),
             mutants=known.get(group.id),
-            differences=tuple(differences.get(group.id, ())),
         )
         cases.append(case)
     chapters = []

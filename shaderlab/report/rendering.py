@@ -19,7 +19,7 @@ from jinja2 import Environment, FileSystemBytecodeCache, PackageLoader, StrictUn
 
 from shaderlab.model import pictures
 from shaderlab.report import sources, text
-from shaderlab.report.charts import lay_out_worst
+from shaderlab.report.charts import is_outside
 from shaderlab.report.grouping import STATUS_WORDS, STATUSES
 from shaderlab.report.pictures import in_base64
 
@@ -38,8 +38,11 @@ _FILTERS = (
     text.share,
     text.short,
     sources.code_spans,
-    in_base64,
     sources.collect_words,
+    sources.list_programs,
+    sources.render_formula,
+    sources.render_lesson,
+    in_base64,
 )
 
 
@@ -73,7 +76,8 @@ def environment() -> Environment:
             "uncovered": _css(pictures.UNCOVERED),
         },
         script_colours=_script_colours,
-        lay_out_worst=lay_out_worst,
+        is_outside=is_outside,
+        zip=zip,
     )
     # An attribute is one, and an error where there is none: Jinja would look for an item, too.
     made.getattr = getattr  # type: ignore[method-assign, assignment]

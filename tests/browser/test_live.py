@@ -18,6 +18,7 @@ from shaderlab.model.pictures import to_display
 from shaderlab.model.records import Run
 from shaderlab.report.html import write
 from tests.browser.test_accessibility import violations
+from tests.browser.test_page import wait_until
 from tests.catalogue import shipped
 
 PLAYED = ("spotlight", "diffuse", "texture-mix", "colour-product")
@@ -47,8 +48,24 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def opened(visit: Callable[..., Any], report: Path, name: str, **options: Any) -> Any:
+COUNT = """() => {
+    for (const name of ["drawArraysInstanced", "drawElementsInstanced"]) {
+        const own = WebGL2RenderingContext.prototype[name];
+        WebGL2RenderingContext.prototype[name] = function (...given) {
+            window.drawn += 1;
+            return own.apply(this, given);
+        };
+    }
+}"""
+"""Counts draws."""
+
+
+def opened(
+    visit: Callable[..., Any], report: Path, name: str, watch: str = "", **options: Any
+) -> Any:
     page = visit(report / "cases" / f"{name}.html", **options)
+    if watch:
+        page.evaluate(watch)
     assert page.locator(".live-canvas").count() == 0
     page.click("[data-live] button")
     page.wait_for_selector(".live-canvas")
@@ -90,6 +107,17 @@ def test_a_slider_moves_it_and_one_click_leads_back(
     for width in (390, 1280):
         page.set_viewport_size({"width": width, "height": 800})
         assert violations(page, ".live") == []
+
+
+def test_what_does_not_change_is_not_drawn_again(visit: Callable[..., Any], report: Path) -> None:
+    page = opened(visit, report, "diffuse", watch=COUNT)
+    page.evaluate("window.drawn = 0")
+    page.check("text=difference to the judged picture")  # painted anew
+    assert page.inner_text(".live-pair figure:last-child") == "Difference: 0 (dark) to 0 (bright)"
+    assert page.evaluate("window.drawn") == 0
+    page.locator("input[aria-label='lightColor x']").focus()
+    page.keyboard.press("Home")
+    wait_until(page, lambda: page.evaluate("window.drawn") > 0)
 
 
 def test_the_page_says_why_there_is_none(visit: Callable[..., Any], report: Path) -> None:

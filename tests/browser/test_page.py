@@ -8,9 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from shaderlab.model import pictures
 from shaderlab.model.records import Place
 from shaderlab.report.html import write
 from tests.browser.conftest import DESKTOP
@@ -87,18 +84,6 @@ def test_on_paper_what_is_folded_stays_folded(visit: Visit, lamp: Sample) -> Non
     assert not page.locator("nav.way").is_visible() and page.locator(".lesson").is_visible()
     check.locator("summary").evaluate("e => e.parentElement.open = true")
     assert check.locator(".measures").is_visible()
-
-
-def test_the_band_of_the_worst_value_has_its_colour(
-    visit: Visit, lamp: Sample, tmp_path: Path
-) -> None:
-    page = visit(lamp.page, "#case-lamp-bad-fragcolor")
-    for scheme, colour in (("light", (240, 217, 172)), ("dark", (69, 56, 24))):
-        page.emulate_media(color_scheme=scheme)
-        page.locator("#case-lamp-bad-fragcolor svg.line").screenshot(path=tmp_path / "line.png")
-        shown = np.rint(pictures.load(tmp_path / "line.png") * 255)
-        height, width = shown.shape[:2]
-        assert tuple(shown[height // 3, width * 2 // 5, :3]) == colour
 
 
 def test_the_filter_finds_words_and_switches_statuses(visit: Visit, lamp: Sample) -> None:

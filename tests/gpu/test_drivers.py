@@ -140,8 +140,8 @@ def test_what_softpipe_can_not_do_is_found_out(tmp_path: Path) -> None:
     (point,) = data["disagreements"]
     assert (point["verdict"], point["outside"]) == ("within", []), done.stdout
     assert point["differing"] > 0 and point["ulp"] > 1.0
-    page = (tmp_path / "run" / "cases" / "points.html").read_text()
-    assert "Differences between drivers" in page and f"most at ({point['pixel'][0]}, " in page
+    page = (tmp_path / "run" / "index.html").read_text()
+    assert "Differing outputs" in page and f"most at ({point['pixel'][0]}, " in page
 
 
 def test_an_interrupted_run_goes_on_with_all_its_drivers(

@@ -26,7 +26,6 @@ const makePlayer = () => {
       glsl: gl.getParameter(gl.SHADING_LANGUAGE_VERSION),
       texture: gl.getParameter(gl.MAX_TEXTURE_SIZE),
       subpixel: gl.getParameter(gl.SUBPIXEL_BITS),
-      points: gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1],
     };
   };
 
@@ -101,7 +100,10 @@ const makePlayer = () => {
     return Object.fromEntries(names.map((name, at) => [name, places[at]]));
   };
 
-  const own = { about, link, locate, written, pixels, texels, contents, errors, samples, offsets, release };
+  const own = {
+    about, link, locate, written, pixels, texels, contents, errors, samples, offsets, release,
+    pass() {},
+  };
 
   // A constant by its name, "TEXTURE0+2" say.
   const constant = (words) => words.split("+")
@@ -118,6 +120,23 @@ const makePlayer = () => {
       return !ONCE.test(name) && (name !== "bufferData" || given[0] === "=UNIFORM_BUFFER");
     });
   };
+
+  // The calls that draw all targets smaller, and what is copied from them, but no texture that is
+  // given texels next.
+  const SIZES = {
+    viewport: [2, 4], scissor: [0, 4], blitFramebuffer: [0, 8], copyTexSubImage2D: [6, 8],
+    texStorage2D: [3, 5], renderbufferStorageMultisample: [3, 5], pixels: [0, 2],
+  };
+  const shrink = (calls, scale) => calls.map((call, place) => {
+    const [name, where, given] = call;
+    const [from, to] = SIZES[name] ?? [0, 0];
+    if (!to || /^(compressedT|t)exSubImage/.test(calls[place + 1]?.[0])) return call;
+    const sizes = given.map((size, n) =>
+      (n < from || n >= to || !size ? size : Math.max(1, Math.round(size * scale))));
+    if (name === "texStorage2D") // with no more levels than that has
+      sizes[1] = Math.min(sizes[1], 1 + Math.floor(Math.log2(Math.max(sizes[3], sizes[4]))));
+    return [name, where, sizes];
+  });
 
   const argument = (given, data) => {
     if (typeof given === "string" && given[0] === "=") return constant(given.slice(1));
@@ -148,35 +167,62 @@ const makePlayer = () => {
       return JSON.stringify({ reply, lost: gl.isContextLost() });
     },
 
-    // Plays a recording: {lacks} says why it can't; `draw` draws it once more, some `uniforms` being
-    // changed, and gives the pixels.
-    hold({ calls }, data) {
-      const filtered = calls.some(([name, , given]) => name === "texStorage2D" && /32F$/.test(given[2]))
-        && calls.some(([name, , given]) => name === "samplerParameteri" && /LINEAR/.test(given[2]));
-      const needed = ["EXT_color_buffer_float", ...(filtered ? ["OES_texture_float_linear"] : [])];
-      const lacking = needed.find((name) => !extensions[name]);
-      if (lacking) return { lacks: `this browser has no ${lacking}` };
+    // Plays a recording, `scale` times as large: {lacks} says why it can't. `draw` draws it once
+    // more, some `uniforms` being changed, and gives the pixels.
+    hold({ calls: recorded }, data, scale = 1) {
+      if (!extensions.EXT_color_buffer_float) return { lacks: "this browser draws no floats" };
+      if (!extensions.OES_texture_float_linear) // as on many phones: half floats are filtered
+        for (const [name, , given] of recorded)
+          if (name.startsWith("texStorage")) given[2] = given[2].replace(/^(=R\w*)32F$/, (_, word) => `${word}16F`);
+      const names = new Map(recorded.filter(([name]) => name === "locate")
+        .map(([, , [, number, words]]) => [number, words[0]]));
+      const counted = [...names.values()].includes("shaderlab_height"); // rows, from above
+      const calls = scale === 1 || counted ? recorded : shrink(recorded, scale);
       const refused = [];
       for (const call of calls) {
         const result = run(bound(data, call));
         if (call[0] === "link" && result) refused.push(result[1]);
       }
       if (refused.length) return { lacks: `this browser refuses a shader: ${refused[0]}` };
-      const frame = repeated(calls).map((call) => bound(data, call));
-      const draw = () => frame.reduce((last, call) => (call[1] < 0 ? run(call) : (run(call), last)), null);
-      // Each uniform that has an effect and is no array, with its numbers where they stand.
-      const names = new Map(calls.filter(([name]) => name === "locate")
-        .map(([, , [, number, words]]) => [number, words[0]]));
-      const uniforms = calls.flatMap(([name, , given]) => {
+
+      // A uniform that has an effect and is no array, with its numbers where they stand.
+      const uniformOf = ([name, , given]) => {
         const [, matrix, count, letter] = /^uniform(Matrix)?(\d)(f|i|ui)v$/.exec(name) ?? [];
-        const size = matrix ? count ** 2 : Number(count);
         const called = letter && names.get(given[0].object);
         if (!called || called.startsWith("shaderlab_") || !objects.get(given[0].object)
-          || given.at(-1).count !== size) return [];
+          || given.at(-1).count !== (matrix ? count ** 2 : Number(count))) return [];
         return [{ name: called, matrix, whole: letter !== "f", now: argument(given.at(-1), data) }];
-      });
+      };
+      // Passes with the calls of each frame, and the names of those that they read.
+      const passes = repeated(calls).reduce((passes, call) => {
+        const [name, reads, joined] = call[2];
+        if (call[0] === "pass" && joined) passes.at(-1).names.push(name);
+        else if (call[0] === "pass") passes.push({ names: [name], reads: [], calls: [], uniforms: [] });
+        if (call[0] === "pass") passes.at(-1).reads.push(...reads);
+        passes.at(-1).calls.push(bound(data, call));
+        passes.at(-1).uniforms.push(...uniformOf(call));
+        return passes;
+      }, []);
+      let shown = null;
+
+      // A pass is drawn again if a number is another one, or a pass that it reads was drawn again.
+      const draw = () => {
+        const drawn = new Set();
+        for (const pass of passes) {
+          const numbers = pass.uniforms.map(({ now }) => now).join();
+          if (numbers === pass.numbers && !pass.reads.some((name) => drawn.has(name))) continue;
+          for (const call of pass.calls) {
+            const result = run(call);
+            if (call[1] < 0) shown = result;
+          }
+          pass.numbers = numbers;
+          for (const name of pass.names) drawn.add(name);
+        }
+        return shown;
+      };
       const lose = () => extensions.WEBGL_lose_context?.loseContext();
-      return { draw, uniforms, errors, lose };
+      const size = calls.at(-1)[2].slice(0, 2);
+      return { draw, size, uniforms: passes.flatMap(({ uniforms }) => uniforms), errors, lose };
     },
   };
 };

@@ -290,16 +290,9 @@ class BoundTextures(SceneTextures[Any]):
         for level, layers in enumerate(given):
             for layer, values in enumerate(layers):
                 self._write(texture, level, layer, encode_texels(word, values))
-        values, smaller = images.layers[0], tuple(images.smaller)
-        if kind != "2D":
-            values = np.stack([round_depths(word, each) for each in images.layers])
-        elif word in textures.DEPTH:  # a depth is rounded to its format's codes on the way
-            values = fetch_texels(self._device, texture.handle, texture.size)[..., :1]
-            sizes = level_sizes(width, height)[1:count]
-            smaller = tuple(
-                fetch_texels(self._device, texture.handle, size, level)[..., :1]
-                for level, size in enumerate(sizes, start=1)
-            )
+        layers = [round_depths(word, each) for each in images.layers]
+        values = layers[0] if kind == "2D" else np.stack(layers)
+        smaller = tuple(round_depths(word, each) for each in images.smaller)
         if whole:
             self._generate(texture)
             smaller = self._smaller(texture)

@@ -16,18 +16,22 @@ const COLOUR = /colou?r|albedo|ambient|diffuse|specular|tint|emissi/i;
 /** Numbers as colours: one channel in false colour over a range, several as they are. */
 function paintLive(values, { size: [width, height], components }, [low, high], tools) {
   const packed = ([r, g, b]) => (r | g << 8 | b << 16 | 0xff000000) >>> 0;
-  const ramp = Uint32Array.from(tools.ramp, packed);
+  const [ramp, broken] = [Uint32Array.from(tools.ramp, packed), packed(tools.colours.broken)];
   const image = new ImageData(width, height);
   const out = new Uint32Array(image.data.buffer);
   const most = components === 1 ? ramp.length - 1 : 255;
-  const level = (value) => Math.round(
-    Math.max(0, Math.min(most, (value - low) * most / (high - low || 1))));
-  for (let i = 0; i < out.length; i += 1) {
-    const at = ((height - 1 - Math.floor(i / width)) * width + i % width) * components;
-    const [r, g] = [values[at], components > 1 ? values[at + 1] : low];
-    const b = components > 2 ? values[at + 2] : low;
-    if (!Number.isFinite(r + g + b)) out[i] = packed(tools.colours.broken);
-    else out[i] = components === 1 ? ramp[level(r)] : packed([level(r), level(g), level(b)]);
+  const scale = most / (high - low || 1);
+  const level = (value) => Math.round(Math.max(0, Math.min(most, (value - low) * scale)));
+  for (let i = 0, row = height - 1; row >= 0; row -= 1) {
+    for (let column = 0; column < width; column += 1, i += 1) {
+      const at = (row * width + column) * components;
+      const r = values[at];
+      const g = components > 1 ? values[at + 1] : low;
+      const b = components > 2 ? values[at + 2] : low;
+      if (!Number.isFinite(r + g + b)) out[i] = broken;
+      else if (components === 1) out[i] = ramp[level(r)];
+      else out[i] = level(r) | level(g) << 8 | level(b) << 16 | 0xff000000;
+    }
   }
   return image;
 }
@@ -59,13 +63,19 @@ function orbited(view, { around, up, away }) {
     .translate(...eye.map((e, n) => -e - ahead[n] * distance)).toFloat64Array()];
 }
 
-/** Plays a recording; uniforms of one name and value are one. Throws where it can't be played. */
-function play(bytes) {
+/** A recording: what the lab says of it, and the numbers that its calls take, whose bytes come in
+ * four planes. */
+function unpack(bytes) {
   const length = Number(new DataView(bytes.buffer).getBigUint64(0, true));
   const about = JSON.parse(new TextDecoder().decode(bytes.subarray(8, 8 + length)));
-  const player = makePlayer();
-  const held = player?.hold(about, bytes.slice(8 + length).buffer)
-    ?? { lacks: "this browser has no WebGL2" };
+  const planes = bytes.subarray(8 + length);
+  const words = planes.length / 4;
+  return { about, data: planes.map((_, n) => planes[n % 4 * words + (n >> 2)]).buffer };
+}
+
+/** Plays a recording; uniforms of one name and value are one. Throws where it can't be played. */
+function play({ about, data }, scale = 1) {
+  const held = makePlayer()?.hold(about, data, scale) ?? { lacks: "this browser has no WebGL2" };
   if (held.lacks) throw new Error(held.lacks);
   const found = new Map();
   for (const { now, ...uniform } of held.uniforms) {
@@ -73,9 +83,25 @@ function play(bytes) {
     if (!found.has(key)) found.set(key, { ...uniform, own: [...now], now, all: [] });
     found.get(key).all.push(now);
   }
-  const [own, [error]] = [held.draw(), held.errors()];
+  const started = performance.now();
+  const own = held.draw();
+  const [took, [error]] = [performance.now() - started, held.errors()];
   if (error) throw new Error(`this browser can't draw it (WebGL2 error ${error})`);
-  return { ...held, about, show: about.show, own, uniforms: [...found.values()] };
+  const show = { ...about.show, size: held.size };
+  return { ...held, about, show, own, took, uniforms: [...found.values()] };
+}
+
+/** Milliseconds that a frame may take; else it is drawn smaller while a control is moved. */
+const FRAME = 40;
+
+/** The largest difference of each pixel's channels to what the case's own values give. */
+function differences(values, own, components) {
+  const found = new Float32Array(values.length / components);
+  values.forEach((value, n) => {
+    const at = Math.floor(n / components);
+    found[at] = Math.max(found[at], Math.abs(value - own[n]));
+  });
+  return found;
 }
 
 class Panel {
@@ -84,8 +110,10 @@ class Panel {
     this.canvas = make("canvas", { className: "live-canvas", tabIndex: 0, role: "img",
       "aria-label": "The live picture: arrow keys choose the pixel that is read" });
     this.judged = make("img", { alt: "the picture as it was judged" });
+    this.caption = make("figcaption");
     this.reading = make("p", { className: "small live-reading" });
     this.controls = make("div", { className: "live-controls" });
+    this.difference = make("input", { type: "checkbox", onchange: () => this.paint() });
     const choice = make("select", { onchange: async () => {
       this.file = files[choice.selectedIndex];
       this.start(await tools.open(this.file[1]));
@@ -95,11 +123,12 @@ class Panel {
     box.append(
       make("div", { className: "live-pair" },
         make("figure", {}, this.judged, make("figcaption", { textContent: "Judged" })),
-        make("figure", {}, this.canvas, make("figcaption", { textContent: "Live" }))),
+        make("figure", {}, this.canvas, this.caption)),
       this.reading,
       make("div", { className: "tool" }, ...(files.length > 1 ? [label("variant ", choice)] : []),
         make("button", { type: "button", textContent: "Back to what was judged",
-          onclick: () => this.start(this.bytes) })),
+          onclick: () => this.start(this.bytes) }),
+        make("label", {}, this.difference, " difference to the judged picture")),
       this.controls,
     );
     this.watch();
@@ -108,9 +137,12 @@ class Panel {
 
   start(bytes) {
     this.bytes = bytes;
-    this.live?.lose();
-    this.live = play(bytes);
-    [this.canvas.width, this.canvas.height] = this.live.show.size;
+    for (const each of [this.live, this.small]) each?.lose();
+    const recording = unpack(bytes);
+    this.live = play(recording);
+    const [{ took }, scales] = [this.live, [1 / 2, 1 / 4, 1 / 8]];
+    const scale = took > FRAME && (scales.find((s) => took * s * s < FRAME) ?? scales.at(-1));
+    this.small = scale ? play(recording, scale) : null;
     this.judged.src = document.documentElement.dataset.root + this.file[2];
     this.range = rangeOfPicture(this.live.own, this.live.show);
     this.camera = { around: 0, up: 0, away: 1 };
@@ -118,32 +150,45 @@ class Panel {
     this.eyes = this.live.uniforms.filter(({ own, matrix }) => !matrix && own.length === 3
       && this.views.some((view) => near(eyeOf(view.own), own)));
     this.fill();
-    this.paint(this.live.own);
+    this.paint(this.live);
   }
 
-  /** Draws once more, as soon as the browser shows a frame. */
+  /** Draws once more, as soon as the browser shows a frame; smaller first where that takes long. */
   redraw() {
     this.waiting ??= requestAnimationFrame(() => {
       this.waiting = null;
-      this.paint(this.live.draw());
+      this.paint(this.small ?? this.live);
+      clearTimeout(this.resting);
+      if (this.small) this.resting = setTimeout(() => this.paint(this.live), 300);
     });
   }
 
-  paint(values) {
-    this.values = values;
-    const image = paintLive(values, this.live.show, this.range, this.tools);
+  paint(played = this.painted) {
+    const { show, own } = played;
+    Object.assign(this, { painted: played, values: played.draw() });
+    let image, said = "Live";
+    if (this.difference.checked) {
+      const off = differences(this.values, own, show.components);
+      const most = off.reduce((a, b) => (b > a && b < Infinity ? b : a), 0);
+      image = paintLive(off, { ...show, components: 1 }, [0, most], this.tools);
+      said = `Difference: 0 (dark) to ${this.tools.general(most, 3)} (bright)`;
+    } else image = paintLive(this.values, show, this.range, this.tools);
+    if (played === this.small) said += `, ${show.size.join(" × ")} pixels while it moves`;
+    [this.canvas.width, this.canvas.height] = show.size;
     this.canvas.getContext("2d").putImageData(image, 0, 0);
+    this.caption.textContent = said;
     this.read();
   }
 
   /** Says the numbers of the pixel that is read, or of another one from now on. */
-  read(where = this.where ?? this.live.show.size.map((size) => size >> 1)) {
-    const { show: { size, components }, own } = this.live;
-    this.where = where.map((p, n) => Math.max(0, Math.min(size[n] - 1, Math.floor(p))));
-    const at = (this.where[1] * size[0] + this.where[0]) * components;
+  read(where = this.where ?? [0.5, 0.5]) {
+    const { show: { size, components }, own } = this.painted;
+    this.where = where.map((p) => Math.max(0, Math.min(1 - 1e-6, p)));
+    const place = this.where.map((p, n) => Math.floor(p * size[n]));
+    const at = (place[1] * size[0] + place[0]) * components;
     const words = (numbers) => Array.from(numbers.subarray(at, at + components),
       (value) => this.tools.general(value, 6)).join(", ");
-    this.reading.textContent = `Pixel (${this.where.join(", ")}): live ${words(this.values)} · `
+    this.reading.textContent = `Pixel (${place.join(", ")}): live ${words(this.values)} · `
       + `with the case's own values ${words(own)}`;
   }
 
@@ -154,13 +199,14 @@ class Panel {
       const scale = 180 / canvas.clientWidth;
       const { around, up } = this.camera;
       if (buttons && this.views.length) this.turn({ around: around + movementX * scale, up: up + movementY * scale });
-      this.read([x / canvas.clientWidth * canvas.width, (1 - y / canvas.clientHeight) * canvas.height]);
+      this.read([x / canvas.clientWidth, 1 - y / canvas.clientHeight]);
     };
     canvas.onkeydown = (event) => {
       const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
       if (!step) return;
       event.preventDefault();
-      this.read(this.where.map((p, n) => p + step[n] * (event.shiftKey ? 8 : 1)));
+      const size = [canvas.width, canvas.height];
+      this.read(this.where.map((p, n) => p + step[n] * (event.shiftKey ? 8 : 1) / size[n]));
     };
   }
 
