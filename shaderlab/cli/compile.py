@@ -141,6 +141,7 @@ def _find_shaders(
 
     shipped = data_folder("shaders").resolve()
     shaders = find_shaders(paths, [shipped], stage=stage)
+    shared.note_other_languages(map(Path, paths))
     folders = dict.fromkeys(path if path.is_dir() else path.parent for path in map(Path, paths))
     own = [each for folder in folders for each in load_settings(folder).shader_folders(folder)]
     return shaders, tuple(map(str, dict.fromkeys([*includes, *own, shipped])))

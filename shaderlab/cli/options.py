@@ -13,7 +13,7 @@ import json
 import os
 import re
 import shutil
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -25,6 +25,7 @@ from shaderlab.errors import ShaderlabError, UsageError, suggest
 from shaderlab.files import (
     REPORT_MARK,
     claim_folder,
+    display_path,
     read_regular,
     replace_file,
     suggest_limit,
@@ -186,6 +187,7 @@ def resolve_shaders(
     from shaderlab.engine.settings import load_settings
 
     shipped = data_folder("shaders").resolve()
+    note_other_languages(paths)
     found = []
     for path in paths:
         folder = path if path.is_dir() else path.parent
@@ -194,6 +196,17 @@ def resolve_shaders(
         files = find_shaders([then(path) if then else path], [shipped])
         found += [ShaderOfFile(file, folders) for file in files]
     return found
+
+
+def note_other_languages(paths: Iterable[Path]) -> None:
+    """Say how many files in these folders are left out, since they are in another language."""
+    from shaderlab.compiler.shader_files import find_other_languages
+
+    for path in filter(Path.is_dir, paths):
+        if files := find_other_languages(path):
+            others = f" and {len(files) - 1} more" if files[1:] else ""
+            text = f"shaderlab: not read, another language: {display_path(files[0])}{others}"
+            click.echo(text, err=True)
 
 
 FILE_NAME = "records.jsonl"

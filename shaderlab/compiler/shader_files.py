@@ -435,6 +435,12 @@ def find_shaders(
     return sorted(found.values(), key=lambda shader: shader.path)
 
 
+def find_other_languages(folder: str | Path) -> list[str]:
+    """The files below a folder that `find_shaders` leaves out since their names say another
+    language."""
+    return [f for f in _walk(str(folder)) if os.path.splitext(f)[1].lower() in _LANGUAGES]
+
+
 def _locate(file: str, folder: str, roots: Sequence[tuple[str, str]]) -> ShaderFile:
     real = _resolve_folder(file)
     for real_root, root in roots:

@@ -91,6 +91,20 @@ def test_what_is_not_there_is_wrong_usage(tmp_path: Path, path: str) -> None:
     assert compile_(tmp_path / path).exit_code == 2
 
 
+@pytest.mark.parametrize("command", ["compile", "audit"])
+def test_files_of_other_languages_in_a_folder_are_told(tmp_path: Path, command: str) -> None:
+    (tmp_path / "a.frag").write_text(
+        "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }"
+    )
+    for name in ("b.hlsl", "c.WGSL"):
+        (tmp_path / name).write_text("another language")
+    result = CliRunner().invoke(cli, [command, str(tmp_path), "-j", "0"])
+    assert result.exit_code == 0, result.output
+    assert "b.hlsl and 1 more" in result.stderr
+    result = CliRunner().invoke(cli, [command, str(tmp_path / "a.frag"), "-j", "0"])
+    assert "b.hlsl" not in result.output
+
+
 def test_an_include_folder_that_is_not_there(tmp_path: Path) -> None:
     (tmp_path / "good.frag").write_text(GOOD)
     assert compile_(tmp_path / "good.frag", "-I", tmp_path / "gone").exit_code == 2
