@@ -41,8 +41,10 @@ from .differences import (
     discards,
     first_difference,
     jumps,
+    keep_defined,
 )
 from .inputs import (
+    ALIKE,
     Input,
     InputDomain,
     add_constants,
@@ -54,7 +56,7 @@ from .inputs import (
     vary_inputs,
 )
 from .interpreter import Program
-from .noise import Compared, PerturbedFloat, Ran, compare, confirm, keep_defined, run
+from .noise import Compared, PerturbedFloat, Ran, compare, confirm, run
 
 _PIXELS = (ExecutionMode.PixelCenterInteger, ExecutionMode.OriginUpperLeft)
 _INTERPOLATED = (Decoration.NoPerspective, Decoration.Flat, Decoration.Centroid, Decoration.Sample)
@@ -131,7 +133,13 @@ def compare_programs(
             return sample_inputs(inputs, domains, plan.count, seed)
 
     comparison = _Comparison((old, new), inputs, domains, make, plan)
-    outputs = *comparison.outputs(captured), *_compare_interfaces(old, new)
+    try:
+        outputs = *comparison.outputs(captured), *_compare_interfaces(old, new)
+    except NotInterpretedError as error:
+        free = {n.partition("[")[0]: 0 for n, d in domains.items() if d.source == "assumed"}
+        if free and "goes on after" in error.message:
+            error.remedy = f"state ranges for which it ends, of {', '.join(free)}: --range NAME=A:B"
+        raise
     never = comparison.notes() if all(output.same for output in outputs) else ()
     return Answer(
         old=old.path,
@@ -244,11 +252,15 @@ class _Comparison:
         return one
 
     def notes(self) -> Iterator[str]:
-        """Which lines no input came to, of those that were tried."""
+        """Which lines no input came to, of those that were tried; numbers that nearly agree."""
         pairs = list(zip(self.programs, self._labels, strict=True))
         places = [_format_place(p, line) for p, ran in pairs for line in lines_not_run(p, ran)]
         if places:
             yield f"never run: {', '.join(dict.fromkeys(places))}"
+        old, new = (program.numbers for program in self.programs)
+        for a, b in itertools.product(old - new, new - old):
+            if abs(a - b) < ALIKE * abs(a):
+                yield f"{a:.7g} became {b:.7g}, which changes less than rounding may"
 
     def _is_settled(self, sets: Sequence[_Set], name: str, other: str) -> bool:
         """Whether an output is known to be another one: more inputs add nothing."""

@@ -18,7 +18,7 @@ from shaderlab.model.frame import Array
 
 from .batches import InputBatch, join_batches, run_batch
 from .inputs import InputDomain
-from .interpreter import Arithmetic, Bands, Program, Stored
+from .interpreter import FLOAT64, Arithmetic, Bands, Program, Stored
 from .noise import run
 
 PAIRS = 192
@@ -82,6 +82,22 @@ def _find_changes(program: Program, along: InputBatch) -> Array:
         changes.append(np.abs(np.diff(points, axis=0)).max(axis=-1))
     most: Array = np.max(changes, axis=0)
     return most
+
+
+def keep_defined(programs: tuple[Program, Program], batch: InputBatch) -> InputBatch:
+    """The invocations, in whole quads where it matters, that store nothing infinite or undefined.
+    Raises as `run`."""
+    lost = np.zeros(batch.count, np.bool_)
+
+    def note(stored: Stored) -> None:
+        if isinstance(stored.value, np.ndarray):
+            known = np.isfinite(stored.value).reshape(len(stored.value), -1).all(axis=1)
+            np.logical_or(lost, stored.mask & ~known, out=lost)
+
+    for program in programs:
+        run_batch(program, batch, FLOAT64, trace=note)
+        lost[batch.rows_with(np.flatnonzero(lost), program)] = True
+    return batch.part(np.flatnonzero(~lost))
 
 
 MOST = 512

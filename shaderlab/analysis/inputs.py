@@ -22,12 +22,12 @@ from .interpreter.interpret import interface_name
 from .interpreter.program import INPUTS
 from .interpreter.values import NUMBERS, number_invocations
 
-_RANGE = re.compile(r"//.*?\brange:\s*(\S+)\s*\.\.\s*(\S+)")
-_UNIT = re.compile(r"//.*?\brange:\s*unit\b")
+_RANGE = re.compile(r"//.*?\brange:\s*(unit\b|\S+\s*\.\.\s*\S+)")
 _DECLARED = re.compile(r"([A-Za-z_]\w*)\s*(?:\[[^]]*\]\s*)?(?:=[^;]*)?[;,]")
 _WHOLE = 2.0**31
 _LAYOUT = re.compile(r"\blayout\s*\([^)]*\)")
-_ALIKE = 0.01  # constants that differ by less may be meant to be one
+ALIKE = 0.01
+"""Constants that differ by less may be meant to be one."""
 _ENDLESS = 4  # elements of an array whose length is known at run time only
 
 
@@ -88,13 +88,10 @@ def find_declared_ranges(program: Program) -> dict[str, str]:
     found: dict[str, str] = {}
     text = "" if program.source is None else program.source.text
     for line in text.splitlines():
-        if "range:" not in line:
-            continue
-        code = _LAYOUT.sub("", line.partition("//")[0])
-        pair = _RANGE.search(line)
-        text = "unit" if _UNIT.search(line) else f"{pair[1]}..{pair[2]}" if pair else ""
-        if text:
-            found.update((name, text) for name in _DECLARED.findall(code))
+        said = _RANGE.search(line)
+        if said:
+            code = _LAYOUT.sub("", line.partition("//")[0])
+            found.update((name, "".join(said[1].split())) for name in _DECLARED.findall(code))
     return found
 
 
@@ -132,7 +129,7 @@ class InputDomain:
         if self.kind == "unit":
             return f"|{name}| = 1"
         if self.kind == "texture":
-            return f"{name} has no mipmaps"
+            return f"{name} has no mipmaps and no texel above 1"
         if self.kind != "number":
             return f"{name} is {_IN_WORDS[self.kind]}"
         low = f"{self.low:g} <= " if np.isfinite(self.low) else ""
@@ -249,9 +246,7 @@ def add_constants(
     """The domains of numbers with the programs' own constants to try; of an integer those beyond
     its assumed range, too: `id == 12345` is true for no other."""
     constants = sorted({number for program in programs for number in program.numbers})
-    near = [
-        (a + b) / 2.0 for a, b in itertools.pairwise(constants) if 0.0 < b - a < _ALIKE * abs(b)
-    ]
+    near = [(a + b) / 2.0 for a, b in itertools.pairwise(constants) if 0.0 < b - a < ALIKE * abs(b)]
     constants = sorted({*constants, *near})  # between 0.00313 and 0.0031308
     found = dict(domains)
     for name, domain in domains.items():
@@ -514,15 +509,15 @@ _SHAPES: Mapping[str, Callable[[int], tuple[int, ...]]] = {
 
 
 def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
-    """A small texture, its smaller levels others; one of normals holds unit vectors, by
-    0.5 + 0.5 n."""
+    """A small texture; one of normals holds unit vectors, by 0.5 + 0.5 n. With mipmaps, other ones,
+    its light may be above 1."""
     of = one.type.replace("texture", "sampler")
     kind = of.partition("sampler")[2]
     shadow = kind.endswith("Shadow")
     kind = kind.removesuffix("Shadow")
     if kind not in _SHAPES or not of.startswith("sampler"):
         raise NotInterpretedError(f"not interpreted: {one.type} {one.name}")
-    values = rng.uniform(0.02, 1.0, _SHAPES[kind](_SIDE))
+    values = rng.uniform(0.02, 3.0 if mipmaps else 1.0, _SHAPES[kind](_SIDE))
     if "normal" in words_of(one.name):
         n = rng.normal(size=(*values.shape[:-1], 3))
         n[..., 2] = np.abs(n[..., 2])
@@ -613,14 +608,12 @@ def enclose_inputs(
         if not rows.size or not np.isfinite(rows).all():
             raise NotInterpretedError(f"not proved: {name} is no number in a draw")
         kind: Kind = "number"
-        ends = float(rows.min()), float(rows.max())
+        low, high = float(rows.min()), float(rows.max())
         if rows.dtype.kind == "f" and rows.ndim == 2 and rows.shape[1] in (2, 3):
             square = (rows.astype(np.float64) ** 2).sum(axis=1)
-            kind, ends = (
-                "unit",
-                (max(float(square.min()) - _GIVE, 0.0), float(square.max()) + _GIVE),
-            )
-        domains[name] = InputDomain(kind, *ends, source="learned")
+            kind, low, high = "unit", float(square.min()) - _GIVE, float(square.max()) + _GIVE
+            low = max(low, 0.0)
+        domains[name] = InputDomain(kind, low, high, source="learned")
     return domains, InputBatch({**drawn.each, **each}, drawn.bindings, drawn.count)
 
 

@@ -6,7 +6,7 @@ import math
 import struct
 import zlib
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -106,29 +106,6 @@ class PerturbedFloat(Numbers):
         return found if block == self.count else np.repeat(found, self.count, axis=0)
 
 
-@dataclass(frozen=True)
-class _Watching(PerturbedFloat):
-    """Notes the invocations that meet something infinite or undefined, on any path."""
-
-    met: Flags = field(default_factory=lambda: np.zeros(0, np.bool_))
-
-    def call(self, function: str, *values: Any) -> Any:
-        found = super().call(function, *values)
-        if type(found) is np.ndarray and len(found) == len(self.met):
-            self.met[~np.isfinite(found).reshape(len(found), -1).all(axis=1)] = True
-        return found
-
-
-def keep_defined(programs: tuple[Program, Program], batch: InputBatch) -> InputBatch:
-    """The invocations that meet nothing infinite or undefined, with their quads where it matters.
-    Raises as `run`."""
-    met = np.zeros(batch.count, np.bool_)
-    for program in programs:
-        run(program, batch, 0, _Watching(count=batch.count, met=met))
-        met[batch.rows_with(np.flatnonzero(met), program)] = True
-    return batch.part(np.flatnonzero(~met))
-
-
 def _place(salt: str, number: float) -> int:
     """Where in the pool an operation's errors begin."""
     return zlib.crc32(_DOUBLE.pack(number), zlib.crc32(salt.encode())) % _POOL
@@ -188,9 +165,7 @@ class Compared:
     why: str
 
 
-def run(
-    program: Program, batch: InputBatch, copies: int = COPIES, noise: PerturbedFloat | None = None
-) -> Ran:
+def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
     """A program on some inputs, without noise and so many times with it.
 
     Raises:
@@ -203,7 +178,7 @@ def run(
         for name, values in batch.each.items()
     }
     found = interpret(
-        program, each, batch.bindings, noise or PerturbedFloat(count=count, copies=copies),
+        program, each, batch.bindings, PerturbedFloat(count=count, copies=copies),
         count=count * times, places=_separate_runs(each.get("gl_FragCoord"), count), unwritten=True,
     )  # fmt: skip
     gone = np.broadcast_to(found.discarded.all_true, (count * times,))

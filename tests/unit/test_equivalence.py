@@ -233,10 +233,10 @@ def test_what_is_compared_meets_its_bounds(old: str, wrong: str, right: str) -> 
 
 def test_levels_of_detail_matter_where_a_texture_has_mipmaps() -> None:
     text = "uniform sampler2D map; in vec2 uv; out vec4 o; void main() { o = %s; }"
-    plain = "texture(map, uv)"
+    plain, condition = "texture(map, uv)", "map has no mipmaps and no texel above 1"
     for other in ("texture(map, uv, 1.0)", "textureLod(map, uv, 0.0)", "texture(map, uv, -1.0)"):
         (output,) = compared(text % plain, text % other, accuracy=False).outputs
-        assert output.same is True and output.conditions == ("map has no mipmaps",)
+        assert output.same is True and output.conditions == (condition,)
     for other in ("texture(map, 0.5 * (uv + uv))", "textureGrad(map, uv, dFdx(uv), dFdy(uv))"):
         (output,) = compared(text % plain, text % other, accuracy=False).outputs
         assert output.same is True and output.conditions == ()
@@ -246,6 +246,14 @@ def test_lines_that_no_input_came_to_are_said() -> None:
     text = "uniform float x;\nout float o;\nvoid main() {\no = x;\nif (x > %s)\no = 0.0;\n}"
     assert compared(text % 3.0, text % 3.0).notes == ("never run: new.frag:7",)
     assert compared(text % 0.5, text % 0.5).notes == ()
+
+
+def test_numbers_that_nearly_agree_are_said() -> None:
+    text = "uniform float x; out float o; void main() { o = x < %s ? 12.92 * x : 1.055 * "
+    text += "pow(x, 1.0 / 2.4) - 0.055; }"
+    (note,) = compared(text % "0.0031308", text % "0.00313", accuracy=False).notes
+    assert note == "0.0031308 became 0.00313, which changes less than rounding may"
+    assert compared(text % "0.0031308", text % "0.0031308", accuracy=False).notes == ()
 
 
 def test_a_rotation_in_a_plane_is_no_reflection() -> None:
@@ -409,6 +417,11 @@ def test_a_loop_that_does_not_end_is_not_interpreted() -> None:
             "in float x; out float o;\nvoid main() { o = x; while (o < 9.0) o -= 1.0; }",
             "in float x; out float o; void main() { o = x; }",
         )
+    text = "uniform float t, dt; out float o; void main() { for (o = t; o > dt; ) o -= %s; }"
+    with pytest.raises(NotInterpretedError, match="ranges for which it ends, of t, dt: --range"):
+        compared(text % "dt", text % "1.0 * dt")
+    ends = {"t": "0..1", "dt": "0.01..0.1"}
+    assert compared(text % "dt", text % "1.0 * dt", ranges=ends).same is True
 
 
 def test_noise_errs_by_what_rounding_may() -> None:
