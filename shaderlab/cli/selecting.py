@@ -19,6 +19,7 @@ import click
 
 from shaderlab.compiler.shader_files import refuse_other_languages
 from shaderlab.engine.catalogue import (
+    MAX_BYTES,
     case_files,
     files_below,
     is_case_file,
@@ -97,7 +98,7 @@ def is_function_test(path: Path) -> bool:
     if not _NAME.fullmatch(path.name):
         return False
     try:
-        text = read_regular(path)
+        text = read_regular(path, MAX_BYTES)
     except OSError:
         return False
     return bool(_LOADS.search(text) and _TESTS.search(text))

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from shaderlab.model.records import Place
 
 TREE_FILE = "cases.toml"
+MAX_BYTES = 4 << 20  # of a case file
 _SKIPPED_FOLDERS = frozenset({"__pycache__", "node_modules", "site-packages", "build", "dist"})
 _SYSTEM = ("/proc", "/dev", "/sys", "/etc")
 _OF_TOOLS = frozenset({"__pycache__", ".git", ".hypothesis", ".pytest_cache"})
@@ -61,10 +62,9 @@ def shipped_cases() -> Iterator[Path]:
     """The case files that come with the lab, sorted. Their text is matched, not parsed: parsing
     would take longer than loading them."""
     for path in files_below(data_folder("cases")):
-        if path.suffix == ".py" and not path.name.startswith("_"):
-            source = _read(path)
-            if b"shaderlab" in source and _ASSIGNS.search(source):
-                yield path
+        source = _read(path) if path.suffix == ".py" and not path.name.startswith("_") else b""
+        if b"shaderlab" in source and _ASSIGNS.search(source):
+            yield path
 
 
 def is_case_file(path: Path) -> bool:
@@ -82,12 +82,13 @@ def inspect_file(path: Path) -> str | None:
     if path.suffix != ".py" or path.name.startswith("."):
         return None
     try:
-        source = read_regular(path)
+        source = read_regular(path, MAX_BYTES + 1)
     except OSError:  # a link to nothing, a FIFO, a file of someone else
         return "" if os.path.lexists(path) and not path.is_dir() else None
-    if b"\0" in source:  # UTF-16 or a damaged file: nothing can be found in it
+    large = len(source) > MAX_BYTES
+    if b"\0" in source or (large and b"shaderlab" in source):  # UTF-16 or damaged; or too large
         return ""
-    if not _MENTIONS.search(source):
+    if large or not _MENTIONS.search(source):
         return None
     try:
         body = list(_statements(ast.parse(source).body))
@@ -134,7 +135,7 @@ def _neighbour_takes_case(path: Path) -> bool:
 
 def _read(path: Path) -> bytes:
     try:
-        return path.read_bytes() if path.is_file() else b""
+        return read_regular(path, MAX_BYTES)
     except OSError:
         return b""
 
@@ -361,15 +362,15 @@ def load_case(path: Path) -> Case:
 
     if not path.is_file():
         what = "is a folder, not a case file" if path.is_dir() else "is no regular file"
-        raise CaseError(
-            what if path.exists() else "there is no such case file",
-            file=path,
-            remedy="name a case file that can be read, or remove this one",
-        )
+        what = what if path.exists() else "there is no such case file"
+        remedy = "name a case file that can be read, or remove this one"
+        raise CaseError(what, file=path, remedy=remedy)
     if path.stem == "__init__":
-        raise CaseError(
-            "this file makes its folder a package: it is no case", file=path, remedy="rename it"
-        )
+        what = "this file makes its folder a package: it is no case"
+        raise CaseError(what, file=path, remedy="rename it")
+    if path.stat().st_size > MAX_BYTES:
+        what = f"is larger than {MAX_BYTES >> 20} MiB, which no case file is"
+        raise CaseError(what, file=path, remedy="move large data to a file beside the case")
     module = _import(path)
     case = getattr(module, "case", None)
     # isinstance() alone believes what an object says of its class.

@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache, lru_cache, partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from shaderlab.compiler.shader_files import strip_comments
@@ -109,11 +110,8 @@ def count_turns(source: Source, loops: list[tuple[Source, int]]) -> Source:
         inserts[start] = f"{{ shaderlab_turn({len(loops)}); " + inserts.get(start, "")
         inserts[end] = inserts.get(end, "") + " }"
         loops.append((source, node.start_point[0] + 1))
-    text, at = "", 0
-    for place in sorted(inserts):
-        text += file.bytes[at:place].decode() + inserts[place]
-        at = place
-    text += file.bytes[at:].decode()
+    cuts = pairwise([0, *sorted(inserts), len(file.bytes)])
+    text = "".join(file.bytes[at:end].decode() + inserts.get(end, "") for at, end in cuts)
     end = end_of_directives(text)
     return replace(source, text="\n".join([text[:end], *_declarations(), text[end:]]))
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from shaderlab import Draw, Mesh, Pass, Ramp, Target, exact, formula, fullscreen
 from shaderlab.engine.run import SceneRunner
+from shaderlab.errors import DeviceLostError, DriverError
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.frame import Array
@@ -24,6 +26,19 @@ void main() { level = height * place.x * place.y; }
 RIGHT = formula("level", lambda height, place: height * place.x * place.y)
 ONE = "#version 330 core\nout float level;\nvoid main() { level = 1.0; }\n"
 """A fragment shader that writes 1."""
+
+
+def require_driver(lab: Any) -> None:
+    """Open a lab's driver; skip tests of one that this machine has not. One that is here and gives
+    no answer fails them: on a busy machine a browser may take minutes to start, and has them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("shaderlab.drivers.webgl.device.PATIENCE", 300.0)
+        try:
+            _ = lab.backend
+        except DeviceLostError:
+            raise
+        except DriverError as error:
+            pytest.skip(str(error))
 
 
 def wave(lab: SceneRunner, folder: Path, *expect: Expectation, text: str = WAVE) -> Record:

@@ -15,7 +15,15 @@ from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DriverError
 from shaderlab.model.options import RunOptions
 from tests.catalogue import judged_only
-from tests.gpu.scenes import ONE, RIGHT, image, meshes, points_off_screen_are_dropped, wave
+from tests.gpu.scenes import (
+    ONE,
+    RIGHT,
+    image,
+    meshes,
+    points_off_screen_are_dropped,
+    require_driver,
+    wave,
+)
 
 LAYER = "VK_LAYER_KHRONOS_validation"
 # Textures, meshes, depth and stencil, blending, several passes, samples, lines and points.
@@ -35,10 +43,8 @@ def lab(request: pytest.FixtureRequest) -> Iterator[SceneRunner]:
     patch = pytest.MonkeyPatch()
     patch.setenv("VK_INSTANCE_LAYERS", LAYER)  # the loader goes on without it where it is not there
     with SceneRunner(RunOptions(size=16, driver=request.param)) as lab:
-        try:
-            assert lab.backend.info["renderer"]
-        except DriverError as error:
-            pytest.skip(str(error))
+        require_driver(lab)
+        assert lab.backend.info["renderer"]
         yield lab
     patch.undo()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DeviceLostError, DriverError, UnsupportedError
 from shaderlab.model.options import RunOptions
 from tests.catalogue import judged_only
-from tests.gpu.scenes import RIGHT, WAVE, points_off_screen_are_dropped, wave
+from tests.gpu.scenes import RIGHT, WAVE, points_off_screen_are_dropped, require_driver, wave
 
 # Textures, meshes and their vertices, discarding, blending, depth and stencil, several passes.
 SHIPPED = ("stencil-outline", "transparency-order")
@@ -34,11 +35,20 @@ SHIPPED = ("stencil-outline", "transparency-order")
 @pytest.fixture(scope="module")
 def lab() -> Iterator[SceneRunner]:
     with SceneRunner(RunOptions(size=16, driver="webgl2")) as lab:
-        try:
-            assert lab.backend.info["version"].startswith("WebGL 2")
-        except DriverError as error:
-            pytest.skip(str(error))
+        require_driver(lab)
+        assert lab.backend.info["version"].startswith("WebGL 2")
         yield lab
+
+
+def test_a_browser_without_an_answer_skips_no_test() -> None:
+    class Silent:
+        @property
+        def backend(self) -> Any:
+            raise DeviceLostError("the browser gave no answer in 60 s")
+
+    with pytest.raises((DeviceLostError, pytest.skip.Exception)) as caught:
+        require_driver(Silent())
+    assert caught.type is DeviceLostError
 
 
 def test_a_formula_is_judged_at_each_pixel(lab: SceneRunner, tmp_path: Path) -> None:

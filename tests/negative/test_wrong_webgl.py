@@ -10,9 +10,9 @@ import pytest
 
 from shaderlab.cli.compare_drivers import find_disagreements
 from shaderlab.engine.run import SceneRunner
-from shaderlab.errors import DriverError
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Disagreement
+from tests.gpu.scenes import require_driver
 from tests.negative.test_wrong_paths import scene
 
 PATHS = ("llvmpipe", "webgl2")
@@ -28,10 +28,7 @@ def labs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[SceneRunner
         for path in PATHS
     )
     with both[0], both[1]:
-        try:
-            assert both[1].backend
-        except DriverError as error:
-            pytest.skip(str(error))
+        require_driver(both[1])
         yield both
 
 

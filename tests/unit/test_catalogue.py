@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.engine.catalogue import data_folder, load_case
+from shaderlab.engine import catalogue
+from shaderlab.engine.catalogue import data_folder, find_imported_files, inspect_file, load_case
 from shaderlab.errors import CaseError, UsageError
 from tests.catalogue import shipped
 
@@ -248,6 +249,32 @@ def test_missing_files_and_folders_are_told_apart(tmp_path: Path) -> None:
         load_case(tmp_path / "none.py")
     with pytest.raises(CaseError, match="is a folder"):
         load_case(tmp_path)
+
+
+def test_a_file_of_gigabytes_is_refused_without_reading_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whether it is named, found in a folder, or imported by a case."""
+    verbatim = catalogue.read_regular
+
+    def read_a_part(path: Path, size: int = -1) -> bytes:
+        assert 0 < size <= catalogue.MAX_BYTES + 1
+        return verbatim(path, size)
+
+    monkeypatch.setattr(catalogue, "read_regular", read_a_part)
+    texts = {"zeros": "", "text": "from shaderlab import Case\n", "other": "x = 1\n"}
+    for name, text in texts.items():
+        path = tmp_path / f"{name}.py"
+        path.write_text(text + "#" * catalogue.MAX_BYTES)
+        if name == "zeros":
+            os.truncate(path, 0)
+            os.truncate(path, 3 << 30)
+        assert inspect_file(path) == (None if name == "other" else "")
+        with pytest.raises(CaseError, match="is larger than 4 MiB") as caught:
+            load_case(path)
+        assert caught.value.remedy
+    path = saved(tmp_path, GOOD + "\nimport zeros\n")
+    assert inspect_file(path) == "" and find_imported_files(path) == {tmp_path / "zeros.py"}
 
 
 def test_cases_come_in_the_order_of_the_notes() -> None:
