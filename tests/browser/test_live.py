@@ -109,6 +109,31 @@ def test_a_slider_moves_it_and_one_click_leads_back(
         assert violations(page, ".live") == []
 
 
+def test_a_shader_is_edited_and_its_errors_stand_at_their_lines(
+    visit: Callable[..., Any], report: Path
+) -> None:
+    page = opened(visit, report, "diffuse")
+    before, caption = page.evaluate(SHOWN), page.locator(".live-pair figcaption").last
+    page.check("text=difference to the judged picture")
+    assert caption.inner_text() == "Difference: 0 (dark) to 0 (bright)"
+    page.click("text=Edit the shaders")
+    text = page.locator(".live textarea")
+    source = text.input_value()
+    number = next(n for n, line in enumerate(source.split("\n"), start=2) if "ambient =" in line)
+    text.fill(source.replace("ambient =", "ambient = nowhere +"))
+    errors = page.locator(".live-errors")
+    wait_until(page, lambda: errors.inner_text().startswith(f"line {number}: 'nowhere'"))
+    assert str(number) in page.inner_text(".live-editor pre").split()
+    text.fill(source.replace("ambientStrength * lightColor", "vec3(0.5)"))
+    wait_until(page, lambda: " 0 (bright)" not in caption.inner_text())
+    assert errors.inner_text() == ""
+    page.uncheck("text=difference to the judged picture")
+    assert page.evaluate(SHOWN) != before
+    assert violations(page, ".live") == []
+    page.click("text=Back to what was judged")
+    assert page.evaluate(SHOWN) == before
+
+
 def test_what_does_not_change_is_not_drawn_again(visit: Callable[..., Any], report: Path) -> None:
     page = opened(visit, report, "diffuse", watch=COUNT)
     page.evaluate("window.drawn = 0")

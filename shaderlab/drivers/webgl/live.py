@@ -67,7 +67,7 @@ def record_calls(
         shown = made.show(*picture, drawn.images[picture].values.shape[2])
     except UnsupportedError as error:
         return b"", error.message
-    return made.gl.pack({"show": shown}), ""
+    return made.gl.pack(shown), ""
 
 
 class Constant(str):
@@ -174,6 +174,7 @@ class LiveSession(WebGLSession):
     def take(self, drawn: Drawn) -> None:
         """Take what another session drew: sizes of images, uniforms and contents of textures."""
         self.gl = self.device.gl  # type: ignore[assignment]
+        self._files: dict[int, dict[str, str]] = {}
         self.images, self._drawn = dict(drawn.images), drawn
         own = Objects(self.gl)
         self._textures = LiveTextures(self.folder, self.images, self.targets, self.device, own)
@@ -206,7 +207,9 @@ class LiveSession(WebGLSession):
         texts = write_point_texts(draw.draw, draw.texts)
         essl = write_essl(texts, draw.interface)
         make = functools.partial(Program, self.device, essl, draw.interface)
-        return self.linker.get(tuple(essl.items()), make)
+        made = self.linker.get(tuple(essl.items()), make)
+        self._files[made.handle.number] = {each.stage: each.name for each in draw.authored}
+        return made
 
     def show(self, pass_name: str, name: str, components: int) -> dict[str, Any]:
         """Read an output for the page; returns what that needs to know. Raises UnsupportedError: it
@@ -223,7 +226,8 @@ class LiveSession(WebGLSession):
         how = (f"={word}" for word in READ[read])
         gl.add("pixels", -1, *target.size, *how, ARRAYS[np.dtype(read)], components)
         kind = "code" if read is np.uint8 else np.dtype(read).kind
-        return {"size": target.size, "components": components, "kind": kind}
+        shown = {"size": target.size, "components": components, "kind": kind}
+        return {"show": shown, "files": self._files}
 
 
 def write_essl(texts: Mapping[str, str], interface: Interface) -> dict[str, str]:

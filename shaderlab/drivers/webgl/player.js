@@ -168,7 +168,8 @@ const makePlayer = () => {
     },
 
     // Plays a recording, `scale` times as large: {lacks} says why it can't. `draw` draws it once
-    // more, some `uniforms` being changed, and gives the pixels.
+    // more, some `uniforms` being changed, and gives the pixels; `relink` gives why a program can't
+    // be made of other texts.
     hold({ calls: recorded }, data, scale = 1) {
       if (!extensions.EXT_color_buffer_float) return { lacks: "this browser draws no floats" };
       if (!extensions.OES_texture_float_linear) // as on many phones: half floats are filtered
@@ -194,7 +195,7 @@ const makePlayer = () => {
         return [{ name: called, matrix, whole: letter !== "f", now: argument(given.at(-1), data) }];
       };
       // Passes with the calls of each frame, and the names of those that they read.
-      const passes = repeated(calls).reduce((passes, call) => {
+      const arrange = () => repeated(calls).reduce((passes, call) => {
         const [name, reads, joined] = call[2];
         if (call[0] === "pass" && joined) passes.at(-1).names.push(name);
         else if (call[0] === "pass") passes.push({ names: [name], reads: [], calls: [], uniforms: [] });
@@ -203,7 +204,7 @@ const makePlayer = () => {
         passes.at(-1).uniforms.push(...uniformOf(call));
         return passes;
       }, []);
-      let shown = null;
+      let [passes, shown] = [arrange(), null];
 
       // A pass is drawn again if a number is another one, or a pass that it reads was drawn again.
       const draw = () => {
@@ -220,9 +221,20 @@ const makePlayer = () => {
         }
         return shown;
       };
+      const relink = (number, texts) => {
+        const made = gl.createProgram();
+        const why = link(made, texts, []);
+        if (why) return why;
+        objects.set(number, made);
+        for (const call of calls)
+          if (/^(locate|getUniformBlockIndex|uniformBlockBinding)$/.test(call[0])
+            && call[2][0].object === number) run(bound(data, call));
+        passes = arrange();
+        return null;
+      };
       const lose = () => extensions.WEBGL_lose_context?.loseContext();
       const size = calls.at(-1)[2].slice(0, 2);
-      return { draw, size, uniforms: passes.flatMap(({ uniforms }) => uniforms), errors, lose };
+      return { draw, relink, size, uniforms: passes.flatMap(({ uniforms }) => uniforms), errors, lose };
     },
   };
 };

@@ -113,6 +113,7 @@ class Panel {
     this.caption = make("figcaption");
     this.reading = make("p", { className: "small live-reading" });
     this.controls = make("div", { className: "live-controls" });
+    this.editor = make("details", { className: "fold" });
     this.difference = make("input", { type: "checkbox", onchange: () => this.paint() });
     const choice = make("select", { onchange: async () => {
       this.file = files[choice.selectedIndex];
@@ -129,7 +130,7 @@ class Panel {
         make("button", { type: "button", textContent: "Back to what was judged",
           onclick: () => this.start(this.bytes) }),
         make("label", {}, this.difference, " difference to the judged picture")),
-      this.controls,
+      this.controls, this.editor,
     );
     this.watch();
     this.canvas.focus({ preventScroll: true });
@@ -150,6 +151,12 @@ class Panel {
     this.eyes = this.live.uniforms.filter(({ own, matrix }) => !matrix && own.length === 3
       && this.views.some((view) => near(eyeOf(view.own), own)));
     this.fill();
+    editShaders(this.editor, this.live.about, (...given) => {
+      const why = this.live.relink(...given);
+      if (!why) this.small?.relink(...given);
+      this.redraw();
+      return why;
+    });
     this.paint(this.live);
   }
 
@@ -269,6 +276,49 @@ class Panel {
     }
     return inputs;
   }
+}
+
+/** Fills a box with a recording's shaders, the longest first, compiled as they are typed. */
+function editShaders(box, { calls, files }, relink) {
+  const stages = calls.filter(([call]) => call === "link")
+    .flatMap(([, , [{ object: number }, texts]]) => Object.entries(files[number])
+      .map(([stage, file]) => ({ number, texts, stage, file })))
+    .sort((one, other) => other.texts[other.stage].length - one.texts[one.stage].length);
+  const select = make("select", { "aria-label": "shader" },
+    ...stages.map(({ file }) => make("option", { textContent: file })));
+  const lines = make("pre", { "aria-hidden": "true" });
+  const text = make("textarea", { spellcheck: false, wrap: "off", "aria-label": "GLSL" });
+  const errors = make("pre", { className: "live-errors", role: "status" });
+  let [current, head, later] = [];
+  const count = () => {
+    const all = text.value.split("\n");
+    lines.textContent = all.map((_, n) => n + 2).join("\n");
+    text.rows = Math.min(30, all.length + 1);
+  };
+  const compile = () => {
+    const texts = { ...current.texts, [current.stage]: head + text.value };
+    const why = relink(current.number, texts);
+    const above = head.split("\n").length - 2; // the author's text goes on with line 2
+    errors.textContent = why?.[1].replaceAll("\0", "")
+      .replace(/ERROR: \d+:(\d+)/g, (_, line) => `line ${line - above}`) ?? "";
+    if (!why) Object.assign(current.texts, texts);
+  };
+  select.onchange = () => {
+    current = stages[select.selectedIndex];
+    const whole = current.texts[current.stage];
+    const start = whole.indexOf("\n//\n") + 4;
+    [head, text.value, errors.textContent] = [whole.slice(0, start), whole.slice(start), ""];
+    count();
+  };
+  select.onchange();
+  text.onscroll = () => { lines.scrollTop = text.scrollTop; };
+  text.oninput = () => {
+    count();
+    clearTimeout(later);
+    later = setTimeout(compile, 250);
+  };
+  box.replaceChildren(make("summary", { textContent: "Edit the shaders" }), select,
+    make("div", { className: "live-editor" }, lines, text), errors);
 }
 
 globalThis.shaderlabLive = (...given) => new Panel(...given);
