@@ -95,7 +95,8 @@ def command(
             audits.append(audit)
             for line in audit.lines(possible):
                 click.echo(line, err=to_stderr)
-            if show_inputs or prove or audit.clean is False:
+            assumes = len(requests) == 1 and any("assumed" in i for i in audit.inputs.values())
+            if show_inputs or prove or audit.clean is False or assumes:
                 for name, role in audit.inputs.items():
                     click.echo(f"  {name}: {role}", err=to_stderr)
     if json_file is not None:
