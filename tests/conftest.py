@@ -45,8 +45,10 @@ if "PYTEST_XDIST_WORKER" not in os.environ:
 # NumPy reads this when it is first imported, which nothing does before this file.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # One of several processes has one core: a command's second worker only takes its time to start.
+# So does a driver's second thread.
 if "PYTEST_XDIST_WORKER" in os.environ:
     os.environ.setdefault("SHADERLAB_JOBS", "1")
+    os.environ.setdefault("LP_NUM_THREADS", "0")
 
 
 class AsCompiled:
@@ -84,9 +86,23 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.enable()
 
 
-def pytest_unconfigure() -> None:
-    """A library that counts what it made says so if an ending process keeps some."""
-    gc.unfreeze()
+# A library that counts what it made says so if an ending process keeps some.
+atexit.register(gc.unfreeze)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """One process of pytest-xdist opens all pages, in one browser."""
+    if config.getvalue("dist") != "loadscope":
+        return None
+    from xdist.scheduler import LoadScopeScheduling
+
+    class PagesTogether(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            pages = nodeid.startswith("tests/browser/")
+            return "tests/browser" if pages else super()._split_scope(nodeid)
+
+    return PagesTogether(config, log)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -34,9 +34,10 @@ def files_below(folder: Path) -> dict[str, bytes]:
 
 
 def drawn(
-    executor: ProcessExecutor, jobs: list[Job], folder: Path
+    executor: ProcessExecutor, jobs: list[Job], folder: Path, size: int = 32
 ) -> tuple[dict[Any, Any], dict[str, bytes]]:
-    options = RunOptions(size=32, picture_size=128, folder=folder / "run", frames=folder / "frames")
+    places = {"folder": folder / "run", "frames": folder / "frames"}
+    options = RunOptions(size=size, picture_size=128, **places)
     records = dict(executor.run(jobs, options)).values()
     return {(r.id, r.variant): timeless(r) for r in records}, files_below(folder)
 
@@ -56,6 +57,7 @@ def runs(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[
             "once": drawn(first, jobs, folder / "once"),
             "again": drawn(first, jobs, folder / "again"),
             "elsewhere": drawn(other, jobs[::-1], folder / "elsewhere"),
+            "smaller": drawn(other, jobs[1:2], folder / "smaller", size=31),
         }
     finally:
         first.close()
@@ -80,15 +82,9 @@ def test_a_record_says_what_its_values_depend_on(runs: Mapping[str, Any]) -> Non
         assert (record["size"], record["picture_size"]) == (32, 128)
 
 
-def test_another_size_would_be_noticed(runs: Mapping[str, Any], tmp_path: Path) -> None:
-    executor = ProcessExecutor()
-    try:
-        options = RunOptions(size=31, pictures=False, frames=tmp_path)
-        ((_, record),) = executor.run(runs["jobs"][1:2], options)
-    finally:
-        executor.close()
-    before = runs["once"][0][record.id, record.variant]
-    assert (record.size, record.picture_size) == (31, 0)
-    assert timeless(record)["expectations"] != before["expectations"]
-    (frame,) = files_below(tmp_path).values()
-    assert frame not in runs["once"][1].values()
+def test_another_size_would_be_noticed(runs: Mapping[str, Any]) -> None:
+    (((key, record),), files) = runs["smaller"][0].items(), runs["smaller"][1]
+    before, frames = runs["once"][0][key], runs["once"][1].values()
+    assert record["size"] == 31 and record["expectations"] != before["expectations"]
+    (frame,) = (data for name, data in files.items() if name.startswith("frames/"))
+    assert frame not in frames

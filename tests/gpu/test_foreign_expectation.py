@@ -55,7 +55,7 @@ def test_mutate_kills_by_it(folder: Path) -> None:
     assert case["survived"][0]["operator"] in page
 
 
-def test_a_wrong_shader_fails_in_run_and_in_pytest(folder: Path) -> None:
+def test_a_wrong_shader_fails_in_run_and_in_pytest(folder: Path, pytester: pytest.Pytester) -> None:
     line = "shaderlab run wall.py --shader wall.frag=bright.frag --report failed --json failed.json"
     right = (folder / "wall.frag").read_text(encoding="utf-8")
     wrong = right.replace("TexCoords.x *", "3.0 * TexCoords.x *")
@@ -70,5 +70,5 @@ def test_a_wrong_shader_fails_in_run_and_in_pytest(folder: Path) -> None:
 
     text = (folder / "wall.py").read_text(encoding="utf-8")
     (folder / "bright.py").write_text(text.replace("wall.frag", "bright.frag"), encoding="utf-8")
-    done = execute("pytest wall.py bright.py", folder)
+    done = execute("pytest wall.py bright.py", folder, pytester)
     assert "2 failed, 2 passed" in done.stdout and "values are above 0.5" in done.stdout

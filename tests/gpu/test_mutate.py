@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -132,6 +132,15 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.fixture(scope="module")
+def law_fates(tmp_path_factory: pytest.TempPathFactory) -> Mapping[tuple[str, str, str], str]:
+    """What becomes of each mutant of law.py."""
+    folder = tmp_path_factory.mktemp("law")
+    for name, text in (("frag", SHADER), ("glsl", LAW), ("py", CASE.replace("START", "-1.0"))):
+        (folder / f"law.{name}").write_text(text)
+    return fates(folder / "law.py")
+
+
 def fates(file: Path, kind: str = "") -> dict[tuple[str, str, str], str]:
     """Each mutant's fate (of one kind only), judged in this process."""
     case = load_case(file)
@@ -144,8 +153,10 @@ def fates(file: Path, kind: str = "") -> dict[tuple[str, str, str], str]:
         }
 
 
-def test_what_is_noticed_and_what_gets_by(folder: Path) -> None:
-    found, weak = fates(folder / "law.py"), fates(folder / "weak.py", "max dropped")
+def test_what_is_noticed_and_what_gets_by(
+    folder: Path, law_fates: Mapping[tuple[str, str, str], str]
+) -> None:
+    found, weak = law_fates, fates(folder / "weak.py", "max dropped")
     assert found["constant + 1 %", "gain * 0.25", "gain * 0.2525"] == "killed"
     assert found["max dropped", "max(sum * x, 0.0)", "(sum * x)"] == "killed"
     assert found["operator", "max(sum * x, 0.0) + 0.5", "max(sum * x, 0.0) - 0.5"] == "killed"
@@ -472,10 +483,11 @@ judging.Judge.judge = fate
 """
 
 
-def test_what_hangs_or_crashes_is_killed_and_the_rest_goes_on(folder: Path) -> None:
+def test_what_hangs_or_crashes_is_killed_and_the_rest_goes_on(
+    folder: Path, law_fates: Mapping[tuple[str, str, str], str]
+) -> None:
     """The case file itself brings the trouble, as its own process is the only one that loads it."""
-    file = folder / "law.py"
-    expected = fates(file)
+    file, expected = folder / "law.py", law_fates
     file.write_text(file.read_text() + TROUBLE)
     plan = MutationPlan(state=False)
     with contextlib.closing(ProcessExecutor(limits=Limits(seconds=60.0), workers=2)) as executor:

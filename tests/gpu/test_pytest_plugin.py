@@ -136,8 +136,11 @@ def test_a_wrong_case_file_is_one_message(cases: pytest.Pytester) -> None:
     result.stdout.no_fnmatch_line("*importlib*")
 
 
-def test_a_case_is_really_drawn_and_judged(pytester: pytest.Pytester, case_folder: Path) -> None:
+def test_a_case_is_really_drawn_and_judged(
+    pytester: pytest.Pytester, case_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytester.runpytest_inprocess(case_folder).assert_outcomes(passed=2)
+    monkeypatch.setenv("SHADERLAB_JOBS", "0")  # and without a worker as well
     shader = case_folder / "lamp.frag"
     shader.write_text(shader.read_text().replace("0.25", "0.26"))
     result = pytester.runpytest_inprocess(case_folder)

@@ -171,7 +171,10 @@ def test_only_the_last_frame_of_an_interrupt_is_looked_at(
     assert len(raised.traceback) == 2 if names is None else raised.traceback[0].name in names
 
 
-def test_under_xdist_each_variant_is_run_once(cases: Cases) -> None:
+def test_under_xdist_each_variant_is_run_once(
+    cases: Cases, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SHADERLAB_JOBS", "0")  # its own processes are enough to start
     for name in "abcd":
         cases.add(name, wrong=name in "bd")
     result = cases.run("-n2", *OUTCOMES, "--tb=short")

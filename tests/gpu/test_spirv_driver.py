@@ -34,7 +34,7 @@ void main() {
 
 @pytest.fixture(scope="module")
 def lab() -> Iterator[SceneRunner]:
-    with SceneRunner(RunOptions(driver="llvmpipe-spirv", pictures=False)) as opened:
+    with SceneRunner(RunOptions(driver="llvmpipe-spirv", pictures=False, modules=False)) as opened:
         yield opened
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -42,7 +43,7 @@ def installed() -> bool:
 def lab(request: pytest.FixtureRequest) -> Iterator[SceneRunner]:
     patch = pytest.MonkeyPatch()
     patch.setenv("VK_INSTANCE_LAYERS", LAYER)  # the loader goes on without it where it is not there
-    with SceneRunner(RunOptions(size=16, driver=request.param)) as lab:
+    with SceneRunner(RunOptions(size=16, driver=request.param, modules=False)) as lab:
         require_driver(lab)
         assert lab.backend.info["renderer"]
         yield lab
@@ -60,8 +61,12 @@ def unasked(capfd: pytest.CaptureFixture[str]) -> Iterator[list[str]]:
 
 @pytest.mark.usefixtures("unasked")
 def test_a_formula_is_judged_at_each_pixel(lab: SceneRunner, tmp_path: Path) -> None:
+    options = lab.options
+    lab.configure(replace(options, modules=None))  # the shader judges itself as well
     record = wave(lab, tmp_path, RIGHT)
+    lab.configure(options)
     assert (record.status, record.message) == ("pass", "")
+    assert record.modules is not None and record.modules.judged > 0
     assert record.expectations[0].judged == 256
     wrong = formula("level", lambda height, place: height * place.x * place.x)
     assert wave(lab, tmp_path, wrong).status == "fail"

@@ -63,18 +63,18 @@ def execute(
     line: str, folder: Path, pytester: pytest.Pytester | None = None
 ) -> subprocess.CompletedProcess[str]:
     """Run a command line in a folder, with this environment's `pytest` and `shaderlab`; a
-    `shaderlab` that is the whole line runs in this process, as starting takes longer than most, and
-    so does a `pytest` where there is a `pytester`."""
+    `shaderlab` that is the whole line runs in this process, without workers, as starting takes
+    longer than most, and so does a `pytest` where there is a `pytester`."""
     words = shlex.split(line)
-    if words[0] == "pytest" and pytester is not None:
-        with contextlib.chdir(folder):
+    with contextlib.chdir(folder), pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SHADERLAB_JOBS", "0")
+        if words[0] == "pytest" and pytester is not None:
             ended = pytester.runpytest_inprocess(*words[1:])
-        said = ended.stdout.str(), ended.stderr.str()
-        return subprocess.CompletedProcess(words, int(ended.ret), *said)
-    if words[0] == "shaderlab" and not {">", "|", "&&"} & set(words):
-        with contextlib.chdir(folder):
+            said = ended.stdout.str(), ended.stderr.str()
+            return subprocess.CompletedProcess(words, int(ended.ret), *said)
+        if words[0] == "shaderlab" and not {">", "|", "&&"} & set(words):
             done = CliRunner().invoke(cli, words[1:])
-        return subprocess.CompletedProcess(words, done.exit_code, done.stdout, done.stderr)
+            return subprocess.CompletedProcess(words, done.exit_code, done.stdout, done.stderr)
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     return subprocess.run(
         ["sh", "-c", line],

@@ -41,7 +41,8 @@ def engine(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[s
     folder = tmp_path_factory.mktemp("missing")
     for name in (*OPTIONAL, *COURSE):
         (folder / f"{name}.py").write_text(f"raise ImportError('not there', name={name!r})\n")
-    return {**os.environ, "PYTHONPATH": f"{folder}{os.pathsep}{repository}"}
+    named = {"PYTHONPATH": f"{folder}{os.pathsep}{repository}", "SHADERLAB_JOBS": "0"}
+    return {**os.environ, **named}
 
 
 def run(env: dict[str, str], folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
@@ -73,8 +74,8 @@ def test_a_loader_asks_for_its_extra(engine: dict[str, str], example: Path) -> N
 
 
 def test_cases_of_the_course_ask_for_its_extra(engine: dict[str, str], example: Path) -> None:
-    words = ("diffuse", "translate", "texture-compression", "--no-pictures", "--json", "out.json")
-    done = run(engine, example, "run", *words)
+    cases = ("diffuse", "translate", "texture-compression")
+    done = run(engine, example, "run", *cases, "--no-pictures", "--json", "out.json")
     assert done.returncode == 0
     assert statuses(example) == {
         "diffuse": "pass",
@@ -82,7 +83,7 @@ def test_cases_of_the_course_ask_for_its_extra(engine: dict[str, str], example: 
         "texture-compression": "unsupported",
     }
     # Where nothing is kept of an installation that could import them.
-    listed = run({**engine, "SHADERLAB_CACHE_DIR": ""}, example, "list")
+    listed = run({**engine, "SHADERLAB_CACHE_DIR": ""}, example, "list", *cases)
     assert listed.returncode == 0 and "  diffuse " in listed.stdout
     for said in (done.stdout, listed.stderr):
         assert "pip install 'shaderlab[course]'" in said

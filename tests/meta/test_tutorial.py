@@ -17,11 +17,9 @@ from tests.meta.examples import Command, examples, execute, missing
 def test_each_command_prints_what_the_page_shows(
     repository: Path,
     pytester: pytest.Pytester,
-    monkeypatch: pytest.MonkeyPatch,
     page: str,
     least: int,
 ) -> None:
-    monkeypatch.setenv("SHADERLAB_JOBS", "0")  # each worker takes longer to start than a command
     folder, commands = pytester.path, 0
     for example in examples(repository / "docs" / "guide" / f"{page}.md"):
         if not isinstance(example, Command):

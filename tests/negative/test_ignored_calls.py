@@ -20,10 +20,13 @@ from shaderlab.drivers.opengl import (
 from shaderlab.drivers.opengl.device import GL, gl_constant
 from shaderlab.engine.expectations.gl_call import GlCall
 from shaderlab.engine.run import SceneRunner
+from shaderlab.model.options import RunOptions
 from shaderlab.model.textures import Sampling
 from tests.catalogue import judged_only, shipped
 
 Patch = Callable[[pytest.MonkeyPatch], None]
+CALLS_ONLY = RunOptions(modules=False)
+"""No shader is wrong here, and none has to judge itself."""
 
 
 def always_static(patch: pytest.MonkeyPatch) -> None:
@@ -115,7 +118,7 @@ def test_a_call_that_is_left_out_is_noticed(
 ) -> None:
     patched(monkeypatch)
     scene = next(shipped()[case_id].scenes())
-    with SceneRunner() as lab:
+    with SceneRunner(CALLS_ONLY) as lab:
         record = lab.run(scene)
     failed = {o.kind for o in record.expectations if o.status != "pass"}
     assert record.status == "fail" and failed == {"GL calls"}, (record.message, failed)
@@ -143,7 +146,7 @@ def test_a_call_that_opengl_ignores_is_noticed(
         return None if call.function == function else invoke(self, call, *given)
 
     monkeypatch.setattr(calls._Maker, "_invoke", ignored)
-    with SceneRunner() as lab:
+    with SceneRunner(CALLS_ONLY) as lab:
         record = lab.run(replace(scene, expect=asked))
     assert record.status == "fail", record.message
 
@@ -159,7 +162,7 @@ def test_a_framebuffer_that_is_not_the_targets_is_no_lack_of_the_driver(
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, 1)
 
     monkeypatch.setattr(moderngl.Framebuffer, "use", used)
-    with SceneRunner() as lab:
+    with SceneRunner(CALLS_ONLY) as lab:
         record = lab.run(next(judged_only("framebuffer-renderbuffer").scenes()))
     assert record.status == "error" and "another framebuffer" in record.message
 
@@ -188,7 +191,7 @@ def assert_noticed(case_id: str, drawn: str, check: str) -> None:
     scene = next(shipped()[case_id].scenes())
     passes = tuple(p for p in scene.passes if p.name == drawn)
     asked = tuple(e for e in scene.expect if e.name == check)
-    with SceneRunner() as lab:
+    with SceneRunner(CALLS_ONLY) as lab:
         record = lab.run(replace(scene, passes=passes, expect=asked))
     assert record.status == "fail" and asked, record.message
 
@@ -207,7 +210,7 @@ def test_one_filter_in_place_of_two_is_noticed(
         return made(replace(sampling, filter=(word, magnifying)))
 
     monkeypatch.setattr(textures, "make_sampler", sampler)
-    with SceneRunner() as lab:
+    with SceneRunner(CALLS_ONLY) as lab:
         record = lab.run(next(judged_only(case_id).scenes()))
     assert record.status == "fail", record.message
 
@@ -220,7 +223,7 @@ def test_a_wrap_mode_that_is_not_set_along_r_is_noticed(monkeypatch: pytest.Monk
         return made(Sampling(**plane | {"wrap": sampling.wrap[:2]}))
 
     monkeypatch.setattr(textures, "make_sampler", sampler)
-    with SceneRunner() as lab:
+    with SceneRunner(CALLS_ONLY) as lab:
         record = lab.run(next(judged_only("texture-wrap").scenes()))
     failed = {o.name for o in record.expectations if o.status != "pass"}
     assert failed and all(name.startswith(("three dim", "the wood")) for name in failed), failed

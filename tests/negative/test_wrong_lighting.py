@@ -111,11 +111,19 @@ SHINING = [
 NEVER_TURNED_AWAY = {"diffuse", "hdr", "shininess"}
 
 
+WITHOUT_GATE = mistaken(PHONG, "return dot(normal, lightDir) > 0.0;", "return true;")
+
+
 @pytest.mark.parametrize("case_id", SHINING)
-def test_without_the_gate_one_check_fails_and_says_so(case_id: str) -> None:
-    texts = mistaken(PHONG, "return dot(normal, lightDir) > 0.0;", "return true;")
+def test_without_the_gate_a_check_fails_and_says_so(case_id: str) -> None:
     for scene in judged_only(case_id).scenes():
-        assert failing(scene, texts) == {TURNED_AWAY}, scene.variant
+        assert list(failures(scene, WITHOUT_GATE, only=[TURNED_AWAY])), scene.variant
+
+
+@pytest.mark.parametrize("case_id", ["specular", "light-struct", "normal-map", "blinn-phong"])
+def test_without_the_gate_no_other_check_fails(case_id: str) -> None:
+    for scene in judged_only(case_id).scenes():
+        assert failing(scene, WITHOUT_GATE) == {TURNED_AWAY}, scene.variant
 
 
 def test_every_lesson_that_includes_the_gate_is_tried_without_it() -> None:

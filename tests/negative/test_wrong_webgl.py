@@ -11,7 +11,7 @@ import pytest
 from shaderlab.cli.compare_drivers import find_disagreements
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
-from shaderlab.model.records import Disagreement
+from shaderlab.model.records import Disagreement, Record
 from tests.gpu.scenes import require_driver
 from tests.negative.test_wrong_paths import scene
 
@@ -37,14 +37,20 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Any:
     return next(iter(scene(tmp_path_factory.mktemp("paths")).scenes()))
 
 
+@pytest.fixture(scope="module")
+def right(labs: tuple[SceneRunner, ...], made: Any) -> Record:
+    """The record of the first path, in which nothing is planted, and its frames."""
+    return replace(labs[0].run(made), driver_name=PATHS[0])
+
+
 def matrix(
-    labs: tuple[SceneRunner, ...], made: Any, plant: Plant | None
+    labs: tuple[SceneRunner, ...], made: Any, right: Record, plant: Plant | None
 ) -> dict[str, Disagreement]:
     """Each output on both paths, something planted in the second."""
     frames = labs[0].options.frames
     assert frames is not None
     with pytest.MonkeyPatch.context() as patch:
-        records = [replace(labs[0].run(made), driver_name=PATHS[0])]
+        records = [right]
         if plant is not None:
             plant(patch)
             labs[1].backend.linker.release()  # type: ignore[attr-defined]
@@ -107,8 +113,10 @@ FAULTS: Mapping[str, tuple[Plant, str, bool]] = {
 }  # fmt: skip
 
 
-def test_without_a_mistake_nothing_is_outside(labs: tuple[SceneRunner, ...], made: Any) -> None:
-    found = matrix(labs, made, None)
+def test_without_a_mistake_nothing_is_outside(
+    labs: tuple[SceneRunner, ...], made: Any, right: Record
+) -> None:
+    found = matrix(labs, made, right, None)
     assert len(found) == 5
     assert {d.verdict for d in found.values()} <= {"equal", "within"}, [
         f"{d.output} {d.verdict}" for d in found.values()
@@ -117,9 +125,9 @@ def test_without_a_mistake_nothing_is_outside(labs: tuple[SceneRunner, ...], mad
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_mistake_is_found_and_webgl2_blamed(
-    labs: tuple[SceneRunner, ...], made: Any, fault: str
+    labs: tuple[SceneRunner, ...], made: Any, right: Record, fault: str
 ) -> None:
     plant, output, blamed = FAULTS[fault]
-    found = matrix(labs, made, plant)[output]
+    found = matrix(labs, made, right, plant)[output]
     assert found.differing, found
     assert found.outside == ((PATHS[1],) if blamed else ()), found

@@ -17,6 +17,13 @@ GOOD = "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"
 BAD = "#version 330 core\nout vec4 c;\nvoid main()\n{\n    c = vec4(nothing);\n}\n"
 
 
+@pytest.fixture(autouse=True)
+def here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files are compiled in this process, unless a test says otherwise: a worker takes its time to
+    start."""
+    monkeypatch.setenv("SHADERLAB_JOBS", "0")
+
+
 def compile_(*args: str | Path) -> Any:
     return CliRunner().invoke(cli, ["compile", *map(str, args)], catch_exceptions=False)
 
@@ -49,7 +56,7 @@ def test_a_folder_is_searched_and_each_file_counted(tmp_path: Path) -> None:
     (tmp_path / "a" / "good.frag").write_text(GOOD)
     (tmp_path / "bad.frag").write_text(BAD)
     (tmp_path / "lib.glsl").write_text("float half_of(float x) { return 0.5 * x; }\n")
-    result = compile_(tmp_path, "--json", tmp_path / "out.json")
+    result = compile_(tmp_path, "--json", tmp_path / "out.json", "-j", "1")
     assert result.exit_code == 1
     data = json.loads((tmp_path / "out.json").read_text())
     assert set(data) == {"files"}
@@ -154,7 +161,7 @@ def test_a_program_is_linked(tmp_path: Path) -> None:
 
 def test_a_file_that_takes_too_long_is_counted_apart(tmp_path: Path) -> None:
     (tmp_path / "a.frag").write_text(GOOD)
-    result = compile_(tmp_path, "--timeout", "0.000001")
+    result = compile_(tmp_path, "--timeout", "0.000001", "-j", "1")
     assert result.exit_code == 1
     assert "a.frag: error: timeout: the compiler took too long" in result.output
     assert result.output.splitlines()[-1].split() == ["vulkan", "0", "0", "1"]

@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SHADERS = sorted(p for p in (ROOT / "shaders").rglob("*.*") if p.is_file())
 MODULES = sorted(
     [*(ROOT / "cases").rglob("*.py"), *(ROOT / "shaderlab" / "reference").rglob("*.py")]
-)[::2]
+)[::6]
 # What lexers have states for, some of it broken off, and what HTML must not take for itself.
 PIECES = (
     "void main() { return 1.0e-3f; }", "#version 330 core\n", "#define A \\\n b", "/* no end",
