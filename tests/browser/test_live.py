@@ -67,9 +67,10 @@ def opened(
     if watch:
         page.evaluate(watch)
     assert page.locator(".live-canvas").count() == 0
-    page.click("[data-live] button")
+    # A visitor sees the button at once, and then the picture with its first controls.
+    assert page.locator(".live-button").bounding_box()["y"] < page.viewport_size["height"] - 40
+    page.click(".live-button button")
     page.wait_for_selector(".live-canvas")
-    assert page.inner_text("[data-live] > output") == ""
     return page
 
 
@@ -91,6 +92,8 @@ def test_a_slider_moves_it_and_one_click_leads_back(
     visit: Callable[..., Any], report: Path
 ) -> None:
     page = opened(visit, report, "diffuse", viewport={"width": 1280, "height": 800})
+    assert page.locator(".live-canvas").bounding_box()["y"] >= 0
+    assert page.locator(".live-controls label").first.bounding_box()["y"] < 760
     before = page.evaluate(SHOWN)
     for name in ("away", "lightColor x"):
         slider = page.locator(f"input[name='{name}'], input[aria-label='{name}']").first

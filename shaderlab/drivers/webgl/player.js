@@ -233,8 +233,8 @@ const makePlayer = () => {
         return null;
       };
       const lose = () => extensions.WEBGL_lose_context?.loseContext();
-      const size = calls.at(-1)[2].slice(0, 2);
-      return { draw, relink, size, uniforms: passes.flatMap(({ uniforms }) => uniforms), errors, lose };
+      const uniforms = passes.flatMap((pass) => pass.uniforms);
+      return { draw, relink, size: calls.at(-1)[2].slice(0, 2), uniforms, errors, lose };
     },
   };
 };

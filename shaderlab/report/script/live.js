@@ -84,11 +84,9 @@ function play({ about, data }, scale = 1) {
     found.get(key).all.push(now);
   }
   const started = performance.now();
-  const own = held.draw();
-  const [took, [error]] = [performance.now() - started, held.errors()];
+  const [own, took, [error]] = [held.draw(), performance.now() - started, held.errors()];
   if (error) throw new Error(`this browser can't draw it (WebGL2 error ${error})`);
-  const show = { ...about.show, size: held.size };
-  return { ...held, about, show, own, took, uniforms: [...found.values()] };
+  return { ...held, about, show: { ...about.show, size: held.size }, own, took, uniforms: [...found.values()] };
 }
 
 /** Milliseconds that a frame may take; else it is drawn smaller while a control is moved. */
@@ -120,7 +118,6 @@ class Panel {
       this.start(await tools.open(this.file[1]));
     } }, ...files.map(([name]) => make("option", { textContent: name })));
     this.start(first); // nothing is shown where it can't be played
-    box.querySelector(".tool").remove();
     box.append(
       make("div", { className: "live-pair" },
         make("figure", {}, this.judged, make("figcaption", { textContent: "Judged" })),
@@ -133,6 +130,7 @@ class Panel {
       this.controls, this.editor,
     );
     this.watch();
+    box.scrollIntoView();
     this.canvas.focus({ preventScroll: true });
   }
 

@@ -185,20 +185,22 @@ function loadScript(name) {
   });
 }
 
-for (const box of document.querySelectorAll("[data-live]")) {
+for (const tool of document.querySelectorAll(".live-button")) {
   const open = async (file) => {
     if (!globalThis.shaderlabLive) await loadScript("page/live.js");
     await loadScript(file);
     return inflated(globalThis.shaderlabRecording);
   };
-  box.querySelector("button").onclick = async () => {
+  const box = document.querySelector("[data-live]");
+  tool.querySelector("button").onclick = async () => {
     try {
       const files = JSON.parse(box.dataset.live);
       const first = await open(files[0][1]);
       globalThis.shaderlabLive(box, files, first, { open, general, ramp, colours });
+      tool.remove();
     } catch (error) {
-      box.querySelector("output").textContent = `No live picture: ${error.message}`;
+      tool.querySelector("output").textContent = `No live picture: ${error.message}`;
     }
   };
-  box.hidden = !("DecompressionStream" in window);
+  tool.hidden = !("DecompressionStream" in window);
 }
