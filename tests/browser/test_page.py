@@ -66,6 +66,7 @@ def test_passing_checks_are_one_line_each_and_the_first_failing_one_leads(
     assert line.bounding_box()["height"] < 40
     words = [text.strip() for text in line.locator("*").all_text_contents() if text.strip()]
     assert words == ["passed", "FragColor", "formula", "30 %"]
+    stays_folded_on_paper(page, passed)
     page = visit(lamp.case("lamp"))
     assert page.locator("#case-lamp-bad-fragcolor .measures").is_visible()
     # It stands before the lesson, and nothing else is open.
@@ -75,11 +76,10 @@ def test_passing_checks_are_one_line_each_and_the_first_failing_one_leads(
     assert page.locator(".check details[open]").count() == 1
 
 
-def test_on_paper_what_is_folded_stays_folded(visit: Visit, lamp: Sample) -> None:
-    page = visit(lamp.case("blend"))
+def stays_folded_on_paper(page: Any, check: Any) -> None:
+    """What is folded stays so, and what is unfolded is printed."""
     page.emulate_media(media="print")
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
-    check = page.locator("#case-blend-default-fragcolor")
     assert not check.locator(".measures").is_visible()
     assert not page.locator("nav.way").is_visible() and page.locator(".lesson").is_visible()
     check.locator("summary").evaluate("e => e.parentElement.open = true")
