@@ -329,18 +329,18 @@ DERIVATIVES: Mapping[int, Handler] = {
 
 
 _FLOATS: Mapping[int, str] = {
-    G.Round: "round", G.RoundEven: "roundEven", G.Trunc: "trunc", G.FAbs: "abs",
-    G.FSign: "sign", G.Floor: "floor", G.Ceil: "ceil", G.Fract: "fract", G.Radians: "radians",
-    G.Degrees: "degrees", G.Sin: "sin", G.Cos: "cos", G.Tan: "tan", G.Asin: "asin",
-    G.Acos: "acos", G.Atan: "atan", G.Sinh: "sinh", G.Cosh: "cosh", G.Tanh: "tanh",
-    G.Asinh: "asinh", G.Acosh: "acosh", G.Atanh: "atanh", G.Atan2: "atan", G.Pow: "pow",
-    G.Exp: "exp", G.Log: "log", G.Exp2: "exp2", G.Log2: "log2", G.Sqrt: "sqrt",
-    G.InverseSqrt: "inversesqrt", G.Determinant: "determinant", G.MatrixInverse: "inverse",
-    G.ModfStruct: "modf", G.FMin: "min", G.FMax: "max", G.FClamp: "clamp", G.FMix: "mix",
-    G.Step: "step", G.SmoothStep: "smoothstep", G.Fma: "fma", G.FrexpStruct: "frexp",
-    G.Ldexp: "ldexp", G.Length: "length", G.Distance: "distance", G.Cross: "cross",
-    G.Normalize: "normalize", G.FaceForward: "faceforward", G.Reflect: "reflect",
-    G.Refract: "refract",
+    **{G[name[0].upper() + name[1:]]: name for name in (
+        "round", "roundEven", "trunc", "floor", "ceil", "fract", "radians", "degrees", "sin", "cos",
+        "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "pow",
+        "exp", "log", "exp2", "log2", "sqrt", "determinant", "step", "fma", "ldexp", "length",
+        "distance", "cross", "normalize", "reflect", "refract", "packSnorm4x8", "packUnorm4x8",
+        "packSnorm2x16", "packUnorm2x16", "packHalf2x16", "unpackSnorm2x16", "unpackUnorm2x16",
+        "unpackHalf2x16", "unpackSnorm4x8", "unpackUnorm4x8",
+    )},
+    G.FAbs: "abs", G.FSign: "sign", G.Atan2: "atan", G.InverseSqrt: "inversesqrt",
+    G.MatrixInverse: "inverse", G.ModfStruct: "modf", G.FMin: "min", G.FMax: "max",
+    G.FClamp: "clamp", G.FMix: "mix", G.SmoothStep: "smoothstep", G.FrexpStruct: "frexp",
+    G.FaceForward: "faceforward",
 }  # fmt: skip
 _INTEGERS: Mapping[int, tuple[str, bool | None]] = {
     G.SAbs: ("abs", False), G.SSign: ("sign", False), G.UMin: ("min", True),
@@ -348,18 +348,11 @@ _INTEGERS: Mapping[int, tuple[str, bool | None]] = {
     G.UClamp: ("clamp", True), G.SClamp: ("clamp", False), G.FindILsb: ("findLSB", None),
     G.FindSMsb: ("findMSB", False), G.FindUMsb: ("findMSB", True),
 }  # fmt: skip
-_PACKING: Mapping[int, str] = {
-    G.PackSnorm4x8: "packSnorm4x8", G.PackUnorm4x8: "packUnorm4x8",
-    G.PackSnorm2x16: "packSnorm2x16", G.PackUnorm2x16: "packUnorm2x16",
-    G.PackHalf2x16: "packHalf2x16", G.UnpackSnorm2x16: "unpackSnorm2x16",
-    G.UnpackUnorm2x16: "unpackUnorm2x16", G.UnpackHalf2x16: "unpackHalf2x16",
-    G.UnpackSnorm4x8: "unpackSnorm4x8", G.UnpackUnorm4x8: "unpackUnorm4x8",
-}  # fmt: skip
 
 
 def call_extended(run: Run, at: Instruction, state: PathState) -> Any:
     number, operands = at.operands[1], at.operands[2:]
-    name = _FLOATS.get(number) or _PACKING.get(number)
+    name = _FLOATS.get(number)
     if name is not None:
         return settle_parts(run, compute(run, name, run.values(operands)), state)
     if number in _INTEGERS:
