@@ -144,7 +144,7 @@ class PictureWriter:
             files["distance"] = self._save(f"{label}-distance", seen, COMPARISON_SIDE, palette)
         relative, path = self._file(label, "values")
         numbers = pictures.judged_part(arrays, worst)
-        equal = "covered" not in arrays and not numbers.fine
+        equal = "covered" not in arrays and not numbers.outside.any()
         _write_numbers(path, numbers, equal)
         return PictureFiles(files, captions, relative)
 

@@ -6,8 +6,6 @@ components one after the other, rows from the bottom:
     flags      1 byte a value: 1 was judged, 2 lies outside its band
     measured   float32 as ordered integers, less the value to the left (the first: below)
     reference  ordered integer of the nearest float32, less the measured one
-    rest       16 bits: what is left of the float64 reference, in 1/65535 of its float32 ULP;
-               where nothing is outside in multiples of 2048 of that, which pack well
     low        ordered integers, less the reference's
     high       minus ordered integers plus the reference's, less `low`: bands are nearly symmetric
 
@@ -28,8 +26,6 @@ from numpy.typing import NDArray
 from .files import deflate
 
 Numbers = NDArray[Any]
-_REST = 65535.0
-_COARSE = 2048
 # Pictures with more pixels than a square of this side, at four components, are cut to such a
 # square around their worst value.
 WINDOW = 64
@@ -44,8 +40,7 @@ class Values:
         origin: (x, y) of the arrays' first value in it.
         unit: size of one code of a fixed-point format; 0 for floats, whose unit is the ULP.
         whole: whether all judged values are here.
-        measured, low, high: as float32 holds them.
-        reference: to 40 bits or better where a value is outside, to 29 otherwise.
+        measured, reference, low, high: as float32 holds them.
         judged, outside: booleans; the other arrays mean something only where `judged` is true.
     """
 
@@ -59,11 +54,6 @@ class Values:
     high: Numbers
     judged: NDArray[np.bool_]
     outside: NDArray[np.bool_]
-
-    @property
-    def fine(self) -> bool:
-        """Whether references are kept to more than the eight digits that a passing check shows."""
-        return bool(self.outside.any())
 
     def corner(self) -> "Values":
         """The lowest values at the left, a quarter of a whole window at most."""
@@ -87,7 +77,6 @@ def pack(values: "Values") -> bytes:
         "components": components,
         "unit": values.unit,
         "whole": values.whole,
-        "fine": values.fine,
     }
     text = json.dumps(head, separators=(",", ":")) + "\n"
     return deflate(b"".join((text.encode("ascii"), *columns)))
@@ -152,14 +141,12 @@ def _window(start: int, stop: int, centre: int) -> tuple[int, int]:
 def _to_columns(values: "Values") -> list[bytes]:
     judged = np.moveaxis(values.judged, -1, 0)
     planes = np.empty((4, *judged.shape), np.float32)
-    exact = np.empty(judged.shape)
-    arrays = values.measured, values.reference, values.low, values.high, values.reference
+    arrays = values.measured, values.reference, values.low, values.high
     with np.errstate(invalid="ignore", over="ignore"):
-        for plane, array in zip((*planes, exact), arrays, strict=True):
+        for plane, array in zip(planes, arrays, strict=True):
             plane[...] = np.moveaxis(array, -1, 0)
     if not values.judged.all():
-        planes[:, ~judged] = exact[~judged] = 0.0
-    rest = _find_rest(exact, planes[1], 1 if values.fine else _COARSE)
+        planes[:, ~judged] = 0.0
     measured, nearest, low, high = _to_ordered(planes)
     steps, away, below, above = columns = np.empty_like(planes, np.int32)
     steps[...] = measured
@@ -174,25 +161,7 @@ def _to_columns(values: "Values") -> list[bytes]:
     columns ^= signs
     flags = judged.astype(np.uint8)
     flags += np.moveaxis(values.outside, -1, 0).astype(np.uint8) << 1
-    return [flags.tobytes(), *map(_split_bytes, (steps, away, rest, below, above))]
-
-
-def _find_rest(exact: NDArray[Any], near: NDArray[np.float32], unit: int) -> NDArray[np.int16]:
-    """What is left of float64 numbers beside the nearest float32 ones, in `unit` of 1/65535 ULP."""
-    with np.errstate(invalid="ignore", over="ignore"):
-        ulp = near.astype(np.float64)
-        left = exact - ulp
-        powers = ulp.view(np.int64)
-        powers &= 0x7FF << 52  # without their signs and fractions
-        np.maximum(ulp, 2.0**-126, out=ulp)  # below that float32 numbers lie equally far apart
-        ulp *= 2.0**-23
-        left /= ulp
-        left[np.isnan(left)] = 0.0  # of numbers that are not finite
-        np.clip(left, -0.5, 0.5, out=left)
-        left *= _REST / unit
-        np.rint(left, out=left)
-        left *= unit
-    return np.clip(left, -32768, 32767, out=left).astype(np.int16)
+    return [flags.tobytes(), *map(_split_bytes, columns)]
 
 
 def _to_ordered(values: NDArray[np.float32]) -> NDArray[np.int32]:

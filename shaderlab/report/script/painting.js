@@ -184,16 +184,16 @@ function readPixel(body, values, x, y) {
     if (i < 0) break;
     const bad = Boolean(values.flags[i] & 2);
     outside += bad;
-    const place = placeOf(values, i);
+    const [place, ulp] = [placeOf(values, i), ulpDistance(values, i)];
     rows.push({
       bad,
       cells: [
         channelName(values, c),
         figure(values.measured[i]),
-        general(values.reference[i], values.fine ? 9 : 8),
+        figure(values.reference[i]),
         figure(values.low[i]),
         figure(values.high[i]),
-        short(ulpDistance(values, i)),
+        values.unit || ulp ? short(ulp) : "< 1", // the reference is rounded to float32
         bad ? "outside" : `${place > 0 ? "+" : ""}${general(place, 2)}`,
       ],
     });

@@ -52,37 +52,29 @@ async function unpackValues(text) {
   const count = rows * columns * components;
   const body = bytes.subarray(end + 1);
 
-  const byte = (start, size, i, b) => body[start + b * count + i] << (8 * b);
+  const byte = (start, i, b) => body[start + b * count + i] << (8 * b);
   const folded = (start, i) => {
-    const n = byte(start, 4, i, 0) | byte(start, 4, i, 1) | byte(start, 4, i, 2)
-      | byte(start, 4, i, 3);
+    const n = byte(start, i, 0) | byte(start, i, 1) | byte(start, i, 2) | byte(start, i, 3);
     return (n >>> 1) ^ -(n & 1);
   };
   const measured = new Int32Array(count);
   const nearest = new Int32Array(count);
   const low = new Int32Array(count);
   const high = new Int32Array(count);
-  const reference = new Float64Array(count);
   for (let i = 0; i < count; i += 1) {
     const column = i % columns;
     const row = Math.floor(i / columns) % rows;
     const before = column ? measured[i - 1] : row ? measured[i - columns] : 0;
     measured[i] = before + folded(count, i);
     nearest[i] = measured[i] + folded(5 * count, i);
-    low[i] = nearest[i] + folded(11 * count, i);
-    high[i] = nearest[i] - folded(11 * count, i) - folded(15 * count, i);
-  }
-  const near = floatsOf(nearest);
-  for (let i = 0; i < count; i += 1) {
-    const rest = (byte(9 * count, 2, i, 0) | byte(9 * count, 2, i, 1)) << 16 >> 16;
-    reference[i] = Number.isFinite(near[i]) && rest
-      ? near[i] + (rest / 65535) * ulpOf(near[i]) : near[i];
+    low[i] = nearest[i] + folded(9 * count, i);
+    high[i] = nearest[i] - folded(9 * count, i) - folded(13 * count, i);
   }
   return {
     ...head,
     flags: body.subarray(0, count),
     measured: floatsOf(measured),
-    reference,
+    reference: floatsOf(nearest),
     low: floatsOf(low),
     high: floatsOf(high),
   };
