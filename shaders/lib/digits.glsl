@@ -19,7 +19,7 @@ float number(vec2 place, int n)
     float pitch = 0.25;
     float left = 0.5 - 0.5 * (pitch * float(count - 1) + size.x);
     float ink = 0.0;
-    for (int i = 0; i < 3 && i < count; ++i) {
+    for (int i = 0; i < count; ++i) {
         int power = i == count - 1 ? 1 : (i == count - 2 ? 10 : 100);
         vec2 corner = vec2(left + pitch * float(i), 0.5 - 0.5 * size.y);
         ink = max(ink, figure((place - corner) / size, (n / power) % 10));
