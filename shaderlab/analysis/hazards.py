@@ -65,7 +65,6 @@ class Hazard:
             **vars(self),
             "inputs": {name: _numbers(values) for name, values in self.inputs.items()},
             "outputs": {name: _numbers(values) for name, values in self.outputs.items()},
-            "calls": list(self.calls),
         }
 
 

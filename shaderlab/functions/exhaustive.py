@@ -96,13 +96,12 @@ class Grid:
                 if all(type(end) is np.float16 for end in ends) and dtype.kind == "f":
                     dtype = np.dtype(np.float16)
                 self._ranges[one.name] = Numbers(ends[0], ends[1], dtype)
-        whole = math.prod(map(len, self._ranges.values()))
+        whole = math.prod(map(len, self._ranges.values())) if self._ranges else 0
         self.count = -(-whole // step)
-        if not self._ranges or step < 1 or not 0 < self.count <= _MOST:
+        if step < 1 or not 0 < self.count <= _MOST:
             raise CallError(
-                f"{function.__name__}: every={step} takes 1 to {_MOST:,} values, not {self.count:,}"
-                if self._ranges
-                else f"{function.__name__}: every= takes ranges",
+                f"{function.__name__}: every= takes ranges of 1 to {_MOST:,} values, "
+                f"not {self.count:,}",
                 remedy="give both ends for a float or an integer, such as distance=(0, 50), and "
                 "every=16 for each 16th value",
             )

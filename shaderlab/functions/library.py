@@ -275,13 +275,15 @@ class Function:
         if any(outcome.status != "pass" for outcome in outcomes):
             raise AssertionError(checks.format_failures(call, outcomes))
 
-    def prove(self, law: Callable[..., Any], /, **ranges: tuple[float, float] | str) -> None:
+    def prove(self, law: Law | Callable[..., Any], /, **ranges: tuple[float, float] | str) -> None:
         """Prove that something holds of the results for all arguments of some ranges, on every
         conforming device.
 
         Args:
             law: a condition of the results, with the functions of `shaderlab.glslmath`, such as
-                `lambda y: (y >= 0.0) & (y <= 1.0)`; NaN meets none.
+                `lambda y: (y >= 0.0) & (y <= 1.0)`; or a law: `glsl.bounded`, `glsl.monotone` (of
+                any two arguments that are 1/64 of the range apart, or more), `glsl.even`,
+                `glsl.odd`, `glsl.symmetric`. NaN meets none.
             ranges: both ends for each argument by its name (`light_reach` is light.reach), or
                 "unit" for vectors of length 1; of a texture's texels 0 to 1 by default.
 

@@ -6,6 +6,7 @@ import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from shaderlab.analysis.answer import format_inputs
 from shaderlab.analysis.audit import Audit, Hazard
 from shaderlab.analysis.batches import InputBatch, asks_for_neighbours
-from shaderlab.analysis.boxes import ARITHMETIC
+from shaderlab.analysis.boxes import ARITHMETIC, ends_of
 from shaderlab.analysis.hazards import find_written_outputs
 from shaderlab.analysis.inputs import domains_of, inputs_of, sample_inputs
 from shaderlab.analysis.interpreter import Program, load
@@ -23,6 +24,7 @@ from shaderlab.analysis.requests import AuditFile
 from shaderlab.bands import Band
 from shaderlab.bands.exact import DECIDING
 from shaderlab.compiler.spirv import StorageClass, type_name
+from shaderlab.engine.judging.laws import Bounded, Law, Monotone
 from shaderlab.errors import CallError, FormulaError, ShaderlabError
 from shaderlab.functions.evaluation import use_worker
 from shaderlab.functions.interpreting import AuditFunctions, find_entry_points
@@ -36,13 +38,17 @@ if TYPE_CHECKING:
 
 _MAIN = re.compile(r"\bvoid\s+main\s*\(")
 _BOXES = 1024  # of a test, which is called for each
+_STEPS = 64  # of the range of an argument
 _NUMBERS = re.compile(r"(float|int|uint|[iu]?vec[234])")
 
 
-def prove_law(function: Function, law: Callable[..., Any], ranges: Mapping[str, Any]) -> Outcome:
-    """Whether a condition of a function's results holds for all arguments; see `Function.prove`."""
+def prove_law(function: Function, law: Any, ranges: Mapping[str, Any]) -> Outcome:
+    """Whether a law or a condition of a function's results holds; see `Function.prove`."""
+    asked, holds = function, partial(_keeps, law) if isinstance(law, Law) else law
+    if isinstance(law, Law):
+        asked, ranges = _compare(function, law, ranges)
     program, proof = find_proof(
-        function, lambda outputs, _: {"the law holds": law(*outputs.values())}, ranges
+        asked, lambda outputs, _: {"the law holds": holds(*outputs.values())}, ranges
     )
     signature, inputs = function.signatures[0], proof.space.inputs
     message = "; ".join(str(one) for one in proof.claims() if one.status == "open")
@@ -59,6 +65,48 @@ def prove_law(function: Function, law: Callable[..., Any], ranges: Mapping[str, 
         name=function.__name__, kind="proof", status="fail" if message else "pass",
         message=message, judged=proof.tried, sources=(text,),
     )  # fmt: skip
+
+
+def _compare(function: Function, law: Law, ranges: Mapping[str, Any]) -> tuple[Function, Any]:
+    """A function of two results of which a law says something, and its ranges. A monotone one's are
+    of arguments one to two steps apart: such steps lead to any larger one."""
+    signature, step = function.signatures[0], f"{PREFIX}step"
+    kinds = {one.name: str(one.type) for one in signature.given}
+    if any(kinds.get(n) != "float" for n in law.inputs) or len(signature.outputs) > 1:
+        raise CallError(f"{law.title} is proved of one result, and floats of {', '.join(kinds)}")
+    if isinstance(law, Bounded):
+        return function, ranges
+    changed = {name: name for name in kinds}
+    if isinstance(law, Monotone):
+        if law.over not in ranges:
+            raise CallError(f"{function.__name__}: {law.over} has no range")
+        low, high = ranges[law.over]
+        size = (high - low) / _STEPS
+        ranges = {**ranges, law.over: (low, high - size), step: (0.99 * size, 2.0 * size)}
+        changed[law.over], kinds[step] = f"min({law.over} + {step}, {float(high)!r})", "float"
+    else:
+        signed = "-" if len(law.inputs) == 1 else ""
+        changed |= {a: signed + b for a, b in zip(law.inputs, law.inputs[::-1], strict=True)}
+    others = ", ".join(f"{kind} {name}" for name, kind in kinds.items())
+    text = f"""{function.source.text}
+        {signature.result} {PREFIX}law({others}, out {signature.result} changed) {{
+            changed = {signature.name}({", ".join(changed.values())});
+            return {signature.name}({", ".join(changed)});
+        }}"""
+    source = replace(function.source, text=text, stripped=None)
+    return Library(source, function.folder, {})[f"{PREFIX}law"], ranges
+
+
+def _keeps(law: Any, y: Any, z: Any = None) -> Any:
+    """Whether a law holds of one result, or two."""
+    if isinstance(law, Bounded):
+        return (y >= np.float32(law.low)) & (y <= np.float32(law.high))
+    if isinstance(law, Monotone):
+        least, most = (y, z) if law.direction == "increasing" else (z, y)
+        return least < most if law.strict else least <= most
+    low, high = ends_of(z) if isinstance(z, Band) else (z, z)
+    last = np.spacing(np.abs(np.clip(0.0, low, high)).astype(np.float32))
+    return abs(y - z if law.sign > 0 else y + z) <= np.fmax(law.ulp * last, law.within)
 
 
 def find_proof(

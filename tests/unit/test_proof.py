@@ -222,6 +222,37 @@ def test_conditions_of_results_are_proved_or_broken() -> None:
         library.fade.prove(lambda y: y >= 0.0, d=(0, 1))
 
 
+def test_laws_of_checks_are_proved_or_broken() -> None:
+    library = glsl.load("""
+        float near(float s) { float t = clamp(1.0 - s, 0.0, 1.0); return t * t; }
+        float fade(float d, float reach) { return near(d / reach); }
+        float drops(float x) { return x - (x > 0.5 ? 0.1 : 0.0); }
+        float dips(float x) { return x - (x > 0.5 ? 0.01 : 0.0); }
+        float even_of(float x) { return x * x / (1.0 + abs(x)); }
+        float nearer(float a, float b) { return min(a * 1.01, b); }
+    """)
+    falls = glsl.monotone("d", direction="decreasing")
+    library.fade.prove(falls, d=(0, 50), reach=(8, 12))
+    library.fade.prove(glsl.bounded(0, 1), d=(0, 50), reach=(8, 12))
+    library.dips.prove(glsl.monotone("x", strict=True), x=(0, 1))  # not seen 1/64 apart
+    library.even_of.prove(glsl.even("x", within=0.05), x=(-4, 3))
+    library.nearer.prove(glsl.symmetric(("a", "b"), within=0.04), a=(0, 2), b=(0, 2))
+    for broken in (
+        lambda: library.fade.prove(glsl.monotone("d"), d=(0, 50), reach=(8, 12)),
+        lambda: library.fade.prove(glsl.bounded(0, 0.9), d=(0, 50), reach=(8, 12)),
+        lambda: library.nearer.prove(glsl.symmetric(("a", "b")), a=(0, 2), b=(0, 2)),
+        lambda: library.even_of.prove(glsl.odd("x", within=0.05), x=(-4, 3)),
+    ):
+        with pytest.raises(AssertionError, match=r"breaks the law with (.|\n)*on the driver"):
+            broken()
+    with pytest.raises(AssertionError, match=r"the law holds, on|breaks the law"):
+        library.drops.prove(glsl.monotone("x"), x=(0, 1))
+    with pytest.raises(CallError, match="reach has no range"):
+        library.fade.prove(glsl.monotone("reach"), d=(0, 1))
+    with pytest.raises(CallError, match="monotone is proved of one result, and floats of d, reach"):
+        library.fade.prove(glsl.monotone("q"), d=(0, 1), reach=(1, 2))
+
+
 @pytest.mark.usefixtures("few_boxes")
 def test_derivatives_are_those_of_a_quad(tmp_path: Path) -> None:
     (tmp_path / "edge.frag").write_text(

@@ -142,7 +142,7 @@ def _nothing(run: Run, at: Instruction, state: PathState) -> None:
     """Where paths meet follows from the order of blocks."""
 
 
-VARIABLES: Mapping[int, Handler] = {
+HANDLERS: Mapping[int, Handler] = {
     Op.Undef: lambda run, at, state: undefined(run.program.types[at.type], run.arithmetic),
     Op.FunctionCall: _call,
     Op.Variable: _variable,
@@ -156,11 +156,6 @@ VARIABLES: Mapping[int, Handler] = {
     Op.LoopMerge: _nothing,
     Op.SelectionMerge: _nothing,
     Op.MemoryBarrier: _nothing,
-}
-
-
-HANDLERS: Mapping[int, Handler] = {
-    **VARIABLES,
     **COMPOSITES,
     **FLOATS,
     **INTEGERS,

@@ -323,14 +323,12 @@ def _image(run: Run, at: Instruction, state: PathState) -> Any:
 
 
 LOOKUPS: Mapping[int, Handler] = {
-    Op.ImageSampleImplicitLod: _sample(),
-    Op.ImageSampleExplicitLod: _sample(),
-    Op.ImageSampleDrefImplicitLod: _sample(compared=True),
-    Op.ImageSampleDrefExplicitLod: _sample(compared=True),
-    Op.ImageSampleProjImplicitLod: _sample(projected=True),
-    Op.ImageSampleProjExplicitLod: _sample(projected=True),
-    Op.ImageSampleProjDrefImplicitLod: _sample(compared=True, projected=True),
-    Op.ImageSampleProjDrefExplicitLod: _sample(compared=True, projected=True),
+    **{
+        Op[f"ImageSample{proj}{dref}{level}Lod"]: _sample(compared=bool(dref), projected=bool(proj))
+        for proj in ("", "Proj")
+        for dref in ("", "Dref")
+        for level in ("Implicit", "Explicit")
+    },
     Op.ImageFetch: _fetch,
     Op.ImageGather: _gather(compared=False),
     Op.ImageDrefGather: _gather(compared=True),
