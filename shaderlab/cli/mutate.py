@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from shaderlab.cli import FAILED, INTERRUPTED, OK, options as shared
-from shaderlab.errors import UsageError
+from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.options import Limits
 
@@ -105,9 +105,11 @@ def command(
             remedy="write those in calls to a file, with --json",
         )
     plan = MutationPlan(variants=variants, state=state, api=api, limit=limit, seed=seed)
-    results, stopped = _measure(targets, every, plan, json_file == "-", limits, workers)
-    _write(results, plan, stopped, folder, json_file)
-    if stopped:
+    results, ended = _measure(targets, every, plan, json_file == "-", limits, workers)
+    _write(results, plan, ended is not None, folder, json_file)
+    if isinstance(ended, ShaderlabError):
+        raise ended
+    if ended is not None:
         return INTERRUPTED
     failed = any(result.message for result in results) or _is_too_low(score(results), fail_under)
     return FAILED if failed else OK
@@ -125,8 +127,8 @@ def _measure(
     to_stderr: bool,
     limits: Limits,
     workers: int | None,
-) -> tuple[list[CaseResult], bool]:
-    """Make, judge and show all mutants; also say whether Ctrl-C stopped it."""
+) -> tuple[list[CaseResult], BaseException | None]:
+    """Make, judge and show all mutants; also say what ended it early, if anything did."""
     from shaderlab.cli.showing import Show
     from shaderlab.mutation import MutationRun
 
@@ -134,15 +136,15 @@ def _measure(
     console = shown.console
     with contextlib.closing(shared.make_executor(None, limits, workers, early=False)) as executor:
         run = MutationRun(_targets(targets, every, plan, executor), executor)
-        stopped = not _judge(run, shown)
-    results = run.results(complete=stopped)
+        ended = _judge(run, shown)
+    results = run.results(complete=ended is not None)
     _show(console, results, "calls of OpenGL" if plan.api else "shaders")
-    if stopped:
+    if ended is not None:
         console.print(
             f"interrupted: {run.judged} of {run.total} mutants were judged; "
             "the cases above are those with all of theirs"
         )
-    return results, stopped
+    return results, ended
 
 
 def _write(
@@ -215,9 +217,9 @@ def _cases(
     return {Path(job.file): job.id for job in jobs}  # what a broken file lacks is said at the end
 
 
-def _judge(run: MutationRun, show: Show) -> bool:
-    """Judge all mutants; on a terminal with a bar, and with what has survived so far. False where
-    Ctrl-C came before the last one."""
+def _judge(run: MutationRun, show: Show) -> BaseException | None:
+    """Judge all mutants; on a terminal with a bar, and with what has survived so far. Returns what
+    ended it before the last one: Ctrl-C, or that no worker could be started any more."""
     with show.bar() as progress:
         task = progress.add_task("", total=run.total)
         survived = 0
@@ -225,9 +227,9 @@ def _judge(run: MutationRun, show: Show) -> bool:
             for case_id, result in run.judge():
                 survived += result is not None and result.status == "survived"
                 progress.update(task, description=f"{case_id:<24} {survived} survived", advance=1)
-        except KeyboardInterrupt:
-            return False
-    return True
+        except (KeyboardInterrupt, ShaderlabError) as error:
+            return error
+    return None
 
 
 def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None:

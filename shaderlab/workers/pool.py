@@ -27,7 +27,7 @@ from shaderlab.model.options import Limits
 
 STEP_BYTES = 256
 """The size of the file in which a worker notes its steps."""
-START_SECONDS = 30.0
+START_SECONDS = 120.0
 """A worker is ready by then, or within the limit of an item if that is longer."""
 END_SECONDS = 5.0
 GROWTH = 448 << 20

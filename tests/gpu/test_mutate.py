@@ -17,6 +17,7 @@ from shaderlab.cli import cli
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.jobs import ProcessExecutor
 from shaderlab.engine.run import SceneRunner
+from shaderlab.errors import ShaderlabError
 from shaderlab.model.options import Limits
 from shaderlab.mutation import (
     CaseTarget,
@@ -576,8 +577,11 @@ def test_a_sample_and_a_score_to_reach(folder: Path, monkeypatch: pytest.MonkeyP
     assert code == (0 if one["score"] == 1.0 else 1)
 
 
-def test_ctrl_c_keeps_the_cases_that_are_done(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("end", "status"), [(KeyboardInterrupt(), 130), (ShaderlabError("can't start a worker"), 1)]
+)
+def test_what_ends_it_early_keeps_the_cases_that_are_done(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, end: BaseException, status: int
 ) -> None:
     monkeypatch.chdir(folder)
     judge = MutationRun.judge
@@ -586,12 +590,12 @@ def test_ctrl_c_keeps_the_cases_that_are_done(
         for case_id, fate in judge(self):
             yield case_id, fate
             if len(self.results(complete=True)) == 1:
-                raise KeyboardInterrupt
+                raise end
 
     monkeypatch.setattr(MutationRun, "judge", until_the_second_case)
     words = ("./weak.py", "./law.py", "--no-state", "--limit", 3, "--json", "a.json", "--jobs", 1)
     code, output = mutate(*words)
-    assert code == 130
+    assert code == status
     assert "interrupted: 3 of 6 mutants were judged" in output
     kept = json.loads((folder / "a.json").read_text())
     assert kept["interrupted"] is True and len(kept["cases"]) == 1
