@@ -17,6 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
@@ -225,7 +226,8 @@ def pytester(
 
     def session(*args: Any) -> pytest.RunResult:
         try:
-            return run(*args, plugins=[imports])
+            with np.printoptions(legacy=False):  # which packages change that others import here
+                return run(*args, plugins=[imports])
         finally:
             sys.modules.update(imports.found)
 
