@@ -195,11 +195,13 @@ class _Process(subprocess.Popen[bytes]):
 
 def _descendants(process: int) -> Iterator[int]:
     """Yield the ids of a process's children and of theirs, where Linux lists them."""
-    for children in Path(f"/proc/{process}/task").glob("*/children"):
-        with contextlib.suppress(OSError):  # the thread has ended
-            for child in map(int, children.read_text().split()):
-                yield child
-                yield from _descendants(child)
+    with contextlib.suppress(OSError):  # it ends meanwhile, as may a thread of it
+        for thread in os.listdir(f"/proc/{process}/task"):
+            with contextlib.suppress(OSError):
+                children = Path(f"/proc/{process}/task/{thread}/children").read_text()
+                for child in map(int, children.split()):
+                    yield child
+                    yield from _descendants(child)
 
 
 def measure_memory(process: int) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import subprocess
 import textwrap
 import threading
 import time
@@ -331,3 +332,13 @@ def test_workers_that_are_not_needed_are_not_started(work: str, tmp_path: Path) 
         done = tmp_path / "done"
         results = pool.run(["pid", "pid", f"until {done}", f"touch {done}"])
         assert len(list(results)) == 4
+
+
+def test_a_process_that_ends_while_its_children_are_listed_has_none() -> None:
+    for _ in range(100):
+        process = subprocess.Popen(["true"])
+        waiting = threading.Thread(target=process.wait)
+        waiting.start()
+        while waiting.is_alive():
+            assert not list(pool_module._descendants(process.pid))
+        waiting.join()
