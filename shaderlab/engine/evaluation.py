@@ -2,6 +2,7 @@
 
 import functools
 from collections.abc import Callable, Iterable, Iterator, Set
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -73,19 +74,14 @@ class Evaluation:
         return DiscardCheck(self.scene, self.programs, whole)
 
     def gather(self, expectation: Expectation) -> None:
-        """Ask for all that an expectation needs. Raises ShaderlabError: it names what is not there,
-        or there is no answer."""
+        """Ask for all that an expectation itself needs. Raises ShaderlabError: it names what is not
+        there, or there is no answer."""
         with phase("draw"):
-            for need in self.needs(expectation):
+            for need in self._own_needs(expectation):
                 self.answer(need)
 
-    def needs(self, expectation: Expectation) -> Iterator[Need]:
-        """All that an expectation asks for, some of it twice perhaps."""
-        yield from self._own_needs(expectation)
-        yield from self._discard_check.needed(expectation)
-
     def _own_needs(self, expectation: Expectation) -> tuple[Need, ...]:
-        """As `needs`, but for what may keep fragments out; found once."""
+        """All that an expectation itself asks for, found once."""
         if id(expectation) not in self._needs:  # kept with it, or its id might be another's
             found = tuple(expectation.needs(self.scene, self.programs))
             self._needs[id(expectation)] = expectation, found
@@ -104,14 +100,15 @@ class Evaluation:
         expect = self.scene.expect
         for index, expectation in enumerate(expect):
             yield index, expectation
-            needed = {need for later in expect[index + 1 :] for need in self.needs(later)}
+            needed = {need for later in expect[index + 1 :] for need in self._own_needs(later)}
             if before_release is not None:
                 before_release(needed)
             self.forget([need for need in self.answers if need not in needed])
 
     def all_needs(self) -> set[Need]:
         """All that the scene's expectations need and was not judged yet."""
-        return {need for expectation in self.scene.expect for need in self.needs(expectation)}
+        asked = self._own_needs, self._discard_check.needed
+        return {need for each in self.scene.expect for needs in asked for need in needs(each)}
 
     def answer(self, need: Need) -> Any:
         """Return a need's answer, asked for once. Raises ShaderlabError if there is none."""
@@ -125,13 +122,20 @@ class Evaluation:
         with phase("judge", f"judging {expectation.name!r}"):
             judgement = expectation.judge(self.scene, self.frame)
             if judgement.outcome.status == "pass":
-                fault = self._discard_check.fault(expectation, self.frame) or self._find_misplaced(
-                    expectation
-                )
-                if fault:
+                fault = self._discard_check.fault(expectation, self.frame, self._lend)
+                if fault := fault or self._find_misplaced(expectation):
                     failed = replace(judgement.outcome, status="fail", message=fault)
                     judgement = replace(judgement, outcome=failed)
             return judgement
+
+    @contextmanager
+    def _lend(self, need: Need) -> Iterator[None]:
+        """Answer a need that only the block has, perhaps: a capture is as large as a picture."""
+        known = need in self.answers
+        self.answer(need)
+        yield
+        if not known:
+            self.forget([need])
 
     def _find_misplaced(self, expectation: Expectation) -> str:
         """Where an expectation's fragments are not where the driver says, or ""."""

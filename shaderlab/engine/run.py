@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import lru_cache
+from operator import attrgetter
 from pathlib import Path
 
 from shaderlab import errors
@@ -233,7 +234,7 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
                         outcome.worst.pixel if outcome.worst else None,
                         passed=outcome.status == "pass",
                     )
-        except errors.MissingPackageError:
+        except (errors.MissingPackageError, errors.UnsupportedError):
             raise
         except errors.ShaderlabError as error:  # of values that only a picture looks at
             judgement = _make_failed_judgement(expectation, error)
@@ -354,11 +355,8 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
     def configure(self, options: RunOptions) -> None:
         """Take other options for the scenes to come. The device stays, and with it the driver."""
         before, self.options = self.options, options
-        if (options.replacements, options.renames, options.include) != (
-            before.replacements,
-            before.renames,
-            before.include,
-        ):
+        shaders = attrgetter("replacements", "renames", "include")
+        if shaders(options) != shaders(before):
             self.forget_shaders()
 
     def forget_shaders(self) -> None:
@@ -402,14 +400,8 @@ def _compile_for_opengl(sources: Sequence[Source], _: Sequence[str]) -> Compiled
 
 
 def _make_failed_judgement(expectation: Expectation, error: errors.ShaderlabError) -> Judgement:
-    return Judgement(
-        outcome=Outcome(
-            name=expectation.name,
-            kind=expectation.kind,
-            status="error",
-            message=format_error(error),
-        )
-    )
+    name, kind, message = expectation.name, expectation.kind, format_error(error)
+    return Judgement(outcome=Outcome(name=name, kind=kind, status="error", message=message))
 
 
 def picture_of(scene: Scene, images: Mapping[tuple[str, str], Image]) -> tuple[str, str]:

@@ -4,7 +4,8 @@ the case says that they are discarded; and a rule is held against what is seen."
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +30,11 @@ from shaderlab import (
     measure,
     value,
 )
+from shaderlab.engine.evaluation import Evaluation
+from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import length, swizzle
+from shaderlab.model.expectation import Need
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Outcome
 
@@ -220,3 +224,23 @@ def test_a_rule_is_a_comparison(lab: SceneRunner, tmp_path: Path) -> None:
         )  # fmt: skip
         record = lab.run(made.scene("default"))
         assert record.status == "error", record
+
+
+def test_what_draws_discard_is_examined_one_after_the_other(
+    lab: SceneRunner, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Captures of all draws of a large pass do not fit into memory together."""
+    kept: list[int] = []
+    forget = Evaluation.forget
+
+    def count(self: Evaluation, needs: Iterable[Need]) -> None:
+        kept.append(sum(isinstance(need, CapturedFragments) for need in self.answers))
+        forget(self, needs)
+
+    monkeypatch.setattr(Evaluation, "forget", count)
+    (scene,) = drawn(tmp_path, DISC)
+    passes = [replace(scene, draws=scene.draws * 4)]
+    mean = measure("mean", lambda color: color[..., 3].mean(), between=(0.0, 1.0))
+    rule = formula("color", whole, draw=3, discards=outside)
+    found = outcomes(lab, tmp_path, passes, mean, rule)
+    assert kept and max(kept) <= 1, [o.message for o in found]

@@ -5,7 +5,8 @@ An expectation that reads an attachment judges what is there. Whatever its kind,
 fragments of the draws into this attachment are missing, or are visible and should be discarded.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import Any
 
@@ -23,6 +24,8 @@ from ..judging.bands import CHUNK
 from ..judging.references import evaluate, match_parameters, name_of, source_of
 from .base import OutputExpectation
 from .needs import CapturedFragments, Probe, inputs_of
+
+Lend = Callable[[CapturedFragments], AbstractContextManager[None]]
 
 
 class DiscardCheck:
@@ -64,9 +67,9 @@ class DiscardCheck:
             if any(read.output in kept for read in reads if read.pass_name == name):
                 yield from self._draws.get(name, ())
 
-    def fault(self, expectation: Expectation, frame: Frame) -> str:
+    def fault(self, expectation: Expectation, frame: Frame, lend: Lend) -> str:
         """Say what is wrong with the discarded fragments of what an expectation read, or ""; the
-        frame, always the same one, has answers to `needed`.
+        frame, always the same one, gets the answers to needs that are lent.
 
         Raises:
             FormulaError: a rule fails, or is not a comparison.
@@ -79,7 +82,8 @@ class DiscardCheck:
                 )
         for need in self._draws_of(expectation):
             if need.key not in self._faults:
-                self._faults[need.key] = self._find_fault_of(need.key, frame)
+                with lend(need):
+                    self._faults[need.key] = self._find_fault_of(need.key, frame)
             if self._faults[need.key]:
                 return self._faults[need.key]
         return ""
