@@ -10,7 +10,6 @@ import functools
 import json
 import re
 import struct
-import zlib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
@@ -22,6 +21,7 @@ from shaderlab.compiler.reflection import Interface
 from shaderlab.compiler.sources import Shaders
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, Bindings, Texels
+from shaderlab.model.pictures.files import deflate
 from shaderlab.model.scene import Pass, Target
 from shaderlab.model.textures import TextureSource
 
@@ -106,7 +106,7 @@ class Recorder(Calls):
         text = json.dumps({**about, "calls": self._calls}, separators=(",", ":")).encode()
         # High bytes of floats are much alike: a third of the bytes, and of the time, is saved.
         planes = np.frombuffer(self._data, np.uint8).reshape(-1, 4).T.tobytes()
-        return zlib.compress(struct.pack("<Q", len(text)) + text + planes, 1)
+        return deflate(struct.pack("<Q", len(text)) + text + planes)
 
     def _store(self, values: bytes) -> int:
         at = len(self._data)
