@@ -131,10 +131,10 @@ class Evaluation:
     @contextmanager
     def _lend(self, need: Need) -> Iterator[None]:
         """Answer a need that only the block has, perhaps: a capture is as large as a picture."""
-        known = need in self.answers
+        kept = need in self.answers or any(need in self._own_needs(e) for e in self.scene.expect)
         self.answer(need)
         yield
-        if not known:
+        if not kept:
             self.forget([need])
 
     def _find_misplaced(self, expectation: Expectation) -> str:
