@@ -2,47 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Set
-from itertools import zip_longest
+from collections.abc import Iterator, Set
 
 from shaderlab.compiler.spirv import Op
 from shaderlab.model.records import LineCoverage
 
 from .interpreter import Program
 
-Lines = dict[tuple[str, int], tuple[bool, list[bool]]]
-"""By file and number, whether a line was run, and each way of its branches taken."""
 
-
-def add_coverage(lines: Lines, program: Program, taken: Set[tuple[int, int]]) -> None:
-    """Add what a run of a program came to: lines with code, of functions that were not called too;
-    `taken` as of `Interpreted`."""
-    own: Lines = {}
+def cover_lines(program: Program, taken: Set[tuple[int, int]]) -> Iterator[LineCoverage]:
+    """The lines with code of a program's files, also of functions that were not called; `taken` as
+    of `Interpreted`."""
     ran = {label for _, label in taken}
+    lines: dict[int, tuple[bool, list[bool]]] = {}
     for function in program.functions.values():
         for label, block in function.blocks.items():
             for at in block:
-                if not at.line:  # as that of a variable's declaration
-                    continue
-                was_run, ways = own.setdefault(program.place(at.line), (False, []))
-                own[program.place(at.line)] = was_run or label in ran, ways
+                was_run, ways = lines.get(at.line, (False, []))
+                lines[at.line] = was_run or label in ran, ways
                 if at.op == Op.BranchConditional:
                     ways.extend((label, target) in taken for target in at.operands[1:3])
                 elif at.op == Op.Switch:
                     ways.extend((label, target) in taken for target in at.operands[1::2])
-    for place, (was_run, ways) in own.items():
-        before, known = lines.get(place, (False, []))
-        either = [a or b for a, b in zip_longest(known, ways, fillvalue=False)]
-        lines[place] = before or was_run, either
-
-
-def record_lines(lines: Lines) -> tuple[LineCoverage, ...]:
-    """The lines for a record, but for those of no file."""
-    return tuple(
-        LineCoverage(file=file, line=line, was_run=was_run, branches=tuple(ways))
-        for (file, line), (was_run, ways) in sorted(lines.items())
-        if file and line
-    )
+    lines.pop(0, None)  # what has no line, as a variable's declaration
+    for number, (was_run, ways) in sorted(lines.items()):
+        file, line = program.place(number)
+        if file:
+            yield LineCoverage(file=file, line=line, was_run=was_run, branches=tuple(ways))
 
 
 def lines_not_run(program: Program, ran: Set[int]) -> list[int]:

@@ -265,13 +265,12 @@ def _choose_draws(evaluation: Evaluation, known: Set[Need], *, every: bool) -> I
 
 
 def _list_lines(checks: Iterable[_DrawCheck]) -> tuple[LineCoverage, ...]:
-    from .coverage import Lines, add_coverage, record_lines  # few runs ask
+    from .coverage import cover_lines  # few runs ask
 
-    lines: Lines = {}
-    for check in checks:
-        if check.taken:
-            add_coverage(lines, *check.taken)
-    return record_lines(lines)
+    taken: dict[Program, set[tuple[int, int]]] = {}
+    for program, own in filter(None, (check.taken for check in checks)):
+        taken.setdefault(program, set()).update(own)
+    return tuple(line for each in taken.items() for line in cover_lines(*each))
 
 
 def _leave_out(check: _DrawCheck, key: PassDraw, why: str) -> None:

@@ -140,8 +140,8 @@ def _find_shaders(
     from shaderlab.engine.settings import load_settings
 
     shipped = data_folder("shaders").resolve()
-    shaders = find_shaders(paths, [shipped], stage=stage)
     shared.note_other_languages(map(Path, paths))
+    shaders = find_shaders(paths, [shipped], stage=stage)
     folders = dict.fromkeys(path if path.is_dir() else path.parent for path in map(Path, paths))
     own = [each for folder in folders for each in load_settings(folder).shader_folders(folder)]
     return shaders, tuple(map(str, dict.fromkeys([*includes, *own, shipped])))

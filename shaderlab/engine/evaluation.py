@@ -132,10 +132,12 @@ class Evaluation:
     def _lend(self, need: Need) -> Iterator[None]:
         """Answer a need that only the block has, perhaps: a capture is as large as a picture."""
         kept = need in self.answers or any(need in self._own_needs(e) for e in self.scene.expect)
-        self.answer(need)
-        yield
-        if not kept:
-            self.forget([need])
+        try:
+            self.answer(need)
+            yield
+        finally:
+            if not kept:
+                self.forget([need])
 
     def _find_misplaced(self, expectation: Expectation) -> str:
         """Where an expectation's fragments are not where the driver says, or ""."""

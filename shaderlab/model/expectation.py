@@ -44,9 +44,9 @@ class Judgement:
     (height, width: the distance in half band widths, NaN where nothing was judged). The numbers
     behind them are there too: "exact" (the reference, unrounded), "low", "high" and "outside" in
     the shape of "measured", "covered" (height, width), and "unit", the size of one code of a
-    fixed-point format or 0. None where the judged values are not a picture. What is not always
-    shown may be a function: "reference" and "distance" without arguments, the numbers of an array
-    that numbers covered pixels, of which it gives (count, components).
+    fixed-point format or 0. None where the judged values are not a picture. Some may be functions
+    that make them when they are shown: "reference" and "distance" of nothing, the four arrays of
+    numbers of the indices of covered pixels; these return (count, components).
 
     `output` is the output that a shader assigns, by its draw and its own name; the report shows
     the line where it does.

@@ -87,8 +87,9 @@ def judged_part(arrays: Mapping[str, Any], worst: tuple[int, int] | None = None)
 
     Args:
         arrays: of shape (height, width, components): "measured", "exact", "low", "high" and
-            "outside"; "covered" (height, width), and "unit". Of an exact comparison "measured" and
-            "reference" alone: each band is its reference. Only the part is looked at.
+            "outside", or functions as of `Judgement`; "covered" (height, width), and "unit". Of an
+            exact comparison "measured" and "reference" alone: each band is its reference. Only the
+            part is looked at.
         worst: (x, y) of the value to keep where the picture is too large to be kept whole.
     """
     height, width, components = arrays["measured"].shape

@@ -1,6 +1,7 @@
 """Which lines and branches of shaders ran, as LCOV's tracefile (geninfo(1)), for coverage services.
 
-Of each file it has the lines with code; the count of one is that of the variants that ran it.
+Of each file it has the lines with code; the count of one is that of the programs that ran it, each
+variant's on its own.
 """
 
 from __future__ import annotations
