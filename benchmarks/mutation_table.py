@@ -9,6 +9,7 @@ wrote, the cases go to api-mutation-scores.json, and their survivors into the ta
 from __future__ import annotations
 
 import json
+import re
 import sys
 import tomllib
 from collections import Counter
@@ -119,52 +120,58 @@ def page(text: str, scores: Mapping[str, Row], calls: Mapping[str, Entry]) -> st
 
 
 def score_table(scores: Mapping[str, Row]) -> str:
-    """A row for each case, the sum, what shares that is, and which samples rows are of."""
-    lines = [
-        "| case | shaders: killed | survived | state: killed | survived | of survivors, unread |",
-        "|---|---|---|---|---|---|",
-    ]
+    """A row for each case with survivors, the others' names, the sums, and what was sampled."""
+    missed = {case: row for case, row in scores.items() if _survivors(row)}
+    lines = ["| case | not noticed in shaders | in state |", "|---|---|---|"]
+    for case, row in missed.items():
+        shaders = f"{row[_SURVIVED]} of {row[_KILLED] + row[_SURVIVED]}"
+        state, planted = row.get(_STATE_SURVIVED, 0), _planted_in_state(row)
+        lines.append(f"| {case} | {shaders} | {f'{state} of {planted}' if planted else '–'} |")
     names = (_KILLED, _SURVIVED, _STATE_KILLED, _STATE_SURVIVED, _UNREAD)
-    for case, row in scores.items():
-        cells = " | ".join(str(row.get(name, "–")) for name in names)
-        lines.append(f"| {case} | {cells} |")
-    counted = [row for row in scores.values() if _UNREAD in row]
-    total = {name: sum(row.get(name, 0) for row in counted) for name in names}
-    sums = " | ".join(f"**{count}**" for count in total.values())
-    lines.append(f"| **{len(counted)} cases** | {sums} |")
+    total = {name: sum(row.get(name, 0) for row in scores.values()) for name in names}
     shaders = _share(total[_KILLED], total[_SURVIVED])
     state = _share(total[_STATE_KILLED], total[_STATE_SURVIVED])
-    lines += ["", f"That is {shaders} in shaders and {state} in state."]
+    others = [
+        f"{case} ({row[_KILLED] + _planted_in_state(row)})"
+        for case, row in scores.items()
+        if case not in missed
+    ]
+    lines += ["", f"All noticed: {', '.join(others)}." if others else ""]
+    lines += ["", f"Noticed in all {len(scores)} cases: {shaders} in shaders, {state} in state."]
+    lines.append(f"Of the survivors, {total[_UNREAD]} change only what no expectation reads.")
     samples = Counter((r["sample"], r["seed"]) for r in scores.values() if "seed" in r)
-    for (limit, seed), count in samples.items():
-        lines.append(f"{count} rows are of a sample of a case: `--limit {limit} --seed {seed}`.")
-    older = [case for case, row in scores.items() if _UNREAD not in row]
-    if older:
-        lines.append(
-            f"{len(older)} rows, those without a last column, are in no sum: they were counted "
-            "when a mistake in an included file hit all programs at once, and one that only shows "
-            "where no expectation reads was left out."
-        )
-    return "\n".join(lines)
+    limits = ", ".join(f"{count} × `--limit {n} --seed {s}`" for (n, s), count in samples.items())
+    return "\n".join([*lines, f"Samples of a case: {limits}."] if limits else lines)
+
+
+def _survivors(row: Row) -> int:
+    return row[_SURVIVED] + row.get(_STATE_SURVIVED, 0)
+
+
+def _planted_in_state(row: Row) -> int:
+    return row.get(_STATE_KILLED, 0) + row.get(_STATE_SURVIVED, 0)
 
 
 def call_table(scores: Mapping[str, Entry]) -> str:
-    """A row for each case whose calls were mutated, the sum, and the mistakes that get by."""
-    lines = [
-        "| case | mutants | noticed | not noticed | score | equivalent | no difference |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    noticed = missed = 0
+    """How many mistakes in calls are noticed; those that are not, with their cases."""
+    noticed = sum(row[_KILLED] for row in scores.values())
+    missed: dict[tuple[str, str], Counter[str]] = {}
     for case, row in scores.items():
-        killed, survived = row[_KILLED], len(row[_SURVIVED])
-        noticed, missed = noticed + killed, missed + survived
-        tried = killed + survived + row["equivalent"] + row["no difference"]
-        share = f"{100 * killed / (killed + survived):.1f} %" if killed + survived else "–"
-        others = f"{row['equivalent']} | {row['no difference']}"
-        lines.append(f"| {case} | {tried} | {killed} | {survived} | {share} | {others} |")
-    total = f"**{noticed}** | **{missed}** | **{_share(noticed, missed)}**"
-    lines += [f"| **{len(scores)} cases** | | {total} | | |", "", "Not noticed:", ""]
-    return "\n".join(lines + [f"- {c}: `{s}`" for c, row in scores.items() for s in row[_SURVIVED]])
+        for change in row[_SURVIVED]:
+            before, _, after = change.rpartition(" → ")
+            call = (re.findall(r"\bgl\w+(?=\()", before) or [before])[0]
+            missed.setdefault((call, after), Counter())[case] += 1
+    count = sum(found.total() for found in missed.values())
+    lines = [
+        f"Noticed in {len(scores)} cases: {_share(noticed, count)}. Not noticed:",
+        "",
+        "| call | mistake | in |",
+        "|---|---|---|",
+    ]
+    for (call, after), found in missed.items():
+        cases = ", ".join(f"{case} ({n})" if n > 1 else case for case, n in found.items())
+        lines.append(f"| `{call}` | `{after}` | {cases} |")
+    return "\n".join(lines)
 
 
 def line_number(file: str, text: str) -> int:

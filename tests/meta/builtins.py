@@ -60,7 +60,7 @@ CHAPTER_8: dict[str, str] = {
     ),
 }
 
-_ATOMIC = "what it returns depends on the order of invocations"
+_ATOMIC = "the result depends on the order of invocations"
 _NOTHING = "returns nothing"
 
 WHY_NOT: dict[str, str] = {
@@ -75,11 +75,9 @@ WHY_NOT: dict[str, str] = {
     ),
     **dict.fromkeys(
         CHAPTER_8["8.13.2 Interpolation"].split(),
-        "inputs are captured where the shader reads them; put the result out, and judge it",
+        "write the result to an output, and judge that",
     ),
-    **dict.fromkeys(
-        CHAPTER_8["8.14 Noise"].split(), "deprecated; what it returns differs from driver to driver"
-    ),
+    **dict.fromkeys(CHAPTER_8["8.14 Noise"].split(), "deprecated, and different on each driver"),
     **dict.fromkeys(CHAPTER_8["8.15 Geometry shader"].split(), _NOTHING),
     "barrier": _NOTHING,
     **dict.fromkeys(CHAPTER_8["8.17 Shader memory control"].split(), _NOTHING),

@@ -22,10 +22,10 @@ _MADE = "<!-- Made by `python -m tests.meta.course`; do not edit. -->"
 _TEXT = """\
 # The course
 
-The lessons follow a set of study notes on OpenGL, section by section. For each section: the lesson
-and its law, and how many expectations of each kind fail where that does not hold. Where a lesson
-proves more than its own law, the expectations that do are named. `shaderlab run ID` draws a lesson
-and judges all of this; [expectations](expectations.md) explains the kinds.
+The lessons follow a set of study notes on OpenGL, section by section. Each line names a lesson, its
+law, and the kinds of [expectations](expectations.md) that fail where the law does not hold. Lines
+marked "also" and "erratum" name the expectations themselves: an erratum states what is true where
+that text is wrong. `shaderlab run ID` draws a lesson and judges all of this.
 """
 
 SECTIONS: Mapping[str, str] = {
@@ -125,23 +125,23 @@ def page() -> str:
     for section, title in SECTIONS.items():
         parts += [f"## {section} · {title}", ""]
         parts += [LEFT_OUT[section], ""] if section in LEFT_OUT else []
-        found = [f"| `{lesson}` | {what} | {by} |" for lesson, what, by in rows(section)]
-        parts += ["| lesson | what is proved | by |", "|---|---|---|", *found, ""] if found else []
+        found = [f"- {lesson}: {what} ({by})" for lesson, what, by in rows(section)]
+        parts += [*found, ""] if found else []
     return "\n".join(parts).rstrip() + "\n"
 
 
 def rows(section: str) -> Iterator[tuple[str, str, str]]:
-    """The lessons of a section: id, what is proved, by which expectations."""
+    """The lessons of a section: which, what is proved, by which expectations."""
     for case in sorted(shipped().values(), key=lambda c: c.file):
         if case.section == section:
-            yield case.id, _cell(_law(case)), _by(case)
+            yield f"`{case.id}`", _plain(_law(case)), ", ".join(names_of(case))
     for case in sorted(shipped().values(), key=lambda c: c.file):
         for erratum in case.errata:
             if (erratum.section or case.section) == section:
-                yield case.id, _cell(f"against the notes: {erratum.truth}"), _cell(erratum.proof)
+                yield f"`{case.id}`, erratum", _plain(erratum.truth), _plain(erratum.proof)
     for (of, lesson), (what, names) in WITHIN.items():
         if of == section:
-            yield lesson, _cell(what), _cell(", ".join(names))
+            yield f"`{lesson}`, also", _plain(what), _plain("; ".join(names))
 
 
 def names_of(case: Case) -> dict[str, list[str]]:
@@ -154,17 +154,17 @@ def names_of(case: Case) -> dict[str, list[str]]:
 
 
 def _law(case: Case) -> str:
-    """The first sentence of the lesson."""
-    first = " ".join(case.lesson.split("\n\n")[0].split())
-    return first.rstrip(".")
+    """The first sentence of the lesson, without a title that the section or the id repeats."""
+    first = " ".join(case.lesson.split("\n\n")[0].split()).rstrip(".")
+    title, colon, law = first.partition(": ")
+    known = f"{case.id} {SECTIONS.get(case.section, '')}".lower()
+    if colon and all(word in known for word in re.findall(r"\w+", title.lower())):
+        return law[0].upper() + law[1:]
+    return first
 
 
-def _by(case: Case) -> str:
-    return ", ".join(f"{kind} {len(names)}" for kind, names in names_of(case).items())
-
-
-def _cell(text: str) -> str:
-    """Text that is no markup in a table."""
+def _plain(text: str) -> str:
+    """Text without markup."""
     return re.sub(r"([|*_<`\[\]])", r"\\\1", text)
 
 

@@ -25,26 +25,25 @@ _REFERENCE = """\
 # Reference formulas
 
 The formulas in `shaderlab.reference` by topic: `from shaderlab.reference.attenuation import reach`.
-Each takes numbers, float64 arrays or bands; its docstring gives symbols, units, domain and a worked
-value. You write references of your own the same way, with the [functions of GLSL](glslmath.md)
-([writing cases](cases.md)).
+Each takes numbers, float64 arrays or bands; `help(reach)` gives symbols, units, domain and a worked
+value. [Add a reference](../../CONTRIBUTING.md#add-a-reference) says how to write more.
 
-A formula that transcribes its shader can share its mistake. So each is also held against something
-that is not: another library, a derivation of another kind, a printed table. The last column says
-what; the tests are in `tests/independent`.
+A formula that transcribes its shader can share its mistake. So each is also checked against an
+independent source: another library, another derivation, a printed table. The tests are in
+`tests/independent`.
 """
 _GLSLMATH = """\
 # GLSL's functions in references
 
-What `shaderlab.glslmath` has: GLSL's built-in functions, by their names and in their argument
-order, over numbers, float64 arrays and bands. The precision given is that of bands
-([how they are derived](bands.md)). The last axis of an array holds a vector's components.
-References also use `+ - * /`, comparisons, and `&`, `|` and `~` of their results.
+`shaderlab.glslmath` has GLSL's built-in functions, by their names and in their argument order, over
+numbers, float64 arrays and bands. The precision given is that of [bands](bands.md). The last axis
+of an array holds a vector's components. References also use `+ - * /`, comparisons, and `&`, `|`
+and `~` of their results.
 """
 _BUILTINS = """\
-Each function of the specification's chapter 8, and where references find it. What GLSL returns in
-`out` arguments is returned in a tuple; derivatives take `frag_coord` as well, and functions of
-textures take the level that GLSL derives by itself.
+What of the specification's chapter 8 is above, and what is missing, with the reason. All others are
+in `shaderlab.glslmath.sampling`, and take the level that GLSL derives by itself. Derivatives take
+`frag_coord` as well. `out` arguments are returned in a tuple.
 """
 
 
@@ -64,12 +63,12 @@ def _reference() -> str:
         importlib.import_module(f"shaderlab.reference.{found.name}")
         for found in pkgutil.iter_modules(shaderlab.reference.__path__)
     ]
-    contents = [f"- [{_topic(m)}](#{_topic(m)}): {_title(m)}" for m in modules]
-    parts = [_MADE, _REFERENCE.strip(), "\n".join(contents)]
+    parts = [_MADE, _REFERENCE.strip()]
+    held = _held_against()
     for module in modules:
         own = [f for _, f in _functions(module) if f.__module__ == module.__name__]
         source = re.search(r"^Sources?: .*?(?=\n\n|\Z)", module.__doc__ or "", re.M | re.S)
-        parts += [f"## {_topic(module)}", f"{_title(module)}.", _table(own, _held_against())]
+        parts += [f"## {_topic(module)}", f"{_title(module)}.", _list(own), _checks(own, held)]
         parts += [_line(source.group())] if source else []
     return "\n\n".join(parts) + "\n"
 
@@ -81,26 +80,30 @@ def _glslmath() -> str:
         by_module.setdefault(function.__module__, []).append(function)
     for name, functions in by_module.items():
         module = importlib.import_module(name)
-        parts += [f"## {_topic(module)}", f"{_title(module)}.", _table(functions)]
+        parts += [f"## {_topic(module)}", f"{_title(module)}.", _list(functions)]
     parts += ["## All of GLSL 4.50", _BUILTINS.strip(), _builtins()]
     return "\n\n".join(parts) + "\n"
 
 
 def _builtins() -> str:
-    rows = ["| chapter | function | in references |", "|---|---|---|"]
+    """A line for each chapter: what is above, what is elsewhere, and what is missing, and why."""
+    lines = []
     for chapter, names in CHAPTER_8.items():
+        places: dict[str, list[str]] = {}
         for name in names.split():
-            rows.append(f"| {chapter} | `{name}` | {_where(name)} |")
-    return "\n".join(rows)
+            places.setdefault(_where(name), []).append(f"`{name}`")
+        found = (p if p == "above" else f"{', '.join(n)}{p}" for p, n in places.items())
+        lines.append(f"- {chapter}: {'; '.join(found)}")
+    return "\n".join(lines)
 
 
 def _where(builtin: str) -> str:
-    """The room of the function of this name, or why there is none."""
-    name = SPELT.get(builtin, builtin)
-    for room in (shaderlab.glslmath, shaderlab.glslmath.sampling):
-        if hasattr(room, name):
-            return f"`{room.__name__.partition('.')[2]}.{name}`"
-    return f"no: {WHY_NOT[builtin]}"
+    """Where references find the function of this name, or why they do not."""
+    if builtin in WHY_NOT:
+        return f" (missing: {WHY_NOT[builtin]})"
+    if builtin in SPELT:
+        return f" (above, as `{SPELT[builtin]}`)"
+    return "above" if hasattr(shaderlab.glslmath, builtin) else ""
 
 
 def _functions(module: ModuleType) -> Iterator[tuple[str, FunctionType]]:
@@ -120,20 +123,24 @@ def _held_against() -> Mapping[tuple[str, str], list[str]]:
     return against.SOURCES
 
 
-def _table(
-    functions: list[FunctionType], sources: Mapping[tuple[str, str], list[str]] | None = None
-) -> str:
-    rows = ["| function | gives |", "|---|---|"]
-    if sources is not None:
-        rows = ["| function | gives | held against |", "|---|---|---|"]
+def _list(functions: list[FunctionType]) -> str:
+    """A line for each function: its call, and how its docstring begins."""
+    return "\n".join(f"- `{_call(f)}`: {_says(f)}" for f in functions)
+
+
+def _says(function: FunctionType) -> str:
+    return _line((inspect.getdoc(function) or "").partition("\n\n")[0])
+
+
+def _checks(functions: list[FunctionType], held: Mapping[tuple[str, str], list[str]]) -> str:
+    """What the functions are checked against, each source once."""
+    found: dict[str, list[str]] = {}
     for function in functions:
-        says = (inspect.getdoc(function) or "").partition("\n\n")[0]
-        cells = [f"`{_call(function)}`", _line(says)]
-        if sources is not None:
-            held = sources.get((function.__module__, function.__name__), ())
-            cells.append("; ".join(dict.fromkeys(held)))
-        rows.append("| " + " | ".join(cell.replace("|", chr(92) + "|") for cell in cells) + " |")
-    return "\n".join(rows)
+        for source in dict.fromkeys(held.get((function.__module__, function.__name__), ())):
+            found.setdefault(source, []).append(f"`{function.__name__}`")
+    if [len(names) for names in found.values()] == [len(functions)]:
+        return f"Checked against: {next(iter(found))}."
+    return "Checked against: " + "; ".join(f"{s} ({', '.join(n)})" for s, n in found.items()) + "."
 
 
 def _call(function: FunctionType) -> str:
@@ -150,7 +157,11 @@ def _topic(module: ModuleType) -> str:
 
 
 def _title(module: ModuleType) -> str:
-    return _line((module.__doc__ or "").partition("\n\n")[0]).rstrip(".")
+    """The first sentence of a module's docstring, without a title that its name repeats."""
+    says = _line((module.__doc__ or "").partition("\n\n")[0]).rstrip(".")
+    title, _, rest = says.partition(": ")
+    repeated = rest and re.sub(r"\W", "_", title.lower()) == _topic(module)
+    return rest[0].upper() + rest[1:] if repeated else says
 
 
 def _line(text: str) -> str:

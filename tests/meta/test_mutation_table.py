@@ -48,10 +48,13 @@ def test_counts_of_mistakes_in_calls_become_a_row() -> None:
     case = {"killed": 19, "survived": [SURVIVOR], "equivalent": 2, "no_difference": [SURVIVOR] * 8}
     row = made.api_row_of(case, 3)
     assert row["survived"] == ["vec4(aPos, 1.0) → 1.01"]
-    table = made.call_table({"a": row, "b": {**row, "survived": []}})
-    assert "| a | 30 | 19 | 1 | 95.0 % | 2 | 8 |" in table
-    assert "97.4 % of 39 mistakes" in table
-    assert "- a: `vec4(aPos, 1.0) → 1.01`" in table
+    drawn = ["a[0] glDrawArrays(GL_POINTS, 0, 7) → first = 1", "b glDrawArrays(0) → first = 1"]
+    table = made.call_table(
+        {"a": row, "b": {**row, "survived": drawn}, "c": {**row, "survived": []}}
+    )
+    assert "Noticed in 3 cases: 95.0 % of 60 mistakes." in table
+    assert "| `vec4(aPos, 1.0)` | `1.01` | a |" in table
+    assert "| `glDrawArrays` | `first = 1` | b (2) |" in table
 
 
 def test_counts_of_a_file_become_a_row() -> None:
@@ -65,16 +68,17 @@ def test_counts_of_a_file_become_a_row() -> None:
     assert made.row_of(case, 12, 3) == row
 
 
-def test_the_table_says_which_rows_are_samples_and_which_are_older() -> None:
+def test_the_table_has_the_cases_with_survivors_and_the_sums() -> None:
     row = {"killed": 3, "survived": 1, "unread": 1}
-    table = made.score_table({"a": row, "b": row | {"sample": 4, "seed": 7}})
-    assert "| **2 cases** | **6** | **2** | **0** | **0** | **2** |" in table
-    assert "75.0 % of 8 mistakes in shaders" in table
-    assert "1 rows are of a sample of a case: `--limit 4 --seed 7`" in table
-    assert "before mutants were made" not in table
-    assert "1 rows, those without" in made.score_table(
-        {"a": row, "c": {"killed": 1, "survived": 0}}
-    )
+    state = {"killed in state": 2, "survived in state": 1}
+    noticed = {"killed": 8, "survived": 0, "unread": 0}
+    sampled = row | state | {"sample": 4, "seed": 7}
+    table = made.score_table({"a": row, "b": sampled, "c": noticed})
+    assert "| a | 1 of 4 | – |" in table and "| b | 1 of 4 | 1 of 3 |" in table
+    assert "All noticed: c (8)." in table
+    assert "all 3 cases: 87.5 % of 16 mistakes in shaders, 66.7 % of 3 mistakes in state" in table
+    assert "2 change only what no expectation reads" in table
+    assert "1 × `--limit 4 --seed 7`" in table
 
 
 def test_a_survivor_finds_its_explanation_and_no_other() -> None:
