@@ -101,21 +101,31 @@ def compile_program(stages: Sequence[Source], targets: Sequence[str] = TARGETS) 
         if target not in results:
             results[target] = plain if plain.final else compile_spirv(ordered, target, plain)
 
-    def interface() -> Interface | None:
-        modules = results["opengl"].modules if "opengl" in results else None
-        if modules:
-            return reflect(modules)
-        newer = tuple(map(raise_version, ordered))
-        if "opengl" in results and newer == tuple(ordered):
-            return None
-        return compile_program(newer, ("glsl", "opengl")).interface
-
-    return Compiled(
+    compiled = Compiled(
         verdicts=tuple(results[target].verdict(target) for target in targets),
         spirv={t: results[t].modules for t in targets if results[t].modules},
-        sources=tuple(ordered),
-        _reflect=functools.cache(interface),
     )
+    return with_interface(compiled, ordered, targets)
+
+
+def with_interface(
+    compiled: Compiled,
+    ordered: Sequence[Source],
+    targets: Sequence[str],
+    compile: Compile = compile_program,
+) -> Compiled:
+    """Return a program with its sources, and with its interface, which `compile` finds where none
+    of the targets tells it."""
+
+    def interface() -> Interface | None:
+        if modules := compiled.spirv.get("opengl"):
+            return reflect(modules)
+        newer = tuple(map(raise_version, ordered))
+        if "opengl" in targets and newer == tuple(ordered):
+            return None
+        return compile(newer, ("glsl", "opengl")).interface
+
+    return replace(compiled, sources=tuple(ordered), _reflect=interface)
 
 
 def order_stages(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:

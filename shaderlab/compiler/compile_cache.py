@@ -13,9 +13,9 @@ import os
 import sys
 import time
 import zlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +23,8 @@ from shaderlab.errors import ShaderError
 from shaderlab.files import cache_root, open_regular, write_bytes
 from shaderlab.model.records import Diagnostic, Verdict
 
-from .compile import Compile, Compiled, compile_program, keep_literals, order_stages
+from .compile import Compile, Compiled, compile_program, keep_literals, order_stages, with_interface
 from .glslang import files, link
-from .reflection import Block, Interface, Member, Variable
 from .sources import Source
 
 LIMIT = 256 << 20
@@ -202,27 +201,13 @@ class CompileCache:
         if compilers is None:
             return compute()
         key = program_key(ordered, words, compilers)
-        found = self._load(key, ordered, targets)
-        if found is None:
-            found = compute()
-            interface = found.interface if "opengl" in targets else None
-            self._store.put(key, encode(Entry(found.verdicts, found.spirv, interface)))
-        return found
-
-    def _load(
-        self, key: str, ordered: tuple[Source, ...], targets: Sequence[str]
-    ) -> Compiled | None:
         try:
-            entry = decode(self._store.get(key) or b"")
+            found = decode(self._store.get(key) or b"")
         except ValueError:  # absent, or not an entry
-            return None
-
-        def interface() -> Interface | None:
-            if "opengl" in targets:
-                return entry.interface
-            return self.compile(ordered, ("glsl", "opengl")).interface
-
-        return Compiled(entry.verdicts, entry.spirv, ordered, interface)
+            found = compute()
+            self._store.put(key, encode(found))
+            return found
+        return with_interface(found, ordered, targets, self.compile)
 
 
 def program_key(ordered: Sequence[Source], targets: Sequence[str], compilers: str) -> str:
@@ -273,48 +258,27 @@ def _digest(value: object) -> str:
     return hashlib.sha256(json.dumps(value).encode("ascii")).hexdigest()
 
 
-@dataclass(frozen=True)
-class Entry:
-    """The parts of a `Compiled` that are data; its interface only if it is known."""
-
-    verdicts: tuple[Verdict, ...]
-    spirv: Mapping[str, Mapping[str, bytes]]
-    interface: Interface | None = None
+def encode(compiled: Compiled) -> bytes:
+    """Return a program's verdicts and modules as deflated JSON."""
+    text = json.dumps([compiled.verdicts, compiled.spirv], default=_to_plain)
+    return zlib.compress(text.encode("ascii"), 1)
 
 
-def encode(entry: Entry) -> bytes:
-    """Return the entry as deflated JSON: each value of `_KINDS` with its kind's name."""
-    return zlib.compress(json.dumps(entry, default=_to_plain).encode("ascii"), 1)
+def _to_plain(value: Any) -> Any:
+    return value.hex() if isinstance(value, bytes) else vars(value)
 
 
-def decode(data: bytes) -> Entry:
-    """Return the entry again. Builds plain data only; nothing in `data` is executed. Raises
-    ValueError: the bytes are not an entry."""
+def decode(data: bytes) -> Compiled:
+    """Return the verdicts and modules again. Builds plain data only; nothing in `data` is
+    executed. Raises ValueError: the bytes are not an entry."""
+    mistakes = zlib.error, ArithmeticError, AttributeError, LookupError, RecursionError, TypeError
     try:
-        text = zlib.decompressobj().decompress(data, _LARGEST)
-        entry = json.loads(text, object_hook=_from_plain)
-    except (zlib.error, ArithmeticError, LookupError, RecursionError, TypeError) as error:
+        verdicts, spirv = json.loads(zlib.decompressobj().decompress(data, _LARGEST))
+        for each in verdicts:
+            each["diagnostics"] = tuple(Diagnostic(**one) for one in each["diagnostics"])
+        return Compiled(
+            verdicts=tuple(Verdict(**each) for each in verdicts),
+            spirv={t: {s: bytes.fromhex(m) for s, m in of.items()} for t, of in spirv.items()},
+        )
+    except mistakes as error:
         raise ValueError(f"not a compile cache entry: {error}") from error
-    if not isinstance(entry, Entry):
-        raise ValueError("not a compile cache entry")
-    return entry
-
-
-_KINDS: Mapping[str, Callable[..., Any]] = {
-    kind.__name__: kind for kind in (Entry, Verdict, Diagnostic, Interface, Variable, Block, Member)
-}
-_KIND = "%"  # no field's name
-
-
-def _to_plain(value: Any) -> dict[str, Any]:
-    fields = {"hex": value.hex()} if isinstance(value, bytes) else vars(value)
-    return {_KIND: type(value).__name__, **fields}
-
-
-def _from_plain(fields: dict[str, Any]) -> Any:
-    kind = fields.pop(_KIND, None)
-    if kind is None:
-        return fields
-    if kind == "bytes":
-        return bytes.fromhex(fields["hex"])
-    return _KINDS[kind](**{k: tuple(v) if type(v) is list else v for k, v in fields.items()})
