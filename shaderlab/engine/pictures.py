@@ -27,8 +27,8 @@ from shaderlab.model.scene import Pass
 Images = Mapping[tuple[str, str], Image]
 """What was drawn, by pass and output."""
 
-# Of compared pictures: one pixel a value (2 × 2 where some are outside); the page enlarges them.
-COMPARISON_SIDE = 1
+# A case's picture on the front page is about so wide.
+SMALL_SIDE = 170
 # An attachment is shown so small that of larger ones some pixels are enough.
 ATTACHMENT_SIDE = 136
 # An exact comparison without a difference keeps at most so many bytes of numbers, or a corner.
@@ -65,10 +65,11 @@ class PictureWriter:
         if self._folder is None:
             return PictureFiles()
         display = _display(image)
-        file = self._save("picture", display.image, 256)
-        files = PictureFiles({"picture": file}, {"picture": display.caption})
-        self._picture = image, files
-        return files
+        files = {"picture": self._save("picture", display.image, 256)}
+        if (factor := max(display.image.shape) // SMALL_SIDE) > 1:
+            files["small"] = self._save("small", pictures.shrink(display.image, factor))
+        self._picture = image, PictureFiles(files, {"picture": display.caption})
+        return self._picture[1]
 
     def write_passes(self, scene: Scene, images: Images) -> tuple[PassRecord, ...]:
         """Describe a scene's passes, with a small picture of each attachment if it has several.
@@ -99,7 +100,7 @@ class PictureWriter:
         else:
             step = max(1, max(image.values.shape[:2]) // ATTACHMENT_SIDE)
             small = replace(image, values=image.values[::step, ::step])
-            file = self._save(f"pass-{label}", _display(small).image, 1)
+            file = self._save(f"pass-{label}", _display(small).image)
         return Attachment(name=name, format=image.format, image=file)
 
     def write_comparison(
@@ -135,13 +136,11 @@ class PictureWriter:
             if covered is not None:
                 seen = np.where(covered[..., None], seen, np.array(pictures.UNCOVERED, np.uint8))
             captions[what] = display.caption
-            files[what] = self._save(f"{label}-{what}", seen, COMPARISON_SIDE)
+            files[what] = self._save(f"{label}-{what}", seen)
         if not passed:
             distance = _get_array(arrays, "distance")
-            seen, palette = pictures.distance_picture(
-                distance, np.abs(distance) > 1.0, min_side=COMPARISON_SIDE
-            )
-            files["distance"] = self._save(f"{label}-distance", seen, COMPARISON_SIDE, palette)
+            seen, palette = pictures.distance_picture(distance, np.abs(distance) > 1.0)
+            files["distance"] = self._save(f"{label}-distance", seen, palette=palette)
         relative, path = self._file(label, "values")
         numbers = pictures.judged_part(arrays, worst)
         equal = "covered" not in arrays and not numbers.outside.any()
@@ -177,7 +176,7 @@ class PictureWriter:
             write_bytes(path, disassemble_stages(modules).encode("utf-8"))
         return relative
 
-    def _save(self, label: str, image: Array, side: int, palette: Array | None = None) -> str:
+    def _save(self, label: str, image: Array, side: int = 1, palette: Array | None = None) -> str:
         """Write a picture; equal ones of a scene are one file, named by the first label."""
         pixels = np.ascontiguousarray(image)
         factor = max(1, -(-side // min(pixels.shape[:2])))

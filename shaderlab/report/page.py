@@ -223,7 +223,7 @@ class CaseView:
         images = [record.images for record in records]
         images += [outcome.images for record in records for outcome in record.expectations]
         for names in images:
-            file = names.get("picture") or names.get("measured") or next(iter(names.values()), "")
+            file = next(filter(None, map(names.get, ("small", "picture", "measured", *names))), "")
             if file and not (picture := self.store.find(file)).missing:
                 return picture
         return None
@@ -235,6 +235,7 @@ class CaseView:
             self._figure(record, name, self.store.find(file))
             for record in self.group.records
             for name, file in record.images.items()
+            if name != "small"
         ]
 
     @property

@@ -169,3 +169,16 @@ def test_nothing_is_written_without_a_folder_or_modules(tmp_path: Path) -> None:
     assert PictureWriter(None, "case", "v").write_assembly({"opengl": modules(FRAGMENT)}) == ""
     assert PictureWriter(tmp_path, "case", "v").write_assembly({}) == ""
     assert not list(tmp_path.iterdir())
+
+
+def test_the_front_page_s_picture_is_the_mean_of_light_not_of_codes(tmp_path: Path) -> None:
+    """Black and white in equal parts are as bright as code 188; plain colours stay as they are."""
+    codes = np.arange(256, dtype=np.uint8)[:, None].repeat(3, axis=1)
+    for factor in range(2, 8):
+        flat = codes.reshape(1, -1, 3).repeat(factor, axis=0).repeat(factor, axis=1)
+        assert abs(pictures.shrink(flat, factor)[0].astype(int) - codes).max() <= 1
+    checks = (np.indices((360, 340)).sum(axis=0) % 2)[:, :, None].repeat(3, axis=2)
+    image = Image(checks.astype(np.float32), "rgba32f")
+    written = PictureWriter(tmp_path, "case", "v").write_picture(image)
+    small = pictures.load(tmp_path / written.files["small"])
+    assert small.shape == (180, 170, 3) and (np.rint(255 * small) == 188).all()

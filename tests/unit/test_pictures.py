@@ -88,18 +88,17 @@ def test_other_shapes_are_refused(bad: np.ndarray) -> None:
         pictures.to_display(bad)
 
 
-def distances(widths: np.ndarray, outside: np.ndarray, min_side: int) -> np.ndarray:
+def distances(widths: np.ndarray, outside: np.ndarray) -> np.ndarray:
     """The distance picture in colours."""
-    indices, palette = pictures.distance_picture(widths, outside, min_side=min_side)
+    indices, palette = pictures.distance_picture(widths, outside)
     return np.asarray(palette[indices])
 
 
 def test_distance_colours() -> None:
     widths = np.array([[-1.0, 0.0], [1.0, np.nan]])
-    picture = distances(widths, np.zeros((2, 2), bool), 4)
-    assert picture.shape == (4, 4, 3)
-    corners = [picture[0, 0], picture[0, 3], picture[3, 0], picture[3, 3]]
-    assert [tuple(c.tolist()) for c in corners] == [
+    picture = distances(widths, np.zeros((2, 2), bool))
+    assert picture.shape == (2, 2, 3)
+    assert [tuple(c) for c in picture.reshape(4, 3).tolist()] == [
         pictures.BAND_LOW,
         pictures.BAND_MIDDLE,
         pictures.BAND_HIGH,
@@ -111,7 +110,7 @@ def test_a_lone_value_outside_shows_both_colours_of_the_check() -> None:
     outside = np.zeros((3, 3), bool)
     outside[1, 1] = True
     for widths in (np.full((3, 3), 0.2), np.full((3, 3), np.nan)):
-        picture = distances(widths, outside, 1)
+        picture = distances(widths, outside)
         assert picture.shape == (6, 6, 3)
         cell = {tuple(p) for p in picture[2:4, 2:4].reshape(-1, 3).tolist()}
         assert len(cell) == 2 and cell & set(pictures.OUTSIDE) and pictures.CHECK in cell
@@ -121,7 +120,7 @@ def test_a_lone_value_outside_shows_both_colours_of_the_check() -> None:
 
 def test_the_further_outside_the_brighter() -> None:
     for expected, width in zip(pictures.OUTSIDE, (1.5, -99.0, 1e3, 1e5, math.nan), strict=True):
-        picture = distances(np.array([[width]]), np.array([[True]]), 1)
+        picture = distances(np.array([[width]]), np.array([[True]]))
         assert {tuple(p) for p in picture.reshape(-1, 3).tolist()} == {expected, pictures.CHECK}
     light = [sum(colour) for colour in pictures.OUTSIDE]
     assert light == sorted(light)
@@ -129,10 +128,10 @@ def test_the_further_outside_the_brighter() -> None:
 
 def test_of_several_components_the_furthest_is_shown() -> None:
     widths = np.array([[[0.1, -1.0, np.nan]]])
-    picture = distances(widths, np.zeros((1, 1, 3), bool), 1)
+    picture = distances(widths, np.zeros((1, 1, 3), bool))
     assert tuple(picture[0, 0].tolist()) == pictures.BAND_LOW
     bad = np.array([[[False, False, True]]])
-    marked = distances(widths, bad, 1)
+    marked = distances(widths, bad)
     assert {tuple(p) for p in marked.reshape(-1, 3).tolist()} == {
         pictures.OUTSIDE[-1],
         pictures.CHECK,

@@ -18,6 +18,7 @@ from shaderlab.model.records import (
     SourceText,
     Verdict,
 )
+from shaderlab.report.pictures import in_base64
 from tests.unit.test_report_samples import (
     Page,
     curve,
@@ -218,11 +219,15 @@ def test_lessons_keep_paragraphs_lists_and_asterisks(tmp_path: Path) -> None:
 def test_pictures_have_words_sizes_and_their_captions(tmp_path: Path) -> None:
     pictures.save_png(tmp_path / "p.png", np.zeros((3, 8, 3), np.uint8))
     shown = outcome(images={"distance": "p.png"}, captions={"distance": "half widths"})
-    page = Page(write(run(record(images={"picture": "p.png"}, expectations=(shown,))), tmp_path))
+    pictures.save_png(tmp_path / "s.png", np.ones((3, 4, 3), np.uint8))
+    own = {"picture": "p.png", "small": "s.png"}
+    page = Page(write(run(record(images=own, expectations=(shown,))), tmp_path))
     images = [attrs for tag, attrs in page.tags if tag == "img"]
     assert all("alt" in a and a["width"] and a["height"] for a in images)
-    # The case's own picture is on the front page as well.
-    assert {"Attenuation: picture", ""} <= {a["alt"] for a in images}
+    # The case's own picture is on the front page as well, made smaller, and only there.
+    large, small = (f"data:image/png;base64,{in_base64(tmp_path / f)}" for f in own.values())
+    assert [a["src"] for a in images if a["alt"] == ""] == [small]
+    assert [a["src"] for a in images if a["alt"] == "Attenuation: picture"] == [large]
     assert "half widths" in page.words() and "not drawn" in page.words()
 
 

@@ -15,6 +15,7 @@ from .display import (
     VIRIDIS as VIRIDIS,
     Display as Display,
     distance_picture as distance_picture,
+    shrink as shrink,
     to_display as to_display,
 )
 from .files import SIGNATURE as SIGNATURE, load as load, save_png as save_png

@@ -3,6 +3,7 @@ OpenImageIO draws it, and those of places in a band, as red, green and blue from
 """
 
 import math
+from functools import cache, reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -82,9 +83,7 @@ def to_display(array: NDArray[Any], *, value_range: tuple[float, float] | None =
     return _clip(pixels)
 
 
-def distance_picture(
-    widths: NDArray[Any], outside: NDArray[Any], *, min_side: int = 256
-) -> tuple[Bytes, Bytes]:
+def distance_picture(widths: NDArray[Any], outside: NDArray[Any]) -> tuple[Bytes, Bytes]:
     """Where in its band each value lies, as indices into a palette of few colours.
 
     Blue is the band's lower end, white its middle, orange its upper end. A value outside is a
@@ -97,11 +96,10 @@ def distance_picture(
             the largest distance is shown.
         outside: booleans of the same shape; a value that is outside counts even where its
             distance is NaN.
-        min_side: the picture's shorter side is at least this long (where a value is outside,
-            each becomes a square of at least 2 × 2, or the check could not be seen).
 
     Returns:
-        uint8 (height·n, width·n), row 0 at the bottom, and the palette, uint8 (colours, 3).
+        uint8, row 0 at the bottom, and the palette, uint8 (colours, 3). Where a value is outside,
+        each is a square of 2 × 2, or the check could not be seen.
     """
     distance = np.asarray(widths, dtype=np.float64)
     beyond = np.asarray(outside, dtype=bool)
@@ -124,17 +122,13 @@ def distance_picture(
         steps = np.rint(np.clip(distance, -1.0, 1.0) * _SHADES) + _SHADES
     picture = np.where(np.isnan(steps), uncovered, steps).astype(np.uint8)
 
-    factor = max(2 if beyond.any() else 1, -(-min_side // min(distance.shape)))
-    large = enlarge(picture, factor)
-    if beyond.any():
-        y, x = np.indices(large.shape)
-        half = factor / 2
-        # A NaN is beyond all.
-        light = uncovered + 1 + np.searchsorted(MAGNITUDES, np.abs(distance))
-        black = (y % factor >= half) ^ (x % factor >= half)
-        check = np.where(black, dark, enlarge(light, factor))
-        large = np.where(enlarge(beyond, factor), check, large).astype(np.uint8)
-    return large, table
+    if not beyond.any():
+        return picture, table
+    light = uncovered + 1 + np.searchsorted(MAGNITUDES, np.abs(distance))  # a NaN is beyond all
+    large = enlarge(picture, 2)
+    y, x = np.indices(large.shape)
+    check = np.where((x + y) % 2, dark, enlarge(light, 2))
+    return np.where(enlarge(beyond, 2), check, large).astype(np.uint8), table
 
 
 def _distance_palette() -> Bytes:
@@ -231,3 +225,28 @@ def _magenta(count: int) -> str:
 def enlarge(pixels: NDArray[Any], factor: int) -> NDArray[Any]:
     """Each pixel as a square of `factor` × `factor`."""
     return pixels if factor == 1 else pixels.repeat(factor, axis=1).repeat(factor, axis=0)
+
+
+def shrink(pixels: Bytes, factor: int) -> Bytes:
+    """The mean light of each `factor` × `factor` pixels; what is left over at the edges is cut."""
+    height, width = (side // factor for side in pixels.shape[:2])
+    light, codes = _light_tables(factor**2)
+    small = np.empty((height, width, pixels.shape[2]), np.uint8)
+    for y in range(0, height, 16):  # so few rows stay in a processor's cache
+        until = min(y + 16, height)
+        lit = np.take(light, pixels[y * factor : until * factor, : width * factor])
+        rows = reduce(np.add, [lit[k::factor] for k in range(factor)])
+        for c in range(pixels.shape[2]):  # all at once takes longer
+            sums = reduce(np.add, [rows[:, k::factor, c] for k in range(factor)])
+            small[y:until, :, c] = np.take(codes, sums)
+    return small
+
+
+@cache
+def _light_tables(parts: int) -> tuple[NDArray[np.uint16], Bytes]:
+    """The light of each 8-bit code, so that `parts` of the brightest make 65535, and the code of
+    each light. Source: IEC 61966-2-1 (sRGB)."""
+    code, light = np.arange(256) / 255, np.arange(65536) / 65535
+    decoded = np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
+    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    return np.rint(65535 // parts * decoded).astype(np.uint16), np.rint(255 * encoded).astype("u1")
