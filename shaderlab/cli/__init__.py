@@ -29,6 +29,7 @@ COMMANDS = {
     "explain": ("explain", "Show what each line of a shader computes at a pixel."),
     "diff": ("diff", "Check whether a rewritten shader computes the same."),
     "audit": ("audit", "Find undefined behaviour in a shader, without a reference."),
+    "prove": ("prove", "Prove hazards absent for all inputs of their ranges, or show one."),
     "mutate": ("mutate", "Plant mistakes in shaders; report which ones go unnoticed."),
     "report": ("reporting", "Rebuild the pages of a run."),
     "doctor": ("doctor", "Check the installation, and say how to get what is missing."),
@@ -135,6 +136,7 @@ def cli(context: click.Context, debug: bool) -> None:
       shaderlab explain spotlight         show what each line computes at a pixel
       shaderlab diff old.frag new.frag    check that a rewrite computes the same
       shaderlab audit lamp.frag           find undefined behaviour
+      shaderlab prove lamp.frag           prove that no input causes any
       pytest my_cases/                    run cases as tests
 
     A project's settings are in [tool.shaderlab] of its pyproject.toml.
