@@ -67,8 +67,10 @@ def opened(
     if watch:
         page.evaluate(watch)
     assert page.locator(".live-canvas").count() == 0
-    # A visitor sees the button at once, and then the picture with its first controls.
-    assert page.locator(".live-button").bounding_box()["y"] < page.viewport_size["height"] - 40
+    # A visitor sees the button at once, however long the lesson and its pictures are.
+    header = page.locator(".case > header").bounding_box()
+    assert header["y"] + header["height"] < page.viewport_size["height"]
+    assert page.locator("header .live-button button").is_visible()
     page.click(".live-button button")
     page.wait_for_selector(".live-canvas")
     return page
@@ -92,15 +94,20 @@ def test_a_slider_moves_it_and_one_click_leads_back(
     visit: Callable[..., Any], report: Path
 ) -> None:
     page = opened(visit, report, "diffuse", viewport={"width": 1280, "height": 800})
-    assert page.locator(".live-canvas").bounding_box()["y"] >= 0
+    above = page.locator(".way").bounding_box()["height"]
+    assert page.locator(".live-canvas").bounding_box()["y"] >= above
     assert page.locator(".live-controls label").first.bounding_box()["y"] < 760
     before = page.evaluate(SHOWN)
-    for name in ("away", "lightColor x"):
+    for name in ("away", "lightColor r"):
         slider = page.locator(f"input[name='{name}'], input[aria-label='{name}']").first
         slider.focus()
         page.keyboard.press("Home")
         page.wait_for_timeout(100)  # two frames
         assert page.evaluate(SHOWN) != before, name
+        # The picture stays in sight, and does not cover the slider.
+        pair = page.locator(".live-pair").bounding_box()
+        assert above <= pair["y"] + 1, name
+        assert pair["y"] + pair["height"] <= slider.bounding_box()["y"], name
         page.click("text=Back to what was judged")
         assert page.evaluate(SHOWN) == before
         page.set_viewport_size({"width": 390, "height": 800})  # the next one on a phone
@@ -143,7 +150,7 @@ def test_what_does_not_change_is_not_drawn_again(visit: Callable[..., Any], repo
     page.check("text=difference to the judged picture")  # painted anew
     assert page.inner_text(".live-pair figure:last-child") == "Difference: 0 (dark) to 0 (bright)"
     assert page.evaluate("window.drawn") == 0
-    page.locator("input[aria-label='lightColor x']").focus()
+    page.locator("input[aria-label='lightColor r']").focus()
     page.keyboard.press("Home")
     wait_until(page, lambda: page.evaluate("window.drawn") > 0)
 

@@ -198,10 +198,13 @@ const makePlayer = () => {
       const arrange = () => repeated(calls).reduce((passes, call) => {
         const [name, reads, joined] = call[2];
         if (call[0] === "pass" && joined) passes.at(-1).names.push(name);
-        else if (call[0] === "pass") passes.push({ names: [name], reads: [], calls: [], uniforms: [] });
-        if (call[0] === "pass") passes.at(-1).reads.push(...reads);
-        passes.at(-1).calls.push(bound(data, call));
-        passes.at(-1).uniforms.push(...uniformOf(call));
+        else if (call[0] === "pass")
+          passes.push({ names: [name], reads: [], calls: [], uniforms: [], draws: 1 });
+        const pass = passes.at(-1);
+        if (call[0] === "pass") pass.reads.push(...reads);
+        pass.calls.push(bound(data, call));
+        pass.uniforms.push(...uniformOf(call).map((made) => ({ ...made, pass, draw: pass.draws })));
+        pass.draws += call[0].startsWith("draw") && call[0] !== "drawBuffers";
         return passes;
       }, []);
       let [passes, shown] = [arrange(), null];

@@ -4,7 +4,7 @@
 const make = (tag, given = {}, ...inside) => {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(given)) {
-    if (name in made) made[name] = value;
+    if (name in made && name !== "list") made[name] = value;
     else made.setAttribute(name, value);
   }
   made.append(...inside);
@@ -78,10 +78,11 @@ function play({ about, data }, scale = 1) {
   const held = makePlayer()?.hold(about, data, scale) ?? { lacks: "this browser has no WebGL2" };
   if (held.lacks) throw new Error(held.lacks);
   const found = new Map();
-  for (const { now, ...uniform } of held.uniforms) {
+  for (const { now, pass, draw, ...uniform } of held.uniforms) {
     const key = `${uniform.name} ${now}`;
-    if (!found.has(key)) found.set(key, { ...uniform, own: [...now], now, all: [] });
+    if (!found.has(key)) found.set(key, { ...uniform, own: [...now], now, all: [], users: [] });
     found.get(key).all.push(now);
+    found.get(key).users.push(pass.draws > 2 ? `${pass.names.at(-1)}, draw ${draw}` : pass.names.at(-1));
   }
   const started = performance.now();
   const [own, took, [error]] = [held.draw(), performance.now() - started, held.errors()];
@@ -92,19 +93,22 @@ function play({ about, data }, scale = 1) {
 /** Milliseconds that a frame may take; else it is drawn smaller while a control is moved. */
 const FRAME = 40;
 
-/** The largest difference of each pixel's channels to what the case's own values give. */
+/** The largest difference of each pixel's channels to what the case's own values give, and the
+ * largest of all that are finite. */
 function differences(values, own, components) {
   const found = new Float32Array(values.length / components);
-  values.forEach((value, n) => {
-    const at = Math.floor(n / components);
-    found[at] = Math.max(found[at], Math.abs(value - own[n]));
-  });
-  return found;
+  let most = 0;
+  for (let at = 0, n = 0; at < found.length; at += 1) {
+    for (const end = n + components; n < end; n += 1)
+      found[at] = Math.max(found[at], Math.abs(values[n] - own[n]));
+    if (found[at] > most && found[at] < Infinity) most = found[at];
+  }
+  return [found, most];
 }
 
 class Panel {
   constructor(box, files, first, tools) {
-    Object.assign(this, { tools, file: files[0] });
+    Object.assign(this, { tools, file: files[0], stops: 0 });
     this.canvas = make("canvas", { className: "live-canvas", tabIndex: 0, role: "img",
       "aria-label": "The live picture: arrow keys choose the pixel that is read" });
     this.judged = make("img", { alt: "the picture as it was judged" });
@@ -124,13 +128,14 @@ class Panel {
         make("figure", {}, this.canvas, this.caption)),
       this.reading,
       make("div", { className: "tool" }, ...(files.length > 1 ? [label("variant ", choice)] : []),
-        make("button", { type: "button", textContent: "Back to what was judged",
-          onclick: () => this.start(this.bytes) }),
+        make("button", { type: "button", textContent: "Back to what was judged", onclick: () => {
+          this.difference.checked = false;
+          this.start(this.bytes);
+        } }),
         make("label", {}, this.difference, " difference to the judged picture")),
       this.controls, this.editor,
     );
     this.watch();
-    box.scrollIntoView();
     this.canvas.focus({ preventScroll: true });
   }
 
@@ -142,7 +147,8 @@ class Panel {
     const [{ took }, scales] = [this.live, [1 / 2, 1 / 4, 1 / 8]];
     const scale = took > FRAME && (scales.find((s) => took * s * s < FRAME) ?? scales.at(-1));
     this.small = scale ? play(recording, scale) : null;
-    this.judged.src = document.documentElement.dataset.root + this.file[2];
+    const [width, height] = this.live.show.size; // known before the file is there
+    Object.assign(this.judged, { width, height, src: document.documentElement.dataset.root + this.file[2] });
     this.range = rangeOfPicture(this.live.own, this.live.show);
     this.camera = { around: 0, up: 0, away: 1 };
     this.views = this.live.uniforms.filter(isView);
@@ -171,17 +177,20 @@ class Panel {
   paint(played = this.painted) {
     const { show, own } = played;
     Object.assign(this, { painted: played, values: played.draw() });
-    let image, said = "Live";
+    let image, said = this.views.length ? "Live: drag it to move the camera" : "Live";
+    const shade = make("span", { className: "live-shades", hidden: !this.difference.checked });
     if (this.difference.checked) {
-      const off = differences(this.values, own, show.components);
-      const most = off.reduce((a, b) => (b > a && b < Infinity ? b : a), 0);
+      const [off, most] = differences(this.values, own, show.components);
       image = paintLive(off, { ...show, components: 1 }, [0, most], this.tools);
       said = `Difference: 0 (dark) to ${this.tools.general(most, 3)} (bright)`;
+      shade.style.background = `linear-gradient(to right, ${this.tools.ramp.filter((_, n) => n % 15 === 0)
+        .map((colour) => `rgb(${colour})`)})`;
     } else image = paintLive(this.values, show, this.range, this.tools);
     if (played === this.small) said += `, ${show.size.join(" × ")} pixels while it moves`;
-    [this.canvas.width, this.canvas.height] = show.size;
+    if (this.canvas.width !== image.width || this.canvas.height !== image.height)
+      [this.canvas.width, this.canvas.height] = show.size;
     this.canvas.getContext("2d").putImageData(image, 0, 0);
-    this.caption.textContent = said;
+    this.caption.replaceChildren(said, shade);
     this.read();
   }
 
@@ -239,38 +248,53 @@ class Panel {
       name, min, max, step: 0.01, value: this.camera[name],
       oninput: ({ target }) => this.turn({ [name]: Number(target.value) }) }));
     this.canvas.classList.toggle("is-near", this.views.length > 0);
-    const fields = this.live.uniforms.filter((u) => !u.matrix && !this.eyes.includes(u))
-      .map((u) => field(u.name, ...this.inputs(u)));
+    // Those of one name stand together, the ones with a single value first, of others all but one folded.
+    const named = Object.values(Object.groupBy(
+      this.live.uniforms.filter((u) => !u.matrix && !this.eyes.includes(u)), ({ name }) => name));
+    const fields = named.sort((one, other) => one.length - other.length).map((group) => {
+      const [first, ...rest] = group.map((u) => [
+        ...(group.length > 1 ? [make("p", { className: "quiet", textContent:
+          `${u.users.slice(0, 2).join("; ")}${u.users.length > 2 ? ` and ${u.users.length - 2} more` : ""}` })] : []),
+        ...this.inputs(u)]);
+      return field(group[0].name, ...first, ...(rest.length ? [make("details", { className: "fold" },
+        make("summary", { textContent: `its ${rest.length} other values` }), ...rest.flat())] : []));
+    });
     if (this.views.length) {
       fields.unshift(field("camera (or drag the picture)",
-        ...this.turning.map((slider) => label(slider.name, slider))));
+        ...this.turning.map((slider) => label(slider.name, slider, make("span")))));
     }
     this.controls.replaceChildren(...fields);
-    if (!fields.length) this.controls.append("Nothing of this picture is a number that can be moved.");
+    this.editor.open = !fields.length;
+    if (!fields.length) this.controls.append("No number of this picture can be moved, but its shaders can be edited:");
   }
 
   /** Sliders of a uniform's numbers, which stop at the case's own, and a picker of a colour. */
   inputs(uniform) {
     const { own, name, whole, now } = uniform;
+    const colour = COLOUR.test(name) && own.length >= 3 && own.every((v) => v >= 0 && v <= 1);
     const inputs = own.map((value, n) => {
       const far = whole ? Math.max(8, 2 * Math.abs(value)) : 2 * Math.abs(value) || 1;
-      const max = !whole && value > 0 && value <= 1 ? 1 : far;
+      const max = !whole && value > 0 && (colour || value < 1) ? 1 : far;
       const min = value > 0 || now instanceof Uint32Array ? 0 : -far;
       const said = make("output", { textContent: this.tools.general(value, 4) });
-      return label(own.length > 1 ? "xyzw"[n] : "", make("input", { type: "range", min, max,
-        step: whole ? 1 : (max - min) / 100, value, "aria-label": `${name} ${"xyzw"[n]}`,
+      this.stops += 1; // a mark at the case's own value
+      const stop = make("datalist", { id: `own-${this.stops}` }, make("option", { value }));
+      const part = (colour ? "rgba" : "xyzw")[n];
+      return label(own.length > 1 ? part : "", make("input", { type: "range", min, max, list: stop.id,
+        step: whole ? 1 : (max - min) / 100, value, "aria-label": own.length > 1 ? `${name} ${part}` : name,
         oninput: ({ target }) => {
           const stops = Math.abs(target.value - value) < (max - min) / 150;
           const next = stops ? value : Number(target.value);
-          said.textContent = this.tools.general(next, 4);
+          const at = this.tools.general(next, 4);
+          said.textContent = stops ? at : `${at}, was ${this.tools.general(value, 4)}`;
           this.put(uniform, Array.from(now, (old, m) => (m === n ? next : old)));
-        } }), said);
+        } }), said, stop);
     });
-    if (COLOUR.test(name) && own.length >= 3 && own.every((v) => v >= 0 && v <= 1)) {
+    if (colour) {
       const hex = (v) => Math.round(v * 255).toString(16).padStart(2, "0");
-      inputs.unshift(make("input", { type: "color", value: `#${own.slice(0, 3).map(hex).join("")}`,
+      inputs.unshift(label("colour", make("input", { type: "color", value: `#${own.slice(0, 3).map(hex).join("")}`,
         "aria-label": name, oninput: ({ target }) => this.put(uniform, [...target.value
-          .match(/\w\w/g).map((pair) => parseInt(pair, 16) / 255), ...now.slice(3)]) }));
+          .match(/\w\w/g).map((pair) => parseInt(pair, 16) / 255), ...now.slice(3)]) })));
     }
     return inputs;
   }

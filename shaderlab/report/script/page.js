@@ -198,6 +198,7 @@ for (const tool of document.querySelectorAll(".live-button")) {
       const first = await open(files[0][1]);
       globalThis.shaderlabLive(box, files, first, { open, general, ramp, colours });
       tool.remove();
+      box.scrollIntoView();
     } catch (error) {
       tool.querySelector("output").textContent = `No live picture: ${error.message}`;
     }
