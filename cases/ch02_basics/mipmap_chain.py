@@ -15,11 +15,12 @@ shows the next smaller level, in texels twice as large.
 
 import numpy as np
 
-from shaderlab import Case, Erratum, Ramp, Texture, assets, formula, gl_calls
+from shaderlab import Case, Erratum, Ramp, Texture, formula, gl_calls
 from shaderlab.glslmath import floor, swizzle, vec2
 from shaderlab.glslmath.sampling import texelFetch, textureSize
 from shaderlab.reference.filtering import box, level_count, texel_count
 
+from ..scenes import painted_textures
 from ..scenes.figures import figure, results
 from ..scenes.panels import WHOLE, panel, panel_pass, picture
 
@@ -71,7 +72,7 @@ def in_its_place(level):
 
 def shown(level):
     """A level in the picture."""
-    bricks = {"image": Texture(image=assets.brick_wall, mipmaps=True, filter=STEPS)}
+    bricks = {"image": Texture(image=painted_textures.brick_wall, mipmaps=True, filter=STEPS)}
     domain, place = {**WHOLE, "lod": Ramp(float(level))}, rectangle(level)
     return panel("ch02_basics/mipmapped.frag", domain, textures=bricks, viewport=place)
 

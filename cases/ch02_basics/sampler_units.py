@@ -24,12 +24,13 @@ from shaderlab.engine.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import fract, max, min, mix, swizzle, vec4, where
 from shaderlab.glslmath.sampling import texture
 
+from ..scenes import painted_textures
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import enlarged, panel, rectangle
 
 MAPS = {
-    "BaseMap": Texture(image=assets.crate),
-    "ReflectMap": Texture(image=assets.emblem),
+    "BaseMap": Texture(image=painted_textures.crate),
+    "ReflectMap": Texture(image=painted_textures.emblem),
     "RefractMap": Texture(image=lambda: assets.checker(size=64, cells=8)),
 }
 SAMPLERS = tuple(MAPS)

@@ -22,10 +22,11 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab import Case, CompressedTexture, Target, Texture, assets, exact, fullscreen, measure
+from shaderlab import Case, CompressedTexture, Target, Texture, exact, fullscreen, measure
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.glslmath.sampling import texture as texel
 
+from ..scenes import painted_textures
 from ..scenes.block_codecs import compressed, decoded_blocks
 from ..scenes.figures import each_draw
 from ..scenes.panel_checks import enlarged_check
@@ -50,7 +51,7 @@ FOLDER = Path(__file__).parent / "texture_compression"
 
 def mixed_image():
     """The emblem, and in its lower half noise and ramps that drive a compressor to its limits."""
-    image = assets.emblem(64).copy()
+    image = painted_textures.emblem(64).copy()
     t, s = np.mgrid[0:24, 0:64] / 64.0
     image[:24, :, 0], image[:24, :, 1], image[:24, :, 2] = s, 2.6 * t, 1.0 - s
     image[:12, 32:] = np.random.default_rng(245).random((12, 32, 4))
@@ -129,7 +130,7 @@ def loss(image, original, TexCoords):
 
 def shown(k, kind):
     """The emblem in one format, and above it what that lost."""
-    emblem, place = assets.emblem(96), {"TexCoords": square(0.003, 0.996)}
+    emblem, place = painted_textures.emblem(96), {"TexCoords": square(0.003, 0.996)}
     textures = {"image": texture(kind, emblem)}
     below = 6 * (k // 3) + k % 3
     yield panel("ch02_basics/textured.frag", place, textures=textures, cell=cell(below, 3, 4))

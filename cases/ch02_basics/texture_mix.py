@@ -17,6 +17,7 @@ from shaderlab.engine.expectations.gl_call import call
 from shaderlab.glslmath import mix
 from shaderlab.glslmath.sampling import texture
 
+from ..scenes import painted_textures
 from ..scenes.api import limits
 from ..scenes.draws import drawn
 from ..scenes.figures import ground
@@ -42,7 +43,10 @@ MIXED = drawn(
     assets.quad(size=1.8),
     {"mixValue": 0.2},
     only=("aPos", "aTexCoords"),
-    textures={"texture1": Texture(image=assets.crate), "texture2": Texture(image=assets.emblem)},
+    textures={
+        "texture1": Texture(image=painted_textures.crate),
+        "texture2": Texture(image=painted_textures.emblem),
+    },
 )
 
 case = Case(

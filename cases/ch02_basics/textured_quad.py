@@ -14,10 +14,11 @@ Try: in `ch02_basics/textured_quad.frag` write `texture(ourTexture, 2.0 * TexCoo
 
 import numpy as np
 
-from shaderlab import Case, Mesh, Texture, assets, coverage, formula
+from shaderlab import Case, Mesh, Texture, coverage, formula
 from shaderlab.glslmath import vec4
 from shaderlab.glslmath.sampling import texture
 
+from ..scenes import painted_textures
 from ..scenes.draws import drawn
 from ..scenes.figures import each_draw, figure, figures
 from ..scenes.laws import device_place, unchanged
@@ -30,7 +31,7 @@ TINTS = np.array([(1.0, 0.45, 0.4), (0.45, 1.0, 0.45), (0.45, 0.6, 1.0), (1.0, 1
 # 48 of 56 pixels: corners are on every driver's grid, in the small picture and in the large one.
 SIZE = (6 / 7, 12 / 7, 1.0)
 # Five texels a pixel: pixels lie in the middles of texels, where all drivers read the same one.
-CRATE = assets.crate(240)
+CRATE = painted_textures.crate(240)
 NOISE = np.random.default_rng(246).random((8, 8, 4))
 
 

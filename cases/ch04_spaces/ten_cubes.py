@@ -15,10 +15,10 @@ each box takes its light along when it turns, and all show the same bright side.
 
 import numpy as np
 
-from shaderlab import Case, Pixel, Texture, assets, formula, value
+from shaderlab import Case, Pixel, Texture, formula, value
 from shaderlab.reference.transforms import clip_position, translate
 
-from ..scenes import stage
+from ..scenes import painted_textures, stage
 from ..scenes.boxes import clear_pixels
 from ..scenes.cameras import camera, turned
 from ..scenes.crates import crates, of_wood, turned_normal
@@ -27,7 +27,7 @@ from ..scenes.glm import clip_by_glm
 from ..scenes.laws import unchanged
 
 CAMERA = camera((0.6, 1.1, 5.6), (0.0, -0.05, -1.5), 45.0, 4.0 / 3.0, far=100.0)
-WOOD = Texture(image=assets.crate, filter=("nearest", "nearest"))
+WOOD = Texture(image=painted_textures.crate, filter=("nearest", "nearest"))
 
 
 def model(k):

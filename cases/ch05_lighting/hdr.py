@@ -21,7 +21,6 @@ from shaderlab import (
     Texture,
     across,
     any_order,
-    assets,
     both_ways,
     exact,
     formula,
@@ -34,7 +33,7 @@ from shaderlab.glslmath.sampling import texture
 from shaderlab.reference import tone_mapping
 from shaderlab.reference.transforms import translate
 
-from ..scenes import lit
+from ..scenes import lit, painted_textures
 from ..scenes.cameras import camera, turned
 from ..scenes.colour_science import delta_e_2000
 from ..scenes.corridor import corridor
@@ -59,7 +58,7 @@ def room(name, size=None, **target):
         camera((0.0, 0.0, 5.4), (0.0, 0.0, -1.0), 42.0, far=60.0),
         LAMPS,
         vertex=lit.TEXTURED,
-        textures={"diffuseTexture": Texture(image=lambda: assets.brick_wall(512))},
+        textures={"diffuseTexture": Texture(image=lambda: painted_textures.brick_wall(512))},
     )
     return picture([draw], size, name, depth="depth24", **target)
 

@@ -31,7 +31,7 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 
-from ..scenes import lit
+from ..scenes import lit, painted_textures
 from ..scenes.cameras import camera, turned
 from ..scenes.draws import drawn
 from ..scenes.figures import figure, results
@@ -69,8 +69,8 @@ def wall(repeat=1.0, bulge=0.0, skew=0.0):
 def brick_maps(size, **sampling):
     """The bricks' colours and their normals."""
     return {
-        "diffuseMap": Texture(image=lambda: assets.brick_wall(size), **sampling),
-        "normalMap": Texture(image=lambda: assets.brick_normals(size), **sampling),
+        "diffuseMap": Texture(image=lambda: painted_textures.brick_wall(size), **sampling),
+        "normalMap": Texture(image=lambda: painted_textures.brick_normals(size), **sampling),
     }
 
 

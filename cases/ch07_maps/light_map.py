@@ -15,11 +15,12 @@ washes the bricks out.
 
 import numpy as np
 
-from shaderlab import Case, Texture, assets
+from shaderlab import Case, Texture
 from shaderlab.glslmath import mix, swizzle, vec4
 from shaderlab.glslmath.sampling import texture
 from shaderlab.reference.light_maps import baked
 
+from ..scenes import painted_textures
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import cell, enlarged, panel, picture, rectangle, square
@@ -83,7 +84,7 @@ case = Case(
     math=r"\text{FragColor} = \text{diffuse}(s, t) \cdot \text{light}(u, v), \qquad "
     r"\text{light} = \sum_k c_k\,\frac{h_k}{\left(d^2 + h_k^2\right)^{3/2}}",
     passes=(
-        *enlarged(walls(lambda: assets.brick_wall(512), light), (129, 43), 9),
+        *enlarged(walls(lambda: painted_textures.brick_wall(512), light), (129, 43), 9),
         picture(walls(TEXELS, LIGHT), (111, 41), "judged"),
         picture(walls(*PAIR, WAYS[2:]), (8, 8), "pair"),
     ),

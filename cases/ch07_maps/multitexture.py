@@ -14,10 +14,11 @@ Try: in `ch07_maps/multitexture.frag` write `texture(plaster, TexCoords), 1.0 - 
 
 import numpy as np
 
-from shaderlab import Case, Texture, assets, formula, value
+from shaderlab import Case, Texture, formula, value
 from shaderlab.glslmath import mix, swizzle
 from shaderlab.glslmath.sampling import texture
 
+from ..scenes import painted_textures
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import enlarged, panel, picture, rectangle
 
@@ -30,7 +31,7 @@ PARTS = np.stack([LEFT, 1.0 - LEFT, 0.6 + 0.0 * LEFT, 1.0 + 0.0 * LEFT], axis=-1
 
 def holes():
     """The mask: the alpha of a piece of plaster, as red."""
-    alpha = assets.plaster(256, seed=4)[..., 3:]
+    alpha = painted_textures.plaster(256, seed=4)[..., 3:]
     return np.concatenate([alpha, 0.0 * alpha, 0.0 * alpha, 1.0 + 0.0 * alpha], axis=-1)
 
 
@@ -69,7 +70,12 @@ case = Case(
     math=r"\text{FragColor} = a(s, t)\,(1 - m(u, v)) + b(s, t)\,m(u, v)",
     passes=(
         *enlarged(
-            wall(lambda: assets.brick_wall(512), lambda: assets.plaster(512), holes, SMOOTH),
+            wall(
+                lambda: painted_textures.brick_wall(512),
+                lambda: painted_textures.plaster(512),
+                holes,
+                SMOOTH,
+            ),
             (114, 57),
             9,
         ),

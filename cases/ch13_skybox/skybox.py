@@ -34,6 +34,7 @@ from shaderlab.glslmath import mul, swizzle, vec4
 from shaderlab.reference.spaces import sky_clip
 from shaderlab.reference.transforms import clip_position, look_at, perspective, translate
 
+from ..scenes import painted_textures
 from ..scenes.cameras import turned
 from ..scenes.crates import crates, of_wood, turned_normal, wooden
 from ..scenes.draws import tested, twins
@@ -49,8 +50,8 @@ TURN = look_at((0.0, 0.0, 0.0), (0.10, 0.04, -1.0))
 HERE, THERE = TURN @ translate((0.1, -0.8, -6.0)), TURN @ translate((1.0, -2.0, -5.6))
 MORNING, NOISE = skies(seed=13)
 BOX = Mesh(**assets.cube(2.0)).only("aPos")
-CRATE = Texture(image=assets.crate, filter=("linear", "linear"))
-PLAIN = Texture(image=assets.crate(64))
+CRATE = Texture(image=painted_textures.crate, filter=("linear", "linear"))
+PLAIN = Texture(image=painted_textures.crate(64))
 CRATES = [
     translate((-0.9, 0.0, 0.4)) @ turned(28.0),
     translate((0.7, 0.0, -2.0)) @ turned(-20.0),
@@ -94,7 +95,7 @@ def kept_clip(aPos, view, projection):
     return swizzle(mul(projection, mul(view, vec4(aPos, 1.0))), "xyww")
 
 
-TEXEL = assets.crate(64)[int(0.3 * 64), int(0.4 * 64), :3].astype(float)
+TEXEL = painted_textures.crate(64)[int(0.3 * 64), int(0.4 * 64), :3].astype(float)
 IN_FRONT = np.ravel(wooden(TEXEL, np.array([0.0, 2.0, 0.0]))).tolist()
 
 

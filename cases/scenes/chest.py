@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.assets.textures import crate
+from .painted_textures import crate
 
 Array = npt.NDArray[Any]
 

@@ -1,7 +1,7 @@
 """Meshes and textures as NumPy arrays, made by arithmetic or read from files.
 
 A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A texture is an array
-(height, width, channels) in 0…1 whose row 0 is the bottom one: `Texture(image=assets.crate)`.
+(height, width, channels) in 0…1 whose row 0 is the bottom one: `Texture(image=assets.uv_grid)`.
 `load_obj` and `load_pcd` read models and point clouds from files.
 """
 
@@ -23,12 +23,7 @@ from shaderlab.assets.models import (
     load_pcd as load_pcd,
 )
 from shaderlab.assets.textures import (
-    brick_normals as brick_normals,
-    brick_wall as brick_wall,
     checker as checker,
-    crate as crate,
-    emblem as emblem,
-    plaster as plaster,
     solid as solid,
     uv_grid as uv_grid,
 )

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cases.scenes import painted_textures
 from shaderlab import assets
 from shaderlab.assets import Geometry
 from shaderlab.model.mesh import Mesh
@@ -133,7 +134,10 @@ def test_impossible_sizes(call: Callable[[], Any]) -> None:
         call()
 
 
-@pytest.mark.parametrize("make", [assets.checker, assets.crate, assets.brick_wall, assets.emblem])
+@pytest.mark.parametrize(
+    "make",
+    [assets.checker, painted_textures.crate, painted_textures.brick_wall, painted_textures.emblem],
+)
 def test_textures(make: Callable[[], Any]) -> None:
     image = make()
     assert image.dtype == np.float32
@@ -155,7 +159,7 @@ def test_row_zero_is_the_bottom_row() -> None:
 
 def test_the_wall_tiles() -> None:
     """Across the edge the wall goes on as smoothly as anywhere within."""
-    wall = assets.brick_wall().astype(float)[..., :3]
+    wall = painted_textures.brick_wall().astype(float)[..., :3]
     for axis in (0, 1):
         within = np.abs(np.diff(wall, axis=axis)).mean(axis=(1 - axis, 2))
         around = np.abs(np.take(wall, 0, axis) - np.take(wall, -1, axis)).mean()
@@ -163,7 +167,7 @@ def test_the_wall_tiles() -> None:
 
 
 def test_the_emblem_has_a_silhouette() -> None:
-    alpha = assets.emblem()[..., 3]
+    alpha = painted_textures.emblem()[..., 3]
     assert alpha[128, 128] == 1.0
     assert alpha[0, 0] == 0.0
 
