@@ -120,13 +120,14 @@ def page(text: str, scores: Mapping[str, Row], calls: Mapping[str, Entry]) -> st
 
 
 def score_table(scores: Mapping[str, Row]) -> str:
-    """A row for each case with survivors, the others' names, the sums, and what was sampled."""
+    """The cases with survivors and how many, the others, the sums, and what was sampled."""
     missed = {case: row for case, row in scores.items() if _survivors(row)}
-    lines = ["| case | not noticed in shaders | in state |", "|---|---|---|"]
+    shares = []
     for case, row in missed.items():
-        shaders = f"{row[_SURVIVED]} of {row[_KILLED] + row[_SURVIVED]}"
+        shaders = f"{row[_SURVIVED]}/{row[_KILLED] + row[_SURVIVED]}"
         state, planted = row.get(_STATE_SURVIVED, 0), _planted_in_state(row)
-        lines.append(f"| {case} | {shaders} | {f'{state} of {planted}' if planted else '–'} |")
+        shares.append(f"{case} {shaders}{f' ({state}/{planted})' if planted else ''}")
+    lines = [f"Not noticed, of the mutants of shaders (of state): {', '.join(shares)}."]
     names = (_KILLED, _SURVIVED, _STATE_KILLED, _STATE_SURVIVED, _UNREAD)
     total = {name: sum(row.get(name, 0) for row in scores.values()) for name in names}
     shaders = _share(total[_KILLED], total[_SURVIVED])

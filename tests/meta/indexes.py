@@ -20,6 +20,7 @@ import tests.independent
 from tests.independent import against
 from tests.meta.builtins import CHAPTER_8, SPELT, WHY_NOT
 
+_SPECIFICATION = ('"The OpenGL Graphics System: A Specification"', "OpenGL specification")
 _MADE = "<!-- Made by `python -m tests.meta.indexes`; do not edit. -->"
 _REFERENCE = """\
 # Reference formulas
@@ -69,7 +70,7 @@ def _reference() -> str:
         own = [f for _, f in _functions(module) if f.__module__ == module.__name__]
         source = re.search(r"^Sources?: .*?(?=\n\n|\Z)", module.__doc__ or "", re.M | re.S)
         parts += [f"## {_topic(module)}", f"{_title(module)}.", _list(own), _checks(own, held)]
-        parts += [_line(source.group())] if source else []
+        parts += [_line(source.group()).replace(*_SPECIFICATION)] if source else []
     return "\n\n".join(parts) + "\n"
 
 

@@ -1,4 +1,4 @@
-"""The README's own example works as printed, with `shaderlab run` and with pytest."""
+"""The README's own example works as printed; links of the docs lead somewhere."""
 
 from __future__ import annotations
 
@@ -7,36 +7,38 @@ from pathlib import Path
 
 import pytest
 
-from tests.meta.examples import File, examples, execute
+from tests.meta.examples import Command, File, examples, execute, missing
 
 
 @pytest.fixture
 def example(repository: Path, tmp_path: Path) -> Path:
-    """The folder that has the README's shader and case."""
+    """The folder that has the README's shader and test."""
     for each in examples(repository / "README.md"):
         if isinstance(each, File):
             (tmp_path / each.name).write_text(each.text, encoding="utf-8")
     return tmp_path
 
 
-def test_the_example_passes(example: Path) -> None:
-    done = execute("shaderlab run ./lambert.py --report out", example)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert (example / "out" / "index.html").is_file()
-
-
-def test_the_example_is_collected_by_pytest(example: Path) -> None:
-    done = execute("pytest .", example)
-    assert "2 passed" in done.stdout, done.stdout
-
-
-def test_without_the_normalize_it_fails_with_a_pixel(example: Path) -> None:
-    shader = example / "lambert.frag"
-    shader.write_text(shader.read_text().replace("normalize(Normal)", "Normal"))
-    done = execute("shaderlab run ./lambert.py --report out", example)
+def test_the_test_fails_as_printed_and_passes(
+    repository: Path, example: Path, pytester: pytest.Pytester
+) -> None:
+    shader, page = example / "lighting.glsl", (repository / "README.md").read_text("utf-8")
+    right = shader.read_text()
+    shader.write_text(right.replace("return 1.0 ", "return 1.01 "))
+    done = execute("pytest test_lighting.py", example, pytester)
     assert done.returncode == 1
-    for word in ("worst pixel", "band", "Normal", "lambert.py:7", "lambert.frag:10"):
-        assert word in done.stdout, done.stdout
+    block = page[page.index("10001 of 10001 values") :].partition("```")[0]
+    assert not missing(tuple(f"E {line}" for line in block.splitlines()), done.stdout)
+    shader.write_text(right)
+    assert "1 passed" in execute("pytest test_lighting.py", example, pytester).stdout
+
+
+def test_a_proof_prints_what_the_page_shows(repository: Path, example: Path) -> None:
+    commands = [e for e in examples(repository / "README.md") if isinstance(e, Command)]
+    (proof,) = [command for command in commands if command.line.startswith("shaderlab prove")]
+    done = execute(proof.line, example)
+    shown = tuple(line for line in proof.shown if line != "…")
+    assert done.returncode == 1 and not missing(shown, done.stdout), done.stdout
 
 
 def test_every_file_that_the_docs_point_to_exists(repository: Path) -> None:
