@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 @click.option(
     "--prove",
     is_flag=True,
-    help="Show of each hazard that no input of the ranges causes it, or one that does.",
+    help="Prove for each hazard that no input in the ranges causes it, or find one that does.",
 )
 @click.option(
     "--assume", multiple=True, metavar="'A > B'",

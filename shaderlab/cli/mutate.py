@@ -92,7 +92,7 @@ def command(
       shaderlab mutate tests/test_lighting.py     mutate the functions of tests
       shaderlab mutate gamma --report reports/latest
 
-    Ctrl-C ends it with the results of the cases that are complete.
+    Ctrl-C ends the run and keeps the results of complete cases.
 
     Exit code: 0 measured, 1 a case fails unmutated or the score is below --fail-under, 2 wrong
     usage, 130 interrupted.

@@ -157,7 +157,7 @@ def _parse_range(word: str) -> tuple[str, str]:
 RANGES = click.option(
     "--range", "ranges", multiple=True, metavar="NAME=A:B",
     callback=lambda context, option, words: dict(map(_parse_range, words)),
-    help="Take an input from A to B; NAME=unit makes it a unit vector. May be repeated.",
+    help="Vary an input from A to B; NAME=unit makes it a unit vector. May be repeated.",
 )  # fmt: skip
 
 

@@ -113,8 +113,8 @@ class RunArguments:
 @click.option(
     "--modules/--no-modules",
     default=None,
-    help="Check every pixel of every draw against its own shader as well, and say how much is "
-    "proved for all inputs; or none.  [default: a sample of each program]",
+    help="Check every pixel of every draw against its own shader, and report how much is proved "
+    "for all inputs; or check none.  [default: a sample of each program]",
 )
 @shared.collect(RunArguments, "arguments")
 def command(arguments: RunArguments) -> int:
@@ -138,8 +138,8 @@ def command(arguments: RunArguments) -> int:
     "crash" or a "timeout", and all others still run.
 
     Exit code: 0 all passed, 1 something failed or nothing passed, 2 wrong usage. A case that needs
-    a feature which the driver lacks is "unsupported", no failure while another one passes. Checks
-    of OpenGL calls are skipped on drivers of another API; the number skipped is reported.
+    a feature which the driver lacks is "unsupported": no failure if another case passes. Checks of
+    OpenGL calls are skipped on drivers of another API; the number skipped is reported.
     """
     arguments.check()
     options, plan, done = arguments.run_options, None, None

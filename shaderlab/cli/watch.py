@@ -58,7 +58,7 @@ def command(
     saved: a shader or an included file, a case or test file or a module that it imports, an
     image. Without arguments, watch everything below this folder.
 
-    Workers stay warm, with their device open. Press Ctrl-C to end it.
+    Workers stay warm, with their device open. Press Ctrl-C to stop.
 
     \b
     Examples:

@@ -43,7 +43,7 @@ def where(condition: Condition, a: Value, b: Value) -> Value:
 
 
 def either(a: Value, b: Value) -> Value:
-    """`a`, or what another way to compute the same number gives: bands allow both.
+    """`a`, or `b`, another way to compute the same number: bands allow both.
 
     Not a function of GLSL, but for references of formulas that are usually written in two ways.
 
