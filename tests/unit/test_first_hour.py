@@ -182,6 +182,13 @@ def test_shares_of_light_are_known_in_plural_and_at_normal_incidence(name: str) 
     assert domains_of({name: Input(name, "vec3", True)}, (), {})[name] == InputDomain("number")
 
 
+@pytest.mark.parametrize(("name", "low", "high"), [("uIor", 1.0, 3.0), ("rimPower", 1.0, 128.0)])
+def test_numbers_are_known_by_the_last_word(name: str, low: float, high: float) -> None:
+    assert domains_of({name: Input(name, "float", True)}, (), {})[name] == InputDomain(
+        "number", low, high
+    )
+
+
 def test_modf_frexp_and_the_length_of_a_buffer_are_interpreted(folder: Path) -> None:
     Path("a.frag").write_text(
         "#version 430 core\nlayout(std430) buffer B { float data[]; };\nin float x;\nout vec4 c;\n"
