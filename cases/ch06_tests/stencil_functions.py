@@ -4,10 +4,10 @@ Reference and mask come from glStencilFunc, the stored value from the buffer, an
 applied to both before they are compared. A mask of 0 therefore does not switch the test off: it
 compares 0 with 0, which EQUAL, LEQUAL, GEQUAL and ALWAYS pass and the other four do not.
 
-Look at: the table, exhaustive over two bits. From left to right stand NEVER, LESS, EQUAL, LEQUAL,
-GREATER, NOTEQUAL, GEQUAL and ALWAYS, from bottom to top the masks 0, 1, 2 and 3. In each block of
-4 × 4 fields the stored value grows to the right and the reference upward: with the full mask LESS
-is a triangle and EQUAL the diagonal.
+Look at: the table, exhaustive over two bits, which stand at both ends of the byte. From left to
+right stand NEVER, LESS, EQUAL, LEQUAL, GREATER, NOTEQUAL, GEQUAL and ALWAYS, from bottom to top the
+masks 0, 1, 2 and 3. In each block of 4 × 4 fields the stored value grows to the right and the
+reference upward: with the full mask LESS is a triangle and EQUAL the diagonal.
 """
 
 import numpy as np
@@ -22,6 +22,7 @@ from ..scenes.panels import cell, panel, picture
 from ..scenes.tables import edges_check, shown, shown_checks
 
 VALUES = range(4)  # references, stored values and masks: all there are in two bits
+TWICE = 0b01000001  # times a value: its two bits stand at both ends of the byte
 FUNCS = tuple(FUNCTIONS)
 COLUMNS, ROWS = len(FUNCS) * len(VALUES), len(VALUES) * len(VALUES)
 # The buffer is cleared to what no column stores.
@@ -36,13 +37,17 @@ def strip(verdict, stencil, at):
 # First every column gets its stored value, and a red field; then each function, mask and
 # reference draws one row of its block in green, over all four stored values at once.
 stored = [
-    strip(0.0, Stencil(reference=column % len(VALUES), depth_pass="replace"), cell(column, COLUMNS))
+    strip(
+        0.0,
+        Stencil(reference=TWICE * (column % len(VALUES)), depth_pass="replace"),
+        cell(column, COLUMNS),
+    )
     for column in range(COLUMNS)
 ]
 tests = [
     strip(
         1.0,
-        Stencil(func=func, reference=reference, mask=mask),
+        Stencil(func=func, reference=TWICE * reference, mask=TWICE * mask),
         Cell(column=block, row=mask * len(VALUES) + reference, columns=len(FUNCS), rows=ROWS),
     )
     for block, func in enumerate(FUNCS)

@@ -34,6 +34,9 @@ BITS = {"depth16": 16, "depth24": 24, "depth32f": 24}
 STEPS = {16: (0.125, 0.5, 0.875, 2.0, 8.0), 24: (0.0001, 0.5, 1.0, 4.0, 16.0)}
 ROWS = 5
 SIZE = (640, 4 * ROWS)
+# In slopes of the surface over one pixel, and in the smallest steps of depth. With 16 bits a slope
+# of this wall is a fiftieth of a step, with 24 bits it is five of them.
+OFFSETS = {"depth16": (0.0, -1.0), "depth24": (-1.0, 0.0), "depth32f": (-1.0, -1.0)}
 # Codes that 32-bit arithmetic may misplace the two walls by: a vertex's depth is rounded in some
 # operations on its way to the buffer, by 2^-24 of itself each. With 16 bits that is next to
 # nothing, but softpipe steps along a row of pixels in fixed point: up to a tenth of a code.
@@ -168,7 +171,7 @@ case = Case(
     r"\Delta z \approx \frac{z^2}{2^b}\left(\frac 1n - \frac 1f\right)",
     passes=(
         *(trials(format, near) for format, near in ALL),
-        *(p for f in BITS for p in both_ways(trials(f, NEARS[0], (-1.0, -1.0), "offset_"))),
+        *(p for f in BITS for p in both_ways(trials(f, NEARS[0], OFFSETS[f], "offset_"))),
         picture(panels(), (PANEL * len(PANELS), PANEL), depth="depth16", clear=CLEAR),
     ),
     picture="picture.FragColor",

@@ -38,11 +38,11 @@ from ..scenes import painted_textures
 from ..scenes.cameras import turned
 from ..scenes.crates import crates, of_wood, turned_normal, wooden
 from ..scenes.draws import tested, twins
-from ..scenes.figures import figure
+from ..scenes.figures import figure, figures
 from ..scenes.laws import sampled, unchanged
 from ..scenes.panel_checks import filled_check, smaller_check, softened_check
 from ..scenes.panels import cell, picture, softened_pass
-from ..scenes.sky import skies
+from ..scenes.sky import directions, skies
 
 PROJECTION = perspective(radians(50.0), 1.0, 0.1, 100.0)
 # The camera looks the same way from both places.
@@ -97,6 +97,11 @@ def kept_clip(aPos, view, projection):
 
 TEXEL = painted_textures.crate(64)[int(0.3 * 64), int(0.4 * 64), :3].astype(float)
 IN_FRONT = np.ravel(wooden(TEXEL, np.array([0.0, 2.0, 0.0]))).tolist()
+# One texel of each face, in the direction from which it is seen.
+TEXELS = {
+    axis: ({"TexCoords": directions(k, 8)[4, 5]}, NOISE.faces[k][4, 5])
+    for k, axis in enumerate(("+x", "−x", "+y", "−y", "+z", "−z"))
+}
 
 
 def changed(one, other):
@@ -148,6 +153,7 @@ case = Case(
         formula("there.gl_Position", sky_clip, name="the same from elsewhere"),
         formula("here.TexCoords", point),
         formula("here.FragColor", ALONG, name="the sky's colours"),
+        *figures("here.FragColor", {f"a texel towards {k}": row for k, row in TEXELS.items()}),
         exact("here.depth", 1.0, name="the sky's depth is 1"),
         exact("there.depth", 1.0, name="and 1 from elsewhere"),
         exact("there.FragColor", Output("here.FragColor"), name="a step changes no pixel"),

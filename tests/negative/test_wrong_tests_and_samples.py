@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from shaderlab import Stencil
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Scene
 from tests.catalogue import shipped
@@ -63,6 +64,10 @@ STATES: list[tuple[str, str, int, str, Any]] = [
     ("depth-linear", "judged", 0, "depth", None),
     ("z-fighting", "picture", 5, "polygon_offset", None),
     ("z-fighting", "picture", 5, "polygon_offset", (1.0, 1.0)),
+    ("z-fighting", "offset_depth16_001", 1, "polygon_offset", (-1.0, 0.0)),
+    ("z-fighting", "offset_depth24_001", 1, "polygon_offset", (0.0, 0.0)),
+    ("stencil-functions", "table", 62, "stencil", Stencil(func="less", reference=130, mask=67)),
+    ("stencil-functions", "hollow", 1, "stencil", None),
     ("transparency-order", "judged_sorted", 3, "depth", None),
     ("transparency-order", "judged_sorted", 4, "blend", None),
     ("multisample-coverage", "where", 0, "sample_shading", None),
@@ -119,4 +124,4 @@ def test_a_mistake_in_state_makes_its_case_fail(
 def test_every_case_is_broken_at_least_twice() -> None:
     broken = [case for case, *_ in (*MISTAKES, *STATES)]
     assert all(broken.count(case) >= 2 for case in broken)
-    assert len(set(broken)) == 13
+    assert len(set(broken)) == 14

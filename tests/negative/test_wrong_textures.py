@@ -10,7 +10,7 @@ import pytest
 
 from shaderlab import Case, CubeTexture, Texture
 from tests.catalogue import judged_only, shipped
-from tests.negative.broken import failing, first_failure, mistaken, with_draws
+from tests.negative.broken import failing, failures, first_failure, mistaken, with_draws
 
 CH2, CH7, CH13 = "ch02_basics", "ch07_maps", "ch13_skybox"
 
@@ -126,12 +126,18 @@ def test_an_image_upside_down() -> None:
     assert "the first row in memory is the lowest" in found
 
 
-def test_faces_in_another_order() -> None:
-    """−X before +X: the shader's own table finds the face, the texel says another one."""
+@pytest.mark.parametrize(
+    ("case_id", "by"),
+    [("cubemap", "the texel's face is the table's"), ("skybox", "a texel towards −x")],
+)
+def test_faces_in_another_order(case_id: str, by: str) -> None:
+    """−X before +X: what a direction leads to by the table is in another face."""
 
-    def swapped(texture: CubeTexture) -> CubeTexture:
+    def swapped(texture: Any) -> Any:
+        if not isinstance(texture, CubeTexture):
+            return texture
         faces = list(texture.faces)
         return replace(texture, faces=[faces[1], faces[0], *faces[2:]])
 
-    case = with_textures(judged_only("cubemap"), swapped)
-    assert "the texel's face is the table's" in failed(case)
+    case = with_textures(shipped()[case_id], swapped)
+    assert list(failures(next(case.scenes()), only=[by]))
