@@ -5,9 +5,9 @@ viewer. Where these two are more than 90° apart the cosine is negative and the 
 line. Blinn compares the normal with the halfway vector between light and viewer, and that angle
 stays below 90° while light and viewer are above the surface: nothing is cut off.
 
-Look at: the floor behind the lamp, Phong on the left, Blinn on the right. With a low shininess the
-left one has an edge. For the same shininess Blinn's highlight is the larger one, because the
-halfway vector turns only half as fast as the mirrored ray.
+Look at: a ball in a ring and the floor before it, Phong on the left, Blinn on the right. With a low
+shininess the highlights on the left have edges. For the same shininess Blinn's are the larger ones,
+because the halfway vector turns only half as fast as the mirrored ray.
 
 Try: in `ch05_lighting/blinn_phong.frag` write `blinnLobe(normal, lightDir, viewDir, 4.0 *
 shininess)` for `blinnLobe(normal, lightDir, viewDir, shininess)`: Blinn's highlight becomes about
@@ -33,14 +33,14 @@ from ..scenes.laws import gated_or_not
 from ..scenes.panels import cell, panel_pass, picture
 
 EYE, LAMP = (0.0, 1.5, 4.6), (0.0, 1.1, 0.4)
-CAMERA = camera(EYE, (0.0, 0.0, 0.9), 42.0, 0.5, far=20.0)
-# The still life is built along x, and a quarter turn has it face the viewer.
+CAMERA = camera(EYE, (0.0, 0.15, 0.4), 39.0, 0.5, far=20.0)
+# The still life is built along x, and a quarter turn takes it behind the lamp.
 MODEL = rotate(radians(90.0), (0.0, 1.0, 0.0))
 FLOOR = meshes.plane(size=12.0)
 STILL_LIFE = meshes.joined(
     FLOOR,
-    meshes.moved(meshes.torus(0.34, 0.15), translate((-1.5, 0.15, 0.0))),
-    meshes.moved(meshes.sphere(0.3), translate((1.2, 0.42, 0.0))),
+    meshes.moved(meshes.torus(0.56, 0.2), translate((0.6, 0.2, 0.0))),
+    meshes.moved(meshes.sphere(0.46), translate((0.6, 0.55, 0.0))),
 )
 
 

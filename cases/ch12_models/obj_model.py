@@ -75,8 +75,7 @@ def lit_by_lamp(
     lambert = 0.22 + 0.78 * lighting.diffuse(Normal, lightDir)
     gloss = 0.3 * highlight(Normal, lightDir, viewPos - FragPos, shininess)
     joint = where(fract(12.0 * swizzle(TexCoords, "y")) < 0.125, 0.8, 1.0)
-    color = joint * lambert * diffuse + gloss
-    return vec4(encoded(color), 1.0)
+    return vec4(encoded(joint * lambert * diffuse + gloss), 1.0)
 
 
 def arrays(material):
@@ -89,6 +88,12 @@ def arrays(material):
 def positions():
     """Every vertex of both materials."""
     return np.concatenate([arrays(material)[0] for material in ("plaster", "paint")])
+
+
+def off_height():
+    """How far any vertex's t, which grows upward, is from its height."""
+    every = [part.geometry["attributes"] for part in parts().values()]
+    return max(np.abs(one["aTexCoords"][:, 1] - one["aPos"][:, 1]).max() for one in every)
 
 
 def outward():
@@ -153,6 +158,7 @@ case = Case(
             {
                 "lowest corner of the bounds": (lambda: positions().min(0), (-0.62, 0.0, -0.62)),
                 "highest corner of the bounds": (lambda: positions().max(0), (0.62, 2.8, 0.62)),
+                "t is the height: off by": (off_height, 0.0),
                 "Kd of the paint": (lambda: parts()["paint"].color, (0.62, 0.07, 0.05)),
                 "Ns of the paint": (lambda: parts()["paint"].shininess, 48.0),
             }
