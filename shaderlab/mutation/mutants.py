@@ -47,6 +47,8 @@ class Mutant(ABC):
         operator: the kind of mistake, such as "constant + 1 %".
         before, after: the expression or statement that shows it.
         program: the shaders of the program that has it; none for a mistake in state or calls.
+        text_edit: the shader, the line (from 1) and the column (from 0) in its text with includes
+            expanded, what stands there, and what the mistake puts in its place; or nothing.
     """
 
     file: str
@@ -55,6 +57,7 @@ class Mutant(ABC):
     before: str
     after: str
     program: tuple[str, ...] = ()
+    text_edit: tuple[str, int, int, str, str] | None = None
 
     @abstractmethod
     def effect(self, scene: Scene) -> Effect | None:
@@ -201,6 +204,8 @@ def results_to_json(results: Sequence[CaseResult]) -> dict[str, Any]:
 
 def _case_to_json(result: CaseResult) -> dict[str, Any]:
     killed = result.with_status("killed")
+    texts = (run for run in killed if run.mutant.text_edit)
+    examples = {(run.mutant.program, run.mutant.operator): run for run in texts}
     return {
         "id": result.id,
         "killed": len(killed),
@@ -208,6 +213,7 @@ def _case_to_json(result: CaseResult) -> dict[str, Any]:
         "invalid": result.count("invalid"),
         "equivalent": result.count("equivalent"),
         "no_difference": [_run_to_json(run) for run in result.with_status("no difference")],
+        "examples": [_run_to_json(run) for run in examples.values()],
         "score": result.score,
         "state_score": score([result], state=True),
         "killed_in_state": sum(run.is_state for run in killed),
@@ -222,6 +228,7 @@ def _run_to_json(run: MutantRun) -> dict[str, Any]:
     return {
         **{name: getattr(run.mutant, name) for name in placed},
         "program": list(run.mutant.program),
+        **({"edit": list(run.mutant.text_edit)} if run.mutant.text_edit else {}),
         **({"note": run.result.by} if run.result.by else {}),
         **({"unread": True} if run.result.unread else {}),
     }

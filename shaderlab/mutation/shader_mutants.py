@@ -102,6 +102,7 @@ def mutate_stage(
                 continue
             left = file.bytes[shown.start_byte : old.start_byte].decode()
             right = file.bytes[old.end_byte : shown.end_byte].decode()
+            column = len(head.rpartition(b"\n")[2].decode())
             path, line = source.place(old.start_point[0] + 1)
             by_text[text] = ShaderMutant(
                 file=path,
@@ -110,6 +111,7 @@ def mutate_stage(
                 before=_shorten(left, file.of(old), right),
                 after=_shorten(left, new, right) or "nothing",
                 program=program,
+                text_edit=(source.name, old.start_point[0] + 1, column, file.of(old), new),
                 shader=source.name,
                 stage=source.stage,
                 text=text,

@@ -63,11 +63,13 @@ class Survivor:
 
 @dataclass(frozen=True)
 class Mutants:
-    """How many mutants the checks of one or several cases killed, and those that survived."""
+    """How many mutants the checks of one or several cases killed, and those that survived; `shown`
+    are those that a live picture can show, the survivors first, in JSON."""
 
     killed: int
     survivors: tuple[Survivor, ...]
     cases: int = 1
+    shown: str = "[]"
 
     @property
     def judged(self) -> int:
@@ -121,7 +123,14 @@ def _mutants(case: Mapping[str, Any]) -> Mutants:
         Survivor(**{n: each[n] for n in fields}, program=" + ".join(each.get("program", ())))
         for each in case["survived"]
     )
-    return Mutants(int(case["killed"]), survivors)
+    names = ("operator", "before", "after", "program", "edit")
+    shown = [
+        {**{n: each[n] for n in names}, "noticed": each.get("note") if key == "examples" else ""}
+        for key in ("survived", "examples")
+        for each in case.get(key, ())
+        if "edit" in each
+    ]
+    return Mutants(int(case["killed"]), survivors, shown=json.dumps(shown))
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +17,10 @@ from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
 from shaderlab.model.pictures import to_display
 from shaderlab.model.records import Run
+from shaderlab.mutation import CaseResult, MutantResult, MutantRun, results_to_json
+from shaderlab.mutation.shader_mutants import mutate_case
 from shaderlab.report.html import write
+from shaderlab.report.page import MUTATION_NAME
 from tests.browser.test_accessibility import violations
 from tests.browser.test_page import wait_until
 from tests.catalogue import shipped
@@ -42,6 +46,11 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
         cases = [shipped()[name] for name in (*PLAYED, "geometry-houses")]
         records = [lab.run(next(replace(case, expect=case.expect[:1]).scenes())) for case in cases]
         about = dict(lab.driver)
+    mutants = mutate_case(shipped()["diffuse"])  # the last ones are not detected
+    tried = [MutantRun(each, MutantResult("killed", "the light")) for each in mutants[:-9]]
+    tried += [MutantRun(each, MutantResult("survived")) for each in mutants[-9:]]
+    result = CaseResult(id="diffuse", runs=tuple(tried), seconds=1.0)
+    (folder / MUTATION_NAME).write_text(json.dumps(results_to_json([result])))
     write(
         Run(driver=about, versions={}, started="2026", seconds=1.0, records=tuple(records)), folder
     )
@@ -83,7 +92,9 @@ def test_it_is_what_was_judged(visit: Callable[..., Any], report: Path, name: st
     frames = load_frames(report / "frames", name, scene.variant)
     output = case.picture or next(key for key in frames if key.startswith(scene.passes[-1].name))
     judged = to_display(frames[output][..., :3]).image[::-1]
-    height, width, pixels = opened(visit, report, name).evaluate(SHOWN)
+    page = opened(visit, report, name)
+    assert page.get_by_text("Make a mistake").is_visible() is (name == "diffuse")
+    height, width, pixels = page.evaluate(SHOWN)
     live = np.frombuffer(base64.b64decode(pixels), np.uint8).reshape(height, width, 4)[..., :3]
     off = np.abs(live.astype(int) - judged.astype(int)).max(axis=2)
     # Of 255; edges differ, and where a texture is filtered, which llvmpipe does with eight bits.
@@ -142,6 +153,19 @@ def test_a_shader_is_edited_and_its_errors_stand_at_their_lines(
     assert violations(page, ".live") == []
     page.click("text=Back to what was judged")
     assert page.evaluate(SHOWN) == before
+    page.click("text=Make a mistake")
+    mistakes = page.locator(".live details button")
+    said = mistakes.all_inner_texts()
+    detected = ["detected by the light" in text for text in said]
+    assert True in detected and detected == sorted(detected)
+    assert "which no check detects" in said[0]
+    number = next(n for n, text in enumerate(said) if "(operator)" in text)
+    mistakes.nth(number).click()  # at once where it shows
+    assert " 0 (bright)" not in caption.inner_text()
+    assert errors.inner_text() == ""
+    mistakes.nth(number).click()
+    assert page.evaluate(SHOWN) == before
+    assert violations(page, ".live") == []
 
 
 def test_what_does_not_change_is_not_drawn_again(visit: Callable[..., Any], report: Path) -> None:

@@ -43,6 +43,18 @@ def mutants(
     return mutate_stage(source, ("law.vert", "law.frag"), chosen)
 
 
+def test_an_edit_makes_a_mutants_text() -> None:
+    text = LAW.replace("BODY", "/* ½ */ x = d + 1.5; // ½\n    if (a && d < 2.)\n        x = -d;")
+    found = mutants(text)
+    assert len(found) > 10
+    for mutant in found:
+        assert mutant.text_edit is not None
+        file, line, column, before, after = mutant.text_edit
+        at = sum(map(len, text.splitlines(keepends=True)[: line - 1])) + column
+        assert (file, text[at : at + len(before)]) == ("law.frag", before)
+        assert text[:at] + after + text[at + len(before) :] == mutant.text
+
+
 @pytest.mark.parametrize(
     ("body", "kind", "pairs"),
     [

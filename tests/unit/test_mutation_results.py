@@ -54,6 +54,20 @@ def test_the_score_leaves_out_what_nobody_could_notice() -> None:
     assert result("equivalent", "invalid").score is None
 
 
+def test_what_was_killed_has_an_example_of_each_kind() -> None:
+    edit = ("lamp.frag", 9, 4, "+", "-")
+    kinds = ("operator", "operator", "swizzle")
+    runs = [tried("killed", kind, line) for line, kind in enumerate(kinds)]
+    runs = [replace(each, mutant=replace(each.mutant, text_edit=edit)) for each in runs]
+    runs.append(tried("killed", STATE))  # of no text
+    (case,) = results_to_json([CaseResult(id="lamp", runs=tuple(runs), seconds=1.5)])["cases"]
+    assert [(each["operator"], each["line"]) for each in case["examples"]] == [
+        ("operator", 1),
+        ("swizzle", 2),
+    ]
+    assert case["examples"][0]["edit"] == list(edit)
+
+
 class Prepared:
     """An executor that makes no mutants of one case, and judges those of the others."""
 

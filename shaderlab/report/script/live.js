@@ -116,6 +116,7 @@ class Panel {
     this.reading = make("p", { className: "small live-reading" });
     this.controls = make("div", { className: "live-controls" });
     this.editor = make("details", { className: "fold" });
+    this.mistakes = make("details", { className: "fold" });
     this.difference = make("input", { type: "checkbox", onchange: () => this.paint() });
     const choice = make("select", { onchange: async () => {
       this.file = files[choice.selectedIndex];
@@ -133,8 +134,9 @@ class Panel {
           this.start(this.bytes);
         } }),
         make("label", {}, this.difference, " difference to the judged picture")),
-      this.controls, this.editor,
+      this.controls, this.mistakes, this.editor,
     );
+    this.offer(JSON.parse(box.dataset.mistakes ?? "[]"));
     this.watch();
     this.canvas.focus({ preventScroll: true });
   }
@@ -155,13 +157,34 @@ class Panel {
     this.eyes = this.live.uniforms.filter(({ own, matrix }) => !matrix && own.length === 3
       && this.views.some((view) => near(eyeOf(view.own), own)));
     this.fill();
-    editShaders(this.editor, this.live.about, (...given) => {
+    for (const each of this.mistakes.querySelectorAll("button")) each.setAttribute("aria-pressed", false);
+    this.shaders = editShaders(this.editor, this.live.about, (...given) => {
       const why = this.live.relink(...given);
       if (!why) this.small?.relink(...given);
       this.redraw();
       return why;
     });
     this.paint(this.live);
+  }
+
+  /** A button for each mistake that this picture's shaders can have, first those that no check detects,
+   * which makes it and shows where that changes the picture, or leads back. */
+  offer(mistakes) {
+    const buttons = mistakes.filter((mistake) => this.shaders.change(mistake)).map((mistake) => {
+      const { before, after, operator, noticed } = mistake;
+      return make("button", { type: "button", "aria-pressed": false, onclick: ({ currentTarget: button }) => {
+        this.difference.checked = button.getAttribute("aria-pressed") === "false";
+        this.start(this.bytes);
+        if (!this.difference.checked) return;
+        const made = this.shaders.change(mistake);
+        if (made) this.shaders.write(...made);
+        button.setAttribute("aria-pressed", Boolean(made));
+      } }, make("code", { textContent: before }), " became ", make("code", { textContent: after }),
+      make("span", { className: "quiet", textContent: ` (${operator}), ${noticed ? `detected by ${noticed}` : "which no check detects"}` }));
+    });
+    if (buttons.length) this.mistakes.append(
+      make("summary", { textContent: "Make a mistake: see where it shows" }), ...buttons);
+    this.mistakes.hidden = !buttons.length;
   }
 
   /** Draws once more, as soon as the browser shows a frame; smaller first where that takes long. */
@@ -300,11 +323,12 @@ class Panel {
   }
 }
 
-/** Fills a box with a recording's shaders, the longest first, compiled as they are typed. */
+/** Fills a box with a recording's shaders, the longest first, compiled as they are typed. Returns how
+ * one is written, and what a mistake would write, if it can be made: the shader and its text. */
 function editShaders(box, { calls, files }, relink) {
   const stages = calls.filter(([call]) => call === "link")
     .flatMap(([, , [{ object: number }, texts]]) => Object.entries(files[number])
-      .map(([stage, file]) => ({ number, texts, stage, file })))
+      .map(([stage, file]) => ({ number, texts, stage, file, all: Object.values(files[number]) })))
     .sort((one, other) => other.texts[other.stage].length - one.texts[one.stage].length);
   const select = make("select", { "aria-label": "shader" },
     ...stages.map(({ file }) => make("option", { textContent: file })));
@@ -341,6 +365,22 @@ function editShaders(box, { calls, files }, relink) {
   };
   box.replaceChildren(make("summary", { textContent: "Edit the shaders" }), select,
     make("div", { className: "live-editor" }, lines, text), errors);
+  const change = ({ program, edit: [file, line, column, before, after] }) => {
+    const stage = stages.find((each) => each.file === file && each.all.every((name) => program.includes(name)));
+    const whole = stage?.texts[stage.stage] ?? "";
+    const own = whole.slice(whole.indexOf("\n//\n") + 4); // from line 2
+    const at = own.split("\n").slice(0, line - 2).reduce((sum, each) => sum + each.length + 1, column);
+    return own.startsWith(before, at)
+      && [stage, own.slice(0, at) + after + own.slice(at + before.length)];
+  };
+  const write = (stage, changed) => {
+    select.selectedIndex = stages.indexOf(stage);
+    select.onchange();
+    text.value = changed;
+    count();
+    compile();
+  };
+  return { change, write };
 }
 
 globalThis.shaderlabLive = (...given) => new Panel(...given);
