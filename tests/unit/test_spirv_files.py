@@ -73,6 +73,25 @@ def test_what_is_no_module_is_named(tmp_path: Path, content: bytes) -> None:
     assert status == 2 and "a.spv: " in said and "Traceback" not in said
 
 
+FUNCTIONS = """OpCapability Shader
+OpCapability Linkage
+OpMemoryModel Logical GLSL450
+%void = OpTypeVoid
+%kind = OpTypeFunction %void
+%f = OpFunction %void None %kind
+%block = OpLabel
+OpReturn
+OpFunctionEnd
+"""
+
+
+def test_functions_without_an_entry_point_are_told(tmp_path: Path) -> None:
+    file = tmp_path / "a.spvasm"
+    file.write_text(FUNCTIONS)
+    status, said = call("audit", file)
+    assert status == 2 and "a.spvasm: has functions and no entry point" in said
+
+
 VULKAN = """#version 450
 layout(location = 0) in vec2 uv;
 layout(location = 0) out vec4 color;

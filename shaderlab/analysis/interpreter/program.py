@@ -300,8 +300,12 @@ def read_file(path: Path, stage: str | None = None) -> Program:
         message = str(error.strerror)
     if message:
         raise ShaderError(message, file=path)
-    source = Source(path.name, str(path), STAGES[parse(data).model], "", LineMap(), ())
-    return read(data, source)
+    module = parse(data)
+    if not module.entry:
+        remedy = "add one that calls them"
+        raise ShaderError("has functions and no entry point", file=path, remedy=remedy)
+    source = Source(path.name, str(path), STAGES[module.model], "", LineMap(), ())
+    return _build(module, source)
 
 
 def adopt_names(program: Program, other: Program) -> Program:
