@@ -9,7 +9,9 @@ offset + stride · n. Each of the three corners has one whole primary colour, so
 pixel is its three barycentric coordinates.
 
 Look at: the corners, pure red, green and blue, and the fields, which are an eighth of the texture's
-coordinates wide and high. Both grow evenly over the triangle: they are interpolated alike.
+coordinates wide and high. Both grow evenly over the triangle: they are interpolated alike. Beside
+it lies the buffer, a row for each vertex: three greys for the place, red, green and blue for the
+colour, two greys for the texture; brighter is more.
 
 Try: in `ch02_basics/interleaved_attributes.frag` write `step(0.5, ourColor)` for `shade *
 ourColor`: a colour is left where its corner has more than half of the pixel, and the middle is
@@ -26,8 +28,10 @@ from shaderlab.reference.rasterisation import barycentric
 from ..scenes.api import answers, pixel
 from ..scenes.draws import drawn
 from ..scenes.figures import figures
+from ..scenes.flat_figures import memory_map, pictured, pictured_checks
 from ..scenes.laws import device_place, unchanged
-from ..scenes.panels import centres, picture
+from ..scenes.panels import cell, centres, picture
+from ..scenes.rosette import LIGHT, encoded
 
 CORNERS = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.0, 0.5, 0.0)])
 PLACES = np.array([(0.0, 0.0), (1.0, 0.0), (0.5, 1.0)])
@@ -39,14 +43,19 @@ FIELDS = {
     "where a field begins": ({"TexCoord": (0.5, 0.3)}, (0.5, 0.25, 1.0, 1.0)),
     "a hundred fields further": ({"TexCoord": (6.3, 6.3)}, (0.5, 0.25, 1.0, 1.0)),
 }
-SIDE = 720
+SIDE, SHADERS = 720, "ch02_basics/interleaved_attributes"
 
 
 def triangle(layout, name):
     """The triangle, its attributes in memory one way or another."""
     mesh = {"attributes": VERTICES, "layout": layout}
-    draw = drawn("ch02_basics/interleaved_attributes", mesh)
-    return picture([draw], (SIDE, SIDE), name, clear=(0.93, 0.93, 0.92, 1.0))
+    return picture([drawn(SHADERS, mesh)], (SIDE, SIDE), name, clear=LIGHT)
+
+
+# The triangle, nearly twice as large, and beside it the 24 numbers that it is read from.
+MESH = {"attributes": {**VERTICES, "aPos": 1.8 * CORNERS}, "layout": "interleaved"}
+LARGE = drawn(SHADERS, MESH, cell=cell(0, 2))
+NUMBERS = drawn("ch10_buffers/rosette", memory_map(LARGE.mesh, 8, top=20), cell=cell(1, 2))
 
 
 def fields(ourColor, TexCoord):
@@ -86,8 +95,17 @@ case = Case(
     title="Attributes in one buffer",
     section="2.2.2",
     math=r"\text{address}(n) = \text{offset} + n \cdot \text{stride} = \text{offset} + 32\,n",
-    passes=(triangle("separate", "separate"), triangle("interleaved", "main")),
+    passes=(
+        *pictured((LARGE, NUMBERS), (960, 480), LIGHT),
+        triangle("separate", "separate"),
+        triangle("interleaved", "main"),
+    ),
+    picture="picture.FragColor",
     expect=[
+        *pictured_checks(),
+        formula("judged.FragColor", fields, draw=0, name="the triangle in the picture"),
+        formula("judged.share", unchanged("ourColor"), draw=0, name="shares in the picture"),
+        formula("judged.FragColor", encoded, draw=1, name="its numbers in memory"),
         attribute_layout(LAYOUT, name="stride 32, offsets 0, 12, 24"),
         *answers(ANSWERS),
         formula("gl_Position", device_place),

@@ -70,9 +70,10 @@ def butterfly(**memory: Any) -> Mesh:
     return _flat((*_WINGS, *mirrored, *_BODY), memory)
 
 
-def memory_map(mesh: Mesh, columns: int = 6) -> Mesh:
+def memory_map(mesh: Mesh, columns: int = 6, top: int = 48) -> Mesh:
     """The floats of a mesh's vertex buffers as squares, in rows from the upper left, buffers one
     after the other: places in greys, colours in reds, greens and blues, the brighter the larger.
+    They begin at a height of `top`, of 64.
 
     >>> corners = Mesh(attributes={"aPos": np.zeros((1, 3)), "aColor": np.ones((1, 3))})
     >>> memory_map(corners).attributes["aColor"][::4].round(1).tolist()
@@ -90,7 +91,7 @@ def memory_map(mesh: Mesh, columns: int = 6) -> Mesh:
                 rows.append((at, hue))
     parts = []
     for n, (_, hue) in enumerate(sorted(rows, key=lambda row: row[0])):
-        x, y = 14 * (n % columns) - 7 * columns + 1, 48 - 14 * (n // columns)
+        x, y = 14 * (n % columns) - 7 * columns + 1, top - 14 * (n // columns)
         square = ((x, y - 12), (x + 12, y - 12), (x + 12, y), (x, y))
         parts.append((square, [tuple(hue)] * 4))
     return _flat(parts, {})
