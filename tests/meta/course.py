@@ -24,8 +24,8 @@ _TEXT = """\
 
 The lessons follow a set of study notes on OpenGL, section by section. Each line names a lesson, its
 law, and how many [expectations](expectations.md) fail where the law does not hold. Lines marked
-"also" and "erratum" name the expectations themselves: an erratum states what is true where that
-text is wrong. `shaderlab run ID` draws a lesson and judges all of this.
+"also" name the expectations themselves; an erratum states what is true where that text is wrong.
+`shaderlab run ID` judges all of this, and shows which expectation proves an erratum.
 """
 
 SECTIONS: Mapping[str, str] = {
@@ -101,20 +101,16 @@ WITHIN: Mapping[tuple[str, str], tuple[str, tuple[str, ...]]] = {
 
 
 LEFT_OUT: Mapping[str, str] = {
-    "1.1": "Installing Visual Studio is outside what a lab can check. `shaderlab doctor` looks at "
-    "what it needs itself: driver, compilers and libraries, each with what to install.",
-    "1.2.1": "GLFW and GLAD are not built: the lab opens a context without a window, by EGL, and "
-    "moderngl loads OpenGL's functions. `shaderlab doctor` says whether both are there.",
-    "1.2.2": "The window's loop (keys, sizes, swapping, events) is left out: there is no window. "
-    "What the loop draws is judged.",
-    "4.2": "How GLM is installed and included is left out: it is a C++ library. Its Python twin "
-    "PyGLM is the second opinion on the transforms of chapters 3 and 4.",
-    "11.1": "A window and its pixel format are the window system's, and there is none here. The "
-    "targets that stand in for it are in `double-buffer` and `window-origin`.",
-    "13.2": "Left out: it is about the C++ project's environment. The lab loads images by "
-    "OpenImageIO; see `image-file` and `cubemap`.",
-    "14.1": "Left out: it is about the C++ project's environment. The lab reads PCD files itself; "
-    "see `point-cloud`.",
+    "1.1": "Left out: Visual Studio. `shaderlab doctor` checks what the lab itself needs.",
+    "1.2.1": "Left out: GLFW and GLAD. The lab opens a context without a window, by EGL, and "
+    "moderngl loads OpenGL's functions.",
+    "1.2.2": "Left out: the window's loop (keys, sizes, swapping). What it draws is judged.",
+    "4.2": "Left out: installing GLM, a C++ library. Its Python twin PyGLM is the second opinion "
+    "on the transforms of chapters 3 and 4.",
+    "11.1": "Left out: the window and its pixel format. `double-buffer` and `window-origin` have "
+    "targets instead.",
+    "13.2": "Left out: the C++ project. OpenImageIO loads images in `image-file` and `cubemap`.",
+    "14.1": "Left out: the C++ project. The lab reads PCD files itself in `point-cloud`.",
 }
 """What of a section no lesson shows, and why."""
 
@@ -125,7 +121,10 @@ def page() -> str:
     for section, title in SECTIONS.items():
         parts += [f"## {section} · {title}", ""]
         parts += [LEFT_OUT[section], ""] if section in LEFT_OUT else []
-        found = [f"- {lesson}: {what} ({by})" for lesson, what, by in rows(section)]
+        found = [
+            f"- {lesson}: {what}" + (f" ({by})" if "erratum" not in lesson else "")
+            for lesson, what, by in rows(section)
+        ]
         parts += [*found, ""] if found else []
     return "\n".join(parts).rstrip() + "\n"
 

@@ -20,7 +20,8 @@ import tests.independent
 from tests.independent import against
 from tests.meta.builtins import CHAPTER_8, SPELT, WHY_NOT
 
-_SPECIFICATION = ('"The OpenGL Graphics System: A Specification"', "OpenGL specification")
+_SPECIFICATION = re.compile(r'"The OpenGL Graphics System: A Specification"')
+_ITS_AUTHORS = re.compile(r" \(M\. Segal, K\. Akeley, \d+\)")
 _MADE = "<!-- Made by `python -m tests.meta.indexes`; do not edit. -->"
 _REFERENCE = """\
 # Reference formulas
@@ -70,7 +71,7 @@ def _reference() -> str:
         own = [f for _, f in _functions(module) if f.__module__ == module.__name__]
         source = re.search(r"^Sources?: .*?(?=\n\n|\Z)", module.__doc__ or "", re.M | re.S)
         parts += [f"## {_topic(module)}", f"{_title(module)}.", _list(own), _checks(own, held)]
-        parts += [_line(source.group()).replace(*_SPECIFICATION)] if source else []
+        parts += [_source(source.group())] if source else []
     return "\n\n".join(parts) + "\n"
 
 
@@ -151,6 +152,11 @@ def _call(function: FunctionType) -> str:
         for p in inspect.signature(function).parameters.values()
     ]
     return f"{function.__name__}({', '.join(names)})"
+
+
+def _source(text: str) -> str:
+    """A list of sources; the one that most topics have by its short name."""
+    return _ITS_AUTHORS.sub("", _SPECIFICATION.sub("the OpenGL specification", _line(text)))
 
 
 def _topic(module: ModuleType) -> str:
