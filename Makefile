@@ -22,6 +22,8 @@ help: ## what there is to do
 	@echo "  make run CASE=spotlight            one case; several in quotes; more options in ARGS"
 	@echo "  make test ARGS='-k stencil -x'     some of the tests"
 
+# Python keeps what it has compiled in .venv and here, whatever it does elsewhere.
+run: export PYTHONDONTWRITEBYTECODE =
 run: .venv/.ready ## run every case and write the report
 	@$(PY) -m shaderlab run $(if $(CASE),$(CASE),--all) $(ARGS)
 

@@ -152,6 +152,19 @@ def test_running_cases_waits_for_no_package_that_only_tests_need(machine: Machin
         assert ".ci/setup dev\n" in done and done.count(".ci/setup") == 1
 
 
+def test_a_run_keeps_what_python_compiles(
+    machine: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    asked = """--eval=said: ; @echo "[$$PYTHONDONTWRITEBYTECODE]" """
+    assert machine.run("make", asked, "said").stdout == "[1]\n"
+    ready(machine, machine.folder)
+    lab = machine.folder / "shaderlab"
+    lab.mkdir()
+    (lab / "__main__.py").write_text("import sys\nprint(sys.flags.dont_write_bytecode)\n")
+    assert machine.run("make", "run").stdout == "0\n"
+
+
 def test_a_second_run_sets_nothing_up(machine: Machine) -> None:
     ready(machine, machine.folder)
     for what in ("run", "test", "lint"):
