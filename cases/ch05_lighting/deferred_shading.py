@@ -20,17 +20,7 @@ from math import cos, sin
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Output,
-    Pass,
-    Target,
-    boundaries,
-    formula,
-    fullscreen,
-    measure,
-    reading,
-)
+from shaderlab import Case, Output, Pass, Target, boundaries, formula, fullscreen, measure, reading
 from shaderlab.glslmath import (
     dot,
     either,

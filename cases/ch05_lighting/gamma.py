@@ -35,11 +35,8 @@ GREY_BY_GREY = CODE_BY_CODE[..., [0, 0, 0, 3]]
 
 SRGB_TEXTURE = Texture(image=ALL_CODES, format="srgb8_alpha8")
 FLOAT_TEXTURE = Texture(image=ALL_CODES, format="rgba32f")
-BLACK_AND_WHITE = Texture(
-    image=assets.checker(size=2, cells=2, dark=(0, 0, 0, 1), light=(1, 1, 1, 1)),
-    format="srgb8_alpha8",
-    filter=("linear", "linear"),
-)
+CHECKS = assets.checker(size=2, cells=2, dark=(0, 0, 0, 1), light=(1, 1, 1, 1))
+BLACK_AND_WHITE = Texture(image=CHECKS, format="srgb8_alpha8", filter=("linear", "linear"))
 RAMP = {"linear": across(0.0, 1.0)}
 STRIPES = {**RAMP, "stripe": up(0.0, 5.0)}
 MIDDLE = {"TexCoords": Ramp((0.5, 0.5))}
@@ -108,11 +105,10 @@ case = Case(
         ),
         sweep("decoded", decode, over="linear", values=around(0.04045), log_x=True),
         *(
-            figure("framebuffer.FragColor", f"light of code {int(code)}", {"code": code}, light)
-            for code, light in (
-                (8.5, (0.002428, 0.002428, 0.002428, 1.0)),
-                (128.5, (0.215861, 0.215861, 0.215861, 1.0)),
+            figure(
+                "framebuffer.FragColor", f"light of code {int(at)}", {"code": at}, (y, y, y, 1.0)
             )
+            for at, y in ((8.5, 0.002428), (128.5, 0.215861))
         ),
         exact("framebuffer.FragColor", GREY_BY_GREY, name="an sRGB framebuffer encodes"),
         exact("texture.FragColor", CODE_BY_CODE, name="an sRGB texture decodes"),

@@ -42,12 +42,8 @@ def strengths(ambient, diffuse, specular):
 
 def thing(geometry, model, row):
     """One thing in one row, with that row's strengths of the three parts."""
-    material = {
-        "objectColor": lit.CORAL,
-        **strengths(*ROWS[row]),
-        "shininess": 32.0,
-    }
-    shader, uniforms = "ch05_lighting/specular.frag", {**LIGHT, **material}
+    shader, parts = "ch05_lighting/specular.frag", strengths(*ROWS[row])
+    uniforms = {**LIGHT, **parts, "objectColor": lit.CORAL, "shininess": 32.0}
     return lit.thing(shader, geometry, model, CAMERA, uniforms, cell=cell(row, 1, 3))
 
 
@@ -58,8 +54,8 @@ POINT = {**lit.POINT, **LAMP, **strengths(0.1, 1.0, 0.5)}
 BEHIND = {**lit.GRAZING, "lightPos": lit.BELOW, "shininess": 8.0}
 # What a lobe gives there that does not ask whether the surface faces the lamp.
 UNGATED = mirrored_lobe(np.array(POINT["Normal"]), lit.BELOW, BEHIND["viewPos"], 8.0)
+MIRRORED = {"viewPos": (-1.2, -1.0, 2.0), "shininess": 32.0}
 STRONGEST = "1 for a viewer in the mirrored ray, at (−1.2, −1, 2)"
-MIRRORED = (-1.2, -1.0, 2.0)
 GREEN_HIGHLIGHT = "a green thing's highlight in white light"
 GREEN = {"lightPos": (0.0, 0.0, 2.0), "objectColor": (0.0, 1.0, 0.0)}
 HIGHLIGHT = "the point's highlight over the shininess"
@@ -87,7 +83,7 @@ case = Case(
         figure("spec", lit.TURNED_AWAY, {**POINT, **BEHIND}, 0.0),
         *results({"a highlight without a gate there": (UNGATED, 0.757792)}),
         figure("FragColor", GREEN_HIGHLIGHT, {**POINT, **GREEN}, (0.0, 1.6, 0.0, 1.0)),
-        figure("spec", STRONGEST, {**POINT, "viewPos": MIRRORED, "shininess": 32.0}, 1.0),
+        figure("spec", STRONGEST, {**POINT, **MIRRORED}, 1.0),
         figure("spec", "nearly 90° from the mirrored ray", {**POINT, **ASIDE}, 0.071075),
         sweep("spec", specular_factor, over="shininess", at=POINT, name=HIGHLIGHT, **QUARTER_STEPS),
     ],
