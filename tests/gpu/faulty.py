@@ -43,14 +43,23 @@ ALARM = "signal.setitimer(signal.ITIMER_REAL, 0.3)"
 HANG = f"{ALARM}; __import__('time').sleep(600)"
 IN_DRAW = """
 import os, signal
+from types import FunctionType
 from shaderlab.drivers.opengl.drawing import Drawing
-issue = Drawing.issue
+
+def act():
+    {act}
+
 def shot(self, key, draw, target):
-    if draw.draw.fragment == "{name}.frag":
-        {act}
-    issue(self, key, draw, target)
-Drawing.issue = shot
+    Drawing.issue.acts.get(draw.draw.fragment, bool)()
+    Drawing.issue.right(self, key, draw, target)
+
+issue = Drawing.issue
+if not hasattr(issue, "acts"):
+    issue.acts, issue.right = {{}}, FunctionType(issue.__code__, issue.__globals__)
+    issue.__code__ = shot.__code__
+issue.acts["{name}.frag"] = act
 """
+# The function is the same one as before: a worker in which it is another one would be replaced.
 
 
 def write(

@@ -33,7 +33,7 @@ class Cases:
 
     def add(self, name: str, act: str = "pass", *, wrong: bool = False) -> Path:
         """A case that tells when it is drawn, then acts; a wrong one fails."""
-        acts = f"{TELL.format(file=self.told / name)}\n        {act.format(told=self.told)}"
+        acts = f"{TELL.format(file=self.told / name)}\n    {act.format(told=self.told)}"
         body = "x = 10.0;" if wrong else ""
         before = faulty.in_draw(name, acts)
         file: Path = faulty.write(self.pytester.path, name, before=before, body=body)
