@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from typing import Any
 
@@ -56,13 +55,10 @@ def survived(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, An
     text = shader.read_text().replace("out vec4 FragColor;", f"out vec4 FragColor;\n{eight}")
     written = "".join(f"a{i} = vec4(1.0);" for i in range(1, 8))
     shader.write_text(text.replace("float x", f"{written} float x"))
-    command = faulty.command(
+    done = faulty.shaderlab(
         "./cases", "--timeout", "60", "--memory", "4", "-j", "2", "--json", "out.json",
-        "--report", "run", "--size", "16",
+        "--report", "run", "--size", "16", cwd=folder,
     )  # fmt: skip
-    done = subprocess.run(
-        command, cwd=folder, env=faulty.surroundings(), capture_output=True, text=True, timeout=300
-    )
     assert done.returncode == 1, done.stdout + done.stderr
     assert "Traceback" not in done.stdout + done.stderr
     assert (folder / "run" / "index.html").is_file()

@@ -126,7 +126,7 @@ def test_two_runs_at_once_get_folders_of_their_own(cases: Path) -> None:
     (cases / "cases" / "c.py").unlink()
     children = [
         subprocess.Popen(
-            faulty.command("./cases"), cwd=cases, env=faulty.surroundings(),
+            faulty.command("./cases", "-j", "0"), cwd=cases, env=faulty.surroundings(),
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         )
         for _ in range(2)

@@ -16,9 +16,15 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
+from shaderlab.model.case import Case
+from tests.catalogue import shipped
+from tests.negative.broken import failures, first_failure
 
 OWN = Path(__file__).parent / "own_shaders"
-PLACE = {"blinn": ("blinn-phong", "blinn_phong.frag"), "pbr": ("pbr", "pbr.frag")}
+PLACE = {
+    "blinn": ("blinn-phong", "ch05_lighting/blinn_phong.frag"),
+    "pbr": ("pbr", "ch05_lighting/pbr.frag"),
+}
 RIGHT = sorted(file.stem for file in OWN.glob("*.frag"))
 
 # file, what stands there, the mistake
@@ -73,27 +79,46 @@ def test_there_are_several_of_each() -> None:
     assert [sum(name.startswith(f"{kind}_") for name in RIGHT) for kind in PLACE] == [3, 4]
 
 
-@pytest.mark.parametrize("name", RIGHT)
-def test_a_right_one_passes_however_it_is_written(run: Run, tmp_path: Path, name: str) -> None:
-    case, shader = PLACE[name.partition("_")[0]]
-    text = (OWN / f"{name}.frag").read_text(encoding="utf-8")
-    result = run(case, "--shader", f"{shader}={written(tmp_path, text)}")
-    assert result.exit_code == 0, result.output
-    assert {record["status"] for record in outcomes(tmp_path)} == {"pass"}
+def place(name: str) -> tuple[Case, str]:
+    """The case that one of these shaders is for, and the shipped shader in whose place it is."""
+    case_id, shader = PLACE[name.partition("_")[0]]
+    return shipped()[case_id], shader
 
 
-@pytest.mark.parametrize("mistake", MISTAKES)
-def test_a_wrong_one_fails_and_says_where(run: Run, tmp_path: Path, mistake: str) -> None:
+def mistake_in(mistake: str) -> tuple[str, str]:
+    """The name of a right shader, and its text with the mistake."""
     name, right, wrong = MISTAKES[mistake]
     text = (OWN / f"{name}.frag").read_text(encoding="utf-8")
     assert text.count(right) == 1
-    case, shader = PLACE[name.partition("_")[0]]
-    case += {"blinn-phong": "[shininess 8]"}.get(case, "")
-    result = run(case, "--shader", f"{shader}={written(tmp_path, text.replace(right, wrong))}")
+    return name, text.replace(right, wrong)
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_a_right_one_passes_however_it_is_written(name: str) -> None:
+    case, shader = place(name)
+    text = (OWN / f"{name}.frag").read_text(encoding="utf-8")
+    for scene in case.scenes():
+        assert list(failures(scene, {shader: text})) == [], scene.variant
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_wrong_one_fails(mistake: str) -> None:
+    name, text = mistake_in(mistake)
+    case, shader = place(name)
+    failed = first_failure(case, {shader: text}, placed=True)
+    assert failed and failed.worst and failed.worst.pixel and failed.worst.widths > 1.0
+
+
+@pytest.mark.parametrize("mistake", ["exponent 1 % off", "F0 of 0.05"])
+def test_the_command_judges_it_and_says_where(run: Run, tmp_path: Path, mistake: str) -> None:
+    name, text = mistake_in(mistake)
+    case, shader = place(name)
+    words = (f"{case.id}[{next(case.scenes()).variant}]", "--shader")
+    right = (OWN / f"{name}.frag").read_text(encoding="utf-8")
+    assert run(*words, f"{Path(shader).name}={written(tmp_path, right)}").exit_code == 0
+    result = run(*words, f"{Path(shader).name}={written(tmp_path, text)}")
     assert result.exit_code == 1, result.output
-    failed = [e for r in outcomes(tmp_path) for e in r["expectations"] if e["status"] == "fail"]
-    assert {r["status"] for r in outcomes(tmp_path)} <= {"pass", "fail"}
-    assert any(e["worst"] and e["worst"]["pixel"] and e["worst"]["widths"] > 1.0 for e in failed)
+    assert [record["status"] for record in outcomes(tmp_path)] == ["fail"]
     assert "worst pixel" in result.output
     assert "my.frag:" in result.output  # the line that writes what is wrong
 
