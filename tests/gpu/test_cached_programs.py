@@ -175,7 +175,7 @@ def test_the_compile_command_uses_no_cache(call: Call, store: Store) -> None:
 
 @pytest.mark.usefixtures("call")
 def test_runs_at_the_same_time_share_a_folder(store: Store) -> None:
-    words = ("shaderlab", "run", "lamp.py", "--variant", "near", "--report")
+    words = ("shaderlab", "run", "lamp.py", "--variant", "near", "-j", "0", "--report")
     running = [elsewhere(store, *words, f"report-{number}") for number in range(2)]
     for process in running:
         said, _ = process.communicate(timeout=120)

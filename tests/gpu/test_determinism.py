@@ -37,7 +37,7 @@ def drawn(
     executor: ProcessExecutor, jobs: list[Job], folder: Path, size: int = 32
 ) -> tuple[dict[Any, Any], dict[str, bytes]]:
     places = {"folder": folder / "run", "frames": folder / "frames"}
-    options = RunOptions(size=size, picture_size=128, **places)
+    options = RunOptions(size=size, picture_size=64, **places)
     records = dict(executor.run(jobs, options)).values()
     return {(r.id, r.variant): timeless(r) for r in records}, files_below(folder)
 
@@ -81,7 +81,7 @@ def test_a_record_says_what_its_values_depend_on(runs: Mapping[str, Any]) -> Non
     for record in runs["once"][0].values():
         renderer, version = record["driver"].split("; ")
         assert renderer and version[0].isdigit()
-        assert (record["size"], record["picture_size"]) == (32, 128)
+        assert (record["size"], record["picture_size"]) == (32, 64)
 
 
 def test_another_size_would_be_noticed(runs: Mapping[str, Any]) -> None:

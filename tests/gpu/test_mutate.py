@@ -593,7 +593,7 @@ def test_what_ends_it_early_keeps_the_cases_that_are_done(
                 raise end
 
     monkeypatch.setattr(MutationRun, "judge", until_the_second_case)
-    words = ("./weak.py", "./law.py", "--no-state", "--limit", 3, "--json", "a.json", "--jobs", 1)
+    words = ("./weak.py", "./law.py", "--no-state", "--limit", 3, "--json", "a.json", "--jobs", 0)
     code, output = mutate(*words)
     assert code == status
     assert "interrupted: 3 of 6 mutants were judged" in output

@@ -56,7 +56,7 @@ def cases(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> Cases:
 
 def test_with_one_worker_nothing_is_begun_before_its_turn(cases: Cases) -> None:
     cases.pytester.makeconftest(
-        "import os, time\ndef pytest_runtest_setup(item):\n    time.sleep(0.5)\n"
+        "import os, time\ndef pytest_runtest_setup(item):\n    time.sleep(0.3)\n"
         f"    assert not os.path.exists(os.path.join({str(cases.told)!r}, item.name))"
     )
     files = [cases.add(name) for name in "ab"]
