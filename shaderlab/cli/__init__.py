@@ -86,7 +86,7 @@ class Commands(click.Group):
 
 # What a process needs at least, by measurements with one small case, and the limit's option.
 _LEAST = {"NOFILE": (32, "open files", "-n"), "AS": (768 << 20, "bytes of memory", "-v"),
-          "DATA": (192 << 20, "bytes of memory", "-d")}  # fmt: skip
+          "DATA": (256 << 20, "bytes of memory", "-d")}  # fmt: skip
 
 
 def _require_limits() -> None:

@@ -299,13 +299,14 @@ def _course(file: Path) -> Mapping[str, Any]:
 
 def files_below(folder: Path) -> list[Path]:
     """All files below `folder`, sorted, except in hidden folders and build products. A folder that
-    links lead to is looked through once, and as itself if it is below, too.
+    links lead to is looked through once, and as itself if it is below, too; those above are not.
 
     Raises:
         UsageError: a folder can't be read.
     """
     files: list[Path] = []
     seen: set[tuple[int, int]] = set()
+    top = Path(os.path.realpath(folder))
     folders, links = [folder], list[Path]()
     while folders or links:
         here = (folders or links).pop(0)
@@ -315,10 +316,14 @@ def files_below(folder: Path) -> list[Path]:
             raise UsageError(f"can't read this folder: {error.strerror}", file=here) from error
         place = there.st_dev, there.st_ino
         for entry in entries if place not in seen else ():
-            if not entry.is_dir():
+            if not os.path.isdir(entry):  # which raises nothing where Path.is_dir may
                 files.append(entry)
-            elif not entry.name.startswith(".") and entry.name not in _SKIPPED_FOLDERS:
-                (links if entry.is_symlink() else folders).append(entry)
+            elif entry.name.startswith(".") or entry.name in _SKIPPED_FOLDERS:
+                continue
+            elif not entry.is_symlink():
+                folders.append(entry)
+            elif not top.is_relative_to(os.path.realpath(entry)):
+                links.append(entry)
         seen.add(place)
     return sorted(files)
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -258,3 +260,24 @@ def test_links_to_folders_lead_to_each_once(tmp_path: Path) -> None:
     (tmp_path / "z0" / "up").symlink_to(tmp_path)
     expected = sorted(tmp_path / f"z{number}" / "file" for number in range(12))
     assert files_below(tmp_path) == expected
+
+
+def test_links_lead_neither_to_what_lies_above_nor_into_what_may_not_be_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A link to /proc/self has both: `root`, below which all of the machine is, and `cwd`."""
+    cases = tmp_path / "cases"
+    cases.mkdir()
+    (tmp_path / "elsewhere").touch()
+    (cases / "up").symlink_to("..")
+    (cases / "root").symlink_to("/")
+    (cases / "closed").symlink_to("nobody/home")
+    see = os.stat
+
+    def refuse(path: str | Path, *args: object, **options: Any) -> os.stat_result:
+        if Path(path).name == "closed" and options.get("follow_symlinks", True):
+            raise PermissionError(13, "Permission denied", str(path))
+        return see(path, *args, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("os.stat", refuse)
+    assert files_below(cases) == [cases / "closed"]
