@@ -36,16 +36,15 @@ before its next one: drivers keep a little of every scene."""
 AHEAD = 32
 """How many items are taken ahead of the results that were read."""
 ENVIRONMENT = {
-    # Libraries for matrices and pictures start a thread per core and let all of them wait busily;
-    # workers share the cores already, and multiply matrices of four rows.
+    # Libraries start a thread per core, all of which wait busily; workers share the cores already.
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
-    # glibc reuses what large arrays have freed, up to 192 MB of it: returned to the system, the
-    # same pages would be faulted in again, for a tenth of a run's time.
+    # glibc reuses 192 MB of what arrays have freed: faulting them in anew takes a tenth of a run.
     "MALLOC_TRIM_THRESHOLD_": str(192 << 20),
     "MALLOC_MMAP_MAX_": "0",
 }
 """Of workers, where the user's own says nothing else."""
+_MARK = "SHADERLAB_WORKER"
 _PROGRAM = "from shaderlab.workers.worker import main; main()"
 
 
@@ -56,8 +55,7 @@ class ItemResult:
     Attributes:
         number: the item's position among those passed to `run`.
         item: the item itself.
-        status: "done"; "crash" or "timeout" where the worker died on it; "error" where the work
-            raised an exception.
+        status: "done"; "crash" or "timeout" where the worker died on it; "error" where work raised.
         value: the work's result, the exception where it raised one, else None.
         message: how the worker died.
         step: the last step that the work noted before the worker died.
@@ -102,6 +100,7 @@ class _Process(subprocess.Popen[bytes]):
     def start(self, arguments: Sequence[str], **place: Any) -> None:
         """Start it, with arguments for its `main`. Raises OSError."""
         inherited = [self._theirs.fileno(), self._steps.fileno()]
+        self._mark = os.urandom(8).hex()  # all that it starts inherits this
         with self._theirs:
             super().__init__(
                 [sys.executable, "-P", "-c", _PROGRAM, *map(str, inherited), *arguments],
@@ -113,18 +112,17 @@ class _Process(subprocess.Popen[bytes]):
                 # With a group to change to, Python calls fork: vfork would hold the whole of
                 # Python up until the program runs.
                 group=os.getgid(),
-                **place,
+                **{**place, "env": {**place["env"], _MARK: self._mark}},
             )
 
     def wait_until_ready(self) -> None:
         """Raises ShaderlabError: it has died, or takes too long."""
         status, _, message, _ = self._receive(max(START_SECONDS, self._seconds))
-        if status == "ready":
-            return
         remedy = "see that this Python can import shaderlab: run `shaderlab doctor`"
         if status == "timeout":
             remedy = "wait until this machine is less busy, or allow more time: --timeout S"
-        raise ShaderlabError(f"can't start a worker process: {message}", remedy=remedy)
+        if status != "ready":
+            raise ShaderlabError(f"can't start a worker process: {message}", remedy=remedy)
 
     def answer(self, number: int, item: Any) -> ItemResult:
         """Return the result of an item."""
@@ -149,9 +147,9 @@ class _Process(subprocess.Popen[bytes]):
         """Kill it, its group, and what it started in other groups. Any thread may call this."""
         if not self.pid:
             return
-        single = list(_descendants(self.pid))
-        if self.returncode is None:
-            single.append(self.pid)  # which may have no group yet
+        # Once it has ended, those that it started are children of no process that we know.
+        ended = self.returncode is not None
+        single = [*_marked(self._mark)] if ended else [*_descendants(self.pid), self.pid]
         for kill, number in [(os.killpg, self.pid), *((os.kill, one) for one in single)]:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 kill(number, signal.SIGKILL)
@@ -180,11 +178,9 @@ class _Process(subprocess.Popen[bytes]):
         """How it ended by itself, and the last line that it wrote."""
         try:
             code = self.wait(END_SECONDS)
-            how = f"exit status {code}"
-            if code < 0:
-                how = f"signal {-code}"
-                with contextlib.suppress(ValueError):
-                    how += f" ({signal.Signals(-code).name})"
+            how = f"signal {-code}" if code < 0 else f"exit status {code}"
+            with contextlib.suppress(ValueError):  # a signal without a name, or none
+                how += f" ({signal.Signals(-code).name})"
         except subprocess.TimeoutExpired:
             how = "it closed its connection, but did not end"
         self.kill()  # what it started may still write
@@ -198,19 +194,26 @@ def _descendants(process: int) -> Iterator[int]:
     with contextlib.suppress(OSError):  # it ends meanwhile, as may a thread of it
         for thread in os.listdir(f"/proc/{process}/task"):
             with contextlib.suppress(OSError):
-                children = Path(f"/proc/{process}/task/{thread}/children").read_text()
-                for child in map(int, children.split()):
+                children = Path(f"/proc/{process}/task/{thread}/children").read_text().split()
+                for child in map(int, children):
                     yield child
                     yield from _descendants(child)
 
 
+def _marked(mark: str) -> Iterator[int]:
+    """Yield the ids of processes that have a worker's mark in their environment."""
+    for process in filter(str.isdecimal, os.listdir("/proc")):
+        with contextlib.suppress(OSError):  # it ends meanwhile, or is someone else's
+            if f"{_MARK}={mark}".encode() in Path(f"/proc/{process}/environ").read_bytes():
+                yield int(process)
+
+
 def measure_memory(process: int) -> int:
     """Return the bytes of memory that a process shares with no file; 0 once it has ended."""
-    try:
+    with contextlib.suppress(OSError, ValueError):
         _, resident, shared, *_ = map(int, Path(f"/proc/{process}/statm").read_text().split())
-    except (OSError, ValueError):
-        return 0
-    return (resident - shared) * os.sysconf("SC_PAGE_SIZE")
+        return (resident - shared) * os.sysconf("SC_PAGE_SIZE")
+    return 0
 
 
 class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):

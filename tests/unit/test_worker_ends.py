@@ -26,6 +26,11 @@ def work(item):
         detached = item == "detached"
         child = subprocess.Popen(["sleep", "600"], start_new_session=detached)
         return os.getpid(), child.pid
+    if item == "orphan":
+        child = subprocess.Popen(["sleep", "600"], start_new_session=True)
+        sys.stderr.write(str(child.pid))
+        sys.stderr.flush()
+        os._exit(0)
     if item == "burn":
         while time.process_time() < 0.3:
             pass
@@ -100,6 +105,14 @@ def test_what_an_item_has_started_ends_with_its_pool(work: str, how: str) -> Non
         (result,) = pool.run([how])
         assert all(map(is_running, result.value))
     wait_for_end(*result.value)
+
+
+def test_what_a_worker_that_died_has_left_ends_with_it(work: str) -> None:
+    """Its parent by then is the machine's first process, where nobody would look for it."""
+    with WorkerPool(work) as pool:
+        (result,) = pool.run(["orphan"])
+        assert result.status == "crash"
+        wait_for_end(int(result.message.rpartition(" ")[2]))
 
 
 def test_what_workers_take_counts_as_their_parents(work: str) -> None:
