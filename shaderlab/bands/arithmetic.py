@@ -11,7 +11,8 @@ and rounds where the formula as written happens to be exact. So:
 - each further sum, product or quotient rounds by a step of its `mag` more, a product of two such
   values by three (or by the number of its sums, once distributed);
 - a product in which one value is a factor several times keeps it whole: x·x·x·x·x, (x·x)·(x·x)·x
-  and any other order have the band of a power, of the size of the result;
+  and any other order have the band of a power, of the size of the result; so it has between other
+  factors, as in k·x·x·x;
 - a sum of n terms may be added up in an order in which all n − 1 sums are as large as the largest
   of them, whatever they were as written.
 
@@ -20,7 +21,7 @@ A plain band has no `mag` of its own (None: its own absolute value), and pays no
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import reduce
 from typing import Any
 
@@ -47,6 +48,7 @@ DIVISION_ULPS = 2.5
 # Terms whose sizes add up to the result's (but for roundings) have one sign, and keep it in any
 # order.
 UNCANCELLED = 1.0 - 2.0**-20
+_FACTORS = 4  # of a product are remembered
 
 
 @np.errstate(all="ignore")
@@ -137,6 +139,11 @@ def multiply(a: BandT, b: BandT) -> BandT:
     """a · b, correctly rounded in either direction; powers of one value are multiplied as such."""
     if a.base is b.base:
         return _multiply_powers(a, b)
+    if a.terms is not None and b.terms is not None:
+        powers = _collect_powers(a.factors, b.factors)
+        if powers is not None:
+            product: BandT = reduce(multiply, powers)
+            return product
     for factor, other in ((a, b), (b, a)):
         few = factor.lo is factor.hi and factor.is_plain and factor.lo.size <= 16
         if few and is_power_of_two(factor.lo):
@@ -161,6 +168,7 @@ def multiply(a: BandT, b: BandT) -> BandT:
     )
     if a.is_plain and b.is_plain:
         return a.derive(lo, hi, b, nan=nan, terms=terms)
+    terms.factors = _join_factors(a, b)
     # (a + b)·(c + d) may become four products and three sums, each of the size of the terms.
     steps = 1 if a.is_plain or b.is_plain else max(3, terms.count - 1)
     bounds = _move_out_by_terms(lo, hi, steps, terms, mag * UNCANCELLED if steps > 1 else 0.0)
@@ -177,6 +185,7 @@ def scale(a: BandT, scale: BandT) -> BandT:
     terms = _scale_terms(a, np.abs(scale.lo))
     if terms is not None:
         terms.signed = a.signed_with(scale)
+        terms.factors = () if a.is_plain else _join_factors(scale, a)
     return a.derive(lo, hi, scale, nan=nan, terms=terms)
 
 
@@ -196,6 +205,27 @@ def _scale_terms(a: Bounds, factor: Float64Array) -> Terms | None:
     if terms.flush_gain is not None:
         flush_gain = terms.flush_gain * np.maximum(factor, 1.0)
     return Terms(terms.abs_sum * factor, slack, terms.count, flush_gain)
+
+
+def _join_factors(a: BandT, b: BandT) -> tuple[Bounds, ...]:
+    factors = a.factors + b.factors
+    return factors if len(factors) <= _FACTORS else ()
+
+
+def _collect_powers(a: Sequence[BandT], b: Sequence[BandT]) -> list[BandT] | None:
+    """The factors of two products, powers of one value as one power; None where no sum is a factor
+    of both, or where a power overflows: then the order counts."""
+    found = list(a)
+    for one in b:
+        for i, other in enumerate(found):
+            if other.base is one.base and not one.base.is_plain:
+                found[i] = _multiply_powers(other, one)
+                if not is_finite(found[i].lo, found[i].hi):
+                    return None
+                break
+        else:
+            found.append(one)
+    return found if len(found) < len(a) + len(b) else None
 
 
 @np.errstate(all="ignore")

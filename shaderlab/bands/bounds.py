@@ -94,6 +94,7 @@ class Terms:
             term is tiny.
         signed: of ranges, where a term may be negative somewhere; None if that is unknown.
         base: the value that this is a power of, if it is one.
+        factors: the powers of different values that this is a product of, if it is one.
     """
 
     abs_sum: Float64Array
@@ -103,6 +104,7 @@ class Terms:
     signed: Flags | None = None
     _least: float | None = None
     base: Bounds | None = None
+    factors: tuple[Bounds, ...] = ()
 
     @property
     def least(self) -> float:
@@ -350,6 +352,11 @@ class Bounds(Interval):
     def base(self) -> Bounds:
         """The value that this is a power of: itself, if of no other."""
         return self if self.terms is None or self.terms.base is None else self.terms.base
+
+    @property
+    def factors(self) -> tuple[Any, ...]:
+        """The powers of different values whose product this is: itself, if it is none."""
+        return (self,) if self.terms is None else self.terms.factors or (self,)
 
     @property
     def count(self) -> int:

@@ -82,6 +82,33 @@ def test_powers_have_one_band_in_any_order() -> None:
         assert order.contains((1.0 - c) ** 5).all()
 
 
+@pytest.mark.parametrize("factor", ["0.96", "0.5", "1 - f0"])
+def test_another_factor_does_not_change_what_a_power_costs(factor: str) -> None:
+    """k·x·x·x·x·x and x·x·x·x·x·k are one product, and none is wider than by `pow`."""
+    c = np.linspace(0.01, 0.999, 200).astype(np.float32).astype(float)[:, None]
+    x = 1.0 - Band.exact(c)
+    k = 1.0 - Band.exact([[0.0625]]) if "f0" in factor else Band.literal([[float(factor)]])
+    orders = (
+        k * x * x * x * x * x,
+        x * x * x * x * x * k,
+        x * k * x * x * x * x,
+        (x * x) * (x * x) * x * k,
+        (k * x) * ((x * x) * (x * x)),
+    )
+    library = k * g.pow(x, Band.exact([5.0]))
+    narrowest = np.min([order.hi - order.lo for order in orders], axis=0)
+    away = chopped(1.0 - c)
+    for order in orders:
+        assert (order.hi - order.lo <= 1.25 * narrowest).all()
+        assert (order.lo >= library.lo).all()
+        assert (order.hi <= library.hi).all()
+        for round_ in (chopped, lambda v: v.astype(np.float32).astype(float)):
+            scaled = round_(k.lo * away)
+            for _ in range(4):
+                scaled = round_(scaled * away)
+            assert order.contains(scaled).all(), "as written with the factor first"
+
+
 def test_a_power_covers_every_order_at_the_edge_of_what_is_exact() -> None:
     """x²·x³ of exact x² and x³ is rounded once, x⁴·x twice; flushed squares stay flushed."""
     rng = np.random.default_rng(3)
