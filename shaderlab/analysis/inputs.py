@@ -184,6 +184,7 @@ _RANGES: Mapping[str, tuple[float, float]] = {
     "far": (5.0, 100.0),
     "distance": (0.1, 20.0),
     "time": (0.0, 20.0),
+    "dt": (0.01, 0.1),
     **dict.fromkeys(("angle", "yaw", "pitch", "roll", "phase"), (-3.2, 3.2)),
     **dict.fromkeys(("radius", "scale", "aspect", "focal"), (0.1, 4.0)),
     **dict.fromkeys(("resolution", "viewport", "size"), (16.0, 1024.0)),
@@ -196,6 +197,7 @@ _PLACES = frozenset(
 _DIRECTIONS = frozenset(
     {"normal", "dir", "direction", "halfway", "tangent", "bitangent", "axis", "up", "forward"}
 )
+_QUATERNIONS = frozenset({"q", "quat", "quats", "quaternion", "quaternions", "orientation"})
 _LETTERS = frozenset("NLVHTBR")  # as in N · L; of papers, and of shaders after them
 _ORDERS = (
     ("cutoff", "outercutoff"), ("far", "near"), ("max", "min"), ("high", "low"), ("end", "start"),
@@ -287,7 +289,8 @@ def _assume_domain(one: Input) -> InputDomain:
         return InputDomain(
             "projection" if "projection" in words else "rotation" if turns else "affine"
         )
-    if one.type in ("vec2", "vec3") and is_direction(one.name):
+    quaternion = one.type == "vec4" and _QUATERNIONS & set(words)
+    if quaternion or (one.type in ("vec2", "vec3") and is_direction(one.name)):
         return _UNIT_VECTOR
     if one.type in ("bool", "bvec2", "bvec3", "bvec4"):
         return InputDomain("number")
@@ -354,7 +357,7 @@ def unknown_names(ranges: Sequence[str], inputs: Iterable[str]) -> list[str]:
     return [name for name in ranges if name not in known]
 
 
-_SIDE = 8  # of a texture
+_SIDES = (4, 8, 16)  # of textures
 _CORNERS = 0.08  # the share of numbers that are an end of their range, 0 or 1
 _PIXELS = 64  # in a row
 
@@ -457,7 +460,8 @@ _COARSE = 2048
 
 def coarsen_inputs(batch: InputBatch, domains: Mapping[str, InputDomain]) -> InputBatch:
     """The same invocations with numbers of so few bits that sums and products are exact and often
-    equal: what is compared meets its bounds. Unit vectors lie along an axis."""
+    equal: what is compared meets its bounds. Unit vectors lie along an axis, textures are flat in
+    places: their least and largest texels, of generated ones 0 and 1."""
     batch = batch.part(np.arange(min(batch.count, _COARSE)))
     each = dict(batch.each)
     for name, domain in domains.items():
@@ -469,11 +473,32 @@ def coarsen_inputs(batch: InputBatch, domains: Mapping[str, InputDomain]) -> Inp
             values = np.where(size == size.max(axis=1, keepdims=True), values, 0.0)
             each[name] = np.sign(values).astype(np.float32)
         elif domain.kind == "number":
-            step = 2.0 ** np.ceil(np.log2(max(float(np.abs(values).max()), 1e-30) / _STEPS))
+            step = _coarse_step(values)
             least, most = np.ceil(domain.low / step), np.floor(domain.high / step)
             if least <= most:
                 each[name] = (step * np.clip(np.round(values / step), least, most)).astype("f4")
-    return InputBatch(each, batch.bindings, batch.count)
+    textures = {
+        name: texels if "normal" in words_of(name) else _coarsen_texels(texels, name in domains)
+        for name, texels in batch.bindings.textures.items()
+    }
+    return InputBatch(each, replace(batch.bindings, textures=textures), batch.count)
+
+
+def _coarse_step(values: Array) -> float:
+    return float(2.0 ** np.ceil(np.log2(max(float(np.abs(values).max()), 1e-30) / _STEPS)))
+
+
+def _coarsen_texels(texels: Texels, made_up: bool) -> Texels:
+    def flatten(values: Array) -> Array:
+        step = _coarse_step(values) if values.dtype.kind == "f" else 1
+        found: Array = (step * np.round(values / step)).astype(values.dtype)
+        high, wide = (size // 2 for size in found.shape[-3:-1])
+        ends = (0, 1) if made_up else (f(found, (-3, -2), keepdims=True) for f in (np.min, np.max))
+        found[..., :high, :wide, :], found[..., high:, wide:, :] = ends
+        return found
+
+    smaller = tuple(flatten(level) for level in texels.smaller)
+    return replace(texels, values=flatten(texels.values), smaller=smaller)
 
 
 def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Generator) -> Array:
@@ -518,7 +543,7 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
     kind = kind.removesuffix("Shadow")
     if kind not in _SHAPES or not of.startswith("sampler"):
         raise NotInterpretedError(f"not interpreted: {one.type} {one.name}")
-    values = rng.uniform(0.02, 3.0 if mipmaps else 1.0, _SHAPES[kind](_SIDE))
+    values = rng.uniform(0.02, 3.0 if mipmaps else 1.0, _SHAPES[kind](int(rng.choice(_SIDES))))
     if "normal" in words_of(one.name):
         n = rng.normal(size=(*values.shape[:-1], 3))
         n[..., 2] = np.abs(n[..., 2])
@@ -535,7 +560,11 @@ def add_mipmaps(texels: Texels) -> Texels:
     """The texture with smaller levels, others; as it is where its kind has none here."""
     if texels.kind not in ("2D", "2DArray") or texels.compare or texels.smaller:
         return texels
-    levels = (texels.values[..., ::n, ::n, :][..., ::-1, :, :] * 0.9 for n in (2, 4, 8))
+    levels = (
+        texels.values[..., ::n, ::n, :][..., ::-1, :, :] * 0.9
+        for n in (2, 4, 8, 16)
+        if n <= texels.values.shape[-2]
+    )
     smaller = tuple(level.astype(np.float32) for level in levels)
     return replace(texels, filter=("linear_mipmap_linear", "linear"), smaller=smaller)
 

@@ -16,7 +16,7 @@ from shaderlab.analysis.answer import Answer
 from shaderlab.analysis.batches import InputBatch, merge_batches
 from shaderlab.analysis.comparison import Plan, compare_programs
 from shaderlab.analysis.inputs import learn_domains, vary_inputs
-from shaderlab.analysis.interpreter import Program, load
+from shaderlab.analysis.interpreter import Program, load, running
 from shaderlab.analysis.noise import PerturbedFloat
 from shaderlab.cli.diff import command
 from shaderlab.compiler import Shaders
@@ -231,6 +231,26 @@ def test_what_is_compared_meets_its_bounds(old: str, wrong: str, right: str) -> 
     assert compared(text % old, text % right, accuracy=False).same is True
 
 
+@pytest.mark.parametrize(
+    ("old", "wrong", "right"),
+    [
+        ("near.r < z", "near.r <= z", "!(near.r >= z)"),
+        ("sign(near.r) * z > 0.5", "z > 0.5", "(near.r > 0.0 ? z : 0.0) > 0.5"),
+        ("far(size) > 0.5", "far(ivec2(0)) > 0.5", "!(far(size) <= 0.5)"),
+    ],
+)
+def test_texels_are_equal_to_others_and_to_zero_and_textures_have_several_sizes(
+    old: str, wrong: str, right: str
+) -> None:
+    text = "uniform sampler2D map; uniform sampler2D atlas; in vec2 uv; in float z; out float o;"
+    text += "float far(ivec2 past) { return texelFetch(atlas, past, 0).r; }\n"
+    text += "void main() { vec4 near = texture(map, uv); ivec2 size = textureSize(map, 0);"
+    text += " o = %s ? 1.0 : 0.5; }"
+    assert compared(text % old, text % wrong, accuracy=False).same is False
+    (output,) = compared(text % old, text % right, accuracy=False).outputs
+    assert output.same is True and output.conditions == ()
+
+
 def test_levels_of_detail_matter_where_a_texture_has_mipmaps() -> None:
     text = "uniform sampler2D map; in vec2 uv; out vec4 o; void main() { o = %s; }"
     plain, condition = "texture(map, uv)", "map has no mipmaps and no texel above 1"
@@ -416,6 +436,36 @@ def test_a_loop_that_does_not_end_is_not_interpreted() -> None:
             "in float x; out float o;\nvoid main() { o = x; while (o < 9.0) o -= 1.0; }",
             "in float x; out float o; void main() { o = x; }",
         )
+
+
+def test_inputs_for_which_a_loop_goes_on_are_left_out_and_this_is_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(running, "MAX_LOOP_ITERATIONS", 128)
+    text = "uniform float dt; // range: -1..1\nout float o; void main() {\no = 9.0;"
+    text += " while (o > 0.0) o -= dt; o *= %s; }"
+    answer = compared(text % "2.0", text % "(4.0 * 0.5)")
+    (output,) = answer.outputs
+    assert output.conditions == ("the loop at new.frag:4 ends within 4,096 turns",)
+    assert output.same is True and 100 < output.judged < 300
+    assert compared(text % "2.0", text % "3.0").same is False
+
+
+def test_an_endless_loop_beyond_what_is_assumed_is_no_condition(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(running, "MAX_LOOP_ITERATIONS", 128)
+    text = "uniform float dt; out float o; void main() { o = 0.5; while (o > 0.0) o -= dt;"
+    text += " o *= %s; }"
+    answer = compared(text % "2.0", text % "(4.0 * 0.5)")
+    assert answer.outputs[0].same is True and "dt" not in str(answer.outputs[0].conditions)
+
+
+def test_a_quaternion_has_length_1_as_far_as_is_known() -> None:
+    text = "uniform vec4 q; uniform vec3 v; out vec3 o; void main() { o = v + 2.0 * cross(q.xyz, "
+    text += "cross(q.xyz, v) + q.w * v)%s; }"
+    answer = compared(text % "", text % " * dot(q, q)", accuracy=False)
+    assert answer.same is True and answer.outputs[0].conditions == ("|q| = 1",)
 
 
 def test_noise_errs_by_what_rounding_may() -> None:
