@@ -95,7 +95,7 @@ def keep_defined(programs: tuple[Program, Program], batch: InputBatch) -> InputB
             np.logical_or(lost, stored.mask & ~known, out=lost)
 
     for program in programs:
-        run_batch(program, batch, FLOAT64, trace=note, keep_ending=True)
+        run_batch(program, batch, FLOAT64, trace=note)
         lost[batch.rows_with(np.flatnonzero(lost), program)] = True
     return batch.part(np.flatnonzero(~lost))
 

@@ -230,7 +230,8 @@ def domains_of(
     for one in inputs.values():
         plain = re.sub(r"\[\d+\]", "", one.name)
         said = ranges.get(one.name, ranges.get(plain, ""))
-        comment = declared.get(plain.rpartition(".")[2], "")
+        # Of a line with several names, those of numbers.
+        comment = "" if "sampler" in one.type else declared.get(plain.rpartition(".")[2], "")
         if said or comment:
             domain = _parse_range(said or comment, one.name)
             found[one.name] = replace(domain, source="given" if said else "declared")
@@ -357,7 +358,7 @@ def unknown_names(ranges: Sequence[str], inputs: Iterable[str]) -> list[str]:
     return [name for name in ranges if name not in known]
 
 
-_SIDES = (4, 8, 16)  # of textures
+_SIDES = (8, 32)  # of textures
 _CORNERS = 0.08  # the share of numbers that are an end of their range, 0 or 1
 _PIXELS = 64  # in a row
 
@@ -560,11 +561,7 @@ def add_mipmaps(texels: Texels) -> Texels:
     """The texture with smaller levels, others; as it is where its kind has none here."""
     if texels.kind not in ("2D", "2DArray") or texels.compare or texels.smaller:
         return texels
-    levels = (
-        texels.values[..., ::n, ::n, :][..., ::-1, :, :] * 0.9
-        for n in (2, 4, 8, 16)
-        if n <= texels.values.shape[-2]
-    )
+    levels = (texels.values[..., ::n, ::n, :][..., ::-1, :, :] * 0.9 for n in (2, 4, 8))
     smaller = tuple(level.astype(np.float32) for level in levels)
     return replace(texels, filter=("linear_mipmap_linear", "linear"), smaller=smaller)
 

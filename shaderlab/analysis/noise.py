@@ -139,13 +139,12 @@ _HUGE = float(np.finfo(np.float32).max)
 @dataclass(frozen=True, eq=False)
 class Ran:
     """What a program gave, without noise (first) and with: outputs (runs, count, components) by
-    name, NaN where there is no float32; whether an invocation was discarded, (runs, count); the
-    labels of the blocks that were run; and by line, which invocations go on in a loop, (count,)."""
+    name, NaN where there is no float32; whether an invocation was discarded, (runs, count); and
+    the labels of the blocks that were run."""
 
     outputs: Mapping[str, Array]
     discarded: Flags
     labels: Set[int]
-    endless: Mapping[int, Flags]
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,15 +180,13 @@ def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
     found = interpret(
         program, each, batch.bindings, PerturbedFloat(count=count, copies=copies),
         count=count * times, places=_separate_runs(each.get("gl_FragCoord"), count), unwritten=True,
-        keep_ending=True,
     )  # fmt: skip
     gone = np.broadcast_to(found.discarded.all_true, (count * times,))
     outputs = {
         name: values.reshape(times, count, values.shape[-1])
         for name, values in flatten_outputs(found.outputs)
     }
-    endless = {n: np.any(flags.reshape(times, count), axis=0) for n, flags in found.endless.items()}
-    return Ran(outputs, gone.reshape(times, count), found.ran, endless)
+    return Ran(outputs, gone.reshape(times, count), found.ran)
 
 
 def _separate_runs(places: Array | None, count: int) -> Array | None:
@@ -230,8 +227,6 @@ def compare(old: Ran, new: Ran, name: str, other: str) -> Compared:
     a, b = a[..., :size], b[..., :size]
     there = [_in_all(~ran.discarded) for ran in (old, new)]
     gone = [_in_all(ran.discarded) for ran in (old, new)]
-    for endless in (*old.endless.values(), *new.endless.values()):
-        there, gone = ([flags & ~endless for flags in each] for each in (there, gone))
     coverage = (there[0] & gone[1]) | (gone[0] & there[1])
     both = there[0] & there[1]
 

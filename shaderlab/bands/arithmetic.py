@@ -21,7 +21,7 @@ A plain band has no `mag` of its own (None: its own absolute value), and pays no
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import reduce
 from typing import Any
 
@@ -140,7 +140,7 @@ def multiply(a: BandT, b: BandT) -> BandT:
     if a.base is b.base:
         return _multiply_powers(a, b)
     if a.terms is not None and b.terms is not None:
-        powers = _collect_powers(a.factors, b.factors)
+        powers = _collect_powers(a, b)
         if powers is not None:
             product: BandT = reduce(multiply, powers)
             return product
@@ -168,11 +168,10 @@ def multiply(a: BandT, b: BandT) -> BandT:
     )
     if a.is_plain and b.is_plain:
         return a.derive(lo, hi, b, nan=nan, terms=terms)
-    terms.factors = _join_factors(a, b)
     # (a + b)·(c + d) may become four products and three sums, each of the size of the terms.
     steps = 1 if a.is_plain or b.is_plain else max(3, terms.count - 1)
     bounds = _move_out_by_terms(lo, hi, steps, terms, mag * UNCANCELLED if steps > 1 else 0.0)
-    return a.derive(*bounds, b, nan=nan, terms=terms)
+    return _remember_factors(a.derive(*bounds, b, nan=nan, terms=terms), a, b)
 
 
 @np.errstate(all="ignore")
@@ -185,8 +184,7 @@ def scale(a: BandT, scale: BandT) -> BandT:
     terms = _scale_terms(a, np.abs(scale.lo))
     if terms is not None:
         terms.signed = a.signed_with(scale)
-        terms.factors = () if a.is_plain else _join_factors(scale, a)
-    return a.derive(lo, hi, scale, nan=nan, terms=terms)
+    return _remember_factors(a.derive(lo, hi, scale, nan=nan, terms=terms), a, scale)
 
 
 def _scale_terms(a: Bounds, factor: Float64Array) -> Terms | None:
@@ -207,25 +205,22 @@ def _scale_terms(a: Bounds, factor: Float64Array) -> Terms | None:
     return Terms(terms.abs_sum * factor, slack, terms.count, flush_gain)
 
 
-def _join_factors(a: BandT, b: BandT) -> tuple[Bounds, ...]:
-    factors = a.factors + b.factors
-    return factors if len(factors) <= _FACTORS else ()
+def _remember_factors(product: BandT, a: Bounds, b: Bounds) -> BandT:
+    factors = a.factors | b.factors
+    if product.terms is not None and len(factors) <= _FACTORS:
+        product.terms.factors, product.terms.product = factors, product.lo
+    return product
 
 
-def _collect_powers(a: Sequence[BandT], b: Sequence[BandT]) -> list[BandT] | None:
-    """The factors of two products, powers of one value as one power; None where no sum is a factor
-    of both, or where a power overflows: then the order counts."""
-    found = list(a)
-    for one in b:
-        for i, other in enumerate(found):
-            if other.base is one.base and not one.base.is_plain:
-                found[i] = _multiply_powers(other, one)
-                if not is_finite(found[i].lo, found[i].hi):
-                    return None
-                break
-        else:
-            found.append(one)
-    return found if len(found) < len(a) + len(b) else None
+def _collect_powers(a: Bounds, b: Bounds) -> list[Any] | None:
+    """The factors of a · b, powers of one value as one; None where the two share no value, or a
+    power overflows: then the order counts."""
+    found = dict(a.factors)
+    for base, power in b.factors.items():
+        found[base] = _multiply_powers(found[base], power) if base in found else power
+    shared = len(found) < len(a.factors) + len(b.factors)
+    finite = shared and all(is_finite(power.lo, power.hi) for power in found.values())
+    return list(found.values()) if finite else None
 
 
 @np.errstate(all="ignore")

@@ -10,7 +10,7 @@ change is more than the smallest normal number.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Self, TypeVar
 
@@ -94,7 +94,8 @@ class Terms:
             term is tiny.
         signed: of ranges, where a term may be negative somewhere; None if that is unknown.
         base: the value that this is a power of, if it is one.
-        factors: the powers of different values that this is a product of, if it is one.
+        factors: the powers that the value with the lower bounds `product` is a product of, by the
+            id of what they are powers of.
     """
 
     abs_sum: Float64Array
@@ -104,7 +105,8 @@ class Terms:
     signed: Flags | None = None
     _least: float | None = None
     base: Bounds | None = None
-    factors: tuple[Bounds, ...] = ()
+    factors: dict[int, Any] | None = None
+    product: Float64Array | None = None
 
     @property
     def least(self) -> float:
@@ -337,7 +339,8 @@ class Bounds(Interval):
 
     def copy_independent(self) -> Self:
         """An equal but independent value: the product of the two is no square."""
-        return type(self)(self.lo, self.hi, self.rules, self.flags, self.terms)
+        terms = self.terms and replace(self.terms, base=None, product=None)
+        return type(self)(self.lo, self.hi, self.rules, self.flags, terms)
 
     def without_terms(self) -> Self:
         """The same values without their terms: nothing distributes over them."""
@@ -354,9 +357,10 @@ class Bounds(Interval):
         return self if self.terms is None or self.terms.base is None else self.terms.base
 
     @property
-    def factors(self) -> tuple[Any, ...]:
-        """The powers of different values whose product this is: itself, if it is none."""
-        return (self,) if self.terms is None else self.terms.factors or (self,)
+    def factors(self) -> dict[int, Any]:
+        """The powers whose product this is, by their values' id: itself, if it is none."""
+        known = self.terms if self.terms and self.terms.product is self.lo else None
+        return (known and known.factors) or {id(self.base): self}
 
     @property
     def count(self) -> int:

@@ -8,6 +8,7 @@ import pytest
 from benchmarks.adversary import Tally, check_one
 from shaderlab import glslmath as g
 from shaderlab.bands import Band, Rules
+from shaderlab.glslmath.dispatch import mark_undefined
 
 
 def chopped(x: np.ndarray) -> np.ndarray:
@@ -121,3 +122,14 @@ def test_a_power_covers_every_order_at_the_edge_of_what_is_exact() -> None:
         assert ((band * band) * ((band * band) * band)).contains(one_by_one).all()
         by_squares = round_(round_(square * square) * x)
         assert (band * band * band * band * band).contains(by_squares).all()
+
+
+def test_only_the_product_itself_is_taken_apart() -> None:
+    """What was negated, or is undefined in places, is no longer the product of its factors."""
+    c = np.linspace(0.1, 0.9, 9).astype(np.float32).astype(float)[:, None]
+    x, k = 1.0 - Band.exact(c), Band.literal([[0.96]])
+    assert (-(k * x) * x).contains(-0.96 * (1.0 - c) ** 2).all()
+    risen = mark_undefined(k * x, c > 0.5)
+    assert (risen * x).may_be_nan.ravel().tolist() == (c > 0.5).ravel().tolist()
+    twice = (k * x).copy_independent() * x
+    assert (twice.hi - twice.lo >= (k * x * x).hi - (k * x * x).lo).all()

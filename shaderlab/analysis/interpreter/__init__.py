@@ -25,5 +25,4 @@ from .program import (
     read as read,
     read_file as read_file,
 )
-from .running import MAX_LOOP_ITERATIONS as MAX_LOOP_ITERATIONS, Stored as Stored
-from .values import EndlessError as EndlessError
+from .running import Stored as Stored

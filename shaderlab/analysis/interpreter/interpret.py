@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -172,14 +172,12 @@ class Interpreted:
         undecided: by line of the program's text, the invocations that took both sides of a branch.
         taken: each two blocks, by their labels, of which an invocation came to one after the other;
             0 comes before a function's first.
-        endless: by line, the invocations that were given up because a loop goes on there.
     """
 
     outputs: Mapping[str, Any]
     discarded: TriBool
     undecided: Mapping[int, Flags]
     taken: Set[tuple[int, int]] = frozenset()
-    endless: Mapping[int, Flags] = field(default_factory=dict)
 
     @property
     def ran(self) -> Set[int]:
@@ -199,7 +197,6 @@ def interpret(
     trace: Trace | None = None,
     watch: Watch | None = None,
     unwritten: bool = False,
-    keep_ending: bool = False,
 ) -> Interpreted:
     """Run a stage on many invocations at once.
 
@@ -218,7 +215,6 @@ def interpret(
         trace: is called with each value that a variable or a part of one is given.
         watch: is called after each instruction, and may change its result.
         unwritten: whether outputs hold an undefined value where an invocation writes none.
-        keep_ending: whether invocations that do not end are given up, rather than all of them.
 
     Raises:
         NotInterpretedError: the program does what the interpreter does not know, or does not end.
@@ -231,7 +227,7 @@ def interpret(
     run = Run(
         program, arithmetic, count,
         places=each.get("gl_FragCoord") if places is None else places,
-        max_blocks=max_blocks, trace=trace, watch=watch, keep_ending=keep_ending,
+        max_blocks=max_blocks, trace=trace, watch=watch,
     )  # fmt: skip
     # What is no number is a result like any other.
     with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -256,5 +252,4 @@ def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
         discarded=TriBool(run.killed & ~survivors, ~run.killed),
         undecided=run.undecided,
         taken=run.taken,
-        endless=run.endless,
     )

@@ -19,7 +19,6 @@ from .arithmetic import Arithmetic
 from .flow import HANDLERS, Leaving, Steps, steps_of, take_phis
 from .program import Function, Instruction, Program
 from .values import (
-    EndlessError,
     Flags,
     Missing,
     NotGivenError,
@@ -172,14 +171,12 @@ class Run:
         program, arithmetic, count: what is run, in what, for how many invocations.
         places: gl_FragCoord of each invocation, if it is given.
         max_blocks, trace, watch: as of `interpret`.
-        keep_ending: whether only the invocations that go on for too long are given up.
         for_ranges: whether values are ranges: what nothing is stored to on one of two paths is
             anything where they meet.
         results: each instruction's result by id, as of its last execution, and each constant.
         calls: the lines of the calls under way.
         killed: the invocations that a `discard` may have ended.
         undecided: by line, the invocations that took both sides of a branch there.
-        endless: by line, the invocations that were given up in a loop there.
         taken: each two blocks, by their labels, of which one was run after the other; 0 comes
             before a function's first.
     """
@@ -192,7 +189,6 @@ class Run:
     max_blocks: int = MAX_BLOCKS
     trace: Trace | None = None
     watch: Watch | None = None
-    keep_ending: bool = False
 
     def __post_init__(self) -> None:
         rules = self.arithmetic.rules
@@ -201,7 +197,6 @@ class Run:
         self.calls: list[int] = []
         self.killed: Flags = np.zeros(self.count, np.bool_)
         self.undecided: dict[int, Flags] = {}
-        self.endless: dict[int, Flags] = {}
         self.taken: set[tuple[int, int]] = set()
         self.units: dict[int, tuple[Value, float]] = {}
         self._blocks = 0
@@ -287,8 +282,7 @@ class Run:
         while waiting:
             label = min(waiting, key=order.__getitem__) if len(waiting) > 1 else next(iter(waiting))
             arrived = join(waiting.pop(label))
-            if self._is_endless(visits, label, function.blocks[label][0].line, arrived):
-                continue
+            self._count(visits, label, function.blocks[label][0].line)
             for target, next_state in self._block(function, label, arrived):
                 if target is None:
                     returned.append(next_state)
@@ -307,9 +301,8 @@ class Run:
             end.memory.pop(id_, None)
         return end
 
-    def _is_endless(self, visits: dict[int, int], label: int, line: int, state: PathState) -> bool:
-        """Count a block's run. Where there are too many, give up the invocations that are in it, or
-        all, if none is left or all have to end."""
+    def _count(self, visits: dict[int, int], label: int, line: int) -> None:
+        """Count a block's run, and give up where there are too many."""
         visits[label] = visits.get(label, 0) + 1
         self._blocks += 1
         if visits[label] > MAX_LOOP_ITERATIONS + 1:
@@ -317,12 +310,8 @@ class Run:
         elif self._blocks > self.max_blocks:
             what = f"a program that goes on after {self.max_blocks} blocks"
         else:
-            return False
-        self.endless[line] = self.endless.get(line, False) | state.mask
-        if not self.keep_ending or np.logical_or.reduce([*self.endless.values()]).all():
-            error = self.program.not_interpreted(what, line)
-            raise EndlessError(error.message, file=error.file)
-        return True
+            return
+        raise self.program.not_interpreted(what, line)
 
     def _block(self, function: Function, label: int, state: PathState) -> Leaving:
         """Run a block; the states that leave it, each with the block that it goes to, None for

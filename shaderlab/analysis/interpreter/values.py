@@ -22,7 +22,7 @@ from shaderlab.bands.exact import (
     join as join_bands,
     select as select_bands,
 )
-from shaderlab.errors import FormulaError, NotInterpretedError
+from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
 
 from .arithmetic import Arithmetic, Floats
@@ -45,10 +45,6 @@ class NotGivenError(FormulaError):
     def of(cls, missing: Missing) -> NotGivenError:
         """The error about this input."""
         return cls(f"nothing is given for {missing.name!r}")
-
-
-class EndlessError(NotInterpretedError):
-    """A program that goes on and on."""
 
 
 class UnchoosableError(Exception):
