@@ -197,7 +197,6 @@ _PLACES = frozenset(
 _DIRECTIONS = frozenset(
     {"normal", "dir", "direction", "halfway", "tangent", "bitangent", "axis", "up", "forward"}
 )
-_QUATERNIONS = frozenset({"q", "quat", "quats", "quaternion", "quaternions", "orientation"})
 _LETTERS = frozenset("NLVHTBR")  # as in N · L; of papers, and of shaders after them
 _ORDERS = (
     ("cutoff", "outercutoff"), ("far", "near"), ("max", "min"), ("high", "low"), ("end", "start"),
@@ -237,10 +236,7 @@ def domains_of(
             found[one.name] = replace(domain, source="given" if said else "declared")
         else:
             found[one.name] = _assume_domain(one)
-    for one in inputs.values():
-        lower = lower_partner(one.name, found)
-        if lower and found[one.name].kind == found[lower].kind == "number":
-            found[one.name] = replace(found[one.name], above=lower)
+    add_orders(found)
     return found
 
 
@@ -290,8 +286,7 @@ def _assume_domain(one: Input) -> InputDomain:
         return InputDomain(
             "projection" if "projection" in words else "rotation" if turns else "affine"
         )
-    quaternion = one.type == "vec4" and _QUATERNIONS & set(words)
-    if quaternion or (one.type in ("vec2", "vec3") and is_direction(one.name)):
+    if one.type in ("vec2", "vec3") and is_direction(one.name):
         return _UNIT_VECTOR
     if one.type in ("bool", "bvec2", "bvec3", "bvec4"):
         return InputDomain("number")
@@ -327,21 +322,15 @@ def is_place(name: str) -> bool:
     return bool(_PLACES & set(words_of(name)))
 
 
-def lower_partner(name: str, names: Iterable[str]) -> str:
-    """The input that is named as the lower one of a pair in which this one is the higher."""
-    start, own = _split(name)
-    for high, low in _ORDERS:
-        if high in own:
-            wanted = own.replace(high, low)
-            for other in names:
-                if _split(other) == (start, wanted):
-                    return other
-    return ""
-
-
-def _split(name: str) -> tuple[str, str]:
-    start, dot, own = name.rpartition(".")
-    return start + dot, own.lower()
+def add_orders(domains: dict[str, InputDomain]) -> None:
+    """Note of each number that is named as the higher one of a pair which one is the lower."""
+    names = {name.lower(): name for name, domain in domains.items() if domain.kind == "number"}
+    for higher, name in names.items():
+        start, dot, own = higher.rpartition(".")
+        for high, low in _ORDERS:
+            lower = names.get(start + dot + own.replace(high, low), name)
+            if lower != name:
+                domains[name] = replace(domains[name], above=lower)
 
 
 def keep_in_order(each: dict[str, Array], domains: Mapping[str, InputDomain]) -> None:
@@ -490,16 +479,12 @@ def _coarse_step(values: Array) -> float:
 
 
 def _coarsen_texels(texels: Texels, made_up: bool) -> Texels:
-    def flatten(values: Array) -> Array:
-        step = _coarse_step(values) if values.dtype.kind == "f" else 1
-        found: Array = (step * np.round(values / step)).astype(values.dtype)
-        high, wide = (size // 2 for size in found.shape[-3:-1])
-        ends = (0, 1) if made_up else (f(found, (-3, -2), keepdims=True) for f in (np.min, np.max))
-        found[..., :high, :wide, :], found[..., high:, wide:, :] = ends
-        return found
-
-    smaller = tuple(flatten(level) for level in texels.smaller)
-    return replace(texels, values=flatten(texels.values), smaller=smaller)
+    step = _coarse_step(texels.values) if texels.values.dtype.kind == "f" else 1
+    values: Array = (step * np.round(texels.values / step)).astype(texels.values.dtype)
+    high, wide = (size // 2 for size in values.shape[-3:-1])
+    ends = (0, 1) if made_up else (end(values, (-3, -2), keepdims=True) for end in (np.min, np.max))
+    values[..., :high, :wide, :], values[..., high:, wide:, :] = ends
+    return replace(texels, values=values)
 
 
 def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Generator) -> Array:
@@ -580,10 +565,7 @@ def learn_domains(captured: Sequence[InputBatch]) -> dict[str, InputDomain]:
                 own = array if name in batch.each else array[None]
                 values.setdefault(name, []).append(own)
     found = {name: _learn_domain(name, arrays) for name, arrays in values.items()}
-    for name, domain in found.items():
-        lower = lower_partner(name, found)
-        if lower and domain.kind == found[lower].kind == "number":
-            found[name] = replace(domain, above=lower)
+    add_orders(found)
     return found
 
 
@@ -661,7 +643,9 @@ def vary_inputs(batch: InputBatch, domains: Mapping[str, InputDomain], seed: int
     """Other inputs of the same roles: uniforms differ between quads of pixels now, and texels have
     changed places."""
     rng = np.random.default_rng([29, seed])
-    group = _groups(batch)
+    group = np.arange(batch.count)  # the same number in a quad of pixels
+    if "gl_FragCoord" in batch.each:
+        group = np.unique(quads_of(batch.each["gl_FragCoord"]), return_inverse=True)[1].ravel()
     each = dict(batch.each)
     for name, values in batch.bindings.uniforms.items():
         array = np.asarray(values)
@@ -673,14 +657,6 @@ def vary_inputs(batch: InputBatch, domains: Mapping[str, InputDomain], seed: int
     keep_in_order(each, domains)
     textures = {name: _shuffle(texels, rng) for name, texels in batch.bindings.textures.items()}
     return InputBatch(each, replace(batch.bindings, textures=textures), batch.count)
-
-
-def _groups(batch: InputBatch) -> Array:
-    """A number for each invocation, the same in a quad of pixels."""
-    places = batch.each.get("gl_FragCoord")
-    if places is None:
-        return np.arange(batch.count)
-    return np.asarray(np.unique(quads_of(places), return_inverse=True)[1].ravel())
 
 
 def _vary(values: Array, domain: InputDomain, group: Array, rng: np.random.Generator) -> Array:
