@@ -202,15 +202,32 @@ def judge_reference(function: Function, call: Call, part: Part, banded: Banded) 
 
 
 def _curves(name: str, banded: Banded) -> list[Curve]:
-    """The curve over the only number that varies, of 300 points and the worst one; or none."""
-    varying = [each.shape[1:] for each in banded.inputs.each.values()]
-    if varying != [(1,)] or not banded.measured.size:
+    """The curve over the only number that varies, of 300 points and the worst one; or over the only
+    two a map of 30 × 16 cells, each the value that is furthest in its band; or none."""
+    varying = {
+        f"{over}.{'xyzw'[n]}" if values.shape[1] > 1 else over: values[:, n]
+        for over, values in banded.inputs.each.items()
+        if values.ndim == 2
+        for n in range(values.shape[1])
+    }
+    names = list(varying)
+    if len(banded.inputs.each) > len(names) or not banded.measured.size or len(names) not in (1, 2):
         return []
-    ((over, x),) = banded.inputs.each.items()
-    order = np.argsort(x[:, 0], kind="stable")
-    some = {*order[:: max(1, len(order) // 300)], banded.furthest()[0]}
-    rows = np.array([row for row in order if row in some])
-    return [banded.curve(name, over, name, x[rows, 0].tolist(), rows)]
+    x, y = varying[names[0]], varying[names[-1]]
+    if x is y:
+        order = np.argsort(x, kind="stable")
+        some = {*order[:: max(1, len(order) // 300)], banded.furthest()[0]}
+        rows = np.array([row for row in order if row in some])
+        return [banded.curve(name, names[0], name, x[rows].tolist(), rows)]
+    if not (np.isfinite(x).all() and np.isfinite(y).all()):
+        return []
+    columns, lines = (
+        np.digitize(v, np.linspace(v.min(), v.max(), n + 1)[1:-1]) for v, n in ((x, 30), (y, 16))
+    )
+    order = np.argsort(np.abs(banded.measure_distances()), kind="stable")
+    rows = np.array(sorted(dict(zip((columns * 16 + lines)[order], order, strict=True)).values()))
+    found = banded.curve(name, names[0], name, x[rows].tolist(), rows)
+    return [replace(found, title=found.y_label, y_label=names[1], y=tuple(y[rows].tolist()))]
 
 
 def _judge_law(

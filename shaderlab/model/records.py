@@ -194,7 +194,8 @@ class Outcome:
 
 @dataclass(frozen=True, kw_only=True)
 class Curve:
-    """Measured points against their reference, for plotting: all lists have one length."""
+    """Measured points against their reference, for plotting: all lists have one length. Over two
+    inputs `y` is the second one, which `y_label` names."""
 
     title: str
     x_label: str
@@ -205,6 +206,7 @@ class Curve:
     low: tuple[float, ...]
     high: tuple[float, ...]
     log_x: bool = False
+    y: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,6 +21,8 @@ _FURTHEST = 1.6
 _MOST_ROWS = 120
 # How many series are distinguishable: the style sheet has a colour for each.
 _COLOURS = 6
+# A map's colours, which the style sheet has.
+_SHADES = 8
 # A height outside of the drawing, where there is nothing to mark.
 _NOWHERE = -99.0
 
@@ -154,46 +156,57 @@ Marks = list[tuple[str, str]]
 Labels = list[tuple[float, float, str, str]]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Chart:
     """Everything the template draws, in the coordinates of a drawing of WIDTH × `height`.
 
     Attributes:
+        drawn: what has its title and the names of its axes.
         marks: (CSS class, SVG path), the lowest first; none where nothing can be drawn.
         labels: texts as (x, y, CSS class, text).
         key: (CSS class, words) of each kind of mark.
-        bad: how many points are outside.
         hidden: how many points are not in the drawing.
         heads: of the table's columns.
-        rows: of the table: of many points some, evenly chosen, and those outside.
-        count: how many points there are.
+        points: a row for each.
+        foot: the lowest part's edge.
     """
 
-    title: str
-    x_label: str
-    y_label: str
+    drawn: Curve | Plot
     marks: Marks
     labels: Labels
     key: Marks
-    bad: int
     hidden: int
     heads: tuple[str, ...]
-    rows: Sequence[ChartRow]
-    count: int
-    height: float
+    points: Sequence[ChartRow]
+    foot: float = _BOTTOM
     width, middle, top = _WIDTH, (_LEFT + _RIGHT) / 2, _TOP
 
     @property
-    def foot(self) -> float:
-        return self.height - 46
+    def height(self) -> float:
+        return self.foot + 46
+
+    @property
+    def bad(self) -> int:
+        """How many points are outside."""
+        return sum(row.bad for row in self.points)
+
+    @property
+    def rows(self) -> Sequence[ChartRow]:
+        """Of many points some, evenly chosen, and those outside."""
+        step = max(1, math.ceil(len(self.points) / _MOST_ROWS))
+        some = [row for index, row in enumerate(self.points) if index % step == 0 or row.bad]
+        return some[: 4 * _MOST_ROWS]
 
 
 def draw_curve(curve: Curve) -> Chart:
     """Draw a curve as two charts: points on their reference, and where in the band each is.
 
     A derived band is mostly thinner than a line, so the second chart stretches it: −1 and 1 are its
-    edges at every x. What can't be drawn (NaN, an infinity, x ≤ 0 on a logarithm) is counted.
+    edges at every x. What can't be drawn (NaN, an infinity, x ≤ 0 on a logarithm) is counted. Over
+    two inputs it is a map.
     """
+    if curve.y:
+        return _draw_map(curve)
     points = list(
         zip(curve.x, curve.measured, curve.reference, curve.low, curve.high, strict=False)
     )
@@ -217,20 +230,41 @@ def draw_curve(curve: Curve) -> Chart:
             at = f"{plane.across.at(point[0]):g} {heights[0]:g} {heights[1]:g}"
         first = figure(point[0]) + " outside" * is_bad
         rows.append(ChartRow((first, *map(figure, point[1:])), is_bad, at))
-    return Chart(
-        title=curve.title,
-        x_label=curve.x_label,
-        y_label=curve.y_label,
-        marks=marks,
-        labels=labels,
-        key=[(name, name) for name in ("measured", "reference", "band")],
-        bad=sum(bad),
-        hidden=sum(plane is None or plane.at(x, y) is None for x, y, *_ in points),
-        heads=(curve.x_label, "measured", "reference", "band from", "to"),
-        rows=_choose_rows(rows),
-        count=len(points),
-        height=_STRIP_BOTTOM + 46,
+    key = [(name, name) for name in ("measured", "reference", "band")]
+    heads = (curve.x_label, "measured", "reference", "band from", "to")
+    hidden = sum(plane is None or plane.at(x, y) is None for x, y, *_ in points)
+    return Chart(curve, marks, labels, key, hidden, heads, rows, _STRIP_BOTTOM)
+
+
+def _draw_map(curve: Curve) -> Chart:
+    """Draw measured values over two inputs as squares in shades, and a dot where one is outside."""
+    points = list(
+        zip(curve.x, curve.y, curve.measured, curve.reference, curve.low, curve.high, strict=True)
     )
+    across = fit_axis(curve.x, _LEFT, _RIGHT, log=False, margin=0.02)
+    up = fit_axis(curve.y, _BOTTOM, _TOP, log=False, margin=0.04)
+    shades = fit_axis(curve.measured, 0, _SHADES - 1, log=False, margin=0.0)
+    plane = Plane(across, up) if across and up and shades else None
+    marks, labels = _draw_axes(plane, _BOTTOM)
+    key: Marks = []
+    rows = []
+    by_shade: list[list[tuple[float, float]]] = [[] for _ in range(_SHADES)]
+    for x, y, value, *rest in points:
+        at = plane and plane.at(x, y)
+        outside = is_outside(value, *rest[1:])
+        cells = figure(x) + " outside" * outside, *map(figure, (y, value, *rest))
+        rows.append(ChartRow(cells, outside, f"{at[0]:g} {at[1]:g}" if at else ""))
+        if shades and shades.holds(value):
+            by_shade[round(shades.at(value))].append((x, y))
+    if plane and shades:
+        marks += [(f"dots shade-{n}", plane.dots(some)) for n, some in enumerate(by_shade)]
+        bad = [point[:2] for point, row in zip(points, rows, strict=True) if row.bad]
+        marks.append(("dots is-outside", plane.dots(bad)))
+        ends = {0: f"measured {_format_tick(shades.low)} to {_format_tick(shades.high)}"}
+        key = [(f"series shade-{n}", ends.get(_SHADES - 1 - n, "")) for n in range(_SHADES)]
+    heads = (curve.x_label, curve.y_label, "measured", "reference", "band from", "to")
+    hidden = len(points) - sum(map(len, by_shade))
+    return Chart(curve, marks, labels, key, hidden, heads, rows)
 
 
 def _draw_curve_marks(
@@ -270,12 +304,6 @@ def _draw_axes(plane: Plane | None, foot: float) -> tuple[Marks, Labels]:
     labels: Labels = [(_LEFT - 8, y + 4, "end", label) for y, label in lines]
     labels += [(x, foot + 18, "centred", label) for x, label in columns]
     return [("grid", grid)], labels
-
-
-def _choose_rows(rows: Sequence[ChartRow]) -> list[ChartRow]:
-    step = max(1, math.ceil(len(rows) / _MOST_ROWS))
-    some = [row for index, row in enumerate(rows) if index % step == 0 or row.bad]
-    return some[: 4 * _MOST_ROWS]
 
 
 def _curve_heights(curve: Curve) -> list[float]:
@@ -343,20 +371,8 @@ def draw_plot(plot: Plot) -> Chart:
         )
         for p, at in zip(points, places, strict=True)
     ]
-    return Chart(
-        title=plot.title,
-        x_label=plot.x_label,
-        y_label=plot.y_label,
-        marks=marks,
-        labels=labels,
-        key=key,
-        bad=sum(not p.ok for p in points),
-        hidden=places.count(None),
-        heads=(plot.x_label, "measured", "expected") + (("series",) if several else ()),
-        rows=rows,
-        count=len(points),
-        height=_BOTTOM + 46,
-    )
+    heads = (plot.x_label, "measured", "expected") + (("series",) if several else ())
+    return Chart(plot, marks, labels, key, places.count(None), heads, rows)
 
 
 def _plot_heights(plot: Plot) -> list[float]:

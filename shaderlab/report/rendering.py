@@ -122,7 +122,9 @@ def _script_colours() -> str:
 
 @cache
 def style() -> str:
-    return _join("style", _STYLES, "css")
+    shades = (pictures.VIRIDIS[6 * round(255 / 7 * n) :][:6] for n in range(8))
+    rules = (f".shade-{n} {{ --series: #{shade}; }}\n" for n, shade in enumerate(shades))
+    return _join("style", _STYLES, "css") + "".join(rules)
 
 
 @cache

@@ -12,7 +12,10 @@ from shaderlab.model.records import Record
 from shaderlab.pytest_plugin import ReportWriter
 from shaderlab.report.findings import collect_findings
 
-LIGHT = "float half_of(float x) { return 0.5 * x; }\nfloat same(float x) { return x; }\n"
+LIGHT = """float half_of(float x) { return 0.5 * x; }
+float same(float x) { return x; }
+float product(vec2 p) { return p.x == 1.5 && p.y == 4.5 ? 0.0 : p.x * p.y; }
+"""
 TESTS = '''\
 """Halves."""
 import numpy as np
@@ -35,6 +38,10 @@ def test_searched(x, y):
 
 def test_asserts():
     assert light.same(1.0) == 2.0
+
+def test_over_two():
+    x, y = np.meshgrid(np.linspace(1, 2, 101), np.linspace(4, 5, 9))
+    light.product.check(lambda p: p.x * p.y, np.stack([x, y], -1))
 
 def test_other():
     pass
@@ -69,6 +76,7 @@ def test_cases_and_functions_stand_on_one_page(
     assert {name: r.status for name, r in found.items() if r.id == "test_light"} == {
         "test_right": "pass",
         "test_wrong": "fail",
+        "test_over_two": "fail",
         "test_searched": "fail",
         "test_asserts": "fail",
     }
@@ -81,6 +89,13 @@ def test_cases_and_functions_stand_on_one_page(
     assert (curve.x_label, curve.x[0], curve.x[-1], len(curve.x)) == ("x", 1.0, 2.0, 11)
     assert curve.measured == tuple(0.5 * x for x in curve.x)
     assert all(low > y for low, y in zip(curve.low, curve.measured, strict=True))
+    (area,) = found["test_over_two"].curves
+    assert (area.title, area.x_label, area.y_label) == ("product", "p.x", "p.y")
+    cells = dict(zip(zip(area.x, area.y, strict=True), area.measured, strict=True))
+    assert (
+        len(cells) == 30 * 9 and cells[1.5, 4.5] == 0.0
+    )  # one of each cell, the wrong one for sure
+    assert min(area.x) < 1.04 and max(area.x) > 1.96 and {*area.y} == {4 + n / 8 for n in range(9)}
     assert "11 outside" in (tests.path / "out/cases/test-light.html").read_text()
     assert 'class="dots is-outside"' in (tests.path / "out/index.html").read_text()
     (wrong,) = found["test_wrong"].expectations

@@ -34,6 +34,23 @@ def test_curves_are_drawn_with_a_table(tmp_path: Path) -> None:
     assert str(dots[0]).count("h0") == 1
 
 
+def test_over_two_inputs_a_map_is_drawn(tmp_path: Path) -> None:
+    area = curve(y=(1.0, 2.0, 3.0, 4.0), y_label="height")
+    page = Page(write(run(record(curves=(area,))), tmp_path))
+    dots = {
+        str(a["class"]): str(a["d"]).count("h0")
+        for t, a in page.tags
+        if t == "path" and "dots" in str(a.get("class"))
+    }
+    # 0.5 is the least, 1 the most; 0.9 is outside of its band, NaN has no colour.
+    shades = {f"dots shade-{n}": 0 for n in range(8)}
+    assert dots == shades | {
+        "dots shade-0": 1, "dots shade-6": 1, "dots shade-7": 1, "dots is-outside": 2,
+    }  # fmt: skip
+    words = page.words()
+    assert "measured 0.5 to 1" in words and "height" in words and "2 outside" in words
+
+
 def test_one_wild_value_does_not_flatten_the_curve(tmp_path: Path) -> None:
     wild = curve(measured=(1.0, 0.5, 1e30, 0.1))
     page = Page(write(run(record(curves=(wild,))), tmp_path))
@@ -54,6 +71,8 @@ def test_one_wild_value_does_not_flatten_the_curve(tmp_path: Path) -> None:
         {"x": (1e-300, 1.0, 1e300, 2.0), "log_x": True},
         {"measured": (5e-324, 0.0, 0.0, 0.0), "reference": (0.0,) * 4},
         {"x": (1e15, 1e15 + 1, 1e15 + 2, 1e15 + 3)},
+        {"y": (1.0,) * 4, "measured": (NAN,) * 4},
+        {"y": (-INF, 1e308, NAN, 5e-324), "measured": (INF, -1e308, 1e308, 0.0)},
     ],
 )
 def test_odd_curves_do_no_harm(tmp_path: Path, values: dict[str, object]) -> None:
