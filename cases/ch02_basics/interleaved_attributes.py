@@ -96,7 +96,7 @@ case = Case(
     section="2.2.2",
     math=r"\text{address}(n) = \text{offset} + n \cdot \text{stride} = \text{offset} + 32\,n",
     passes=(
-        *pictured((LARGE, NUMBERS), (960, 480), LIGHT),
+        *pictured((LARGE, NUMBERS), (720, 360), LIGHT),
         triangle("separate", "separate"),
         triangle("interleaved", "main"),
     ),
