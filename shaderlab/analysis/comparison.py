@@ -146,11 +146,7 @@ def compare_programs(
         new=new.path,
         outputs=outputs,
         notes=(*_notes(mine, theirs), *never),
-        inputs={
-            name: f"{domain} ({domain.source})"
-            for name, domain in domains.items()
-            if name in inputs
-        },
+        inputs={n: f"{d} ({d.source})" for n, d in domains.items() if n in inputs},
     )
 
 
@@ -339,12 +335,9 @@ class _Comparison:
         if found is None:
             return None
         worse, better, row, step = found
-        return Numerics(
-            worse=worse,
-            better=better,
-            near=some.example(row, self.inputs),
-            place="" if step is None else _format_place(self.programs[1], step.line),
-        )
+        near = some.example(row, self.inputs)
+        place = "" if step is None else _format_place(self.programs[1], step.line)
+        return Numerics(worse=worse, better=better, near=near, place=place)
 
     def _add_conditions(self, answer: OutputAnswer, name: str, other: str) -> OutputAnswer:
         """The answer with what it holds under: assumptions about inputs without which the output is

@@ -395,8 +395,7 @@ def _numbers(type_: str, domain: InputDomain, count: int, rng: np.random.Generat
         v = rng.normal(size=(count, size))
         few = rng.random(count) < _CORNERS  # along an axis
         v[few] = np.sign(v[few]) * (np.abs(v[few]) == np.abs(v[few]).max(axis=1, keepdims=True))
-        found: Array = (v / np.linalg.norm(v, axis=1, keepdims=True)).astype(np.float32)
-        return found
+        return np.asarray(v / np.linalg.norm(v, axis=1, keepdims=True), np.float32)
     if type_.startswith(("int", "ivec", "uint", "uvec", "bool", "bvec")):
         whole = rng.integers(int(domain.low), int(domain.high) + 1, (count, size))
         if domain.high - domain.low > 2.0**16:  # of each magnitude as many
@@ -648,9 +647,8 @@ def vary_inputs(batch: InputBatch, domains: Mapping[str, InputDomain], seed: int
         group = np.unique(quads_of(batch.each["gl_FragCoord"]), return_inverse=True)[1].ravel()
     each = dict(batch.each)
     for name, values in batch.bindings.uniforms.items():
-        array = np.asarray(values)
         if name in domains and name not in each:
-            each[name] = np.repeat(array[None], batch.count, axis=0)
+            each[name] = np.repeat(np.asarray(values)[None], batch.count, axis=0)
     for name, domain in domains.items():
         if name in each:
             each[name] = _vary(each[name], domain, group, rng)
