@@ -96,7 +96,10 @@ class Mesh(Checked):
         if self.indices is None:
             return
         indices = np.asarray(self.indices).ravel()
-        if indices.size and (indices.min() < 0 or indices.max() >= self.vertices):
+        if not indices.size or indices.dtype.kind not in "iu":
+            given = f"{indices.size} of type {indices.dtype}"
+            raise CaseError(f"Mesh: indices are one or more whole numbers, not {given}")
+        if indices.min() < 0 or indices.max() >= self.vertices:
             raise CaseError(
                 f"Mesh: indices run from {indices.min()} to {indices.max()}, "
                 f"but there are {self.vertices} vertices"

@@ -173,3 +173,9 @@ def test_a_default_is_not_looked_at_and_what_is_given_is() -> None:
 def test_small_unsigned_indices_keep_their_type(given: str, kept: str) -> None:
     mesh = Mesh(attributes={"aPos": np.zeros((3, 3))}, indices=np.arange(3).astype(given))
     assert mesh.indices is not None and mesh.indices.dtype == kept
+
+
+@pytest.mark.parametrize("indices", [[], [0.5, 1, 2], [True, False, True]])
+def test_indices_are_whole_numbers(indices: list[float]) -> None:
+    with pytest.raises(CaseError, match="indices are one or more whole numbers, not"):
+        Mesh(attributes={"aPos": np.zeros((3, 3))}, indices=np.array(indices))
