@@ -15,8 +15,9 @@ Try: in `ch02_basics/textured.frag` write `texture(image, vec2(TexCoords.s, 1.0 
 
 import numpy as np
 
-from shaderlab import Case, Erratum, Pixel, Target, Texture, assets, exact, formula, fullscreen
+from shaderlab import Case, Erratum, Pixel, Target, Texture, exact, formula, fullscreen
 
+from ..scenes import painted_textures
 from ..scenes.figures import each_draw, figure
 from ..scenes.laws import sampled
 from ..scenes.panel_checks import enlarged_check
@@ -54,7 +55,12 @@ case = Case(
     r"i = \lfloor s \cdot \text{width} \rfloor,\ j = \lfloor t \cdot \text{height} \rfloor",
     passes=(
         *enlarged(
-            (shown(0, assets.uv_grid), shown(1, lambda: assets.uv_grid()[::-1])), (114, 57), 9
+            (
+                shown(0, painted_textures.uv_grid),
+                shown(1, lambda: painted_textures.uv_grid()[::-1]),
+            ),
+            (114, 57),
+            9,
         ),
         *numbered("lowest-first", NUMBERED),
         *numbered("topmost-first", NUMBERED[::-1]),

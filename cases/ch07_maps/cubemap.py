@@ -28,7 +28,7 @@ from shaderlab.glslmath.sampling import textureLod
 from shaderlab.reference.cube_maps import face_coordinates
 from shaderlab.reference.transforms import look_at, perspective, rotate
 
-from ..scenes import stage
+from ..scenes import painted_textures, stage
 from ..scenes.cameras import directions
 from ..scenes.draws import tested
 from ..scenes.figures import each_draw, figures
@@ -46,7 +46,7 @@ LIGHT = np.array([0.35, 0.75, 0.56]) / np.linalg.norm([0.35, 0.75, 0.56])
 
 def chart(face):
     """A face of the picture: the chart's fields and figures in the face's own colour."""
-    grey = assets.uv_grid(256, 4)[..., :3].mean(axis=-1, keepdims=True)
+    grey = painted_textures.uv_grid(256, 4)[..., :3].mean(axis=-1, keepdims=True)
     board = 0.55 + 0.75 * (grey - 0.3)
     return np.concatenate([board * COLORS[face], np.ones((256, 256, 1))], axis=-1)
 

@@ -30,7 +30,7 @@ def crates(
         wood: on each of their faces.
         cell: the part of the target to draw into.
 
-    >>> wood = Texture(image=assets.uv_grid)
+    >>> wood = Texture(image=assets.checker)
     >>> [draw.uniforms["number"] for draw in crates([np.eye(4)] * 2, {}, wood)]
     [1.0, 2.0]
     """

@@ -1,7 +1,7 @@
 """Meshes and textures as NumPy arrays, made by arithmetic or read from files.
 
 A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A texture is an array
-(height, width, channels) in 0…1 whose row 0 is the bottom one: `Texture(image=assets.uv_grid)`.
+(height, width, channels) in 0…1 whose row 0 is the bottom one: `Texture(image=assets.checker)`.
 `load_obj` and `load_pcd` read models and point clouds from files.
 """
 
@@ -25,5 +25,4 @@ from shaderlab.assets.models import (
 from shaderlab.assets.textures import (
     checker as checker,
     solid as solid,
-    uv_grid as uv_grid,
 )
