@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 from shaderlab.cli import cli
 from shaderlab.model import pictures
-from tests.meta.test_readme import example
+from tests.small_case import example
 
 __all__ = ["example"]
 
@@ -36,7 +36,7 @@ void main() { FragColor = texelFetch(image, ivec2(0), 0); }
 
 @pytest.fixture
 def folder(example: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The README's example, and no OpenImageIO."""
+    """A small case, and no OpenImageIO."""
     (example / "t.frag").write_text(SHADER)
     (example / "t.py").write_text(TEXTURED)
     pictures.save_png(example / "red.png", np.full((4, 4, 3), (255, 0, 0), np.uint8))
@@ -63,7 +63,7 @@ def test_a_case_is_drawn_judged_and_shown(folder: Path) -> None:
     site, single = (
         (folder / "out" / file).read_text("utf-8") for file in ("index.html", "all.html")
     )
-    assert '<img src="images/lambert--default--picture' in site
+    assert '<img src="images/lambert--default--small' in site
     assert 'src="data:image/png;base64,iVBOR' in single
 
 

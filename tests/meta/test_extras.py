@@ -12,7 +12,7 @@ import pytest
 
 from tests.meta.examples import execute
 from tests.meta.test_layers import COURSE, OPTIONAL
-from tests.meta.test_readme import example
+from tests.small_case import example
 
 __all__ = ["example"]
 
