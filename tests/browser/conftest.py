@@ -39,7 +39,7 @@ def find_chromium() -> str | None:
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
-    """A running browser."""
+    """A running browser, whose first context is shared by all pages that need none of their own."""
     playwright = pytest.importorskip(
         "playwright.sync_api", reason="playwright is not installed: pip install playwright"
     )
@@ -48,6 +48,7 @@ def browser() -> Iterator[Any]:
         pytest.skip("there is no Chromium here: apt-get install chromium, or SHADERLAB_CHROMIUM=…")
     with playwright.sync_playwright() as driver:
         running = driver.chromium.launch(executable_path=path, args=FLAGS)
+        running.new_context(viewport=DESKTOP)
         yield running
         running.close()
 
@@ -67,14 +68,26 @@ def visit(browser: Any) -> Iterator[Callable[..., Any]]:
 
 @contextmanager
 def visiting(browser: Any) -> Iterator[Callable[..., Any]]:
-    """Opens pages, and closes them in the end; what they complain of is an error then."""
-    contexts: list[Any] = []
+    """Opens pages, and closes them in the end; what they complain of is an error then.
+
+    What a page can't be told by itself takes a context of its own, and so another process to begin.
+    """
+    opened: list[Any] = []
     complaints: list[str] = []
 
-    def go(path: Path, anchor: str = "", **options: Any) -> Any:
-        context = browser.new_context(**{"viewport": DESKTOP, **options})
-        contexts.append(context)
+    def go(
+        path: Path, anchor: str = "", *, viewport: Any = DESKTOP, color_scheme: str | None = None,
+        **options: Any,
+    ) -> Any:  # fmt: skip
+        context = browser.contexts[0]
+        if options:
+            context = browser.new_context(viewport=viewport, **options)
+            opened.append(context)
         page = context.new_page()
+        opened.append(page)
+        if viewport is not DESKTOP:
+            page.set_viewport_size(viewport)
+        page.emulate_media(color_scheme=color_scheme)
         page.set_default_timeout(60_000)  # a machine may be busy
         page.on("pageerror", lambda error: complaints.append(f"error: {error}"))
         page.on("dialog", lambda dialog: complaints.append(f"dialog: {dialog.message}"))
@@ -84,8 +97,10 @@ def visiting(browser: Any) -> Iterator[Callable[..., Any]]:
         return page
 
     yield go
-    for context in contexts:
-        context.close()
+    for one in reversed(opened):
+        if one in browser.contexts[0].pages:
+            one.evaluate("localStorage.clear()")
+        one.close()
     assert complaints == []
 
 
