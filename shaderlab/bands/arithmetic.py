@@ -206,9 +206,10 @@ def _scale_terms(a: Bounds, factor: Float64Array) -> Terms | None:
 
 
 def _remember_factors(product: BandT, a: Bounds, b: Bounds) -> BandT:
-    factors = a.factors | b.factors
-    if product.terms is not None and len(factors) <= _FACTORS:
-        product.terms.factors, product.terms.product = factors, product.lo
+    own, other = a.factors, b.factors
+    few = len(own) + len(other) <= _FACTORS and own.keys().isdisjoint(other)
+    if product.terms is not None and few:
+        product.terms.factors, product.terms.product = own | other, product.lo
     return product
 
 

@@ -110,6 +110,21 @@ def test_another_factor_does_not_change_what_a_power_costs(factor: str) -> None:
             assert order.contains(scaled).all(), "as written with the factor first"
 
 
+def test_no_product_loses_a_factor() -> None:
+    """Products of the same few values in random order, each several times."""
+    rng = np.random.default_rng(7)
+    exact = [rng.uniform(0.5, 2.0, (16, 1)).astype(np.float32).astype(float) for _ in range(3)]
+    x, y, z = map(Band.exact, exact)
+    values = [(x, exact[0]), (y, exact[1]), (3.0 - z, 3.0 - exact[2]), (Band.literal([[3.0]]), 3.0)]
+    for _ in range(300):
+        left = [values[n] for n in rng.integers(0, 4, rng.integers(3, 9))]
+        while len(left) > 1:
+            (a, real_a), (b, real_b) = (left.pop(rng.integers(len(left))) for _ in range(2))
+            left.append((a * b, real_a * real_b))
+        band, real = left[0]
+        assert band.contains(np.asarray(real, np.float32)).all()
+
+
 def test_a_power_covers_every_order_at_the_edge_of_what_is_exact() -> None:
     """x²·x³ of exact x² and x³ is rounded once, x⁴·x twice; flushed squares stay flushed."""
     rng = np.random.default_rng(3)
