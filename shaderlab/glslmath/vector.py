@@ -14,7 +14,7 @@ import numpy as np
 from shaderlab.bands import Band, Integer, arithmetic, exact, functions
 from shaderlab.bands.bounds import SETS, as_vector, components
 from shaderlab.bands.exact import concatenate, join
-from shaderlab.bands.rounding import SMALLEST_NORMAL
+from shaderlab.bands.rounding import LARGEST, SMALLEST_NORMAL
 from shaderlab.errors import FormulaError
 
 from .choice import equal, where
@@ -202,7 +202,8 @@ def direction(v: Band) -> Band:
     quotient = arithmetic.divide(v, functions.sqrt(squared))
     product = arithmetic.multiply(v, functions.inversesqrt(squared))
     either: Band = clamp(exact.union(quotient, product), -_BEYOND_UNIT, _BEYOND_UNIT)
-    return mark_undefined(either, squared.lo < SMALLEST_NORMAL)
+    # A sum of squares that overflows may be the largest number, and what is divided by it is large.
+    return mark_undefined(either, (squared.lo < SMALLEST_NORMAL) | (squared.hi > LARGEST))
 
 
 def cross(a: Value, b: Value) -> Value:

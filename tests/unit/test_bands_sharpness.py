@@ -144,3 +144,9 @@ def test_smoothstep_beyond_its_edges_is_exact() -> None:
     assert (1.0 - risen).abs_sum.ravel().tolist() == [1.0, 2.0]
     between = g.smoothstep(0.25, 0.75, Band.exact([[0.5]]))
     assert between.lo.item() < 0.5 < between.hi.item()
+
+
+def test_anything_goes_where_the_squares_of_a_vector_overflow() -> None:
+    """Their sum may be infinity, or the largest number."""
+    band = g.normalize(Band.exact([[3e19, 1.0, 0.0], [3e18, 1.0, 0.0]]))
+    assert band.vacuous[0].all() and not band.vacuous[1].any()
