@@ -91,7 +91,7 @@ function play({ about, data }, scale = 1) {
 }
 
 /** Milliseconds that a frame may take; else it is drawn smaller while a control is moved. */
-const FRAME = 40;
+const FRAME = 25;
 
 /** The largest difference of each pixel's channels to what the case's own values give, and the
  * largest of all that are finite. */
