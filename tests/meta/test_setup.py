@@ -54,11 +54,12 @@ class Machine:
         self.path = str(others)
 
     def run(self, *words: str) -> subprocess.CompletedProcess[str]:
-        path = f"{self.commands}{os.pathsep}{self.path}"
+        # As from a shell: `make test` tells what it starts that another make runs above.
+        outside = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))}
         return subprocess.run(
             words,
             cwd=self.folder,
-            env={**os.environ, "PATH": path},
+            env={**outside, "PATH": f"{self.commands}{os.pathsep}{self.path}"},
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
