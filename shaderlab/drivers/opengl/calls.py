@@ -21,7 +21,7 @@ from shaderlab.model.calls import Call, Location, Object, Program
 from shaderlab.model.frame import Reply
 
 from . import environment
-from .device import GL, LIBRARIES, REQUIRED_VERSION, Device, GLError, NullFunctionError
+from .device import GL, LIBRARIES, Device, GLError, NullFunctionError
 from .drawing import drain_errors
 from .linking import compile_shader, link_program
 
@@ -87,7 +87,7 @@ def fresh_context(device: Device) -> Iterator[Any]:
     in it. The device's is untouched, and current again afterwards."""
     import glcontext
 
-    names = {"glversion": REQUIRED_VERSION, "mode": "standalone", **LIBRARIES}
+    names = {"glversion": device.context.version_code, "mode": "standalone", **LIBRARIES}
     try:
         with environment(device.driver):
             fresh = glcontext.get_backend_by_name("egl")(**names)

@@ -55,6 +55,7 @@ INSTALL = (
     "mesa-libEGL mesa-dri-drivers · Arch: pacman -S mesa · or run `shaderlab doctor`"
 )
 REQUIRED_VERSION = 330
+_VERSIONS = (460, 450, 430, 410, REQUIRED_VERSION)  # NVIDIA's gives no more than was asked for
 SPIRV_EXTENSION = "GL_ARB_gl_spirv"
 _NOTHING = "#version 330 core\nvoid main() { gl_Position = vec4(0.0); }\n"
 
@@ -144,11 +145,16 @@ def open_device(driver: str) -> Device:
     SPIR-V where the driver's name says so."""
     # Any: mistyped in moderngl's stubs.
     options: Any = {"standalone": True, "backend": "egl", **LIBRARIES}
-    try:
-        with environment(driver):
-            context = moderngl.create_context(require=REQUIRED_VERSION, **options)
-    except Exception as error:  # moderngl raises plain Exception for whatever EGL says
-        raise DriverError(f"no OpenGL 3.3 context on EGL ({error})", remedy=INSTALL) from error
+    with environment(driver):
+        for version in _VERSIONS:
+            try:
+                context = moderngl.create_context(require=version, **options)
+                break
+            except Exception as error:  # moderngl raises plain Exception for whatever EGL says
+                if version == REQUIRED_VERSION:
+                    raise DriverError(
+                        f"no OpenGL 3.3 context on EGL ({error})", remedy=INSTALL
+                    ) from error
     context.gc_mode = "context_gc"  # see Device.make_current
     if driver.endswith(SPIRV) and SPIRV_EXTENSION not in context.extensions:
         raise DriverError(
