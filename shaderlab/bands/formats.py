@@ -69,8 +69,8 @@ def _float32(lo: Float64Array, hi: Float64Array, tolerance: float) -> Ends:
 _FORMATS: dict[
     str, tuple[Callable[[Float64Array, Float64Array, float], Ends], bool, float, float]
 ] = {
-    "rgba8": (_unorm8, True, 0.5, 1.0),
-    "unorm8": (_unorm8, True, 0.5, 1.0),
+    "rgba8": (_unorm8, True, 0.6, 1.0),
+    "unorm8": (_unorm8, True, 0.6, 1.0),
     "srgb8": (_srgb8, True, 0.7, 1.0),
     "rgba16f": (_half, False, 0.0, 0.0),
     "rgba32f": (_float32, False, 0.0, 0.0),
@@ -89,15 +89,16 @@ def quantise(band: Bounds, fmt: str, tolerance: float | None = None) -> Allowed:
         fmt: and the units that come back:
 
             - `"rgba8"`, `"unorm8"`: codes 0…255, of the value clamped to [0, 1], rounded to
-              nearest, a tie either way (OpenGL 4.6, 2.3.5.2);
+              either neighbour, rather to the nearest (OpenGL 4.6, 2.3.5.2);
             - `"srgb8"`: codes 0…255 of the sRGB-encoded value;
             - `"rgba16f"`: halves as floats, rounded either way, denormals maybe flushed;
             - `"rgba32f"`: the band itself;
             - `"depth16"`, `"depth24"`: the code over its largest, in [0, 1]; `"depth32f"`:
               clamped to [0, 1].
         tolerance: how many codes a stored code may be away from the value; the default is the
-            format's own: 0.5 for `rgba8`; 0.7 for `srgb8` (OpenGL states no bound; the Direct3D
-            11.3 functional specification asks for 0.6; Mesa's llvmpipe is off by up to 0.634);
+            format's own: 0.6 for `rgba8`, which Direct3D's data conversion rules permit (OpenGL
+            states no bound; an NVIDIA H200 is off by up to 0.562); 0.7 for `srgb8` (Direct3D
+            permits 0.6; Mesa's llvmpipe is off by up to 0.634);
             1 for `depth16` and `depth24`, which may truncate.
 
     Raises:

@@ -100,6 +100,57 @@ def test_bands_hold_what_weights_of_eight_bits_give(wrap: str) -> None:
     assert float(np.median(band.hi - band.lo)) < 0.01
 
 
+def in_codes(values: Any) -> Any:
+    return np.rint(values * 256.0) / 256.0
+
+
+def mixed_in_codes(corners: Any, shares: Any) -> Any:
+    """2 × 2 (× 2) texels mixed as an NVIDIA H200 does: shares are codes of eight bits, and so is
+    each product of them; what is divided keeps its sum. The first axis of `corners` goes first."""
+    total: Any = 0.0
+    for corner in np.ndindex(*corners.shape[: len(shares)]):
+        weight = np.ones_like(shares[0])
+        for second, share in zip(corner, shares, strict=True):
+            part = in_codes(weight * share)
+            weight = part if second else weight - part
+        total = total + weight[:, None] * corners[corner]
+    return total
+
+
+def test_bands_hold_products_of_weights_in_codes() -> None:
+    values = RNG.random((2, 2, 4)).astype(np.float32)
+    uv = RNG.uniform(0.25, 0.75, (3000, 2)).astype(np.float32)
+    _, band = both(texels(values, "linear", "clamp_to_edge"), uv)
+    shares = in_codes(uv[:, ::-1].astype(float).T * 2.0 - 0.5)
+    assert band.contains(mixed_in_codes(values, shares)).all()
+    assert not band.contains(mixed_in_codes(values, shares + 2.0 / 256.0)).all()
+
+
+@pytest.mark.parametrize("first", range(3))
+def test_bands_hold_products_of_three_weights_in_codes(first: int) -> None:
+    values = RNG.random((2, 2, 2, 4)).astype(np.float32)
+    p = RNG.uniform(0.25, 0.75, (3000, 3)).astype(np.float32)
+    _, band = both(texels(values, "linear", "clamp_to_edge", kind="3D"), p)
+    shares = in_codes(p[:, ::-1].astype(float).T * 2.0 - 0.5)
+    order = [(first + k) % 3 for k in range(3)]
+    assert band.contains(mixed_in_codes(values.transpose(*order, 3), shares[order])).all()
+    assert not band.contains(mixed_in_codes(values, shares + 4.0 / 256.0)).all()
+
+
+def test_bands_hold_products_of_weights_with_that_of_a_level() -> None:
+    values, smaller = (RNG.random((n, n, 4)).astype(np.float32) for n in (2, 1))
+    uv = RNG.uniform(0.25, 0.75, (3000, 2)).astype(np.float32)
+    lod = RNG.uniform(0.1, 0.9, (3000, 1)).astype(np.float32)
+    filters = ("linear_mipmap_linear", "linear")
+    image = texels(values, wrap="clamp_to_edge", filter=filters, smaller=(smaller,))
+    _, band = both(image, uv, lod)
+    level = np.floor(lod[:, 0].astype(float) * 256.0) / 256.0
+    shares = [level, *in_codes(uv[:, ::-1].astype(float).T * 2.0 - 0.5)]
+    corners = np.stack([values, np.broadcast_to(smaller, values.shape)])
+    assert band.contains(mixed_in_codes(corners, shares)).all()
+    assert not band.contains(mixed_in_codes(corners, [level + 4.0 / 256.0, *shares[1:]])).all()
+
+
 @pytest.mark.parametrize("wrap", ["repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border"])
 def test_eight_texels_are_mixed_in_three_dimensions(wrap: str) -> None:
     values = RNG.random((2, 3, 5, 4)).astype(np.float32)

@@ -213,8 +213,9 @@ def _sample_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
 def _filter(sampler: Sampler, word: str, texel: reading.Texel, x: Span, y: Span) -> Span:
     if word == "nearest":
         return reading.nearest(texel, x, y)
-    compared = sampler.texels.compare is not None
-    return reading.linear(texel, x, y, exact=sampler.rules is None, compared=compared)
+    texels, exact = sampler.texels, sampler.rules is None
+    layered = texels.filter[0].endswith("_mipmap_linear")
+    return reading.linear(texel, x, y, exact, texels.compare is not None, layered)
 
 
 def find_reference(sampler: Sampler, p: Any) -> Span | None:

@@ -435,19 +435,31 @@ def _pick(known: dict[int, Span], number: Array) -> Span:
 
 
 def _mix_levels(known: dict[int, Span], one: Array, other: Array, part: Array, exact: bool) -> Span:
-    near, far = _pick(known, one), _pick(known, other)
-    share = np.clip(part, 0.0, 1.0)[..., None]
+    return _mix_layers(_pick(known, one), _pick(known, other), np.clip(part, 0.0, 1.0), exact)
+
+
+def _mix_layers(near: Span, far: Span, part: Array, exact: bool) -> Span:
+    """Two levels or two layers, mixed. It is linear in `part`, so that its ends bound it."""
+    share = part[..., None]
     low, high = (a * (1.0 - share) + b * share for a, b in zip(near, far, strict=True))
     if exact:
         return low, high
-    size = np.maximum.reduce([np.abs(bound) for span in (near, far) for bound in span])
-    return low - ROUNDING * size, high + ROUNDING * size
+    # A product of three weights is rounded whatever the third is: what rounding adds to either
+    # layer counts in full. It is half of the layer's width at most.
+    mixed = (share > 0.0) & (share < 1.0)
+    halves = [0.5 * (end - start) for start, end in (near, far)]
+    give = np.where(mixed, share * halves[0] + (1.0 - share) * halves[1], 0.0)
+    give += ROUNDING * np.maximum.reduce([np.abs(bound) for bound in (*near, *far)])
+    return low - give, high + give
 
 
 WEIGHT = 2.0**-8
 """How far a place may be off, in texels, before LINEAR mixes; and a level, in levels."""
 ROUNDING = 8 * 2.0**-23
 """What mixing four texels in float32 may lose, of the largest of them: eight roundings."""
+_PRODUCT = 0.5 * WEIGHT
+"""How far the product of two weights may be off: hardware rounds it to a code as well, and keeps
+the weights along each axis and their sum (measured on an NVIDIA H200)."""
 
 Texel = Callable[[Array, Array, Any], Span]
 """Gives the texels at integer columns and rows, inside or outside, of some of the places: those
@@ -474,8 +486,11 @@ def nearest(texel: Texel, x: Span, y: Span) -> Span:
     return low, high
 
 
-def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) -> Span:
-    """The weighted mean of the four texels around a position; `exact` for float64 positions.
+def linear(
+    texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False, layered: bool = False
+) -> Span:
+    """The weighted mean of the four texels around a position; `exact` for float64 positions, and
+    `layered` where it is to be mixed with that of another layer or level.
 
     Where `compared` texels, each 0 or 1, differ, a driver may return anything in between: OpenGL
     leaves open whether it compares one of them, all four, or (like softpipe) their mean.
@@ -487,13 +502,13 @@ def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) 
     x, y = widen(x, WEIGHT), widen(y, WEIGHT)
     require_narrow(x, "texture()")
     require_narrow(y, "texture()")
-    low, high = _mix_cell(texel, x, y, EVERYWHERE)
+    low, high = _mix_cell(texel, x, y, EVERYWHERE, layered)
     crossing = (np.floor(x[0]) < np.floor(x[1])) | (np.floor(y[0]) < np.floor(y[1]))
     if crossing.any():
         # Few places cross a texel centre's row or column: only those are split into pieces.
         x, y = ((start[crossing], end[crossing]) for start, end in (x, y))
         across, up = _split_at_integer(x), _split_at_integer(y)
-        pieces = [_mix_cell(texel, a, b, crossing) for a in across for b in up]
+        pieces = [_mix_cell(texel, a, b, crossing, layered) for a in across for b in up]
         low[crossing], high[crossing] = hull(pieces)
     if compared:
         # Weights of sum 1 give or take a last bit, and _mix_cell's own give.
@@ -520,7 +535,7 @@ def ends_of(span: Span) -> list[Array]:
     return [span[0]] if span[0] is span[1] else [span[0], span[1]]
 
 
-def _mix_cell(texel: Texel, x: Span, y: Span, places: Any) -> Span:
+def _mix_cell(texel: Texel, x: Span, y: Span, places: Any, layered: bool = False) -> Span:
     """The bounds of a mean of four texels over a box between their centres: those at its corners.
 
     Numbers, whose bounds are one array, have one corner and no rounding.
@@ -532,17 +547,38 @@ def _mix_cell(texel: Texel, x: Span, y: Span, places: Any) -> Span:
     if x[0] is x[1] and y[0] is y[1]:
         mean = _at_corners([lowest for lowest, _ in texels], across, up)[0]
         return mean, mean
-    return _mix_texels(texels, across, up)
+    return _mix_texels(texels, across, up, layered)
 
 
-def _mix_texels(texels: list[Span], across: list[Array], up: list[Array]) -> Span:
+def _mix_texels(texels: list[Span], across: list[Array], up: list[Array], layered: bool) -> Span:
     """The bounds of a mean of four texels, at the ends of both weights."""
     lows, highs = ([texel[k] for texel in texels] for k in (0, 1))
     give = ROUNDING * np.maximum.reduce([np.abs(bound) for bound in (*lows, *highs)])
+    give += _PRODUCT * _weigh_rounding(texels, layered)
     return (
         np.minimum.reduce(_at_corners(lows, across, up)) - give,
         np.maximum.reduce(_at_corners(highs, across, up)) + give,
     )
+
+
+def _weigh_rounding(texels: list[Span], layered: bool) -> Array:
+    """How much a mean of four texels changes as products of weights are off by 1.
+
+    Where both weights stay as they are, one number is free: that of the texels' second difference.
+    Layers are mixed along one axis first, and then along the other: each edge counts then.
+    """
+    one, two, three, four = texels
+    if not layered:
+        diagonals = ((a[0] + b[0], a[1] + b[1]) for a, b in ((one, four), (two, three)))
+        return _find_distance(*diagonals)
+    sides = _find_distance(one, two), _find_distance(three, four)
+    rises = _find_distance(one, three), _find_distance(two, four)
+    return np.maximum(sum(sides) + np.maximum(*rises), sum(rises) + np.maximum(*sides))
+
+
+def _find_distance(one: Span, other: Span) -> Array:
+    """The largest difference of two numbers."""
+    return np.maximum(one[1] - other[0], other[1] - one[0])
 
 
 def _at_corners(texels: list[Array], across: list[Array], up: list[Array]) -> list[Array]:
@@ -570,23 +606,17 @@ def sample_volume(sampler: Sampler, p: Any) -> Span:
         layers = [np.floor(end) for end in (z[:1] if exact else z)]
         return hull([nearest(_make_layer_reader(sampler, layer), x, y) for layer in layers])
     z = (z[0] - 0.5, z[1] - 0.5)
-    if exact:
-        return _mix_layers(sampler, x, y, z[0], exact=True)
-    z = widen(z, WEIGHT)
-    require_narrow(z, "texture()")
-    low, high = hull([_mix_layers(sampler, x, y, end, exact=False) for end in corners(z)])
-    give = ROUNDING * np.maximum(np.abs(low), np.abs(high))
-    return low - give, high + give
+    if not exact:
+        z = widen(z, WEIGHT)
+        require_narrow(z, "texture()")
 
+    def mixed(end: Array) -> Span:
+        below = np.floor(end)
+        texels = (_make_layer_reader(sampler, below + k) for k in (0.0, 1.0))
+        near, far = (linear(texel, x, y, exact=exact, layered=True) for texel in texels)
+        return _mix_layers(near, far, end - below, exact)
 
-def _mix_layers(sampler: Sampler, x: Span, y: Span, z: Array, *, exact: bool) -> Span:
-    """Two layers mixed. It is linear in z between their centres, so that the ends of z bound it."""
-    below = np.floor(z)
-    texels = (_make_layer_reader(sampler, below + k) for k in (0.0, 1.0))
-    near, far = (linear(texel, x, y, exact=exact) for texel in texels)
-    share = (z - below)[..., None]
-    low, high = (a * (1.0 - share) + b * share for a, b in zip(near, far, strict=True))
-    return low, high
+    return hull([mixed(end) for end in ([z[0]] if exact else corners(z))])
 
 
 def _make_layer_reader(sampler: Sampler, number: Array) -> Texel:
