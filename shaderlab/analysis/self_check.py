@@ -289,9 +289,9 @@ def _message(
     assert given.pixels is not None
     x, y = (int(v) for v in given.pixels[row])
     values = ", ".join(f"{v:.9g}" for v in given.measured[name][row])
-    allowed = ", ".join(
-        f"{low:.9g} … {high:.9g}" for low, high in zip(band.lo[row], band.hi[row], strict=True)
-    )
+    stored = store_band(band[row], given.formats[name], band.shape[-1])
+    ends = zip(stored.lo, stored.hi, strict=True)
+    allowed = ", ".join(f"{low:.9g} … {high:.9g}" for low, high in ends)
     return (
         f"draw {key[1]} of pass {key[0]!r} is outside its shader's band: {name} is {values} at "
         f"pixel ({x}, {y}), " + ("which the shader discards" if discarded else f"allowed {allowed}")

@@ -74,6 +74,21 @@ def test_one_wrong_pixel_is_found_and_named(lab: SceneRunner, case: Case) -> Non
     assert "second is 0." in outcome.message and "at pixel (3, 5)" in outcome.message
 
 
+def test_codes_are_told_in_codes(lab: SceneRunner, case: Case) -> None:
+    (drawn,) = case.passes
+    target = replace(drawn.target, colors={"color": "rgba8", "second": "rgba8"})
+    (scene,) = replace(case, passes=(replace(drawn, target=target),)).scenes()
+    with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
+        key = (scene.passes[0].name, "second")
+        values = evaluation.drawn.images[key].values.copy()
+        code = int(values[5, 3, 2])
+        values[5, 3, 2] = code + (1 if code < 255 else -1)
+        wrong = {key: replace(evaluation.drawn.images[key], values=values)}
+        evaluation.drawn = replace(evaluation.drawn, images={**evaluation.drawn.images, **wrong})
+        outcome = SelfCheck(evaluation, every=True).judgement()[1].outcome
+    assert outcome.status == "fail" and f", {code} … {code}" in outcome.message
+
+
 @pytest.mark.parametrize("state", [State(), State(blend=Blend(source="one", destination="one"))])
 def test_a_miscompiled_output_that_no_formula_looks_at_turns_the_run_red(
     case: Case, monkeypatch: pytest.MonkeyPatch, state: State
