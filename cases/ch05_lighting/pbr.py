@@ -34,7 +34,7 @@ ROUGHNESS = (0.15, 0.32, 0.49, 0.66, 0.83, 1.0)
 METALLIC = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 LAMPS = [(-5.0, 5.0, 7.0), (5.0, 5.0, 7.0), (-5.0, -5.0, 7.0), (5.0, -5.0, 7.0)]
 LIGHT = [(300.0, 285.0, 255.0), (40.0, 52.0, 80.0), (30.0, 36.0, 48.0), (26.0, 20.0, 16.0)]
-SMOOTH = Mesh(**assets.sphere(0.98, segments=64, rings=32))
+SMOOTH = Mesh(**assets.sphere(0.98, segments=48, rings=24))
 COARSE = Mesh(**assets.sphere(0.98, segments=16, rings=8))
 SOME = [(0, 5), (2, 3), (5, 0)]
 

@@ -18,11 +18,11 @@ def codes(value: float, fmt: str, **options: float) -> tuple[float, float]:
     ("value", "lowest", "highest"),
     [
         *((0.0, 0, 0), (1.0, 255, 255), (0.2, 51, 51), (0.5, 127, 128), (-3.0, 0, 0)),
-        *((7.0, 255, 255), (0.76, 194, 194), (1 / 255, 1, 1), (0.4 / 255, 0, 0)),
-        *((0.6 / 255, 1, 1), (np.inf, 255, 255)),
+        *((7.0, 255, 255), (0.76, 194, 194), (1 / 255, 1, 1), (0.39 / 255, 0, 0)),
+        *((0.41 / 255, 0, 1), (0.59 / 255, 0, 1), (0.61 / 255, 1, 1), (np.inf, 255, 255)),
     ],
 )
-def test_eight_bits_round_to_nearest_and_a_tie_either_way(
+def test_eight_bits_are_at_most_six_tenths_of_a_code_off(
     value: float, lowest: int, highest: int
 ) -> None:
     assert codes(value, "rgba8") == (lowest, highest)
