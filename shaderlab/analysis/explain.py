@@ -35,6 +35,7 @@ from .invocations import Invocations, sample_fragments
 from .self_check import find_outside, shows_what_is_written
 
 _MOST_BLOCKS = 10_000  # a few seconds, for so few invocations
+_SAMPLES = 1024  # of a draw, or of a file
 _Key = tuple[int, tuple[int, ...], str, int]
 
 
@@ -181,7 +182,7 @@ def _step(
     )
 
 
-def widest_pixel(evaluation: Evaluation, key: PassDraw, most: int = 1024) -> tuple[int, int]:
+def widest_pixel(evaluation: Evaluation, key: PassDraw) -> tuple[int, int]:
     """The pixel of a draw where the band of what it writes is widest in ULP, of some from all over
     the picture; the first one where all are exact.
 
@@ -189,7 +190,7 @@ def widest_pixel(evaluation: Evaluation, key: PassDraw, most: int = 1024) -> tup
         UsageError: the draw is not seen.
         NotInterpretedError, DriverError, CaseError: as `explain`.
     """
-    given = sample_fragments(evaluation, key, most)
+    given = sample_fragments(evaluation, key, _SAMPLES)
     assert given.pixels is not None
     if not given.count:
         raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at any pixel")
@@ -198,7 +199,7 @@ def widest_pixel(evaluation: Evaluation, key: PassDraw, most: int = 1024) -> tup
 
 
 def explain_file(
-    program: Program, ranges: Mapping[str, str], most: int = 1024
+    program: Program, ranges: Mapping[str, str]
 ) -> tuple[Explanation, dict[str, tuple[float, ...]]]:
     """What a program without a case stores at one invocation, and what that gets: of inputs that
     are made up, where the band of what it writes is widest.
@@ -208,7 +209,7 @@ def explain_file(
         UsageError: a range is wrong.
     """
     inputs = inputs_of(program)
-    made_up = sample_inputs(inputs, domains_of(inputs, [program], ranges), most, 0)
+    made_up = sample_inputs(inputs, domains_of(inputs, [program], ranges), _SAMPLES, 0)
     row = _widest(_as_invocations(program, made_up))
     batch, own = made_up.alone(row, program)
     some = _as_invocations(program, batch)

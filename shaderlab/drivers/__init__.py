@@ -322,9 +322,7 @@ def driver_verdict(sources: Sequence[Source], driver: str | None = None) -> Verd
     return _own_backend(driver).driver_verdict(sources)
 
 
-@functools.cache
-def _own_backend(driver: str | None) -> Backend:
-    return open_backend(driver)
+_own_backend = functools.cache(open_backend)
 
 
 # More bytes than Mesa's index of its cache takes, 1.3 MB.

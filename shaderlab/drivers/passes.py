@@ -44,7 +44,8 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
     shares_captures = False
     """Whether draws of a pass are captured together, told apart by a uniform."""
 
-    _textures: SceneTextures[Any]  # what the scene's samplers read; a driver makes it
+    target_class: type[TargetKind]
+    _textures: SceneTextures[Any]  # what the scene's samplers read
 
     def __init__(
         self, linker: LinkerKind, scene: Scene, programs: Programs, size: Size, stack: ExitStack
@@ -64,12 +65,14 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         self._sample_positions: dict[str, Array] = {}
         self._plain: dict[PassDraw, Draw] = {}
         self._together: dict[str, list[captures.SharedCapture]] = {}
+        self._shared = bind.SharedLayouts()
+        self.start()
 
     # What a driver does by its API.
 
     @abstractmethod
-    def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> TargetKind:
-        """Make attachments; `colors` are formats by output name, in the order of locations."""
+    def start(self) -> None:
+        """Make what the scene keeps on the device: `_textures`, and what else the driver has."""
 
     @abstractmethod
     def render(self, draw: PreparedDraw, bindings: Bindings, target: TargetKind) -> None:
@@ -181,6 +184,9 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
                 self.images[description.name, name] = target.read(name)
 
     # Drawing once more.
+
+    def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> TargetKind:
+        return self.target_class(self.device, target, colors, size)
 
     def fresh_target(self, pass_name: str) -> TargetKind:
         """Make another target like that of a pass. Raises UnsupportedError: it draws nothing."""

@@ -42,11 +42,18 @@ class Attachments(ABC):
 
     samples: int
 
-    def __init__(self, target: Target, colors: Mapping[str, str], size: tuple[int, int]) -> None:
+    def __init__(
+        self, device: Any, target: Target, colors: Mapping[str, str], size: tuple[int, int]
+    ) -> None:
+        width, height = size
+        if max(size) > (most := int(device.info["max_texture_size"])):
+            raise UnsupportedError(f"a target of {width} × {height}: this device ends at {most}")
+        self._device = device
         self.size = size
         self.colors = dict(colors)
         self.depth = target.depth or ""
         self._target = target
+        self._make()
 
     def __enter__(self) -> Self:
         self.clear()
@@ -61,6 +68,10 @@ class Attachments(ABC):
         if not self.depth:
             return tuple(self.colors)
         return (*self.colors, "depth", *(("stencil",) if DEPTH[self.depth].stencil else ()))
+
+    @abstractmethod
+    def _make(self) -> None:
+        """Make them on the device."""
 
     @abstractmethod
     def clear(self) -> None:

@@ -71,18 +71,13 @@ def compare_drivers(run: Run, links: Mapping[tuple[str, str], str]) -> DriverTab
         DriverRow(*scene, links.get(scene), tuple(results.get(name) for name in names))
         for scene, results in by_scene.items()
     ]
+    unequal = (each for each in run.disagreements if each.verdict != "equal")
     return DriverTable(
         drivers=tuple(names.items()),
         rows=tuple(sorted(rows, key=lambda row: row.agrees)),
-        differences=list_differences(run),
+        differences=tuple(sorted(unequal, key=lambda each: each.verdict != "outside")),
         outputs=Counter(each.verdict for each in run.disagreements),
     )
-
-
-def list_differences(run: Run) -> tuple[Disagreement, ...]:
-    """Return the outputs that differ between drivers; what leaves a band comes first."""
-    unequal = (each for each in run.disagreements if each.verdict != "equal")
-    return tuple(sorted(unequal, key=lambda each: each.verdict != "outside"))
 
 
 def _cell(result: DriverResult | None) -> str:

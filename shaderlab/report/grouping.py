@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from shaderlab.model.records import Record, Run, Status
@@ -39,7 +39,8 @@ class CaseGroup:
 
     @property
     def status(self) -> Status:
-        return worst_status(record.status for record in self.records)
+        """The worst of its records' statuses."""
+        return min((record.status for record in self.records), key=STATUSES.index)
 
     @property
     def not_asked(self) -> int:
@@ -87,12 +88,6 @@ class Totals:
 
 
 PASSABLE: tuple[Status, ...] = ("unsupported", "pass")
-
-
-def worst_status(statuses: Iterable[Status]) -> Status:
-    """Return the worst of some statuses; "pass" of none."""
-    present = set(statuses)
-    return next((status for status in STATUSES if status in present), "pass")
 
 
 def group_cases(records: Sequence[Record]) -> list[CaseGroup]:

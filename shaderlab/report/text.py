@@ -79,13 +79,13 @@ def count(number: int) -> str:
     return f"{number:,}".replace(",", "\u202f")
 
 
-def plural(number: int, one: str, many: str = "") -> str:
+def plural(number: int, one: str) -> str:
     """Format a number with its noun.
 
-    >>> plural(1, "case"), plural(2, "case"), plural(2, "query", "queries")
-    ('1 case', '2 cases', '2 queries')
+    >>> plural(1, "case"), plural(2, "case")
+    ('1 case', '2 cases')
     """
-    return f"{count(number)} {one if number == 1 else many or one + 's'}"
+    return f"{count(number)} {one if number == 1 else one + 's'}"
 
 
 def duration(seconds: float) -> str:
@@ -181,7 +181,7 @@ def format_failure(record: Record) -> list[str]:
     if record.status not in ("fail", "pass"):
         status = f"{record.status}: {record.message}" if record.message else record.status
         lines += indent(status, "  ").splitlines()
-    elif record.message and not _is_repeated_below(record):
+    elif not any(o.message and o.message in record.message for o in record.expectations):
         lines += indent(record.message, "  ").splitlines()
     lines += _format_refusals(record)
     for outcome in record.expectations:
@@ -189,11 +189,6 @@ def format_failure(record: Record) -> list[str]:
             lines += ["", f"  {MARKS[outcome.status]} {outcome.name} ({outcome.kind})"]
             lines += [f"    {line}" for line in format_outcome(outcome)]
     return [clean(line) for line in lines]
-
-
-def _is_repeated_below(record: Record) -> bool:
-    """Whether the record's message only repeats that of an outcome."""
-    return any(o.message and o.message in record.message for o in record.expectations)
 
 
 def _format_refusals(record: Record) -> Iterator[str]:
@@ -319,13 +314,8 @@ def format_tally(records: Iterable[Record], missing: int = 0) -> str:
     without = ""
     if left:
         without = f" ({len(left)} of them without {sum(left)} checks of OpenGL's own calls)"
-    counts = format_counts(Counter(record.status for record in some), missing, without)
-    return f"{count}: {counts}"
-
-
-def format_counts(counts: Mapping[Status, int], missing: int, without: str = "") -> str:
-    """Return `40 passed, 2 failed, 3 not run`; `without` goes after those that passed."""
+    counts = Counter(record.status for record in some)
     words = {"pass": f"passed{without}", "fail": "failed", "error": "in error", "crash": "crashed"}
     parts = [f"{counts[s]} {words.get(s, s)}" for s in MARKS if counts.get(s)]
     parts += [f"{missing} not run"] if missing else []
-    return ", ".join(parts) or "nothing run"
+    return f"{count}: {', '.join(parts) or 'nothing run'}"

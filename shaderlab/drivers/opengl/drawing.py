@@ -13,16 +13,15 @@ from shaderlab.compiler.diagnostics import parse_driver_log
 from shaderlab.compiler.reflection import Variable
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
-from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, Bindings, Image, PassDraw
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.phases import phase
 from shaderlab.model.scene import Target
 
-from .. import Drawn, Evaluation, Size
+from .. import Drawn, Evaluation
 from ..passes import PassSession
 from ..programs import bind, stages, storage
-from ..programs.prepare import PreparedDraw, Programs, describe_draw
+from ..programs.prepare import PreparedDraw, describe_draw
 from ..programs.stages import VaryingPart
 from ..programs.textures import components_of, numpy_type
 from ..resources import COVERING
@@ -34,13 +33,12 @@ from .textures import BoundTextures, bind_images, read_images
 
 
 class Drawing(PassSession[RenderTarget, Linker]):
+    target_class = RenderTarget
     device: Device
     _textures: BoundTextures
 
-    def __init__(
-        self, linker: Linker, scene: Scene, programs: Programs, size: Size, stack: ExitStack
-    ) -> None:
-        super().__init__(linker, scene, programs, size, stack)
+    def start(self) -> None:
+        stack = self.stack
         self._textures = BoundTextures(self.folder, self.images, self.targets, self.device, stack)
         self._blocks = UniformBuffers(self.device, stack)
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
@@ -51,9 +49,6 @@ class Drawing(PassSession[RenderTarget, Linker]):
         recorder = self.device.recorder
         with nullcontext() if recorder is None else recorder.recording():
             return super().draw(only)
-
-    def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
-        return RenderTarget(self.device, target, colors, size)
 
     def at(self, pass_name: str | None, draw: int | None = None) -> None:
         self.device.at(pass_name, draw)

@@ -10,7 +10,6 @@ import numpy as np
 
 from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.frame import Array, Image
-from shaderlab.model.scene import Target
 from shaderlab.model.state import State
 
 from ..gl_state import state_calls
@@ -57,27 +56,18 @@ def _list_calls(
 
 
 class RenderTarget(Attachments):
-    def __init__(
-        self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
-    ) -> None:
-        limit = device.context.info["GL_MAX_TEXTURE_SIZE"]
-        if max(size) > limit:
-            raise UnsupportedError(
-                f"a target of {size[0]} × {size[1]}: this driver ends at {limit}"
-            )
-        if target.samples > device.context.max_samples:
-            raise UnsupportedError(
-                f"{target.samples} samples: this driver offers {device.context.max_samples}"
-            )
-        super().__init__(target, colors, size)
-        self._device = device
-        self.samples = target.samples
-        self.textures = {name: self._texture(word) for name, word in colors.items()}
-        self._sampled = [
-            self._texture(w, target.samples) for w in colors.values() if target.samples
-        ]
+    _device: Device
+
+    def _make(self) -> None:
+        samples, most = self._target.samples, self._device.context.max_samples
+        if samples > most:
+            raise UnsupportedError(f"{samples} samples: this driver offers {most}")
+        self.samples = samples
+        words = self.colors.values()
+        self.textures = {name: self._texture(word) for name, word in self.colors.items()}
+        self._sampled = [self._texture(word, samples) for word in words if samples]
         self._resolved = self._framebuffer(list(self.textures.values()))
-        self._drawn = self._framebuffer(self._sampled) if target.samples else self._resolved
+        self._drawn = self._framebuffer(self._sampled) if samples else self._resolved
         self._made = ExitStack()
         for made in (*self.textures.values(), *self._sampled, self._resolved, self._drawn):
             self._made.callback(made.release)

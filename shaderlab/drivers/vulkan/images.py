@@ -8,7 +8,6 @@ import numpy as np
 
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, Image, leading
-from shaderlab.model.scene import Target
 from shaderlab.model.textures import level_sizes
 
 from .. import Size
@@ -297,20 +296,18 @@ _PLACES = {
 
 
 class RenderTarget(Attachments):
-    def __init__(
-        self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
-    ) -> None:
-        super().__init__(target, colors, size)
-        self.samples = _samples(device, target.samples)
-        self._device = device
-        self._resources = Resources(device)
+    _device: Device
+
+    def _make(self) -> None:
+        self.samples = _samples(self._device, self._target.samples)
+        self._resources = Resources(self._device)
         try:
-            self._make()
+            self._make_images()
         except BaseException:
             self.release()
             raise
 
-    def _make(self) -> None:
+    def _make_images(self) -> None:
         device, uses = self._device, ("color_attachment", *_USES)
         for word in self.colors.values():
             choose_format(device, word, "color_attachment")

@@ -1,7 +1,6 @@
 """Vulkan behind the protocol of `shaderlab.drivers`: the backend and its sessions."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -13,18 +12,17 @@ from shaderlab.compiler.reflection import Variable
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv import ExecutionMode, parse
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
-from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, AttributeReading, Bindings, BlockReading, PassDraw
 from shaderlab.model.records import Verdict
 from shaderlab.model.scene import Target
 
-from .. import Answers, Evaluation, Size
+from .. import Answers, Evaluation
 from ..passes import DeviceBackend, PassSession
 from ..programs import bind, stages
 from ..programs.bind import uniform_blocks
 from ..programs.captures import primitive_corners
 from ..programs.module_texts import HEIGHT, make_sources, write_point_texts
-from ..programs.prepare import PreparedDraw, Programs
+from ..programs.prepare import PreparedDraw
 from ..programs.stages import VaryingPart
 from ..resources import COVERING
 from .bindings import (
@@ -65,22 +63,14 @@ _STORES = "vertexPipelineStoresAndAtomics"
 
 
 class VulkanSession(PassSession[RenderTarget, Linker]):
+    target_class = RenderTarget
     device: Device
     _textures: BoundTextures
 
-    def __init__(
-        self, linker: Linker, scene: Scene, programs: Programs, size: Size, stack: ExitStack
-    ) -> None:
-        super().__init__(linker, scene, programs, size, stack)
+    def start(self) -> None:
         self.subpixel_step = 2.0**-self.device.limits.subPixelPrecisionBits
-        self._resources = stack.enter_context(Resources(self.device))
-        self._textures = BoundTextures(
-            self.folder, self.images, self.targets, self._resources, linker
-        )
-        self._shared = bind.SharedLayouts()
-
-    def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
-        return RenderTarget(self.device, target, colors, size)
+        own = self.stack.enter_context(Resources(self.device))
+        self._textures = BoundTextures(self.folder, self.images, self.targets, own, self.linker)
 
     def render(
         self,

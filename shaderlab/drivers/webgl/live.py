@@ -22,10 +22,10 @@ from shaderlab.compiler.sources import Shaders
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, Bindings, Texels
 from shaderlab.model.pictures.files import deflate
-from shaderlab.model.scene import Pass, Target
+from shaderlab.model.scene import Pass
 from shaderlab.model.textures import TextureSource
 
-from .. import Drawn, Session, Size
+from .. import Drawn, Session
 from ..programs.module_texts import apply_coord_layout, write_point_texts
 from ..programs.prepare import PreparedDraw
 from ..programs.textures import format_of
@@ -168,6 +168,7 @@ class LiveTextures(BoundTextures):
 class LiveSession(WebGLSession):
     """A session that draws for a page what another one has drawn."""
 
+    target_class = LiveTarget
     gl: Recorder
     _textures: LiveTextures
 
@@ -196,9 +197,6 @@ class LiveSession(WebGLSession):
             self._textures.find(source, self._textures.kind(source, draw.interface.uniforms[name]))
         known = self._drawn.bindings.items()
         return next(bound for (name, n), bound in known if self.programs[name][n] is draw)
-
-    def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
-        return LiveTarget(self.device, target, colors, size)
 
     def _read(self, description: object, target: object) -> None:
         """Read nothing."""

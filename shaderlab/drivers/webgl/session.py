@@ -1,7 +1,7 @@
 """WebGL2 behind the protocol of `shaderlab.drivers`: the backend and its sessions."""
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,17 +11,15 @@ from shaderlab.compiler.diagnostics import DRIVER
 from shaderlab.compiler.reflection import Variable
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
-from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, AttributeReading, Bindings, BlockReading, PassDraw
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.records import Verdict
-from shaderlab.model.scene import Target
 
-from .. import Answers, Size
+from .. import Answers
 from ..passes import DeviceBackend, PassSession
 from ..programs import bind, stages
 from ..programs.module_texts import HEIGHT, write_point_texts
-from ..programs.prepare import PreparedDraw, Programs
+from ..programs.prepare import PreparedDraw
 from ..programs.stages import VaryingPart
 from ..programs.textures import components_of, numpy_type
 from .device import Calls, Device, Object, Objects, decode
@@ -96,20 +94,14 @@ _FRAGMENT = "#version 330 core\nvoid main() {}\n"
 
 
 class WebGLSession(PassSession[RenderTarget, Linker]):
+    target_class = RenderTarget
     device: Device
     _textures: BoundTextures
 
-    def __init__(
-        self, linker: Linker, scene: Scene, programs: Programs, size: Size, stack: ExitStack
-    ) -> None:
-        super().__init__(linker, scene, programs, size, stack)
+    def start(self) -> None:
         self.subpixel_step = 2.0 ** -self.device.gl.about["subpixel"]
-        own = stack.enter_context(Objects(self.device.gl))
+        own = self.stack.enter_context(Objects(self.device.gl))
         self._textures = BoundTextures(self.folder, self.images, self.targets, self.device, own)
-        self._shared = bind.SharedLayouts()
-
-    def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
-        return RenderTarget(self.device, target, colors, size)
 
     def issue(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
         super().issue(key, draw, target)

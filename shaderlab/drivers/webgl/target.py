@@ -6,7 +6,6 @@ import numpy as np
 
 from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.frame import Array, Image
-from shaderlab.model.scene import Target
 
 from ..programs.textures import COLOR, DEPTH
 from ..resources import Attachments, multisampled_error
@@ -15,17 +14,10 @@ from .device import Device, Object, Objects
 
 
 class RenderTarget(Attachments):
-    def __init__(
-        self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
-    ) -> None:
-        super().__init__(target, colors, size)
-        self._device = device
-        self._objects = Objects(device.gl)
-        limit = int(device.info["max_texture_size"])
-        if max(size) > limit:
-            raise UnsupportedError(
-                f"a target of {size[0]} × {size[1]}: this browser ends at {limit}"
-            )
+    _device: Device
+
+    def _make(self) -> None:
+        self._objects = Objects(self._device.gl)
         self.samples = self._sample_count()
         self.textures = {name: self._texture(word) for name, word in self.colors.items()}
         self.depth_texture: Object | None = None
