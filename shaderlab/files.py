@@ -61,13 +61,9 @@ def replace_file(path: str | Path) -> Iterator[Path]:
     """A path in the same folder to write to, which replaces `path` when the block ends.
 
     If the block raises, what it wrote is removed and a file that was there stays. The name is
-    unique, so that several processes can write at once. The block may also make a symbolic link,
-    or a folder where there is none yet. Anything but a folder is replaced, links and devices too:
-    for a path that a person gave there is `write_named`.
-
-    Raises:
-        OSError: `path` can't be replaced.
-    """
+    unique, so that several processes can write at once. The block may also make a symbolic link, or
+    a folder where there is none yet. Anything but a folder is replaced, links and devices too: for
+    a path that a person gave there is `write_named`. Raises OSError: `path` can't be replaced."""
     target = Path(path)
     # Not mkstemp: only their owner can read its files, and reports are for sharing.
     draft = target.with_name(f".{target.name[:32]}.{os.urandom(6).hex()}")
@@ -85,12 +81,9 @@ def replace_file(path: str | Path) -> Iterator[Path]:
 
 
 def open_regular(path: str | Path, flags: int = os.O_RDONLY) -> int:
-    """A descriptor of a regular file, which no other kind of file can make wait.
-
-    Raises:
-        OSError: it can't be opened, or is no regular file: a FIFO or a device, which may have no
-            end, or a link to one.
-    """
+    """A descriptor of a regular file, which no other kind of file can make wait. Raises OSError: it
+    can't be opened, or is no regular file: a FIFO or a device, which may have no end, or a link to
+    one."""
     descriptor = -1
     try:
         descriptor = os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY, 0o666)
@@ -120,12 +113,8 @@ _REPORT_FOLDERS = ("cases", "images", "page", "spirv")
 
 
 def claim_folder(folder: Path) -> None:
-    """Make a folder for a report, or take one that is empty or has one already.
-
-    Raises:
-        UsageError: it has files of others, or a link, as `refuse_links` says.
-        OSError: it can't be made.
-    """
+    """Make a folder for a report, or take one that is empty or has one already. Raises UsageError:
+    it has files of others, or a link, as `refuse_links` says; OSError: it can't be made."""
     folder.mkdir(parents=True, exist_ok=True)
     if any(folder.iterdir()) and not _holds_report(folder):
         raise UsageError(
@@ -171,11 +160,7 @@ def reserve_standard_descriptors() -> None:
 
 
 def write_bytes(path: str | Path, data: bytes) -> None:
-    """Write a file whole or not at all.
-
-    Raises:
-        OSError: it can't be written.
-    """
+    """Write a file whole or not at all. Raises OSError: it can't be written."""
     with replace_file(path) as draft:
         draft.write_bytes(data)
 
@@ -252,11 +237,7 @@ def write_text(path: str | Path, text: str | Iterable[str]) -> None:
     """Write UTF-8 text, in one string or piece by piece, whole or not at all.
 
     Missing folders are made. Lone surrogates (file names in another encoding) are written as
-    question marks.
-
-    Raises:
-        ShaderlabError: the folder or the file can't be written.
-    """
+    question marks. Raises ShaderlabError: the folder or the file can't be written."""
     target = Path(path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)

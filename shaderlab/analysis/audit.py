@@ -215,11 +215,8 @@ def audit_program(
 def prove_between_draws(
     program: Program, inputs: Mapping[str, Input], captured: Sequence[InputBatch]
 ) -> Proof:
-    """The boxes between the least and the greatest of what draws give a program.
-
-    Raises:
-        NotInterpretedError: they give it what is no number.
-    """
+    """The boxes between the least and the greatest of what draws give a program. Raises
+    NotInterpretedError: they give it what is no number."""
     domains, drawn = enclose_inputs(inputs, captured)
     return Proof(program, inputs, domains, boxes=_DRAWN_BOXES, drawn=drawn)
 

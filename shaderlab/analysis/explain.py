@@ -184,12 +184,8 @@ def _step(
 
 def widest_pixel(evaluation: Evaluation, key: PassDraw) -> tuple[int, int]:
     """The pixel of a draw where the band of what it writes is widest in ULP, of some from all over
-    the picture; the first one where all are exact.
-
-    Raises:
-        UsageError: the draw is not seen.
-        NotInterpretedError, DriverError, CaseError: as `explain`.
-    """
+    the picture; the first one where all are exact. Raises UsageError: the draw is not seen;
+    NotInterpretedError, DriverError, CaseError: as `explain`."""
     given = sample_fragments(evaluation, key, _SAMPLES)
     assert given.pixels is not None
     if not given.count:
@@ -202,12 +198,8 @@ def explain_file(
     program: Program, ranges: Mapping[str, str]
 ) -> tuple[Explanation, dict[str, tuple[float, ...]]]:
     """What a program without a case stores at one invocation, and what that gets: of inputs that
-    are made up, where the band of what it writes is widest.
-
-    Raises:
-        NotInterpretedError: it can't be interpreted.
-        UsageError: a range is wrong.
-    """
+    are made up, where the band of what it writes is widest. Raises NotInterpretedError: it can't be
+    interpreted; UsageError: a range is wrong."""
     inputs = inputs_of(program)
     made_up = sample_inputs(inputs, domains_of(inputs, [program], ranges), _SAMPLES, 0)
     row = _widest(_as_invocations(program, made_up))
@@ -239,11 +231,8 @@ def locate_failure(
     evaluation: Evaluation, formula: Formula, outcome: Outcome
 ) -> Explanation | None:
     """What the shader computes at a failing formula's worst pixel, and where that goes wrong; None
-    of what is no pixel.
-
-    Raises:
-        ShaderlabError: the shader can't be interpreted, or its inputs can't be captured.
-    """
+    of what is no pixel. Raises ShaderlabError: the shader can't be interpreted, or its inputs can't
+    be captured."""
     if outcome.worst is None or outcome.worst.pixel is None:
         return None
     key = formula.key(evaluation.scene)

@@ -218,10 +218,7 @@ def domains_of(
 ) -> dict[str, InputDomain]:
     """The role of each input, by name: of `ranges` ("a..b", "a:b" or "unit" by whole name, of all
     elements of an array or of one), else of a comment, else as the name and the type suggest.
-
-    Raises:
-        UsageError: what is given is no range, or of what no program reads.
-    """
+    Raises UsageError: what is given is no range, or of what no program reads."""
     for name in unknown_names(list(ranges), inputs):
         raise UsageError(f"the shader does not read {name!r}", remedy=suggest(name, inputs))
     declared = {name: text for one in programs for name, text in find_declared_ranges(one).items()}
@@ -355,11 +352,8 @@ _PIXELS = 64  # in a row
 def sample_inputs(
     inputs: Mapping[str, Input], domains: Mapping[str, InputDomain], count: int, seed: int
 ) -> InputBatch:
-    """Inputs for `count` invocations, uniforms as well, which differ between them here.
-
-    Raises:
-        NotInterpretedError: there is a texture of a kind that has no formula.
-    """
+    """Inputs for `count` invocations, uniforms as well, which differ between them here. Raises
+    NotInterpretedError: there is a texture of a kind that has no formula."""
     rng = np.random.default_rng([19, seed])
     each: dict[str, Array] = {}
     textures: dict[str, Texels] = {}
@@ -593,13 +587,9 @@ def _learn_domain(name: str, arrays: Sequence[Array]) -> InputDomain:
 def enclose_inputs(
     inputs: Mapping[str, Input], captured: Sequence[InputBatch]
 ) -> tuple[dict[str, InputDomain], InputBatch]:
-    """The ranges of what draws give a program, and all of it together, with one draw's textures.
-    Of a vector of two or three floats the square of the length has a range, too: that of its
-    domain, "unit".
-
-    Raises:
-        NotInterpretedError: they give it what is no number.
-    """
+    """The ranges of what draws give a program, and all of it together, with one draw's textures. Of
+    a vector of two or three floats the square of the length has a range, too: that of its domain,
+    "unit". Raises NotInterpretedError: they give it what is no number."""
     drawn, each = join_batches(captured), {}
     domains = {}
     for name in inputs:

@@ -146,11 +146,7 @@ def _extremes(inputs: Sequence[Array]) -> list[int]:
 
 
 def stage_of(evaluation: Evaluation, key: PassDraw, stage: str) -> Source:
-    """One stage of a draw's program.
-
-    Raises:
-        NotInterpretedError: it is a dispatch.
-    """
+    """One stage of a draw's program. Raises NotInterpretedError: it is a dispatch."""
     sources = evaluation.programs[key[0]][key[1]].sources
     if sources[0].stage == "compute":
         raise NotInterpretedError("not interpreted: compute stage")
@@ -168,11 +164,8 @@ class ChangedStage:
 
 def case_stages(lab: SceneRunner, case: Case) -> list[tuple[Source, list[InputBatch]]]:
     """Each stage of a case's draws, once, and the inputs that those give it: those of fragment and
-    vertex stages that ran; nothing for other stages, whose inputs can't be captured.
-
-    Raises:
-        ShaderlabError: the case can't be drawn, or what a draw gives can't be captured.
-    """
+    vertex stages that ran; nothing for other stages, whose inputs can't be captured. Raises
+    ShaderlabError: the case can't be drawn, or what a draw gives can't be captured."""
     found: dict[str, tuple[Source, list[InputBatch]]] = {}
     for scene in case.scenes():
         programs = lab.prepare_for_opengl(scene)

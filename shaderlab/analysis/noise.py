@@ -166,12 +166,9 @@ class Compared:
 
 
 def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
-    """A program on some inputs, without noise and so many times with it.
-
-    Raises:
-        NotInterpretedError: it does what the interpreter does not know, or does not end.
-        FormulaError: it reads what is not given.
-    """
+    """A program on some inputs, without noise and so many times with it. Raises
+    NotInterpretedError: it does what the interpreter does not know, or does not end; FormulaError:
+    it reads what is not given."""
     times, count = 1 + copies, batch.count
     each = {
         name: values if len(values) == 1 else np.concatenate([values] * times)

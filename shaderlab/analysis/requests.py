@@ -103,11 +103,8 @@ def _program(source: Source) -> Program:
 
 
 def assume(source: Source, conditions: Sequence[str]) -> Source:
-    """A fragment stage that discards what does not meet some conditions.
-
-    Raises:
-        UsageError: it is another stage.
-    """
+    """A fragment stage that discards what does not meet some conditions. Raises UsageError: it is
+    another stage."""
     if not conditions:
         return source
     if source.stage != "fragment":

@@ -115,11 +115,8 @@ class Band(Bounds, Swizzled):
 
     @classmethod
     def between(cls, lo: ArrayLike, hi: ArrayLike, rules: Rules = _DEFAULT) -> Band:
-        """Any float32 from `lo` to `hi`, both rounded outward.
-
-        Raises:
-            FormulaError: where lo > hi.
-        """
+        """Any float32 from `lo` to `hi`, both rounded outward. Raises FormulaError: where lo >
+        hi."""
         low, high = (np.atleast_1d(np.asarray(bound, dtype=np.float64)) for bound in (lo, hi))
         if low.shape != high.shape:
             low, high = np.broadcast_arrays(low, high)

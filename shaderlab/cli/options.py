@@ -166,11 +166,8 @@ def resolve_shader(
 ) -> ShaderOfFile:
     """Return a shader file with the folders that it includes from.
 
-    `then` maps paths to those of an earlier revision.
-
-    Raises:
-        UsageError: there is no such file, or it is a folder.
-    """
+    `then` maps paths to those of an earlier revision. Raises UsageError: there is no such file, or
+    it is a folder."""
     if path.is_dir():
         raise UsageError("this is a folder; name a shader file", file=path)
     (found,) = resolve_shaders([path], includes, then)

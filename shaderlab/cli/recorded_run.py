@@ -177,11 +177,8 @@ def new_plan(jobs: Sequence[Job], options: RunOptions, folder: str | None) -> Ru
 def load_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
     """The plan of an earlier run, to be finished with these limits, and the records there are.
 
-    `word` is the run's folder, or "" for the last one that was begun.
-
-    Raises:
-        UsageError: there is no such run.
-    """
+    `word` is the run's folder, or "" for the last one that was begun. Raises UsageError: there is
+    no such run."""
     if not word:
         begun = sorted(
             shared.REPORTS.glob(f"*/{shared.FILE_NAME}"), key=lambda path: path.stat().st_mtime

@@ -187,11 +187,8 @@ def _keep_variants(jobs: list[Job], variants: Sequence[str]) -> list[Job]:
 
 def make_ids_distinct(cases: Sequence[CaseInfo]) -> list[CaseInfo]:
     """The cases with ids that differ, since records and pictures are keyed by them: files of one
-    name get as many folders before it as tell them apart, as in "lamps/fog".
-
-    Raises:
-        UsageError: two files of one folder have the same id.
-    """
+    name get as many folders before it as tell them apart, as in "lamps/fog". Raises UsageError: two
+    files of one folder have the same id."""
     files = [Path(os.path.realpath(case.file)) for case in cases]  # also of links in a circle
     ids = {file: case.id for file, case in zip(files, cases, strict=True)}
     parts = {file: [*file.parts[1:-1], case_id] for file, case_id in ids.items()}

@@ -140,11 +140,8 @@ def cached_compiler() -> Compile:
 def compile_with_lines(source: Source) -> Compiled:
     """Compile one stage for OpenGL, or for Vulkan if only that takes it, behind the compile cache;
     its module says which line of the text each instruction comes from, and computes constant
-    expressions itself (see `keep_literals`) where the text compiles so.
-
-    Raises:
-        ShaderError: as `compile_program`.
-    """
+    expressions itself (see `keep_literals`) where the text compiles so. Raises ShaderError: as
+    `compile_program`."""
     folder = cache_folder()
     if folder is None:
         return _compile_with_lines(source)
@@ -243,11 +240,8 @@ def compilers_digest() -> str | None:
 def files_digest(paths: Sequence[Path], started: float = _STARTED) -> str | None:
     """Return one digest of the files' contents.
 
-    None if a file was changed after, or just before, the time `started`.
-
-    Raises:
-        OSError: a file can't be read.
-    """
+    None if a file was changed after, or just before, the time `started`. Raises OSError: a file
+    can't be read."""
     if max(os.stat(path).st_ctime for path in paths) > started - _CLOCK_TICK:
         return None
     contents = [hashlib.sha256(path.read_bytes()).hexdigest() for path in paths]

@@ -217,11 +217,8 @@ def add_feedback(data: bytes, sizes: Mapping[str, int]) -> bytes:
     """Return a module of the last stage before rasterisation, decorated so that it captures.
 
     `sizes` are the components of each output by name, in the order in which they are captured:
-    elements of an array and members of a struct follow one another.
-
-    Raises:
-        UnsupportedError: only a part of an array or a struct is named, or there is no such output.
-    """
+    elements of an array and members of a struct follow one another. Raises UnsupportedError: only a
+    part of an array or a struct is named, or there is no such output."""
     module = parse(data)
     offsets: dict[Target, int] = {}
     owners = {name: target for target, names in _outputs(module) for name in names}

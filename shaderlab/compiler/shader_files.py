@@ -275,12 +275,9 @@ class Roots:
         """Find the file of a normalised name; None if it is in no root.
 
         A name that climbs, such as "../shaders/a.glsl", is looked for beside each root, and found
-        where that is in a root again; the file then has its name inside that one.
-
-        Raises:
-            OutsideError: the name or a symbolic link leads out of the roots.
-            ShaderError: the file can't be read.
-        """
+        where that is in a root again; the file then has its name inside that one. Raises
+        OutsideError: the name or a symbolic link leads out of the roots; ShaderError: the file
+        can't be read."""
         if name in self._overrides:
             return self._read_override(name, name)
         for path, known in self._places(name):

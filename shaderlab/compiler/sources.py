@@ -101,12 +101,9 @@ class LineMap:
 def expand(file: File, roots: Roots, defines: Mapping[str, str], stage: str) -> Expansion:
     """Return the file's text with every `#include` replaced by the text of a file in the roots, and
     with macros after the first `#version` line, or first if there is none. A shader without one
-    gets what its dialect implies (see `shader_files.frame_text`).
-
-    Raises:
-        ShaderError: an include is malformed, missing, circular, outside the roots, too deep,
-            or can't be read; the message has the chain of includes that led there.
-    """
+    gets what its dialect implies (see `shader_files.frame_text`). Raises ShaderError: an include is
+    malformed, missing, circular, outside the roots, too deep, or can't be read; the message has the
+    chain of includes that led there."""
     code = strip_comments(file.text)
     version = version_of(code)
     expansion = Expansion(roots, defines, version[0] if version else 110)
@@ -390,10 +387,8 @@ class Shaders(Roots):
 
     def from_text(self, text: str, stage: str, name: str) -> Source:
         """Return a shader that is not a file, such as a generated stage; it may include files.
-
-        Raises:
-            ShaderError: the stage is unknown, or the text or one of its includes can't be used.
-        """
+        Raises ShaderError: the stage is unknown, or the text or one of its includes can't be
+        used."""
         return self._source(File(name, name, normalise(text, name)), name, stage)
 
     def _source(self, file: File, name: str, stage: str) -> Source:

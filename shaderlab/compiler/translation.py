@@ -45,12 +45,8 @@ def find_compiler(path: Path, otherwise: str) -> str:
 def read_module(path: Path, stage: str | None) -> bytes:
     """Return the SPIR-V of a module's file, or of a shader whose entry point is `main`; a stage
     that neither an attribute in the text nor the file's name (`a.vert.hlsl`) says is `stage`, or
-    else the fragment stage.
-
-    Raises:
-        ShaderError: the language's compiler is not installed, or refuses the file.
-        OSError: the file can't be read.
-    """
+    else the fragment stage. Raises ShaderError: the language's compiler is not installed, or
+    refuses the file; OSError: the file can't be read."""
     with open(open_regular(path), "rb") as file:
         data = file.read()
     command = _COMMANDS.get(path.suffix.lower())

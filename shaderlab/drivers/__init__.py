@@ -191,11 +191,8 @@ class Backend(ABC):
         """Open a session as `session` does, in a separate context, with one call changed.
 
         It holds for `draw` and for what `trace` tells of that; None changes no call. What the lab
-        reads and captures is not touched.
-
-        Raises:
-            ShaderlabError: drawing the scene takes no such call.
-        """
+        reads and captures is not touched. Raises ShaderlabError: drawing the scene takes no such
+        call."""
         raise UnsupportedError("changing calls of OpenGL: this driver can't")
 
     @abstractmethod
@@ -209,11 +206,8 @@ class Backend(ABC):
 
     def storage(self, count: int, binding: int = 0) -> AbstractContextManager[Callable[[], Array]]:
         """A storage buffer of `count` zeros (uint32), bound as this binding of all that is drawn
-        meanwhile; gives a function that reads it, (count,).
-
-        Raises:
-            UnsupportedError: there are no storage buffers.
-        """
+        meanwhile; gives a function that reads it, (count,). Raises UnsupportedError: there are no
+        storage buffers."""
         raise UnsupportedError("storage buffers: this driver has none")
 
     def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:

@@ -245,11 +245,8 @@ def tree_of(file: Path) -> Path:
 
 def chapter_title(file: str | Path, section: str) -> str:
     """The title of the chapter that a section such as "5.5.2" lies in, as [chapters] in the
-    cases.toml of the case's tree gives it; "" where there is none.
-
-    Raises:
-        CaseError: the cases.toml is wrong.
-    """
+    cases.toml of the case's tree gives it; "" where there is none. Raises CaseError: the cases.toml
+    is wrong."""
     number = section.split(".")[0].strip()
     chapters: Mapping[str, str] = _course(tree_of(Path(file)) / TREE_FILE).get("chapters", {})
     return chapters.get(number, "")
@@ -300,10 +297,7 @@ def _course(file: Path) -> Mapping[str, Any]:
 def files_below(folder: Path) -> list[Path]:
     """All files below `folder`, sorted, except in hidden folders and build products. A folder that
     links lead to is looked through once, and as itself if it is below, too; those above are not.
-
-    Raises:
-        UsageError: a folder can't be read.
-    """
+    Raises UsageError: a folder can't be read."""
     files: list[Path] = []
     seen: set[tuple[int, int]] = set()
     top = Path(os.path.realpath(folder))
@@ -357,12 +351,9 @@ _FOR_CASES = ("shaderlab", "shaderlab.glslmath", "shaderlab.glslmath.sampling", 
 def load_case(path: Path) -> Case:
     """Import a case file and check all that needs no compiler.
 
-    The id is the file's name with "_" as "-", the lesson its docstring.
-
-    Raises:
-        CaseError: the file can't be read or imported, defines no `case`, or its data is wrong;
-            names the file, the line and, for a misspelt word, the nearest correct one.
-    """
+    The id is the file's name with "_" as "-", the lesson its docstring. Raises CaseError: the file
+    can't be read or imported, defines no `case`, or its data is wrong; names the file, the line
+    and, for a misspelt word, the nearest correct one."""
     from shaderlab.model.case import Case  # late, as below: commands import this module
 
     if not path.is_file():

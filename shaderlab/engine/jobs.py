@@ -256,11 +256,8 @@ class Executor:
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
         """The jobs with their records, as they complete. Every job gets a record, also one whose
-        process dies. Close the generator, and no more jobs are begun.
-
-        Raises:
-            ShaderlabError: no worker can be started at all.
-        """
+        process dies. Close the generator, and no more jobs are begun. Raises ShaderlabError: no
+        worker can be started at all."""
         for job in jobs:
             if job.broken:
                 yield job, make_failed_record(job, job.broken, job.trouble)

@@ -242,11 +242,7 @@ def enlarge(
 ) -> Images:
     """Draw a scene with `side` × `side` pixels where its targets have no size of their own: the
     passes that depend on the size, and those that they read. The rest is taken from `images`, drawn
-    in another size.
-
-    Raises:
-        ShaderError, UnsupportedError, CaseError: it can't be drawn.
-    """
+    in another size. Raises ShaderError, UnsupportedError, CaseError: it can't be drawn."""
     needed = with_read_passes(scene, resized_passes(scene))
     if not needed:
         return images

@@ -105,12 +105,9 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
             raise picture_error  # it changes no outcome
 
     def _compile(self, scene: Scene, record: RecordBuilder, pictures: PictureWriter) -> Programs:
-        """Compile a scene's programs and record their verdicts.
-
-        Raises:
-            ShaderError, CaseError, UnsupportedError: a program does not compile, an expectation
-                names what is not there, or the driver lacks compute passes.
-        """
+        """Compile a scene's programs and record their verdicts. Raises ShaderError, CaseError,
+        UnsupportedError: a program does not compile, an expectation names what is not there, or the
+        driver lacks compute passes."""
         with phase("compile", "compiling"):
             programs = self.prepare(scene)
         record.add_programs(programs, pictures)

@@ -70,11 +70,8 @@ def _rebuild(leaves: Iterator[Array], kind: Type) -> Any:
 
 
 def fit_argument(value: Any, kind: Type, label: str) -> Argument:
-    """The value of a parameter or a global.
-
-    Raises:
-        CallError: it does not fit; names the label, the type and what was given.
-    """
+    """The value of a parameter or a global. Raises CallError: it does not fit; names the label, the
+    type and what was given."""
     leaves = tuple(_numbers(leaf, its, name) for name, its, leaf in _walk(value, kind, label))
     try:
         batch = np.broadcast_shapes(*(leaf.shape[:-1] for leaf in leaves))
@@ -206,11 +203,8 @@ def bind_arguments(
     named: Mapping[str, Any],
     defaults: Mapping[str, Any],
 ) -> Call:
-    """The overload that arguments fit best, with them.
-
-    Raises:
-        CallError: none fits, or two fit alike.
-    """
+    """The overload that arguments fit best, with them. Raises CallError: none fits, or two fit
+    alike."""
     found: list[Call] = []
     errors: list[CallError] = []
     for signature in overloads:
@@ -343,12 +337,8 @@ def collect_opaque(
 
 
 def read_texels(source: Any, label: str, folder: Path) -> Texels:
-    """A texture as references sample it.
-
-    Raises:
-        CallError: its texels are not known without a driver.
-        CaseError, AssetError: as `shaderlab.drivers.programs.textures.texture_contents`.
-    """
+    """A texture as references sample it. Raises CallError: its texels are not known without a
+    driver; CaseError, AssetError: as `shaderlab.drivers.programs.textures.texture_contents`."""
     depth = getattr(source, "format", "").startswith("depth") and source.format != "depth32f"
     if depth or isinstance(source, CompressedTexture) or source.mipmaps is True:
         raise CallError(

@@ -137,12 +137,8 @@ def judge_function(
     function: Function, law: Law | CallLaw | Reference, call: Call, curves: list[Curve]
 ) -> list[Outcome]:
     """The outcomes of a check: one, or with a reference one for each part of the result, whose
-    curve over the only number that varies is added to `curves`.
-
-    Raises:
-        CallError: the reference's parameters are not the function's.
-        FormulaError: the reference fails.
-    """
+    curve over the only number that varies is added to `curves`. Raises CallError: the reference's
+    parameters are not the function's; FormulaError: the reference fails."""
     outputs = call.signature.outputs
     if not outputs:
         raise CallError(f"{function.__name__} returns nothing", remedy="check what it should write")
@@ -373,12 +369,8 @@ def _take(value: Any, members: Sequence[str], index: int) -> Any:
 
 def match_inputs(reference: Reference, call: Call, kept: Array, folder: str) -> Inputs:
     """The inputs under the names that the reference has for them: the function's own, or in the
-    order of its parameters.
-
-    Raises:
-        CallError: the reference's parameters are not the function's, or one is a texture whose
-            texels are not known without a driver.
-    """
+    order of its parameters. Raises CallError: the reference's parameters are not the function's, or
+    one is a texture whose texels are not known without a driver."""
     uniforms, textures = collect_opaque(call)
     numbers = _number_inputs(call, kept)
     numbers = replace(numbers, shared={**numbers.shared, **uniforms})

@@ -236,11 +236,8 @@ class Caller:
         self._lock = threading.Lock()
 
     def perform(self, request: Any, what: str) -> Any:
-        """Return what a request gives; `what` names it in messages.
-
-        Raises:
-            ShaderError, CaseError, CallError: as the request; it hangs, or takes its process down.
-        """
+        """Return what a request gives; `what` names it in messages. Raises ShaderError, CaseError,
+        CallError: as the request; it hangs, or takes its process down."""
         with self._lock:
             (result,) = self._executor.perform([request])
         if result.status == "done":
@@ -296,11 +293,8 @@ _TAKEN_LATER = re.compile(
 
 
 def evaluate(source: Source, folder: str, call: Call) -> Any:
-    """The results of a call of one of a file's functions.
-
-    Raises:
-        ShaderError, CaseError, CallError: as `Caller.perform` and `shaderlab.drivers.Backend`.
-    """
+    """The results of a call of one of a file's functions. Raises ShaderError, CaseError, CallError:
+    as `Caller.perform` and `shaderlab.drivers.Backend`."""
     signature, count = call.signature, math.prod(call.batch)
     if count > _WIDTH * _MAX_SIDE:
         raise CallError(f"{signature.name}: {count} elements are too many for one call")

@@ -73,11 +73,8 @@ class Numbers:
 
 
 class Grid:
-    """All combinations of the numbers of several arguments, or each `step`-th.
-
-    Raises:
-        CallError: there is no range, or one that is none; or there are too many values.
-    """
+    """All combinations of the numbers of several arguments, or each `step`-th. Raises CallError:
+    there is no range, or one that is none; or there are too many values."""
 
     def __init__(
         self, function: Function, arguments: Sequence[Any], named: Mapping[str, Any], step: int

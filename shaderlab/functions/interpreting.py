@@ -54,11 +54,8 @@ EntryPoint = tuple[Signature, Source]
 
 def find_entry_points(written: Source, worker: Worker | None = None) -> list[EntryPoint]:
     """The functions that a file defines itself, not in what it includes, in order; preprocessed by
-    a worker, or where calls are made.
-
-    Raises:
-        ShaderError: its brackets do not match, or it has no function.
-    """
+    a worker, or where calls are made. Raises ShaderError: its brackets do not match, or it has no
+    function."""
     source = with_version(written)
     request = Preprocess(source)
     text = get_caller().perform(request, "") if worker is None else request.perform(worker)

@@ -113,11 +113,8 @@ def find_proof(
     function: Function, condition: Condition, ranges: Mapping[str, Any], boxes: int = BOXES
 ) -> tuple[Program, Proof]:
     """A function's program, and the search for a condition of its results in ranges of its
-    arguments.
-
-    Raises:
-        CallError, UsageError, NotInterpretedError: it can't be asked about, or has other arguments.
-    """
+    arguments. Raises CallError, UsageError, NotInterpretedError: it can't be asked about, or has
+    other arguments."""
     entries = {str(one): stage for one, stage in find_entry_points(function.source)}
     signature = function.signatures[0]
     if len(function.signatures) > 1 or str(signature) not in entries:
@@ -202,10 +199,7 @@ def run_on_driver(
     program: Program, inputs: Mapping[str, tuple[float, ...]]
 ) -> dict[str, tuple[float, ...]]:
     """What the driver writes to each output that is a number or a vector, for one invocation.
-
-    Raises:
-        ShaderlabError: the stage takes more than numbers, or does not run.
-    """
+    Raises ShaderlabError: the stage takes more than numbers, or does not run."""
     source, module = program.source, program.module
     assert source is not None
     outputs = {

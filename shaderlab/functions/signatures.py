@@ -143,11 +143,8 @@ class Declarations:
 
 
 def read_declarations(text: str) -> Declarations:
-    """What a preprocessed text declares.
-
-    Raises:
-        ShaderError: brackets do not match; its line is that of the text.
-    """
+    """What a preprocessed text declares. Raises ShaderError: brackets do not match; its line is
+    that of the text."""
     rows = text.split("\n")
     extensions = tuple(row.strip() for row in rows if row.lstrip().startswith("#extension"))
     text = "\n".join("" if row.lstrip().startswith("#") else row for row in rows)

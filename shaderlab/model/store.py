@@ -24,11 +24,8 @@ Kind = TypeVar("Kind")
 def save(run: Run, folder: str | Path) -> Path:
     """Write the whole run to `folder`/run.json and return that path.
 
-    The JSON is strict: NaN and infinities are the strings "nan", "inf" and "-inf".
-
-    Raises:
-        ShaderlabError: the file can't be written.
-    """
+    The JSON is strict: NaN and infinities are the strings "nan", "inf" and "-inf". Raises
+    ShaderlabError: the file can't be written."""
     path = Path(folder) / FILE_NAME
     write_text(path, _pieces(run))
     return path
@@ -44,12 +41,8 @@ def _pieces(run: Run) -> Iterator[str]:
 
 
 def load(folder: str | Path) -> Run:
-    """The run that `save` wrote to `folder`.
-
-    Raises:
-        UsageError: there is none.
-        ShaderlabError: the file is damaged or was written by another version.
-    """
+    """The run that `save` wrote to `folder`. Raises UsageError: there is none; ShaderlabError: the
+    file is damaged or was written by another version."""
     path = Path(folder) / FILE_NAME
     try:
         text = read_regular(path).decode("utf-8")

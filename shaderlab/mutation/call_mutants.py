@@ -138,11 +138,7 @@ def mutate_calls(
     """Return the mutants of a case's calls, or of those of some of its variants.
 
     Where many differ in the numbers of their objects alone, as in a pass for each of many textures,
-    a few stand for all.
-
-    Raises:
-        UnsupportedError: the backend records no calls.
-    """
+    a few stand for all. Raises UnsupportedError: the backend records no calls."""
     alike: dict[tuple[str, ...], list[CallMutant]] = {}
     for scene in select_scenes(case, variants):
         programs = lab.prepare_for_opengl(scene)

@@ -45,11 +45,8 @@ class PartError(CaseError):
 
 
 class Judge:
-    """Judges mutants of one case, which it evaluates once unmutated.
-
-    Raises:
-        CaseError: an expectation fails with the case's own shaders: there is nothing to measure.
-    """
+    """Judges mutants of one case, which it evaluates once unmutated. Raises CaseError: an
+    expectation fails with the case's own shaders: there is nothing to measure."""
 
     def __init__(self, lab: SceneRunner, case: Case, variants: tuple[str, ...] = ()) -> None:
         self._lab = lab

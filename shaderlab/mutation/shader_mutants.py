@@ -49,11 +49,8 @@ def mutate_case(
     """Return every mutant of every program of a case, in the order in which programs first appear.
 
     A mutant is one place in one program: what two programs include is mutated in each of them. A
-    program that several draws, passes or variants share counts once.
-
-    Raises:
-        ShaderError: a shader can't be read.
-    """
+    program that several draws, passes or variants share counts once. Raises ShaderError: a shader
+    can't be read."""
     shaders = shaders_of(Path(case.file).parent, {})
     programs = dict.fromkeys(
         draw.shaders

@@ -84,10 +84,7 @@ class Mutants:
 
 def load_mutants(folder: Path) -> dict[str, Mutants]:
     """Return the results in `folder`/mutation.json by case; none where there is no such file.
-
-    Raises:
-        ShaderlabError: the file is damaged, or something else.
-    """
+    Raises ShaderlabError: the file is damaged, or something else."""
     path = folder / MUTATION_NAME
     try:
         cases = json.loads(read_regular(path))["cases"]

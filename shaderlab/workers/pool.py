@@ -268,11 +268,8 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         """Yield the items' results as they complete.
 
         Only a few are taken from `items` ahead of the results that were read, so memory does not
-        grow with their number. Closing the generator drops what no worker was sent.
-
-        Raises:
-            ShaderlabError: no worker can be started at all.
-        """
+        grow with their number. Closing the generator drops what no worker was sent. Raises
+        ShaderlabError: no worker can be started at all."""
         run = _Run()
         numbered = enumerate(items)
         ahead = itertools.islice(numbered, min(max(self.jobs + 1, AHEAD), sys.maxsize))

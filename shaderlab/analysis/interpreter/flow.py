@@ -306,11 +306,8 @@ Steps = tuple[list[tuple[Handler, Instruction, bool]], Branch, Instruction]
 
 
 def steps_of(block: list[Instruction]) -> Steps:
-    """A block as it is run. What has no handler is refused where it is reached.
-
-    Raises:
-        NotInterpretedError: no branch ends it.
-    """
+    """A block as it is run. What has no handler is refused where it is reached. Raises
+    NotInterpretedError: no branch ends it."""
     steps: list[tuple[Handler, Instruction, bool]] = []
     for at in block:
         if at.op in BRANCHES:

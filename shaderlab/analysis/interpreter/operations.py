@@ -299,11 +299,7 @@ FLOATS: Mapping[int, Handler] = {
 
 def derivative(run: Run, function: str, value: Any) -> Any:
     """A derivative of a value by its name in GLSL; of ranges any number, for the other pixels' are
-    unknown.
-
-    Raises:
-        FormulaError: the pixels' places are unknown.
-    """
+    unknown. Raises FormulaError: the pixels' places are unknown."""
     if run.for_ranges:
         low = np.full(value.shape, 0.0 if function.startswith("fwidth") else -LARGEST)
         return Band.between(low, np.full(value.shape, LARGEST), value.rules)

@@ -77,12 +77,9 @@ class Type:
 
 
 class Types(dict[int, Type]):
-    """A module's types by id, each made when it is first needed; a pointer's id gives the type
-    of the pointer, see `Program.variables` for what variables hold.
-
-    Raises:
-        NotInterpretedError: a type is unknown, such as `double`.
-    """
+    """A module's types by id, each made when it is first needed; a pointer's id gives the type of
+    the pointer, see `Program.variables` for what variables hold. Raises NotInterpretedError: a type
+    is unknown, such as `double`."""
 
     def __init__(self, module: Module) -> None:
         self._module = module
@@ -267,13 +264,8 @@ class Program:
 
 def load(source: Source) -> Program:
     """A shader stage compiled to SPIR-V with the lines of its text, for OpenGL, or for Vulkan if
-    only that takes it.
-
-    Raises:
-        ShaderError: it does not compile.
-        NotInterpretedError: the module has a type that the interpreter does not know, or is of a
-            geometry or tessellation stage.
-    """
+    only that takes it. Raises ShaderError: it does not compile; NotInterpretedError: the module has
+    a type that the interpreter does not know, or is of a geometry or tessellation stage."""
     if source.stage.startswith(("tess_", "geometry")):
         raise NotInterpretedError(f"not interpreted: {source.stage} stage", file=source.path)
     compiled = compile_with_lines(source)
@@ -287,12 +279,8 @@ def load(source: Source) -> Program:
 
 def read_file(path: Path, stage: str | None = None) -> Program:
     """The program of a SPIR-V file, or of a shader that another language's compiler makes SPIR-V
-    of. Its lines are those that the module states, or the numbers of its instructions.
-
-    Raises:
-        ShaderError: it can't be read, or is no valid module.
-        NotInterpretedError: as `load`.
-    """
+    of. Its lines are those that the module states, or the numbers of its instructions. Raises
+    ShaderError: it can't be read, or is no valid module; NotInterpretedError: as `load`."""
     try:
         data = read_module(path, stage)
         message = validate(data, "spv1.6")
@@ -344,12 +332,9 @@ def _offsets(module: Module, struct: int) -> list[Any]:
 
 
 def read(data: bytes, source: Source | None = None) -> Program:
-    """A module's bytes as a program; `source` is the text that its lines count.
-
-    Raises:
-        ShaderError: the bytes are no SPIR-V module.
-        NotInterpretedError: it has a type that the interpreter does not know.
-    """
+    """A module's bytes as a program; `source` is the text that its lines count. Raises ShaderError:
+    the bytes are no SPIR-V module; NotInterpretedError: it has a type that the interpreter does not
+    know."""
     return _build(parse(data), source)
 
 

@@ -116,11 +116,8 @@ def component(value: Value, index: int) -> Value:
 
 def select(condition: TriBool, a: Value, b: Value) -> Value:
     """a where the condition (count or 1, components or 1) holds, else b; the hull of both where it
-    is undecided. Where nothing was stored to one of them, the other.
-
-    Raises:
-        UnchoosableError: they are different samplers.
-    """
+    is undecided. Where nothing was stored to one of them, the other. Raises UnchoosableError: they
+    are different samplers."""
     if a is b or b is None:
         return a
     if a is None:

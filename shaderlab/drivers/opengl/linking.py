@@ -54,11 +54,8 @@ class Linker(ProgramCache[Any]):
         `moderngl.ComputeShader` of "compute", or a `SpirvProgram`, which can do what the lab needs
         of them.
 
-        `feedback` are the vertex outputs to be captured by transform feedback.
-
-        Raises:
-            ShaderError: the driver refuses the program.
-        """
+        `feedback` are the vertex outputs to be captured by transform feedback. Raises ShaderError:
+        the driver refuses the program."""
 
         def link() -> Any:
             try:

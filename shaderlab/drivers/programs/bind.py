@@ -25,13 +25,9 @@ Contents = Callable[[str, Variable, TextureSource], Texels]
 
 def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
     """Return all uniforms, block members and textures of a draw, checked against what its program
-    declares; `texels` gives a texture's contents.
-
-    Raises:
-        CaseError: a uniform, a block's member or a texture is missing, unknown, or of the wrong
-            type or shape.
-        UnsupportedError: a program that draws has images.
-    """
+    declares; `texels` gives a texture's contents. Raises CaseError: a uniform, a block's member or
+    a texture is missing, unknown, or of the wrong type or shape; UnsupportedError: a program that
+    draws has images."""
     for name in draw.uniforms:
         if name not in interface.uniforms:
             _refuse_member(draw, interface, name)
@@ -75,11 +71,8 @@ def convert_value(variable: Variable, value: Any, what: str = "uniform") -> tupl
     `what`.
 
     Shapes: a number (1,), a vector (n,), a matrix (rows, columns); arrays have one more axis in
-    front.
-
-    Raises:
-        CaseError: `value` is not numbers, has another shape, or is out of the type's range.
-    """
+    front. Raises CaseError: `value` is not numbers, has another shape, or is out of the type's
+    range."""
     shape = shape_of(variable.type)
     if variable.array is not None:
         shape = (variable.array, *shape)
@@ -164,12 +157,9 @@ def convert_inputs(
 def complete_inputs(
     draw: Draw, varyings: Mapping[str, Variable], inputs: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """All fragment inputs of a draw, (count, components): those given, and for the others the
-    value that the draw's domain has at the centre of the screen.
-
-    Raises:
-        CaseError: an input has no value, or is none of the shader's.
-    """
+    """All fragment inputs of a draw, (count, components): those given, and for the others the value
+    that the draw's domain has at the centre of the screen. Raises CaseError: an input has no value,
+    or is none of the shader's."""
     variables = {v.name: v for v in array_elements(varyings.values())}
     count = max((len(v) for v in inputs.values()), default=1)
     for name in inputs:

@@ -41,12 +41,8 @@ def probe_fragments(
     """Run a draw's fragment stage on inputs, each an array (count, components), once with the
     uniforms and textures of each of `runs`: every row is a point of one pixel, so that nothing is
     interpolated. Inputs that are not given take the value that a domain has at the centre of the
-    screen.
-
-    Raises:
-        CaseError: an input has no value, or is none of the shader's.
-        UnsupportedError: the lab can't write a vertex stage that feeds the shader.
-    """
+    screen. Raises CaseError: an input has no value, or is none of the shader's; UnsupportedError:
+    the lab can't write a vertex stage that feeds the shader."""
     complete = bind.complete_inputs(draw.draw, draw.interface.varyings, inputs)
     count = max((len(values) for values in inputs.values()), default=1)
     width = min(count, WIDTH)
@@ -165,14 +161,10 @@ def capture_fragments(
     """Return what the fragment shader of one of a pass's draws got, at each pixel that the draw was
     the last to write; `shared` is what was captured of it together with others.
 
-    The pass's other draws run as well and wipe out what they cover, so `covered` is what is seen
-    of the draw in the end. A shader that may keep fragments out is captured a second time keeping
-    them all.
-
-    Raises:
-        UnsupportedError: the fragment shader has so many outputs that none can be added, and they
-            are declared in a way that leaves none out.
-    """
+    The pass's other draws run as well and wipe out what they cover, so `covered` is what is seen of
+    the draw in the end. A shader that may keep fragments out is captured a second time keeping them
+    all. Raises UnsupportedError: the fragment shader has so many outputs that none can be added,
+    and they are declared in a way that leaves none out."""
     found = _capture(draws, index, redraw) if shared is None else shared.fragments(index)
     text = draws[index].text("fragment")
     if not (stages.may_discard(text) or stages.writes_depth(text)):
@@ -331,11 +323,8 @@ def capture_vertices(draw: PreparedDraw, bindings: Bindings, capture: CaptureOut
     an evaluation stage gl_TessCoord, gl_PrimitiveID, the attributes of the patch's vertices
     ("aPos[0]"), the levels and what the control stage made, which are among the outputs, too.
     `entering` are the vertices before a further stage, with gl_Position as "gl_in.gl_Position".
-
-    Raises:
-        UnsupportedError: an output is of double precision, or a geometry stage follows an
-            evaluation stage.
-    """
+    Raises UnsupportedError: an output is of double precision, or a geometry stage follows an
+    evaluation stage."""
     mesh = draw.draw.mesh
     assert mesh is not None
     given = _run_vertices(draw, bindings, mesh, draw.draw.instances, capture)

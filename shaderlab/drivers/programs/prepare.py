@@ -221,11 +221,8 @@ def check_continues(
     earlier: Mapping[str, Mapping[str, str]],
 ) -> None:
     """Check that a pass with `onto` can draw on in the target of the one that it names; `colors`
-    are its attachments' formats by output name, `earlier` those of the passes before it.
-
-    Raises:
-        CaseError: there is no such earlier pass, or its target is another one.
-    """
+    are its attachments' formats by output name, `earlier` those of the passes before it. Raises
+    CaseError: there is no such earlier pass, or its target is another one."""
     before = description.onto
     if before not in earlier:
         raise CaseError(

@@ -66,11 +66,8 @@ class GlslDeclarations:
 
     def declare_outputs(self, variables: Sequence[Variable]) -> list[str]:
         """Declare outputs that fit a fragment shader's inputs; blocks and structs to the letter, as
-        the stages must agree on them.
-
-        Raises:
-            UnsupportedError: the declaration of a struct can't be found.
-        """
+        the stages must agree on them. Raises UnsupportedError: the declaration of a struct can't be
+        found."""
         lines: dict[str, None] = {}
         for variable in variables:
             name, head = variable.name, _head(variable.name)
@@ -506,11 +503,8 @@ def copy_inputs(
 def write_domain_stage(text: str, inputs: Iterable[Variable]) -> str:
     """Write a vertex stage for one screen-filling triangle, feeding the fragment shader's `inputs`
     as linear ramps: each takes three uniforms, shaderlab_NAME_origin, _dx and _dy; those of members
-    of a block or a struct are members of one themselves (shaderlab_VS_OUT.FragPos_origin).
-
-    Raises:
-        UnsupportedError: an input is an array.
-    """
+    of a block or a struct are members of one themselves (shaderlab_VS_OUT.FragPos_origin). Raises
+    UnsupportedError: an input is an array."""
     variables, shader = sorted(inputs, key=lambda variable: variable.name), GlslDeclarations(text)
     written = []
     ramps: dict[str, list[str]] = {}

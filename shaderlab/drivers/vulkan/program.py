@@ -217,11 +217,8 @@ class Layout:
 
 
 class Program:
-    """Modules on the device, and a pipeline for each layout that they are drawn with.
-
-    Raises:
-        UnsupportedError: the modules take a feature that the device lacks.
-    """
+    """Modules on the device, and a pipeline for each layout that they are drawn with. Raises
+    UnsupportedError: the modules take a feature that the device lacks."""
 
     def __init__(self, device: Device, modules: Mapping[str, bytes]) -> None:
         check_capabilities(device, modules)

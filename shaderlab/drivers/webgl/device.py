@@ -164,11 +164,7 @@ Result = TypeVar("Result")
 
 
 class Browser:
-    """A running browser.
-
-    Raises:
-        DriverError: there is none, or it has no WebGL2.
-    """
+    """A running browser. Raises DriverError: there is none, or it has no WebGL2."""
 
     def __init__(self) -> None:
         try:

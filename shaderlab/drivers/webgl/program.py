@@ -73,11 +73,8 @@ NO_BLOCK = 0xFFFFFFFF
 
 
 class Program:
-    """A linked program.
-
-    Raises:
-        UnsupportedError: the browser refuses its ESSL, which glslang took as GLSL.
-    """
+    """A linked program. Raises UnsupportedError: the browser refuses its ESSL, which glslang took
+    as GLSL."""
 
     def __init__(
         self,

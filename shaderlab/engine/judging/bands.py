@@ -127,11 +127,8 @@ def reference_band(
     reference: Reference, inputs: Inputs, *, shape: tuple[int, int], rules: Rules, format: str
 ) -> ReferenceBand:
     """Return the band of a formula, evaluated unless the cache in use has it; `shape` is the count
-    and the components of the measured values. For the rest see `judge_band`.
-
-    Raises:
-        FormulaError: the formula fails or gives another number of components.
-    """
+    and the components of the measured values. For the rest see `judge_band`. Raises FormulaError:
+    the formula fails or gives another number of components."""
     parameters = match_parameters(reference, inputs)
     cache = _CACHE.get()
     if cache is None:
@@ -252,11 +249,8 @@ def to_result(value: Any, format: str, rules: Rules) -> Band | Integer:
 
 
 def store_band(band: Band | Integer, format: str, components: int) -> Band | Allowed:
-    """What may come back from an attachment of this format.
-
-    Raises:
-        FormulaError: a formula of floats for integers, or the other way round.
-    """
+    """What may come back from an attachment of this format. Raises FormulaError: a formula of
+    floats for integers, or the other way round."""
     if format in INTEGER_FORMATS:
         return _store_integers(band, format)
     assert isinstance(band, Band)

@@ -100,11 +100,8 @@ class Law(ABC):
 @dataclass(frozen=True)
 class Bounded(Law):
     """low ≤ f ≤ high, so that NaN fails. The bounds are numbers, or one for each component; they
-    are rounded to float32, as the shader's own constants are.
-
-    Raises:
-        CaseError: there is no bound, or a lower one above its upper one.
-    """
+    are rounded to float32, as the shader's own constants are. Raises CaseError: there is no bound,
+    or a lower one above its upper one."""
 
     low: Any = -np.inf
     high: Any = np.inf
@@ -235,11 +232,8 @@ class Close:
 @dataclass(frozen=True)
 class Symmetric(Close, Law):
     """The value stays the same when one input changes its sign, or two are exchanged; or, with the
-    sign −1, it changes its own sign then.
-
-    Raises:
-        CaseError: there are more inputs than two, or the tolerance is negative or infinite.
-    """
+    sign −1, it changes its own sign then. Raises CaseError: there are more inputs than two, or the
+    tolerance is negative or infinite."""
 
     inputs: tuple[str, ...]
     sign: int = 1

@@ -124,11 +124,8 @@ def parameter_name(glsl_name: str) -> str:
 
 
 def match_parameters(reference: Reference, inputs: Inputs) -> dict[str, list[str]]:
-    """The GLSL names that each of the reference's parameters stands for.
-
-    Raises:
-        FormulaError: a parameter without a default matches nothing; lists what there is.
-    """
+    """The GLSL names that each of the reference's parameters stands for. Raises FormulaError: a
+    parameter without a default matches nothing; lists what there is."""
     known = inputs.parameters()
     found = {}
     for name, parameter in inspect.signature(reference).parameters.items():
@@ -156,11 +153,8 @@ def evaluate(
 
     With `decimal`, inputs are taken as the case wrote them, before they became float32.
     `parameters` is the result of `match_parameters`, for callers that evaluate one part after the
-    other.
-
-    Raises:
-        FormulaError: a parameter matches nothing, or the reference fails; names its file and line.
-    """
+    other. Raises FormulaError: a parameter matches nothing, or the reference fails; names its file
+    and line."""
 
     exact = inputs.exact
 

@@ -112,12 +112,9 @@ def write_picture(
 def load(path: str | Path) -> Floats:
     """An image file as float32 (height, width, 1…4), row 0 the lowest.
 
-    Integer formats become 0…1; no colour space is converted and alpha is not multiplied in.
-
-    Raises:
-        AssetError: the file is missing, damaged, empty, or too large for a texture, or the extra
-            "images" is not installed.
-    """
+    Integer formats become 0…1; no colour space is converted and alpha is not multiplied in. Raises
+    AssetError: the file is missing, damaged, empty, or too large for a texture, or the extra
+    "images" is not installed."""
     source = Path(path)
     if not source.is_file():
         what = "is a folder, not an image" if source.is_dir() else "there is no such image file"
