@@ -16,7 +16,7 @@ shows the next smaller level, in texels twice as large.
 import numpy as np
 
 from shaderlab import Case, Erratum, Ramp, Texture, formula, gl_calls
-from shaderlab.glslmath import floor, swizzle
+from shaderlab.glslmath import floor, swizzle, vec2
 from shaderlab.glslmath.sampling import texelFetch, textureSize
 from shaderlab.reference.filtering import box, level_count, texel_count
 
@@ -33,16 +33,16 @@ def mean_of_four(level):
     """A level as the box filter makes it of the one below."""
 
     def texel(image, frag_coord):
-        place, corners = 2.0 * floor(swizzle(frag_coord, "xy")), ((0, 0), (1, 0), (0, 1), (1, 1))
-        return box(*(texelFetch(image, place + np.array(c), level - 1) for c in corners))
+        place = floor(swizzle(frag_coord, "xy"))
+        corners = ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
+        return box(*(texelFetch(image, 2.0 * place + np.array(c), level - 1) for c in corners))
 
     return texel
 
 
-def extent(level):
+def size_of(level):
     """Half as wide and high with each level."""
-    size, by = (float(SIDE >> level),) * 2, {"reference": lambda image: textureSize(image, level)}
-    return figure(f"level{level}.extent", f"level {level}'s width and height", {}, size, **by)
+    return lambda image: textureSize(image, level)
 
 
 def level_pass(level):
@@ -61,10 +61,11 @@ def rectangle(level):
 
 def in_its_place(level):
     """The texel of a level that a pixel of the picture shows: four pixels a texel."""
-    corner = np.array(rectangle(level)[:2], float)
+    left, bottom, _, _ = rectangle(level)
 
     def texel(image, frag_coord):
-        return texelFetch(image, floor(0.5 * (swizzle(frag_coord, "xy") - corner)), level)
+        from_corner = swizzle(frag_coord, "xy") - vec2(float(left), float(bottom))
+        return texelFetch(image, floor(0.5 * from_corner), level)
 
     return texel
 
@@ -76,8 +77,13 @@ def shown(level):
     return panel("ch02_basics/mipmapped.frag", domain, textures=bricks, viewport=place)
 
 
-COUNTS = {"levels of 256 × 256": (LEVELS, 9), "levels of 5 × 3": (level_count(5, 3), 3)}
-COUNTS |= {"texels of all levels": (texel_count(256, 256), 87381)}
+COUNTS = {
+    "levels of 256 × 256": (level_count(256, 256), 9),
+    "texels of all levels": (texel_count(256, 256), 87381),
+    "levels of 5 × 3": (level_count(5, 3), 3),
+}
+SIZES = [(n, (float(SIDE >> n),) * 2) for n in range(1, LEVELS)]
+EXTENT = "level {}'s width and height"
 MEANS = {n: f"level {n} is the mean of level {n - 1}" for n in range(1, LEVELS)}
 ALL, IN_IT = range(LEVELS), "level {} in the picture"
 GENERATED = "one call of glGenerateMipmap makes all levels"
@@ -95,7 +101,10 @@ case = Case(
     expect=[
         *(formula(f"level{n}.FragColor", mean_of_four(n), name=mean) for n, mean in MEANS.items()),
         *(formula("picture.FragColor", in_its_place(n), draw=n, name=IN_IT.format(n)) for n in ALL),
-        *map(extent, range(1, LEVELS)),
+        *(
+            figure(f"level{n}.extent", EXTENT.format(n), {}, s, reference=size_of(n))
+            for n, s in SIZES
+        ),
         *results(COUNTS, digits=0),
         gl_calls("glGenerateMipmap", times=1, pass_name="level1", name=GENERATED),
     ],

@@ -47,14 +47,16 @@ def painted(place, ourColor, time, frag_coord, corner=START):
     def bead(place):
         return length((place - vec2(time, swizzle(ourColor, "g"))) * vec2(0.2254, 1.0)) - 0.075
 
+    def above_curve(place):
+        return swizzle(place, "y") - pulse(swizzle(place, "x"))
+
     def drawn(field, width):
         return line(field, place, size, width)
 
     level = drawn(lambda place: swizzle(place, "y"), 1.0)
     level = level + drawn(lambda place: swizzle(place, "y") - 1.0, 1.0)
     color = mix(color, vec3(0.30), level)
-    curve = drawn(lambda place: swizzle(place, "y") - pulse(swizzle(place, "x")), 2.0)
-    color = mix(color, vec3(0.85), curve)
+    color = mix(color, vec3(0.85), drawn(above_curve, 2.0))
     color = mix(color, vec3(0.85), 0.5 * drawn(lambda place: swizzle(place, "x") - time, 1.0))
     color = where(bead(place) < 0.0, swizzle(ourColor, "rgb"), color)
     return vec4(mix(color, vec3(1.0), drawn(bead, 2.5)), 1.0)
@@ -69,12 +71,15 @@ def picture(corner, extent, moment):
 def frame(name, time, green):
     """The picture at one moment, with the figure the formula gives then."""
     color = our_color(time)
-    expect = [
-        formula("picture.FragColor", painted, rules=LATER, name="the curve and the bead"),
-        exact("FragColor", np.float32(color), name="the uniform arrives exactly"),
-        value("green", at={"time": time}, equals=green, digits=6, rules=LATER),
-    ]
-    return Variant(f"t = {name}", {"time": time, "ourColor": color}, expect=expect)
+    return Variant(
+        f"t = {name}",
+        {"time": time, "ourColor": color},
+        expect=[
+            formula("picture.FragColor", painted, rules=LATER, name="the curve and the bead"),
+            exact("FragColor", np.float32(color), name="the uniform arrives exactly"),
+            value("green", at={"time": time}, equals=green, digits=6, rules=LATER),
+        ],
+    )
 
 
 OTHER, ANOTHER = (0.25, 0.5, 0.75, 1.0), "another colour arrives as well"

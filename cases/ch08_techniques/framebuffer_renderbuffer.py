@@ -94,6 +94,8 @@ RENDERBUFFER = Object("renderbuffer")
 BOUND = (*BIND, call("glBindRenderbuffer", "GL_RENDERBUFFER", RENDERBUFFER))
 AS_TEXTURE = ("GL_FRAMEBUFFER", DEPTH, "GL_TEXTURE_2D", RENDERBUFFER, 0)
 STORAGE = call("glRenderbufferStorage", "GL_RENDERBUFFER", "GL_RGBA8", 64, 64)
+# A texture's own name, or a core context had a second error to choose: a name that is not made.
+TEXTURE = Object("texture")
 NOT_SAMPLED = "no unit takes a renderbuffer: it can't be sampled"
 
 
@@ -130,7 +132,7 @@ case = Case(
         *depth_kept_in("24 bits", "GL_DEPTH_COMPONENT24", "GL_DEPTH_ATTACHMENT"),
         *errors(
             {
-                NOT_SAMPLED: (call("glBindTexture", "GL_RENDERBUFFER", 1), "invalid_enum"),
+                NOT_SAMPLED: (call("glBindTexture", "GL_RENDERBUFFER", TEXTURE), "invalid_enum"),
                 "nor does its name stand for a texture": (
                     call("glFramebufferTexture2D", *AS_TEXTURE),
                     REFUSED,

@@ -52,8 +52,8 @@ def told(usage):
     return sent(usage, {f"{usage.upper()} is what the driver is told": ("glBufferData", 1, empty)})
 
 
-TIMES = {"stream": (1, "once"), "static": (1, "once"), "dynamic": (3, "thrice")}
-FIRST = Output("stream_draw.FragColor")
+TIMES = {"stream": 1, "static": 1, "dynamic": 3}
+WRITTEN = {"stream": "written once", "static": "written once", "dynamic": "written thrice"}
 ALL = [hinted(usage, cell(place, 3, 3)) for place, usage in enumerate(USAGES)]
 BATCHED = {"aPos": (0, 12), "aColor": (12 * butterfly().vertices, 12)}
 LAYOUT = "what the vertex array holds: bytes to begin at, and strides"
@@ -75,16 +75,19 @@ case = Case(
         *(check for usage in USAGES for check in told(usage)),
         *answers(
             {
-                f"{usage.upper()}: written {word}, the last write is what is there": (
+                f"{usage.upper()}: {WRITTEN[often]}, the last write is what is there": (
                     call("glGetBufferSubData", "GL_ARRAY_BUFFER", 0, 4),
-                    (times,) * 4,
-                    written(usage, times),
+                    (TIMES[often],) * 4,
+                    written(usage, TIMES[often]),
                 )
                 for usage in USAGES
-                for times, word in [TIMES[usage.partition("_")[0]]]
+                for often in [usage.partition("_")[0]]
             }
         ),
-        *(exact(f"{other}.FragColor", FIRST, name=other.upper()) for other in USAGES[1:]),
+        *(
+            exact(f"{usage}.FragColor", Output("stream_draw.FragColor"), name=usage.upper())
+            for usage in USAGES[1:]
+        ),
     ],
     errata=[
         Erratum(

@@ -165,7 +165,8 @@ case = Case(
                         ("FLOAT", "invalid_enum"),
                     )
                 },
-            }
+            },
+            {"glArrayElement is gone from OpenGL's core": {"NVIDIA": "GL_NO_ERROR"}},
         ),
         *answers({"the fourth byte is the index 2, whose colour is cyan": (PIXEL, CYAN, THIRD)}),
         formula("gl_PointSize", size_of),

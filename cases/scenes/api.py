@@ -43,7 +43,11 @@ def pixel(color: tuple[int, int, int], *steps: tuple[Call, ...]) -> tuple[Any, .
     return PIXEL, (*color, 255), in_use(), *steps, point
 
 
-def answers(rows: Mapping[str, tuple[Any, ...]]) -> list[Any]:
+Departures = Mapping[str, Mapping[str, str]]
+"""A row's name → the drivers that are known to answer otherwise, as `gl_call` takes them."""
+
+
+def answers(rows: Mapping[str, tuple[Any, ...]], departs: Departures | None = None) -> list[Any]:
     """A `gl_call` for each row: its name → (the call, what it returns or writes, and if any come
     before it, groups of calls in order).
 
@@ -54,13 +58,18 @@ def answers(rows: Mapping[str, tuple[Any, ...]]) -> list[Any]:
     """
     return [
         gl_call(
-            asked.function, *asked.arguments, returns=returns, before=(*chain(*before),), name=name
+            asked.function,
+            *asked.arguments,
+            returns=returns,
+            before=(*chain(*before),),
+            name=name,
+            departs=(departs or {}).get(name),
         )
         for name, (asked, returns, *before) in rows.items()
     ]
 
 
-def errors(rows: Mapping[str, tuple[Any, ...]]) -> list[Any]:
+def errors(rows: Mapping[str, tuple[Any, ...]], departs: Departures | None = None) -> list[Any]:
     """A `gl_call` for each row: its name → (the call, the error that it raises, and if any come
     before it, groups of calls in order).
 
@@ -70,7 +79,12 @@ def errors(rows: Mapping[str, tuple[Any, ...]]) -> list[Any]:
     """
     return [
         gl_call(
-            asked.function, *asked.arguments, raises=raises, before=(*chain(*before),), name=name
+            asked.function,
+            *asked.arguments,
+            raises=raises,
+            before=(*chain(*before),),
+            name=name,
+            departs=(departs or {}).get(name),
         )
         for name, (asked, raises, *before) in rows.items()
     ]

@@ -189,6 +189,12 @@ class Show:
             if r.status == "unsupported"
         ]
         notes += [*text.format_conditions(run), *text.format_unread(run.records)]
+        notes += [
+            text.clean(f"{text.format_label(r.id, r.variant)}, {o.name}: {o.message}")
+            for r in run.records
+            for o in r.expectations
+            if o.status == "pass" and o.message
+        ]
         if notes:
             self.console.print()
         for line in notes[:MOST_ROWS]:

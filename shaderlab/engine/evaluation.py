@@ -50,6 +50,7 @@ class Evaluation:
         self.programs = session.programs
         self.answers: dict[Need, Any] = {}
         self._like = like
+        self._vendor = backend.info["vendor"]
         self._needs: dict[int, tuple[Expectation, tuple[Need, ...]]] = {}
         with phase("draw"):
             self.drawn = session.draw()
@@ -64,6 +65,7 @@ class Evaluation:
             bindings=self.drawn.bindings,
             sample_positions=self.drawn.sample_positions,
             subpixel_step=self.session.subpixel_step,
+            vendor=self._vendor,
             answers=self.answers,
         )
 

@@ -282,6 +282,7 @@ class Frame:
         sample_positions: where the driver takes a pixel's samples, by pass, for passes that have
             several: (samples, 2), from the pixel's lower left corner, 0…1.
         subpixel_step: the grid that corners are moved to before they are rasterised, in pixels.
+        vendor: whose driver it is, in the driver's own words.
         answers: what else expectations need, by their needs: captured inputs, probes,
             counts, layouts, verdicts; read by `answer`.
     """
@@ -291,6 +292,7 @@ class Frame:
     bindings: Mapping[PassDraw, Bindings]
     sample_positions: Mapping[str, Array] = field(default_factory=dict)
     subpixel_step: float = 2.0**-8
+    vendor: str = ""
     answers: Mapping[Need, Any] = field(default_factory=dict)
 
     def answer(self, need: TypedNeed[Answer]) -> Answer:

@@ -62,6 +62,16 @@ def test_outputs_that_no_check_reads_are_named_once_a_case(
     assert not [line for line in shown(capsys, passing) if "no check reads" in line]
 
 
+def test_a_check_that_a_driver_is_known_to_fail_is_told(
+    capsys: pytest.CaptureFixture[str], passing: Record
+) -> None:
+    first, *others = passing.expectations
+    known = dataclasses.replace(first, name="no x", message="a known departure of NVIDIA's driver")
+    lines = shown(capsys, dataclasses.replace(passing, expectations=(known, *others)))
+    assert "lamp, no x: a known departure of NVIDIA's driver" in lines
+    assert not [line for line in shown(capsys, passing) if "lamp," in line]
+
+
 def test_a_replaced_shader_and_an_interrupted_run_are_told(
     capsys: pytest.CaptureFixture[str], passing: Record
 ) -> None:

@@ -10,12 +10,12 @@ from unittest.mock import Mock
 
 import pytest
 
-from shaderlab import Case, compile_fails, fullscreen, inactive_uniforms, refused
+from shaderlab import Case, compile_fails, fullscreen, gl_call, inactive_uniforms, refused
 from shaderlab.engine.expectations.base import Context
 from shaderlab.engine.expectations.rejections import Place, Verdicts
 from shaderlab.errors import CaseError, ShaderError
 from shaderlab.model.expectation import Expectation
-from shaderlab.model.frame import Frame
+from shaderlab.model.frame import Frame, Reply
 from shaderlab.model.records import Diagnostic, Outcome, Verdict
 
 UNDECLARED = "'x' : undeclared identifier"
@@ -27,12 +27,12 @@ DRIVER = Verdict(
 LENIENT = Verdict(target="driver", ok=True)
 
 
-def outcome(check: Expectation, answer: Any) -> Outcome:
+def outcome(check: Expectation, answer: Any, vendor: str = "") -> Outcome:
     """The outcome of an expectation that asks one thing, and gets this answer."""
     case = Case(title="T", passes=fullscreen("a.frag"), expect=[check])
     scene = next(case.scenes())
     (need,) = check.needs(scene, {})
-    frame = Frame(images={}, order=("main",), bindings={}, answers={need: answer})
+    frame = Frame(images={}, order=("main",), bindings={}, answers={need: answer}, vendor=vendor)
     return check.judge(scene, frame).outcome
 
 
@@ -64,6 +64,50 @@ def test_a_driver_may_be_let_off() -> None:
     said = answer(("a.frag", 3, UNDECLARED), driver=LENIENT)
     lenient = compile_fails("a.frag", (3, UNDECLARED), driver=False)
     assert outcome(lenient, said).status == "pass"
+
+
+@pytest.mark.parametrize(
+    ("vendor", "said", "status"),
+    [
+        ("NVIDIA Corporation", LENIENT, "pass"),
+        ("NVIDIA Corporation", DRIVER, "pass"),
+        ("Mesa", LENIENT, "fail"),
+        ("", LENIENT, "fail"),
+    ],
+)
+def test_a_driver_that_is_known_to_accept_it_passes_with_a_message(
+    vendor: str, said: Verdict, status: str
+) -> None:
+    check = compile_fails("a.frag", (3, UNDECLARED), departs={"NVIDIA": "accepted"})
+    judged = outcome(check, answer(("a.frag", 3, UNDECLARED), driver=said), vendor)
+    assert judged.status == status
+    known = status == "pass" and said is LENIENT
+    assert ("a known departure of NVIDIA's driver" in judged.message) is known
+    assert "accepts a.frag" in judged.message or said is DRIVER
+    other = outcome(check, answer(("a.frag", 4, UNDECLARED), driver=said), vendor)
+    assert other.status == "fail", "glslang's own verdict is no departure of the driver's"
+
+
+@pytest.mark.parametrize(
+    ("vendor", "raised", "status"),
+    [
+        ("NVIDIA Corporation", 0x502, "pass"),
+        ("NVIDIA Corporation", 0, "fail"),
+        ("NVIDIA Corporation", 0x501, "fail"),
+        ("Mesa", 0x502, "fail"),
+        ("Mesa", 0x500, "pass"),
+    ],
+)
+def test_only_the_error_that_a_driver_is_known_for_passes(
+    vendor: str, raised: int, status: str
+) -> None:
+    check = gl_call(
+        "glEnable", "GL_FOG", raises="invalid_enum", departs={"NVIDIA": "GL_INVALID_OPERATION"}
+    )
+    reply = Reply(errors=(raised,) if raised else (), at=str(check.call))
+    judged = outcome(check, reply, vendor)
+    assert judged.status == status
+    assert ("known departure" in judged.message) is (status == "pass" and raised != 0x500)
 
 
 def test_messages_of_a_program_say_which_file() -> None:

@@ -104,6 +104,11 @@ def test_a_failure_shows_its_worst_value_and_where_it_comes_from(tmp_path: Path)
         assert link and link.group(1) in ids
 
 
+def test_a_check_that_passes_with_a_message_shows_it(tmp_path: Path) -> None:
+    known = outcome(message="a known departure of NVIDIA's driver")
+    assert known.message in Page(write(run(record(expectations=(known,))), tmp_path)).words()
+
+
 def test_messages_stand_under_the_lines_they_mean(tmp_path: Path) -> None:
     source = SourceText(file="a.frag", line=1, language="glsl", text="\n\nfloat x = y;\n")
     said = Diagnostic(file="a.frag", line=3, severity="error", message="'y' : undeclared")

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from shaderlab.engine.expectations.base import Context
+from shaderlab.engine.expectations.base import Context, Demand
 from shaderlab.errors import CaseError
 from shaderlab.model.calls import (
     GL_ERRORS,
@@ -48,7 +48,7 @@ class CallReply(TypedNeed[Reply]):
 
 
 @dataclass(frozen=True, kw_only=True)
-class GlCall(Expectation):
+class GlCall(Demand):
     """A call of the API raises this error and no other, and returns this, if that is given."""
 
     kind = "GL call"
@@ -98,7 +98,7 @@ class GlCall(Expectation):
         wrong = next((row for row in rows if not row.ok), None)
         verb = "raises" if wrong is rows[0] else "answers"
         message = f"{reply.at} {verb} {wrong.measured}" if wrong else ""
-        return self.judge_rows(rows, message, judged=len(rows))
+        return self.judge_demand(rows, message, frame)
 
 
 @checked_arguments
@@ -109,6 +109,7 @@ def gl_call(
     returns: int | float | str | Sequence[int | float | str] | None = None,
     at_least: float | None = None,
     before: Sequence[Call] = (),
+    departs: Mapping[str, str] | None = None,
     name: str = "",
 ) -> GlCall:
     """What the API itself says to a call, judged by exact code.
@@ -121,6 +122,7 @@ def gl_call(
             "GL_" word, or several.
         at_least: the least number that it may return or write, where drivers differ.
         before: calls that come first, in order, each of which must raise no error.
+        departs: drivers known to answer otherwise: {"part of the vendor's name": "GL_NO_ERROR"}.
         name: how outcomes call it; the call itself by default.
 
     Raises:
@@ -144,6 +146,7 @@ def gl_call(
         returns=several,
         at_least=at_least is not None,
         before=tuple(before),
+        departs=departs,
         name=name or str(made),
     )
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
-from shaderlab.engine.expectations.base import Context
+from shaderlab.engine.expectations.base import Context, Demand
 from shaderlab.errors import CaseError, DriverError, ShaderlabError
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import checked_arguments
@@ -69,7 +69,7 @@ class CompilerVerdicts(TypedNeed[Verdicts]):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompileFails(Expectation):
+class CompileFails(Demand):
     """The plain GLSL compiler refuses the shaders with exactly these messages. `driver` says
     whether the driver must refuse them too, and in which file and line; in which words is up to
     the driver."""
@@ -111,7 +111,7 @@ class CompileFails(Expectation):
             if not rows[-1].ok:
                 wrong = "accepts" if verdicts.driver.ok else "reports another line of"
                 message = message or f"the driver {wrong} {what}"
-        return self.judge_rows(rows, message, judged=len(rows) or 1)
+        return self.judge_demand(rows, message, frame)
 
     def _driver_row(self, verdict: Verdict, errors: Sequence[Place]) -> Row:
         expected = "rejected, in its own words" if self.driver else "either"
@@ -134,6 +134,7 @@ def compile_fails(
     shader: str | Sequence[str],
     *messages: tuple[int | None, str] | Place,
     driver: bool | tuple[str, int] = True,
+    departs: Mapping[str, str] | None = None,
     name: str = "",
 ) -> CompileFails:
     """`shader` is refused with these whole messages, each (line, text), in this order.
@@ -146,6 +147,7 @@ def compile_fails(
         driver: whether the driver must refuse it, too; or the (file, line) that its first error
             must name. Its words differ from those of another driver: they are shown, and not
             compared.
+        departs: drivers known to accept it: {"part of the vendor's name": "accepted"}.
         name: how outcomes call it.
 
     Raises:
@@ -163,8 +165,9 @@ def compile_fails(
         places.append(place)
     label = " + ".join(shaders)
     return CompileFails(
-        shaders=shaders, messages=tuple(places), driver=driver, name=name or f"{label} is refused"
-    )
+        shaders=shaders, messages=tuple(places), driver=driver, departs=departs,
+        name=name or f"{label} is refused",
+    )  # fmt: skip
 
 
 def _format_place(place: Place) -> str:
