@@ -205,7 +205,8 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         self._gl_errors = {}  # they were raised before, in the pass itself
         try:
             self.at(None)
-            with self.new_target(changed.target, self.targets[name].colors, (width, height)) as one:
+            colors = prepare.pass_colors(changed, self.programs[name])
+            with self.new_target(changed.target, colors, (width, height)) as one:
                 for index, draw in enumerate(self.programs[name]):
                     state = changed.draws[index].state
                     other = replace(draw, draw=replace(draw.draw, state=state))

@@ -58,7 +58,8 @@ def both_ways(description: Pass) -> tuple[Pass, Pass]:
 @dataclass(frozen=True)
 class Backwards(TypedNeed[Array]):
     """What an output shows that is drawn backwards; its own values where all are the same, and at
-    pixels that differ along lines and have one depth both ways."""
+    pixels that differ along lines and have one depth both ways. A pass with other outputs is
+    another program to a driver, which may round otherwise: it is compared with what these show."""
 
     pass_name: str
     output: str
@@ -76,7 +77,13 @@ class Backwards(TypedNeed[Array]):
         apart = ~every_component(view_bits(values) == view_bits(others))
         if not apart.any():
             return values
-        target = session.scene.find_pass(self.pass_name).target
+        one, other = map(session.scene.find_pass, names)
+        target = one.target
+        if target.colors != other.target.colors:
+            alike = replace(one, target=other.target)
+            drawn = session.redraw_pass(alike, self.output, others.shape[1] + others.shape[0])
+            apart &= ~every_component(view_bits(drawn[..., :own]) == view_bits(others[..., :own]))
+            others = np.where(apart[..., None], others, values)
         if self.output == "depth" or target.depth is None or target.samples:
             return others
         depth, backwards = (each[..., 0] for each in read("depth"))
