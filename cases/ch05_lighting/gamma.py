@@ -31,15 +31,14 @@ CODES = np.arange(256) / 255.0
 # Each channel in an order of its own, so that no two of them can be taken for one another.
 ALL_CODES = np.stack([CODES, CODES[::-1], np.roll(CODES, 85), np.ones(256)], axis=-1)[None]
 CODE_BY_CODE = np.rint(ALL_CODES * 255.0).astype(np.uint8)
-# Some write 0.00313: between both numbers the curve is still a line.
-JUST_BELOW, BELOW = np.linspace(0.0031301, 0.0031307, 7), "srgb, just below where the line ends"
-DARK, HALF = ((light, light, light, 1.0) for light in (0.002428, 0.215861))
+GREY_BY_GREY = CODE_BY_CODE[..., [0, 0, 0, 3]]
 
 SRGB_TEXTURE = Texture(image=ALL_CODES, format="srgb8_alpha8")
 FLOAT_TEXTURE = Texture(image=ALL_CODES, format="rgba32f")
 CHECKS = assets.checker(size=2, cells=2, dark=(0, 0, 0, 1), light=(1, 1, 1, 1))
 BLACK_AND_WHITE = Texture(image=CHECKS, format="srgb8_alpha8", filter=("linear", "linear"))
 RAMP = {"linear": across(0.0, 1.0)}
+STRIPES = {**RAMP, "stripe": up(0.0, 5.0)}
 MIDDLE = {"TexCoords": Ramp((0.5, 0.5))}
 
 
@@ -56,7 +55,8 @@ def decode(linear):
 
 
 def around(threshold):
-    """The whole range, and closely about a threshold: 1 % too low, it shows in that 1 % alone."""
+    """The whole range, and closely where the line meets the curve: they are so alike there that a
+    threshold 1 % too low shows within that 1 % only."""
     near = threshold * np.linspace(0.965, 1.3, 68)
     return np.sort(np.concatenate([np.geomspace(0.0005, 1.0, 64), near]))
 
@@ -76,7 +76,7 @@ case = Case(
     math=r"v = c^{1/2.2}, \qquad v_{\mathrm{sRGB}} = \begin{cases} 12.92\,c & c \le 0.0031308 \\"
     r" 1.055\,c^{1/2.4} - 0.055 & \text{otherwise} \end{cases}",
     passes=(
-        panel_pass("picture", "ch05_lighting/gamma_picture.frag", {**RAMP, "stripe": up(0.0, 5.0)}),
+        panel_pass("picture", "ch05_lighting/gamma_picture.frag", STRIPES),
         converted("gamma_framebuffer", "framebuffer", domain={"code": across(0.0, 256.0)}),
         converted("gamma_encoded", "texture", "rgba8", textures={"image": SRGB_TEXTURE}),
         converted("gamma_texture", "there-and-back", textures={"image": SRGB_TEXTURE}),
@@ -95,11 +95,22 @@ case = Case(
         figure("srgb", "half, by sRGB", {"linear": 0.5}, 0.735357),
         sweep("power", gamma_encode, over="linear", values=np.linspace(0.005, 1.0, 64)),
         sweep("srgb", srgb_encode, over="linear", values=around(0.0031308), log_x=True),
-        sweep("srgb", srgb_encode, over="linear", values=JUST_BELOW, name=BELOW),
+        # Some write 0.00313: between both numbers the curve is still a line.
+        sweep(
+            "srgb",
+            srgb_encode,
+            over="linear",
+            values=np.linspace(0.0031301, 0.0031307, 7),
+            name="srgb, just below where the line ends",
+        ),
         sweep("decoded", decode, over="linear", values=around(0.04045), log_x=True),
-        figure("framebuffer.FragColor", "light of code 8", {"code": 8.5}, DARK),
-        figure("framebuffer.FragColor", "light of code 128", {"code": 128.5}, HALF),
-        exact("framebuffer.FragColor", CODE_BY_CODE[..., [0, 0, 0, 3]], name="the target encodes"),
+        *(
+            figure(
+                "framebuffer.FragColor", f"light of code {int(at)}", {"code": at}, (y, y, y, 1.0)
+            )
+            for at, y in ((8.5, 0.002428), (128.5, 0.215861))
+        ),
+        exact("framebuffer.FragColor", GREY_BY_GREY, name="an sRGB framebuffer encodes"),
         exact("texture.FragColor", CODE_BY_CODE, name="an sRGB texture decodes"),
         # Light that is .2 % more has the same code; 32 bits tell.
         exact("floats.FragColor", ALL_CODES.astype(np.float32), name="floats stay as they are"),

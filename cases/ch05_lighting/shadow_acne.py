@@ -52,8 +52,10 @@ def surfaces(bias, size):
 
 def by_rays(bias, size):
     """The map against one that rays make: the same texels, the same bias, nothing rasterised."""
-    given = {"size": size, "biases": BIASES[bias]}
-    return reading(f"{SERIES[bias]}, {size}²", reads=surfaces(bias, size), given=given)
+    given, bound = {"size": size, "biases": BIASES[bias]}, {}
+    if bias == "none":
+        bound["at_most"] = courtyard.EQUAL_SHARE
+    return reading(f"{SERIES[bias]}, {size}²", reads=surfaces(bias, size), given=given, **bound)
 
 
 def table(label, statistic, of, **none):

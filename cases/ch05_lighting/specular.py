@@ -52,7 +52,8 @@ NAMES = dict(enumerate(f"{what}, {part}" for part in PARTS for what in ("ball", 
 LAMP = {"lightColor": lit.WHITE, "lightPos": lit.POINT_LAMP}
 POINT = {**lit.POINT, **LAMP, **strengths(0.1, 1.0, 0.5)}
 BEHIND = {**lit.GRAZING, "lightPos": lit.BELOW, "shininess": 8.0}
-WITHOUT_GATE = mirrored_lobe(np.array(POINT["Normal"]), lit.BELOW, BEHIND["viewPos"], 8.0)
+# What a lobe gives there that does not ask whether the surface faces the lamp.
+UNGATED = mirrored_lobe(np.array(POINT["Normal"]), lit.BELOW, BEHIND["viewPos"], 8.0)
 MIRRORED = {"viewPos": (-1.2, -1.0, 2.0), "shininess": 32.0}
 STRONGEST = "1 for a viewer in the mirrored ray, at (−1.2, −1, 2)"
 GREEN_HIGHLIGHT = "a green thing's highlight in white light"
@@ -80,7 +81,7 @@ case = Case(
         figure("spec", "its 32nd power", {**POINT, "shininess": 32.0}, 0.000490666, digits=9),
         figure("FragColor", "colour at the point", POINT, (0.888356, 0.444178, 0.275390, 1.0)),
         figure("spec", lit.TURNED_AWAY, {**POINT, **BEHIND}, 0.0),
-        *results({"a highlight without a gate there": (WITHOUT_GATE, 0.757792)}),
+        *results({"a highlight without a gate there": (UNGATED, 0.757792)}),
         figure("FragColor", GREEN_HIGHLIGHT, {**POINT, **GREEN}, (0.0, 1.6, 0.0, 1.0)),
         figure("spec", STRONGEST, {**POINT, **MIRRORED}, 1.0),
         figure("spec", "nearly 90° from the mirrored ray", {**POINT, **ASIDE}, 0.071075),
@@ -97,7 +98,8 @@ case = Case(
         Erratum(
             section="5.2.3",
             says="highlights tend to the light's colour more than to the object's",
-            truth="on plastic they do; the formula multiplies all by objectColor, and gives green",
+            truth="on plastic they do, but the formula multiplies all by objectColor: a green "
+            "thing's highlight in white light is green",
             proof=GREEN_HIGHLIGHT,
         ),
         Erratum(

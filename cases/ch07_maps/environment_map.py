@@ -32,7 +32,6 @@ from ..scenes.sky import skies
 EYE = (0.0, 0.35, 6.4)
 CAMERA = camera(EYE, (0.0, 0.0, 0.0), 30.0, 2.0, far=100.0)
 RAYS = {"TexCoords": camera_rays(**CAMERA)}
-FARTHEST = {"depth": Depth(func="lequal"), "depth_range": (1, 1)}
 RATIO = 1.0 / 1.52
 # What glass mirrors straight on, by Fresnel: ((1 − n) / (1 + n))².
 GLASS, METAL = ((1.0 - RATIO) / (1.0 + RATIO)) ** 2, 0.85
@@ -47,15 +46,21 @@ THINGS = [
 
 def thing(geometry, model, base, sky):
     """One thing under this sky."""
-    shader, vertex, textures = "ch07_maps/environment_map.frag", lit.PLACED, {"sky": sky}
-    uniforms = {"cameraPos": EYE, "ratio": RATIO, "base": base}
-    return lit.thing(shader, geometry, model, CAMERA, uniforms, vertex=vertex, textures=textures)
+    uniforms, of = {"cameraPos": EYE, "ratio": RATIO, "base": base}, {"textures": {"sky": sky}}
+    return lit.thing(
+        "ch07_maps/environment_map.frag", geometry, model, CAMERA, uniforms, vertex=lit.PLACED, **of
+    )
+
+
+def behind(sky):
+    """The sky itself, seen along each pixel's ray, as far away as can be."""
+    textures, farthest = {"skybox": sky}, {"depth": Depth(func="lequal"), "depth_range": (1, 1)}
+    return panel("ch13_skybox/skybox.frag", RAYS, textures=textures, **farthest)
 
 
 def under(sky, size, name, **target):
-    """All things, and behind them the sky itself, along each pixel's ray and as far as can be."""
-    behind = panel("ch13_skybox/skybox.frag", RAYS, textures={"skybox": sky}, **FARTHEST)
-    draws = (behind, *(thing(*one, sky) for one in THINGS))
+    """All things under this sky."""
+    draws = (behind(sky), *(thing(*one, sky) for one in THINGS))
     return picture(draws, size, name, depth="depth24", **target)
 
 

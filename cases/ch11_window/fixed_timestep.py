@@ -43,8 +43,9 @@ AFTER = {
 HUES = {"even": (0.20, 0.62, 0.35), "uneven": (0.25, 0.50, 0.95), "variable": (0.95, 0.30, 0.16)}
 
 
-# The dots of a strip: the even run's, its own, and the ticks'; and how large a pixel is.
-SIZES, PIXELS = (2.4, 2.0, 1.0), {"picture": 3.0, "small": 1.0}
+# The dots of a strip: the even run's, its own, and the ticks'; and how large a pixel is. Sizes are
+# whole: glPointSize's are rounded to whole pixels by NVIDIA's driver, as OpenGL 2.1 demanded.
+SIZES, PIXELS = (3.0, 2.0, 1.0), {"picture": 3.0, "small": 1.0}
 
 
 def moved(height, speed, seconds):

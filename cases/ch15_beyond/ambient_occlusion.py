@@ -30,7 +30,8 @@ from ..scenes.pebbles import height_at, pebble_at, pebbles
 
 SHADER = "ch15_beyond/ambient_occlusion.frag"
 POINTS, SLICES, STEPS, SMALL = 64, 6, 8, 24
-SMOOTH = {"filter": ("linear", "linear"), "wrap": ("clamp_to_edge", "clamp_to_edge")}
+# The shader filters.
+TEXELS = {"filter": ("nearest", "nearest"), "wrap": ("clamp_to_edge", "clamp_to_edge")}
 WAYS, RADIUS = ("SSAO", "GTAO"), 0.1
 X = (np.arange(1024) + 0.5) / 1024.0
 
@@ -62,14 +63,14 @@ def plain(height):
 
 def shown(way, at):
     """The tray in one way."""
-    textures, domain = {"landscape": Texture(image=pebbles, **SMOOTH)}, {"place": square(0.0, 1.0)}
+    textures, domain = {"landscape": Texture(image=pebbles, **TEXELS)}, {"place": square(0.0, 1.0)}
     return panel(SHADER, domain, settings(way), textures=textures, cell=at)
 
 
 def strip(name, way, heights, radius=0.2, origin=(0.3, 0.45)):
     """The shares of the sky over a strip of a landscape."""
     domain = {"place": rectangle(origin, (0.2, 0.1))}
-    textures = {"landscape": Texture(image=heights, **SMOOTH)}
+    textures = {"landscape": Texture(image=heights, **TEXELS)}
     of = {"textures": textures, "size": (20, 3), "colors": {"sky": "r32f"}}
     return panel_pass(name, SHADER, domain, settings(way, radius, 80), **of)
 

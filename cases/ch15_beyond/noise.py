@@ -38,7 +38,7 @@ from shaderlab.glslmath import (
     vec4,
 )
 
-from ..scenes.figures import results
+from ..scenes.figures import figures, results
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import cell, enlarged, panel, panel_pass, rectangle
 
@@ -156,7 +156,8 @@ def gradient(name, origin, side, size):
     return panel_pass(name, SHADER, domain, {"kind": 1}, **target)
 
 
-POINTS = {"level": "points.level"}
+# Given exactly: a place that is interpolated may be a last bit beside, where noise is not 0.
+LATTICE = ((0.0, 0.0), (3.0, 1.0), (-4.0, 2.0), (-1.0, -7.0), (30.0, -31.0), (12.0, 25.0))
 HASHES = np.array([pcg_by_hand(k * 2654435761 % 2**32) for k in range(289)])
 PERMUTED = np.array([(34 * k + 1) * k % 289 for k in range(289)])
 
@@ -168,7 +169,6 @@ case = Case(
     passes=(
         *enlarged([noise(k, cell(k, 2, 2, from_above=True)) for k in range(4)], (40, 40), 9),
         panel_pass("hash", "ch15_beyond/noise_hash.frag", {}, size=(289, 1)),
-        gradient("points", -4.5, 8.0, 8),
         gradient("wide", -32.0, 64.0, 256),
     ),
     picture="picture.FragColor",
@@ -185,8 +185,10 @@ case = Case(
         enlarged_check(),
         exact("hash.hashed", HASHES[None, :, None], name="PCG"),
         exact("hash.permuted", 1.0 * PERMUTED[None, :, None], name="(34x + 1)x mod 289"),
-        measure(
-            "at lattice points", largest, reads={"level": "points.level"}, equals=0.0, digits=9
+        *figures(
+            "wide.level",
+            {f"at the lattice point {point}": ({"place": point}, 0.0) for point in LATTICE},
+            digits=9,
         ),
         measure("its largest value", largest, reads={"level": "wide.level"}, between=(0.6, BOUND)),
         *results(

@@ -28,7 +28,8 @@ from ..scenes.panels import cell, enlarged, panel, panel_pass, square
 LAYERS, SIDE, SCALE = 32, 128, 0.09
 SHADER = "ch15_beyond/parallax.frag"
 EYE, LAMP = np.array([-0.2, -0.5, 0.9]), np.array([0.75, 0.9, 0.45])
-SMOOTH = {"filter": ("linear", "linear"), "wrap": ("repeat", "repeat")}
+# The shader filters.
+TEXELS = {"filter": ("nearest", "nearest"), "wrap": ("repeat", "repeat")}
 
 
 def stones():
@@ -49,7 +50,7 @@ DEPTHS = stones().astype(np.float32)
 def wall(scale, at):
     """The wall through its parallax."""
     uniforms = {"eye": EYE, "lamp": LAMP, "scale": scale}
-    textures = {"depths": Texture(image=DEPTHS, **SMOOTH)}
+    textures = {"depths": Texture(image=DEPTHS, **TEXELS)}
     return panel(SHADER, {"place": square(0.0, 1.0)}, uniforms, textures=textures, cell=at)
 
 
@@ -150,7 +151,7 @@ def plane(name, level, slope):
     depths = level + slope * ((np.arange(SIDE) + 0.5) / SIDE - 0.5)
     image = np.broadcast_to(depths[None, :, None], (4, SIDE, 4))
     uniforms = {"eye": EYE, "lamp": LAMP, "scale": SCALE}
-    textures, domain = {"depths": Texture(image=image, **SMOOTH)}, {"place": square(0.35, 0.65)}
+    textures, domain = {"depths": Texture(image=image, **TEXELS)}, {"place": square(0.35, 0.65)}
     of = {"size": (16, 16), "textures": textures, "colors": {"shifted": "rg32f"}}
     return panel_pass(name, SHADER, domain, uniforms, **of)
 

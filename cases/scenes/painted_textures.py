@@ -204,21 +204,3 @@ def _write(image: Array, digit: str, left: int, bottom: int, dot: int, ink: floa
             if int(bits) >> (2 - column) & 1:
                 y, x = bottom + row * dot, left + column * dot
                 image[y : y + dot, x : x + dot, :3] = ink
-
-
-def julia_set() -> npt.NDArray[np.uint8]:
-    """How soon |z² + c| passes 2, for c = −0.8 + 0.156i and z in ±1.56 and ±1.04i, as colours:
-    codes, (320, 480, 4), a turn about the middle being the same.
-
-    >>> image = julia_set()
-    >>> bool(np.array_equal(image, image[::-1, ::-1])), image[0, 0].tolist()
-    (True, [1, 8, 37, 255])
-    """
-    z = np.linspace(-1.56, 1.56, 480) + 1j * np.linspace(-1.04, 1.04, 320)[:, None]
-    steps = np.zeros(z.shape)
-    for _ in range(96):
-        inside = np.abs(z) <= 2.0
-        z = np.where(inside, z * z + (-0.8 + 0.156j), z)
-        steps += inside
-    light = (steps / 96.0)[..., None] ** (1.2, 0.75, 0.42, 0.0)
-    return (255.0 * light).astype(np.uint8)

@@ -1,5 +1,6 @@
 #version 330 core
 #include "lib/drawing.glsl"
+#include "lib/filtered.glsl"
 
 #define POINTS 64
 #define SLICES 6
@@ -8,7 +9,7 @@
 
 in vec2 place;                // seen from straight above
 
-uniform sampler2D landscape;  // colours, and heights as alpha
+uniform sampler2D landscape;  // colours, and heights as alpha; filtered here
 uniform vec3 points[POINTS];  // in a ball of radius 1
 uniform vec2 slices[SLICES];  // directions, evenly over half a turn
 uniform float radius;
@@ -22,7 +23,7 @@ const float QUARTER = 1.57079632679;
 
 float heightAt(vec2 at)
 {
-    return textureLod(landscape, at, 0.0).a;
+    return filtered(landscape, at).a;
 }
 
 // The share of points above the surface that lie in nothing.
@@ -78,5 +79,5 @@ void main()
     vec3 normal = normalize(vec3(-slope, 1.0));
     vec3 here = vec3(place, heightAt(place));
     sky = way == HORIZONS ? horizons(here, normal) : sampled(here, normal);
-    FragColor = vec4(encoded(textureLod(landscape, place, 0.0).rgb * sky), 1.0);
+    FragColor = vec4(encoded(filtered(landscape, place).rgb * sky), 1.0);
 }

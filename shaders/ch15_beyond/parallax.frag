@@ -1,11 +1,12 @@
 #version 330 core
 #include "lib/drawing.glsl"
+#include "lib/filtered.glsl"
 
 #define LAYERS 32
 
 in vec2 place;              // on the wall, which is the window
 
-uniform sampler2D depths;   // how far below the wall's plane, 0 … 1; repeated
+uniform sampler2D depths;   // how far below the wall's plane, 0 … 1; repeated, filtered here
 uniform vec3 eye;           // before the wall
 uniform vec3 lamp;
 uniform float scale;        // what a depth of 1 is
@@ -15,7 +16,7 @@ layout (location = 1) out vec2 shifted;   // where the ray meets the stones
 
 float depthAt(vec2 at)
 {
-    return textureLod(depths, at, 0.0).r;
+    return filtered(depths, at).r;
 }
 
 // Down in equal layers until the ray is below the stones, then where a line between the last two
