@@ -573,12 +573,15 @@ def _weigh_rounding(texels: list[Span], layered: bool) -> Array:
         return _find_distance(*diagonals)
     sides = _find_distance(one, two), _find_distance(three, four)
     rises = _find_distance(one, three), _find_distance(two, four)
-    return np.maximum(sum(sides) + np.maximum(*rises), sum(rises) + np.maximum(*sides))
+    orders = [a + b + np.maximum(c, d) for (a, b), (c, d) in ((sides, rises), (rises, sides))]
+    found: Array = np.maximum.reduce(orders)
+    return found
 
 
 def _find_distance(one: Span, other: Span) -> Array:
     """The largest difference of two numbers."""
-    return np.maximum(one[1] - other[0], other[1] - one[0])
+    found: Array = np.maximum(one[1] - other[0], other[1] - one[0])
+    return found
 
 
 def _at_corners(texels: list[Array], across: list[Array], up: list[Array]) -> list[Array]:
