@@ -132,6 +132,8 @@ class Band(Bounds, Swizzled):
         A Python number that needs more than nine digits, such as 1.0 / 2.2, was computed; the
         shader computes it in float32, so it has 3 ULP on either side.
         """
+        if np.ma.is_masked(value):
+            raise FormulaError("a masked value is no number")
         given = np.atleast_1d(np.asarray(value, dtype=np.float64))
         if given.size > 16:
             return cls._leaf(given, given, rules)

@@ -24,6 +24,7 @@ SCALARS: dict[type, Any] = {bool: (bool, np.bool_), int: numbers.Integral, float
 # Of a long sequence or mapping the first elements are checked.
 MOST_ELEMENTS = 64
 SHOWN = 60
+UNMASK = "give numbers for what is masked: numpy.ma.filled(values, 0.0)"
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -184,6 +185,21 @@ def _check(owner: Any, name: str, value: Any, hint: Any) -> None:
         raise CaseError(
             f"{_public_name(owner)}: {wrong.place} is {shown}; expected {describe_type(wrong.hint)}"
         )
+    require_unmasked(value, f"{_public_name(owner)}: {name}")
+
+
+def require_unmasked(value: Any, place: str) -> None:
+    """Raise CaseError where a value, or a part of one, is masked: NumPy would take the number that
+    the mask hides."""
+    if isinstance(value, Mapping):
+        for name, each in value.items():
+            require_unmasked(each, f"{place}[{name!r}]")
+    elif isinstance(value, list | tuple):
+        for number, each in enumerate(value):
+            if type(each) not in (float, int):  # as most are
+                require_unmasked(each, f"{place}[{number}]")
+    elif np.ma.is_masked(value):
+        raise CaseError(f"{place} holds a masked value, which is no number", remedy=UNMASK)
 
 
 @functools.cache

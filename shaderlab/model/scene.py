@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.errors import CaseError
-from shaderlab.model.checked import Checked
+from shaderlab.model.checked import Checked, require_unmasked
 from shaderlab.model.frame import Array
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.state import State, check_choice
@@ -58,6 +58,7 @@ def up(start: UniformValue, stop: UniformValue) -> Ramp:
 
 
 def _difference(name: str, start: UniformValue, stop: UniformValue) -> Any:
+    require_unmasked({"start": start, "stop": stop}, name)
     try:
         return (np.asarray(stop, float) - np.asarray(start, float)).tolist()
     except (TypeError, ValueError):

@@ -313,7 +313,7 @@ def _texels_given(
     if not layered:
         return _require_exact(pixel_values(value, word, folder, owner), value, owner, word)
     given: Any = value() if callable(value) else value
-    whole = given if isinstance(given, str | Path) else np.asarray(given)
+    whole = given if isinstance(given, str | Path) else np.asanyarray(given)
     if isinstance(whole, np.ndarray) and whole.ndim == 3 and form.components == 1:
         whole = whole[..., None]
     if not isinstance(whole, np.ndarray) or whole.ndim != 4 or 0 in whole.shape:

@@ -16,6 +16,7 @@ import numpy as np
 from shaderlab.compiler.reflection import Variable
 from shaderlab.errors import AssetError, CaseError, suggest
 from shaderlab.files import read_regular
+from shaderlab.model.checked import require_unmasked
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.textures import (
     BLOCK_BYTES,
@@ -270,13 +271,14 @@ def pixel_values(image: Any, format: str, folder: Path, owner: str) -> Array:
 
         image = load(folder / image)
     elif callable(image):
-        image = _call(image) if isinstance(image, Hashable) else np.asarray(image())
+        image = _call(image) if isinstance(image, Hashable) else np.asanyarray(image())
     if isinstance(image, Image):
         if image.layers:
             raise CaseError(f"{owner}: an image of {image.layers} layers is no layer of another")
         codes = image.values.dtype == np.uint8 and wanted is not np.uint8
         values = image.values / 255.0 if codes else image.values
     else:
+        require_unmasked(image, owner)
         values = np.asarray(image)
     if values.ndim == 2:
         values = values[:, :, None]
@@ -294,7 +296,7 @@ def pixel_values(image: Any, format: str, folder: Path, owner: str) -> Array:
 @functools.lru_cache(maxsize=32)
 def _call(function: Callable[[], Any]) -> Array:
     """Call a function that makes an image, once for the scenes that follow each other."""
-    image = np.array(function())
+    image: Array = np.array(function(), subok=True)  # a mask is to be seen
     image.flags.writeable = False
     return image
 

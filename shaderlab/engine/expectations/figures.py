@@ -20,6 +20,7 @@ from shaderlab.engine.judging.banded import figure_row, format_value, judge_band
 from shaderlab.engine.judging.references import evaluate, source_of
 from shaderlab.errors import CaseError, FormulaError
 from shaderlab.model.case import Scene
+from shaderlab.model.checked import require_unmasked
 from shaderlab.model.expectation import Expectation, Judgement, Need, Programs, Read
 from shaderlab.model.frame import Array, Frame, Image
 from shaderlab.model.records import Row
@@ -150,6 +151,7 @@ class Computed(Expectation):
             raise FormulaError(
                 f"{self.name}: {type(error).__name__}: {error}", file=place.file, line=place.line
             ) from error
+        require_unmasked(got, f"{self.name}: what it computes")
         ok = rounds_to(got, self.equals, self.digits)
         note = self.note or "float64, no shader"
         row = figure_row(self.name, self.equals, self.digits, got, None, ok, note)

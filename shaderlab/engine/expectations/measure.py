@@ -306,7 +306,7 @@ class Measure(DrawExpectation, Bounded):
                 "a statistic gets arrays (height, width, components) and returns one number",
             ) from error
         try:
-            array = np.asarray(got, np.float64)
+            array = np.empty(0) if np.ma.is_masked(got) else np.asarray(got, np.float64)
         except (TypeError, ValueError):
             array = np.empty(0)
         if array.size != 1:
