@@ -251,6 +251,18 @@ def _fit_overload(
     return _call(signature, values, opaque)
 
 
+def find_ranges(
+    signature: Signature, arguments: Sequence[Any], named: Mapping[str, Any]
+) -> Iterator[tuple[Input, tuple[Any, Any]]]:
+    """Yield the floats and integers for which both ends of a range are given: a pair. Lists and
+    arrays are values, one for each call."""
+    given = {p.name: v for p, v in zip(signature.given, arguments, strict=False)} | {**named}
+    for one in (*signature.given, *signature.globals):
+        ends: Any = given.get(one.name)
+        if one.type.name in ("float", "int", "uint") and type(ends) is tuple and len(ends) == 2:
+            yield one, ends
+
+
 def replace_arguments(call: Call, new: Mapping[str, Any]) -> Call:
     """A call with other values of some arguments, by name. Raises CallError."""
     inputs = {i.name: i for i in (*call.signature.given, *call.signature.globals)}

@@ -17,7 +17,7 @@ from shaderlab.engine.judging.banded import judge_band
 from shaderlab.engine.judging.laws import Law
 from shaderlab.engine.judging.references import Inputs, Reference, evaluate, match_parameters
 from shaderlab.errors import CallError
-from shaderlab.functions.call import Call
+from shaderlab.functions.call import Call, find_ranges
 from shaderlab.functions.checks import (
     CallLaw,
     find_kept,
@@ -86,13 +86,11 @@ class Grid:
         given = {p.name: v for p, v in zip(signature.given, arguments, strict=False)}
         self._fixed = {**given, **named}
         self._ranges: dict[str, Numbers] = {}
-        for one in (*signature.given, *signature.globals):
-            ends: Any = self._fixed.get(one.name)
-            if one.type.name in ("float", "int", "uint") and np.shape(ends) == (2,):
-                dtype = np.dtype(DTYPES[one.type.kind])
-                if all(type(end) is np.float16 for end in ends) and dtype.kind == "f":
-                    dtype = np.dtype(np.float16)
-                self._ranges[one.name] = Numbers(ends[0], ends[1], dtype)
+        for one, (low, high) in find_ranges(signature, arguments, named):
+            dtype = np.dtype(DTYPES[one.type.kind])
+            if type(low) is type(high) is np.float16 and dtype.kind == "f":
+                dtype = np.dtype(np.float16)
+            self._ranges[one.name] = Numbers(low, high, dtype)
         whole = math.prod(map(len, self._ranges.values())) if self._ranges else 0
         self.count = -(-whole // step)
         if step < 1 or not 0 < self.count <= _MOST:

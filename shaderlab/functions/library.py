@@ -28,7 +28,7 @@ from shaderlab.errors import (
 )
 from shaderlab.files import display_path
 from shaderlab.functions import checks
-from shaderlab.functions.call import Call, bind_arguments
+from shaderlab.functions.call import Call, bind_arguments, find_ranges
 from shaderlab.functions.checks import CallLaw
 from shaderlab.functions.evaluation import Preprocess, evaluate, get_caller
 from shaderlab.functions.signatures import (
@@ -246,10 +246,11 @@ class Function:
                 found by the names of the function's (`light.constant` is light_constant) or, if it
                 has other names, stand in their order. For a structure, or with `out` parameters,
                 it returns a mapping, a named tuple or a tuple of all parts; for an array a list.
-            arguments, named: as in a call.
-            every: whether to check all numbers of ranges, such as `distance=(0, 50)` for each
-                float32 from 0 to 50: of one float or integer, or several with at most 2³³
-                combinations; between two `np.float16`, the floats of 16 bits. 16 checks each 16th.
+            arguments, named: as in a call; but a pair for one number, such as `distance=(0, 50)`,
+                is a range, as in `prove`, and needs `every`.
+            every: whether to check all numbers of ranges, each float32 from 0 to 50: of one float
+                or integer, or several with at most 2³³ combinations; between two `np.float16`, the
+                floats of 16 bits. 16 checks each 16th.
 
         Raises:
             AssertionError: it does not hold; the message shows where.
@@ -264,6 +265,12 @@ class Function:
                 call, outcomes = judge_every(self, law, int(every), arguments, named)
             else:
                 call = self.bind(*arguments, **named)
+                for one, ends in find_ranges(call.signature, arguments, named):
+                    raise CallError(
+                        f"{self.__name__}: {one.name}={ends} is a range, and every= is not set",
+                        remedy=f"every=True checks each number of it, np.linspace{(*ends, 1001)} "
+                        f"some, {list(ends)} both ends",
+                    )
                 outcomes = checks.judge_function(self, law, call, curves)
         except ShaderlabError as error:
             raise error.with_traceback(_short_traceback(error)) from error.__cause__

@@ -71,6 +71,22 @@ def test_combinations_of_integers_and_of_halves() -> None:
     lib.halves.check(lambda a, b: g.vec2(a, b), ends, (np.float16(1), np.float16(1.05)), every=True)
 
 
+def test_a_pair_for_one_number_is_a_range_and_a_list_is_values() -> None:
+    half = glsl.load("float half_of(float x, vec2 v) { return 0.5 * x + 0.0 * v.x; }").half_of
+    reference = lambda x, v: 0.5 * x + 0.0 * v.x  # noqa: E731
+    for given in ({"x": (1.0, 1.5)}, {"x": (0, 45)}):
+        with pytest.raises(CallError, match="is a range, and every= is not set") as caught:
+            half.check(reference, v=(0, 1), **given)
+        assert "every=True" in str(caught.value) and "np.linspace" in str(caught.value)
+    with pytest.raises(CallError, match="is a range"):
+        half.check(reference, (0, 45), (0, 1))
+    for values in ([0, 45], np.array([0.0, 45.0]), (0, 10, 45)):
+        half.check(reference, values, (0, 1))
+        with pytest.raises(CallError, match="takes ranges"):
+            half.check(reference, values, (0, 1), every=True)
+    assert half((0, 45), (0, 1)).tolist() == [0.0, 22.5]
+
+
 def test_what_is_no_range_is_refused() -> None:
     with pytest.raises(CallError, match="takes ranges"):
         lib.fade.check(lambda d: d, 0.5, every=True)
