@@ -136,10 +136,8 @@ def in_file(file: str) -> Iterator[None]:
     try:
         yield
     except ShaderlabError as error:
-        if error.file is not None:
-            raise
-        made = type(error)(error.message, file=file, line=error.line, remedy=error.remedy)
-        raise made from error
+        error.file = file if error.file is None else error.file
+        raise
 
 
 @contextmanager

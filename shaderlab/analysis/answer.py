@@ -4,11 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
+
+from shaderlab.files import display_path
 
 _SHOWN = 6  # inputs of an example
 _WHY = {"coverage": ", where only one discards", "definedness": ", where only one is defined"}
+
+
+@dataclass(frozen=True, order=True)
+class Cost:
+    """How many ULP wider the band of an operation is than those that it reads, what GLSL calls it,
+    and where it is, which does not count where costs are compared."""
+
+    ulp: float
+    operation: str
+    file: str = field(compare=False)
+    line: int = field(compare=False)
+
+    def __str__(self) -> str:
+        place = display_path(self.file, self.line)
+        return f"{self.operation} at {place} costs {_number(self.ulp)} ULP"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,13 +35,14 @@ class Numerics:
     Attributes:
         worse, better: how many ULP the new program loses or gains where it does most.
         near: the inputs there, of whichever is more.
-        place: the first line of the new program that the change shows in, "file:line" or "".
+        costs: the costliest operation of the old program that the new one has not, and the other
+            way around.
     """
 
     worse: float
     better: float
     near: Mapping[str, tuple[float, ...]]
-    place: str = ""
+    costs: tuple[Cost | None, ...] = (None, None)
 
     @property
     def differ(self) -> bool:
@@ -38,7 +56,8 @@ class Numerics:
         how = "less" if less else "more"
         text = f"up to {_number(max(self.worse, self.better))} ULP {how} accurate"
         text += f" near {format_inputs(self.near, 2)}" if self.near else ""
-        return f"{text}, from {self.place}" if self.place else text
+        known = [str(cost) for cost in (self.costs[::-1] if less else self.costs) if cost]
+        return f"{text}: {', '.join(known)}" if known else text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,7 +209,7 @@ def _data(output: OutputAnswer) -> dict[str, Any]:
             "ulp worse": numerics.worse,
             "ulp better": numerics.better,
             "near": {n: list(v) for n, v in numerics.near.items()},
-            "place": numerics.place,
+            "costs": [cost and asdict(cost) for cost in numerics.costs],
         }
     return found
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from shaderlab.model.frame import Array, Bindings, Texels
+from shaderlab.model.frame import Array
 
 from .answer import format_inputs
 from .batches import InputBatch, merge_batches, run_batch
@@ -27,6 +27,7 @@ from .inputs import (
     InputDomain,
     add_constants,
     add_mipmaps,
+    coarsen_textures,
     domains_of,
     enclose_inputs,
     inputs_of,
@@ -40,7 +41,6 @@ from .undefined import divergent, sine_hashes, undefined_values
 
 RANDOM, ZERO, EQUAL = range(3)
 """What is special about an invocation: nothing; a place that is 0; two places that are equal."""
-_MIN_TEXEL = 0.02  # of sampled textures; a smaller one is a direction's
 _NEAR_0 = 1e-5
 _MAX_PAIRS = 120
 _BOXES = 4096
@@ -52,8 +52,7 @@ def first_batch(
 ) -> InputBatch:
     """Random invocations. Textures hold 0 and 1 here and there."""
     batch = sample_inputs(inputs, domains, count, 0)
-    textures = {name: _with_extremes(texels) for name, texels in batch.bindings.textures.items()}
-    return InputBatch(batch.each, Bindings(textures=textures), batch.count)
+    return replace(batch, bindings=coarsen_textures(batch.bindings, domains))
 
 
 def find_origins(
@@ -76,17 +75,6 @@ def find_origins(
         if inputs[a].type == inputs[b].type:
             found[(batch.each[a] == batch.each[b]).all(axis=1)] = EQUAL
     return found
-
-
-def _with_extremes(texels: Texels) -> Texels:
-    """The texture with rows of 0 and of 1, unless it holds directions."""
-    if texels.values.min() < _MIN_TEXEL:
-        return texels
-    values = texels.values.copy()
-    rows = values.shape[-3]
-    values[..., : rows // 4, :, :] = 0.0
-    values[..., rows // 2 : 3 * rows // 4, :, :] = 1.0
-    return replace(texels, values=values)
 
 
 def find_counterexamples(

@@ -34,17 +34,10 @@ from shaderlab.files import display_path
 from .answer import Answer, Numerics, OutputAnswer
 from .batches import InputBatch, merge_batches
 from .coverage import lines_not_run
-from .differences import (
-    MOST,
-    bands_of,
-    compare_accuracy,
-    discards,
-    first_difference,
-    jumps,
-    keep_defined,
-)
+from .differences import discards, first_difference, jumps, keep_defined, meet_bounds
 from .inputs import (
     ALIKE,
+    UNIT_VECTOR,
     Input,
     InputDomain,
     add_constants,
@@ -57,6 +50,7 @@ from .inputs import (
 )
 from .interpreter import Program
 from .noise import Compared, PerturbedFloat, Ran, compare, confirm, run
+from .portability import MOST, bands_of, compare_accuracy, find_costs
 
 _PIXELS = (ExecutionMode.PixelCenterInteger, ExecutionMode.OriginUpperLeft)
 _INTERPOLATED = (Decoration.NoPerspective, Decoration.Flat, Decoration.Centroid, Decoration.Sample)
@@ -134,20 +128,35 @@ def compare_programs(
 
     comparison = _Comparison((old, new), inputs, domains, make, plan)
     try:
-        outputs = *comparison.outputs(captured), *_compare_interfaces(old, new)
+        outputs = tuple(comparison.outputs(captured))
+        turning = comparison if captured else _assume_quaternions(comparison)
+        if turning.domains != domains and not all(output.same for output in outputs):
+            found = tuple(turning.outputs(()))
+            if all(output.same for output in found):
+                comparison, outputs = turning, found
     except NotInterpretedError as error:
         free = {n.partition("[")[0]: 0 for n, d in domains.items() if d.source == "assumed"}
         if free and "goes on after" in error.message:
             error.remedy = f"state ranges for which it ends, of {', '.join(free)}: --range NAME=A:B"
         raise
+    outputs = *outputs, *_compare_interfaces(old, new)
     never = comparison.notes() if all(output.same for output in outputs) else ()
     return Answer(
         old=old.path,
         new=new.path,
         outputs=outputs,
         notes=(*_notes(mine, theirs), *never),
-        inputs={n: f"{d} ({d.source})" for n, d in domains.items() if n in inputs},
+        inputs={n: f"{d} ({d.source})" for n, d in comparison.domains.items() if n in inputs},
     )
+
+
+def _assume_quaternions(comparison: _Comparison) -> _Comparison:
+    """The comparison of vec4s of length 1, as those are that turn, if nothing else is known."""
+    domains = dict(comparison.domains)
+    for name, one in comparison.inputs.items():
+        if one.type == "vec4" and domains[name].source == "assumed" and name[:3] != "gl_":
+            domains[name] = UNIT_VECTOR
+    return replace(comparison, domains=domains, _freed={})
 
 
 def _notes(mine: Mapping[str, Input], theirs: Mapping[str, Input]) -> Iterator[str]:
@@ -234,9 +243,13 @@ class _Comparison:
         for batch in itertools.chain(captured, rounds):
             yield batch
         if batch is not None and self.plan.rounds:
-            coarse = keep_defined(self.programs, coarsen_inputs(batch, self.domains))
-            if coarse.count:
-                yield coarse
+            coarse = coarsen_inputs(batch, self.domains)
+            with contextlib.suppress(NotInterpretedError):  # of 0 a loop may have no end
+                for program in self.programs:
+                    coarse = meet_bounds(program, coarse, self.domains)
+                coarse = keep_defined(self.programs, coarse)
+                if coarse.count:
+                    yield coarse
             around = jumps(self.programs, batch, self.domains)
             if around is not None:
                 yield around
@@ -326,18 +339,19 @@ class _Comparison:
         """How the accuracy changes, on some of the first inputs."""
         some = one.batch.part(np.arange(min(one.batch.count, MOST)))
         if not self._in_bands:
-            self._in_bands = tuple(bands_of(program, some) for program in self.programs)
+            self._in_bands = tuple(bands_of(p, some, unwritten=False) for p in self.programs)
         old, new = self._in_bands
         if old is None or new is None or name not in old or other not in new:
             return None
         values = one.old.outputs[name][0, : some.count]
-        found = compare_accuracy(self.programs, some, (old[name], new[other]), values)
+        found = compare_accuracy((old[name], new[other]), values)
         if found is None:
             return None
-        worse, better, row, step = found
+        worse, better, row = found
+        found_costs = [find_costs(program, some, row) for program in self.programs]
+        costs = (max(a - b, default=None) for a, b in itertools.permutations(found_costs))
         near = some.example(row, self.inputs)
-        place = "" if step is None else _format_place(self.programs[1], step.line)
-        return Numerics(worse=worse, better=better, near=near, place=place)
+        return Numerics(worse=worse, better=better, near=near, costs=tuple(costs))
 
     def _add_conditions(self, answer: OutputAnswer, name: str, other: str) -> OutputAnswer:
         """The answer with what it holds under: assumptions about inputs without which the output is

@@ -11,14 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Band
 from shaderlab.compiler.spirv import Op
-from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.model.frame import Array
 
 from .batches import InputBatch, join_batches, run_batch
 from .inputs import InputDomain
-from .interpreter import FLOAT64, Arithmetic, Bands, Program, Stored
+from .interpreter import FLOAT64, Arithmetic, Program, Stored
+from .interpreter.program import Instruction
+from .interpreter.running import Run
+from .interpreter.values import Flags, PathState
 from .noise import run
 
 PAIRS = 192
@@ -84,84 +85,52 @@ def _find_changes(program: Program, along: InputBatch) -> Array:
     return most
 
 
-def keep_defined(programs: tuple[Program, Program], batch: InputBatch) -> InputBatch:
-    """The invocations, in whole quads where it matters, that store nothing infinite or undefined.
+_COMPARISONS = range(Op.FOrdEqual, Op.FUnordGreaterThanEqual + 1)
+
+
+def meet_bounds(
+    program: Program, batch: InputBatch, domains: Mapping[str, InputDomain]
+) -> InputBatch:
+    """The invocations; half of the numbers that the program compares with something else are that.
     Raises as `run`."""
-    lost = np.zeros(batch.count, np.bool_)
+    rng = np.random.default_rng(37)
+    each = {
+        name: batch.each[name].copy() for name, domain in domains.items()
+        if domain.kind == "number" and name in batch.each and name != "gl_FragCoord"
+    }  # fmt: skip
+
+    def meet(run: Run, at: Instruction, state: PathState, result: Any) -> Any:
+        pair = run.values(at.operands) if at.op in _COMPARISONS else []
+        for own, other in itertools.permutations(pair, 2):
+            for name, met in each.items() if own.shape == (batch.count, 1) else ():
+                equal = (batch.each[name].reshape(batch.count, -1) == own).all(axis=0)
+                rows = state.mask & (rng.random(batch.count) < 0.5)
+                bound = np.broadcast_to(domains[name].clip(other), own.shape)
+                met.reshape(batch.count, -1)[np.ix_(rows, equal)] = bound[rows]
+        return result
+
+    run_batch(program, batch, FLOAT64, watch=meet)
+    return replace(batch, each={**batch.each, **each})
+
+
+def keep_defined(programs: tuple[Program, Program], batch: InputBatch) -> InputBatch:
+    """The invocations, in whole quads where it matters, in which not both programs store something
+    infinite or undefined. Raises as `run`."""
+    old, new = (_meets_undefined(program, batch) for program in programs)
+    return batch.part(np.flatnonzero(~(old & new)))
+
+
+def _meets_undefined(program: Program, batch: InputBatch) -> Flags:
+    found = np.zeros(batch.count, np.bool_)
 
     def note(stored: Stored) -> None:
         if isinstance(stored.value, np.ndarray):
             known = np.isfinite(stored.value).reshape(len(stored.value), -1).all(axis=1)
-            np.logical_or(lost, stored.mask & ~known, out=lost)
+            np.logical_or(found, stored.mask & ~known, out=found)
 
-    for program in programs:
-        run_batch(program, batch, FLOAT64, trace=note)
-        lost[batch.rows_with(np.flatnonzero(lost), program)] = True
-    return batch.part(np.flatnonzero(~lost))
-
-
-MOST = 512
-"""Invocations whose bands are looked at."""
-_SMALL = 2.0**-8  # of an output's largest value: below it, what counts is the ULP of this
-_ULPS, _RATIO = 1.0, 1.25  # wider by more than both is less accurate
-
-
-def bands_of(program: Program, batch: InputBatch) -> Mapping[str, Any] | None:
-    """A program's outputs as bands; None where it can't be run in them."""
-    try:
-        return run_batch(program, batch, Bands(), unwritten=False).outputs
-    except (NotInterpretedError, FormulaError):
-        return None
-
-
-def compare_accuracy(
-    programs: tuple[Program, Program], batch: InputBatch, bands: tuple[Any, Any], values: Array
-) -> tuple[float, float, int, Step | None] | None:
-    """How the accuracy of an output changes from one program to the other.
-
-    Args:
-        programs: the old and the new one.
-        batch: what they get.
-        bands: the output of both.
-        values: the output in float64, (count, components).
-
-    Returns:
-        ULP of the value by which a band is wider, and narrower, at most; the invocation where that
-        is, of whichever is more; the first stored value whose band differs so there. None where the
-        output has no bands, such as an integer's, or all of them are open.
-    """
-    if not all(isinstance(band, Band) for band in bands):
-        return None
-    size = min(bands[0].shape[-1], bands[1].shape[-1], values.shape[-1])
-    values = values[:, :size]
-    with np.errstate(all="ignore"):
-        floor = _SMALL * np.nanmax(np.abs(values), axis=0, initial=0.0)
-        ulp = np.spacing(np.maximum(np.abs(values), floor).astype(np.float32)).astype(np.float64)
-        old, new = (  # how far a device may be from the value
-            np.maximum(band.hi[..., :size] - values, values - band.lo[..., :size]) / ulp
-            for band in bands
-        )
-        known = np.isfinite(old) & np.isfinite(new)
-        if not known.any():
-            return None
-        wider = np.where(known & (new > _RATIO * old), new - old, 0.0).max(axis=-1)
-        narrower = np.where(known & (old > _RATIO * new), old - new, 0.0).max(axis=-1)
-    worse, better = (float(v.max()) if v.max() > _ULPS else 0.0 for v in (wider, narrower))
-    row = int((wider if worse >= better else narrower).argmax())
-    step = None
-    if worse or better:
-        differ = _wider if worse >= better else lambda old, new: _wider(new, old)
-        step, _, _ = first_difference(programs, batch, row, Bands(), differ)
-    return worse, better, row, step
-
-
-def _wider(old: Any, new: Any) -> bool:
-    if not (isinstance(old, Band) and isinstance(new, Band)) or old.shape[1:] != new.shape[1:]:
-        return False
-    with np.errstate(all="ignore"):
-        before, after = old.hi - old.lo, new.hi - new.lo
-        size = np.maximum(np.abs(new.lo), np.abs(new.hi)).astype(np.float32)
-        return bool((after > _RATIO * before + 0.5 * np.spacing(size)).any())
+    run_batch(program, batch, FLOAT64, trace=note)
+    found[batch.rows_with(np.flatnonzero(found), program)] = True
+    return found
 
 
 Differ = Callable[[Any, Any], bool]

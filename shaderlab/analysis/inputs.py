@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -166,7 +166,7 @@ class InputDomain:
 
 
 _GIVE = 1e-6  # of the square of a vector's length
-_UNIT_VECTOR = InputDomain("unit", 1.0 - _GIVE, 1.0 + _GIVE)
+UNIT_VECTOR = InputDomain("unit", 1.0 - _GIVE, 1.0 + _GIVE)
 # By a word of the name: the last one that is here counts.
 _RANGES: Mapping[str, tuple[float, float]] = {
     **dict.fromkeys(("position", "pos", "eye", "target", "origin"), (-4.0, 4.0)),
@@ -257,7 +257,7 @@ def add_constants(
 
 def _parse_range(text: str, name: str) -> InputDomain:
     if text == "unit":
-        return _UNIT_VECTOR
+        return UNIT_VECTOR
     parts = re.split(r"\.\.|:", text)
     try:
         low, high = map(float, parts)
@@ -284,7 +284,7 @@ def _assume_domain(one: Input) -> InputDomain:
             "projection" if "projection" in words else "rotation" if turns else "affine"
         )
     if one.type in ("vec2", "vec3") and is_direction(one.name):
-        return _UNIT_VECTOR
+        return UNIT_VECTOR
     if one.type in ("bool", "bvec2", "bvec3", "bvec4"):
         return InputDomain("number")
     if not one.type.startswith(("float", "vec")):
@@ -443,41 +443,64 @@ _COARSE = 2048
 
 def coarsen_inputs(batch: InputBatch, domains: Mapping[str, InputDomain]) -> InputBatch:
     """The same invocations with numbers of so few bits that sums and products are exact and often
-    equal: what is compared meets its bounds. Unit vectors lie along an axis, textures are flat in
-    places: their least and largest texels, of generated ones 0 and 1."""
+    equal: what is compared meets its bounds. Vectors are often those before, unit vectors lie along
+    an axis, matrices only move, textures are flat in places."""
     batch = batch.part(np.arange(min(batch.count, _COARSE)))
-    each = dict(batch.each)
+    each, rng = dict(batch.each), np.random.default_rng(31)
+    before: dict[tuple[int, ...], Array] = {}  # by shape
     for name, domain in domains.items():
         values = each.get(name)
-        if values is None or values.ndim != 2 or values.dtype.kind != "f":
+        if values is None or values.dtype.kind != "f" or name == "gl_FragCoord":
             continue
-        if domain.kind == "unit":
+        if domain.kind in ("rotation", "affine"):
+            step = _coarse_step(values)
+            each[name] = values * np.float32(0.0) + np.eye(*values.shape[1:], dtype=np.float32)
+            each[name][:, :3, 3:] = step * np.round(values[:, :3, 3:] / step)
+        elif domain.kind == "unit":
             size = np.abs(values)
-            values = np.where(size == size.max(axis=1, keepdims=True), values, 0.0)
+            values = np.where(size == size.max(axis=-1, keepdims=True), values, 0.0)
             each[name] = np.sign(values).astype(np.float32)
         elif domain.kind == "number":
             step = _coarse_step(values)
             least, most = np.ceil(domain.low / step), np.floor(domain.high / step)
             if least <= most:
-                each[name] = (step * np.clip(np.round(values / step), least, most)).astype("f4")
-    textures = {
-        name: texels if "normal" in words_of(name) else _coarsen_texels(texels, name in domains)
-        for name, texels in batch.bindings.textures.items()
-    }
-    return InputBatch(each, replace(batch.bindings, textures=textures), batch.count)
+                whole = np.where(rng.random(values.shape) < 0.25, np.round(values), values)
+                values = step * np.clip(np.round(whole / step), least, most)
+                again = rng.random(len(values)) < _CORNERS
+                values[again] = before.get(values.shape, values)[again]
+                each[name] = before[values.shape] = domain.clip(values)
+    return InputBatch(each, coarsen_textures(batch.bindings, domains), batch.count)
 
 
 def _coarse_step(values: Array) -> float:
     return float(2.0 ** np.ceil(np.log2(max(float(np.abs(values).max()), 1e-30) / _STEPS)))
 
 
-def _coarsen_texels(texels: Texels, made_up: bool) -> Texels:
-    step = _coarse_step(texels.values) if texels.values.dtype.kind == "f" else 1
-    values: Array = (step * np.round(texels.values / step)).astype(texels.values.dtype)
+def coarsen_textures(bindings: Bindings, made_up: Container[str]) -> Bindings:
+    """Textures that are flat in places, 0 or as much as their largest texel, 1 of those that are
+    made up; but for normals."""
+    textures = dict(bindings.textures)
+    for name, texels in textures.items():
+        if "normal" not in words_of(name):
+            levels = [
+                _coarsen(level, name in made_up) for level in (texels.values, *texels.smaller)
+            ]
+            textures[name] = replace(texels, values=levels[0], smaller=tuple(levels[1:]))
+    return replace(bindings, textures=textures)
+
+
+def _coarsen(texels: Array, made_up: bool) -> Array:
+    step = _coarse_step(texels) if texels.dtype.kind == "f" else 1
+    values: Array = (step * np.round(texels / step)).astype(texels.dtype)
     high, wide = (size // 2 for size in values.shape[-3:-1])
-    ends = (0, 1) if made_up else (end(values, (-3, -2), keepdims=True) for end in (np.min, np.max))
+    least, most = (end(values, (-3, -2), keepdims=True) for end in (np.min, np.max))
+    ends = (0, 1) if made_up else (np.minimum(least, 0), most)
     values[..., :high, :wide, :], values[..., high:, wide:, :] = ends
-    return replace(texels, values=values)
+    values[..., 1:high:4, 1:wide:4, :] = ends[1]
+    first = texels[..., high : high + 1, :1, :] * 1.0  # others are ever more like it
+    fade = np.geomspace(1.0, 0.01, values.shape[-3] - high)[:, None, None]
+    values[..., high:, :wide, :] = first + fade * (texels[..., high:, :wide, :] - first)
+    return values
 
 
 def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Generator) -> Array:
@@ -577,7 +600,8 @@ def _learn_domain(name: str, arrays: Sequence[Array]) -> InputDomain:
     with np.errstate(all="ignore"):
         length = np.linalg.norm(flat.astype(np.float64), axis=-1)
         unit = shape[-1:] in ((2,), (3,), (4,)) and bool((np.abs(length - 1.0) < _NEAR).all())
-        if unit and (is_direction(name) or (flat < 0.0).any()):
+        turns = shape == (4,) and np.count_nonzero(flat, axis=-1).max(initial=0) > 1  # no colour
+        if unit and (is_direction(name) or turns or (flat < 0.0).any()):
             return InputDomain("unit", source="learned")
         low = 0.0 if flat.min(initial=0.0) >= 0.0 else -np.inf
         high = 1.0 if low == 0.0 and flat.max(initial=0.0) <= 1.0 else np.inf

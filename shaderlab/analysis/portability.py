@@ -8,17 +8,20 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.bands import Band
 from shaderlab.bands.rounding import ulp
 from shaderlab.compiler.spirv import Decoration, Op
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.files import display_path
 from shaderlab.model.frame import Array
 
-from .answer import format_inputs
+from .answer import Cost, format_inputs
 from .batches import InputBatch, flatten_outputs, run_batch
+from .checks import arguments_of
 from .inputs import Input
 from .interpreter import FLOAT16, FLOAT32, FLOAT64, Arithmetic, Bands, Numbers, Program, Stored
 from .interpreter.flow import HANDLERS
+from .interpreter.operations import FUNCTIONS
 from .interpreter.program import Instruction
 from .interpreter.running import Run, Watch, is_vector, precision_loss
 from .interpreter.values import PathState
@@ -87,12 +90,8 @@ def portability(program: Program, batch: InputBatch, inputs: Mapping[str, Input]
     Returns:
         nothing where bands can't be had.
     """
-    try:
-        outputs = run_batch(program, batch, Bands()).outputs
-    except (NotInterpretedError, FormulaError):
-        return []
     found = []
-    for name, band in outputs.items():
+    for name, band in (bands_of(program, batch) or {}).items():
         if not is_vector(band) or (name.startswith("gl_") and band.vacuous.all()):
             continue
         with np.errstate(all="ignore"):
@@ -117,18 +116,68 @@ def portability(program: Program, batch: InputBatch, inputs: Mapping[str, Input]
 
 
 def _costliest_line(program: Program, batch: InputBatch, row: int) -> tuple[str, int]:
-    """The line of the statement that loses most precision at an invocation; "" and 0 for none."""
-    some, own = batch.alone(row, program)
-    events: list[Stored] = []
-    run_batch(program, some, Bands(), trace=events.append, unwritten=False)
+    """The line that loses most precision at an invocation; "" and 0 for none."""
+    most = max(find_costs(program, batch, row), default=None)
+    return (most.file, most.line) if most else ("", 0)
+
+
+_SIGNS = {
+    Op.FAdd: "+", Op.FSub: "-", Op.FMul: "*", Op.FDiv: "/", Op.Dot: "dot",
+    **dict.fromkeys(range(Op.VectorTimesScalar, Op.OuterProduct), "*"),
+}  # fmt: skip
+
+
+def find_costs(program: Program, batch: InputBatch, row: int) -> set[Cost]:
+    """What the operations of an invocation cost, but for those that cost nothing."""
+    quad, own = batch.alone(row, program)
+    found = set()
+
+    def note(run: Run, at: Instruction, state: PathState, result: Any) -> Any:
+        name = FUNCTIONS.get(at.operands[1]) if at.op == Op.ExtInst else _SIGNS.get(at.op)
+        if name and is_vector(result) and state.mask[own]:
+            read = tuple(run.values(arguments_of(at.op, at.operands)))
+            ulp = precision_loss(Stored(at, name, result, state.mask, (), read), own)
+            if 0.0 < ulp < np.inf:
+                found.add(Cost(ulp, name, *program.place(at.line)))
+        return result
+
+    run_batch(program, quad, Bands(), watch=note, unwritten=False)
+    return found
+
+
+def bands_of(program: Program, batch: InputBatch, **options: Any) -> Mapping[str, Any] | None:
+    """A program's outputs as bands; None where it can't be run in them."""
+    try:
+        return run_batch(program, batch, Bands(), **options).outputs
+    except (NotInterpretedError, FormulaError):
+        return None
+
+
+_ULPS, _RATIO = 1.0, 1.25  # wider by more than both is less accurate
+
+
+def compare_accuracy(bands: tuple[Any, Any], values: Array) -> tuple[float, float, int] | None:
+    """By how many ULP of an output's values (count, components) the second of two bands is wider,
+    and narrower, at most; and the invocation where that is, of whichever is more. None where there
+    are no bands, such as an integer's, or all of them are open."""
+    if not all(isinstance(band, Band) for band in bands):
+        return None
+    size = min(bands[0].shape[-1], bands[1].shape[-1], values.shape[-1])
+    values = values[:, :size]
     with np.errstate(all="ignore"):
-        costs = [
-            (precision_loss(event, own), event.line)
-            for event in events
-            if event.mask[own] and is_vector(event.value) and not event.is_argument
-        ]
-    finite = [one for one in costs if np.isfinite(one[0]) and one[0] > 0.0]
-    return program.place(max(finite)[1]) if finite else ("", 0)
+        floor = _SMALL * np.nanmax(np.abs(values), axis=0, initial=0.0)
+        ulp = np.spacing(np.maximum(np.abs(values), floor).astype(np.float32)).astype(np.float64)
+        old, new = (  # how far a device may be from the value
+            np.maximum(band.hi[..., :size] - values, values - band.lo[..., :size]) / ulp
+            for band in bands
+        )
+        known = np.isfinite(old) & np.isfinite(new)
+        if not known.any():
+            return None
+        wider = np.where(known & (new > _RATIO * old), new - old, 0.0).max(axis=-1)
+        narrower = np.where(known & (old > _RATIO * new), old - new, 0.0).max(axis=-1)
+    worse, better = (float(v.max()) if v.max() > _ULPS else 0.0 for v in (wider, narrower))
+    return worse, better, int((wider if worse >= better else narrower).argmax())
 
 
 _SMALLEST = 2.0**-14  # a float16 that is no subnormal number

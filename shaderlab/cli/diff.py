@@ -107,6 +107,8 @@ def command(
     except UsageError:
         raise
     except ShaderlabError as error:
+        if error.message.startswith("timeout"):
+            error.remedy = "state ranges for shorter loops, --range NAME=A:B, or a longer --timeout"
         click.echo(f"undetermined: {error}", err=True)
         return NO_ANSWER
     to_stderr = json_file == "-"
@@ -189,16 +191,9 @@ def _compare_with_revision(comparison: _Comparison, file: Path, name: str) -> li
         try:
             answers = comparison.compare(file, file, before.find_path)
         except ShaderlabError as error:
-            raise _rename_error_file(error, before) from error
+            error.file = error.file and before.format_path(error.file)
+            raise
     return [replace(answer, old=before.format_path(answer.old)) for answer in answers]
-
-
-def _rename_error_file(error: ShaderlabError, before: Revision) -> ShaderlabError:
-    if error.file is None:
-        return error
-    return type(error)(
-        error.message, file=before.format_path(error.file), line=error.line, remedy=error.remedy
-    )
 
 
 def _name_in_cases(path: Path, folder: Path, includes: Sequence[Path]) -> str:

@@ -250,6 +250,60 @@ def assert_told_apart(text: str, old: str, wrong: str, right: str) -> None:
     assert output.same is True and output.conditions == ()
 
 
+def test_matrices_and_lengths_meet_their_bounds() -> None:
+    text = "uniform mat4 view; in vec3 place; uniform vec3 lamp; uniform float end; out float o;"
+    text += "void main() { float far = -(view * vec4(place, 1.0)).z, away = length(lamp - place);"
+    text += " o = %s ? end : 2.0; }"
+    assert_told_apart(text, "far >= end", "far > end", "!(end > far)")
+    assert_told_apart(text, "away < end", "away <= end", "end > distance(place, lamp)")
+
+
+@pytest.mark.parametrize(
+    ("guarded", "bare"),
+    [
+        ("max(length(v), 0.0001)", "length(v)"),
+        ("max(distance(v, w), 0.0001)", "distance(v, w)"),
+        ("max(texture(map, v.xy).a, 0.0001)", "texture(map, v.xy).a"),
+        ("max(textureLod(map, v.xy, 2.0).r, 0.0001)", "textureLod(map, v.xy, 2.0).r"),
+        ("(v.x == w.x ? 1.0 : v.x - w.x)", "(v.x - w.x)"),
+        ("max(light - around, 0.01)", "(light - around)"),
+    ],
+)
+def test_a_divisor_without_its_guard_is_found(guarded: str, bare: str) -> None:
+    text = "uniform sampler2D map; in vec3 v; uniform vec3 w; out float o; void main() {"
+    text += " ivec2 here = ivec2(gl_FragCoord.xy); float light = texelFetch(map, here, 0).r;"
+    text += " float around = texelFetch(map, max(here - 1, ivec2(0)), 0).r; o = w.y / %s; }"
+    for old, new in ((guarded, bare), (bare, guarded)):
+        (output,) = compared(text % old, text % new, accuracy=False).outputs
+        assert output.same is False and output.example
+    for same in (guarded, bare):
+        assert_told_apart(text, same, "1.1", f"(2.0 * {same} * 0.5)")
+
+
+def test_a_vec4_that_has_to_turn_is_a_condition() -> None:
+    text = "uniform vec4 q, tint; in vec3 v; out vec3 o; void main() { vec3 u = q.xyz; o = %s; }"
+    turned = "v + 2.0 * cross(u, cross(u, v) + q.w * v) + tint.rgb"
+    longer = (
+        "2.0 * dot(u, v) * u + (q.w * q.w - dot(u, u)) * v + 2.0 * q.w * cross(u, v) + tint.rgb"
+    )
+    answer = compared(text % turned, text % longer)
+    (output,) = answer.outputs
+    assert output.same is True and output.conditions == ("|q| = 1",)
+    assert abs(np.linalg.norm(output.example["q"]) - 1.0) > 0.01
+    assert compared(text % turned, text % longer.replace("- dot", "+ dot")).same is False
+    assert compared(text % turned, text % turned.replace("tint.rgb", "tint.gbr")).same is False
+
+
+def test_a_step_of_0_that_a_case_does_not_give_is_left_out() -> None:
+    text = "uniform float dt; in float x; out float o; void main() { float t = x;"
+    text += " while (t >= dt) t -= dt; o = %s; }"
+    given = {"dt": np.full((64, 1), 0.25), "x": np.linspace(0.5, 2.0, 64)[:, None]}
+    batch = InputBatch({n: v.astype(np.float32) for n, v in given.items()}, Bindings(), 64)
+    for new, same in (("t + 0.0", True), ("1.1 * t", False)):
+        programs = program(text % "t"), program(text % new)
+        assert compare_programs(*programs, SMALL, [batch]).same is same
+
+
 def test_a_texture_may_be_larger_than_another() -> None:
     text = "uniform sampler2D map, atlas; out float o; void main() { "
     text += "o = texelFetch(atlas, textureSize(map, 0) * %d, 0).r; }"
@@ -366,9 +420,11 @@ void main() {
     numerics = lossy.outputs[0].numerics
     assert lossy.same is True and numerics is not None and not lossy.same_numerics
     assert numerics.worse > 100.0 and numerics.better == 0.0 and numerics.near["x"][0] < 0.1
-    assert numerics.place == "new.frag:5"
     text = str(lossy.outputs[0])
     assert text.startswith("o: same mathematics on ") and "ULP less accurate near x = " in text
+    (before, cost) = numerics.costs
+    assert before is None and cost is not None and (cost.operation, cost.line) == ("-", 5)
+    assert cost.ulp > numerics.worse and ": - at new.frag:5 costs " in text
     better = compared(old.replace("s = x * x", "s = (1.0 + x * x) - 1.0"), old)
     assert better.outputs[0].numerics is not None and better.outputs[0].numerics.better > 100.0
     same = compared(old, old.replace("x * x", "(x) * x"))
@@ -476,6 +532,7 @@ def test_the_command_answers_by_its_status(tmp_path: Path) -> None:
         "lossy": "o = (x + 3.0) - 3.0;",
         "clamped": "o = clamp(x, 0.0, 1.0);",
         "broken": "o = y;",
+        "endless": "o = x; for (int i = 0; i < 4000; ++i) o += sin(o);",
     }
     for name, body in texts.items():
         text = f"#version 330 core\nin float x;\nout float o;\nvoid main() {{ {body} }}\n"
@@ -496,6 +553,8 @@ def test_the_command_answers_by_its_status(tmp_path: Path) -> None:
     status, text = diff("clamped")
     assert status == 3 and ", only if 0 <= x <= 1" in text and " became " in text
     assert diff("clamped", "--assume")[0] == 0
+    status, text = diff("endless", "--timeout", "0.1", "-j", "1")
+    assert status == 2 and "timeout" in text and "--range NAME=A:B" in text
     status, text = diff("broken")
     assert status == 2 and text.startswith("undetermined: ") and "undeclared" in text
     for words in (["--range", "x"], ["--range", "x=5..1"], ["--range", "y=0:1"]):

@@ -324,7 +324,7 @@ DERIVATIVES: Mapping[int, Handler] = {
 }
 
 
-_FLOATS: Mapping[int, str] = {
+FUNCTIONS: Mapping[int, str] = {
     **{G[name[0].upper() + name[1:]]: name for name in (
         "round", "roundEven", "trunc", "floor", "ceil", "fract", "radians", "degrees", "sin", "cos",
         "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "pow",
@@ -338,6 +338,7 @@ _FLOATS: Mapping[int, str] = {
     G.FClamp: "clamp", G.FMix: "mix", G.SmoothStep: "smoothstep", G.FrexpStruct: "frexp",
     G.FaceForward: "faceforward",
 }  # fmt: skip
+"""Those of floats by number, as GLSL calls them."""
 _INTEGERS: Mapping[int, tuple[str, bool | None]] = {
     G.SAbs: ("abs", False), G.SSign: ("sign", False), G.UMin: ("min", True),
     G.SMin: ("min", False), G.UMax: ("max", True), G.SMax: ("max", False),
@@ -348,7 +349,7 @@ _INTEGERS: Mapping[int, tuple[str, bool | None]] = {
 
 def call_extended(run: Run, at: Instruction, state: PathState) -> Any:
     number, operands = at.operands[1], at.operands[2:]
-    name = _FLOATS.get(number)
+    name = FUNCTIONS.get(number)
     if name is not None:
         return settle_parts(run, compute(run, name, run.values(operands)), state)
     if number in _INTEGERS:
