@@ -27,7 +27,7 @@ from shaderlab.glslmath import swizzle, vec4
 from shaderlab.glslmath.sampling import texture as texel
 
 from ..scenes import painted_textures
-from ..scenes.block_codecs import compressed, decoded_blocks
+from ..scenes.block_codecs import between_ends, compressed, decoded_blocks
 from ..scenes.figures import each_draw
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import cell, enlarged, panel, square
@@ -41,9 +41,11 @@ FORMATS = {
     "BC3": ("bc3", "bc3"),
     "BC7": ("bc7", "bc7"),
 }
-# How many codes two decoders may be apart. OpenGL leaves open how thirds of a colour and sevenths
-# of alpha are rounded: of 33.857, one takes 33 (cut off) and another 35 (from a rounded step).
-ROUNDED = {"BC1": 1.0, "BC3": 2.0}
+# How far thirds of a colour and sevenths of alpha may be off: OpenGL leaves it open. Direct3D has a
+# code and 3 % of the line between two colours (11.3 functional specification, 19.5), and an NVIDIA
+# H200 uses all of it. Mesa keeps the ends in whole codes, half a code off, and cuts off the thirds.
+GIVE, CODES = 0.03, 1.5
+ROUNDED = ("BC1", "BC3")
 SIZE = (64, 64)
 IN_FILES = ("BC1", "BC3", "BC7")
 FOLDER = Path(__file__).parent / "texture_compression"
@@ -72,33 +74,23 @@ def texture(kind, image=None):
     return CompressedTexture(blocks=lambda: [compressed(image, by)], format=read_as, size=size)
 
 
-def decoded(kind):
-    """What another library reads out of the same blocks."""
+def decoded(kind, read=decoded_blocks):
+    """What another library reads out of the same blocks, or `read`."""
     by, _ = FORMATS[kind]
     blocks = compressed(IMAGE, by)
     if kind in IN_FILES:  # they end the file
         blocks = (FOLDER / f"{by}.dds").read_bytes()[-len(blocks) :]
-    return decoded_blocks(blocks, by, SIZE)
+    return read(blocks, by, SIZE)
 
 
-def against_other(kind, label, statistic, **bound):
-    """A statistic of a format's picture and of what the other library decodes."""
+def off_line(kind):
+    """How many codes the worst channel is off, beyond its part of the line between two colours."""
 
-    def compared(image):
-        return float(statistic(image, decoded(kind)))
+    def furthest(image):
+        exact, apart = decoded(kind, between_ends)
+        return np.max(np.abs(image - exact) - GIVE * apart)
 
-    reads = {"image": f"{name_of(kind)}.FragColor"}
-    return measure(f"{kind}: {label}", compared, reads=reads, **bound)
-
-
-def furthest(image, other):
-    """How many codes the worst channel of the worst texel is away."""
-    return np.abs(image - other).max()
-
-
-def share_equal(image, other):
-    """The share of texels that are equal to the last bit: all but some of the thirds."""
-    return np.mean(np.all(image == other, axis=-1))
+    return furthest
 
 
 def name_of(kind):
@@ -166,11 +158,12 @@ case = Case(
             if kind not in ROUNDED
         ),
         *(
-            against_other(kind, "codes off another decoder, at most", furthest, at_most=codes)
-            for kind, codes in ROUNDED.items()
-        ),
-        *(
-            against_other(kind, "texels that are equal", share_equal, at_least=0.8)
+            measure(
+                f"{kind}: codes off its colours, beyond {GIVE:.0%} of the line between two",
+                off_line(kind),
+                reads={"image": f"{name_of(kind)}.FragColor"},
+                at_most=CODES,
+            )
             for kind in ROUNDED
         ),
     ],

@@ -72,3 +72,63 @@ def decoded_blocks(blocks: bytes, format: str, size: tuple[int, int]) -> Any:
     width, height = size
     codes = np.frombuffer(function(blocks, width, height), np.uint8)
     return codes.reshape(height, width, 4)[..., [2, 1, 0, 3]]
+
+
+def between_ends(blocks: bytes, format: str, size: tuple[int, int]) -> tuple[Array, Array]:
+    """What blocks of BC1 or BC3 stand for, with nothing rounded, in codes (height, width, 4); and
+    how far the two ends of each texel's line are apart, in each channel.
+
+    Source: Khronos Data Format Specification 1.3, section 18, "S3TC Compressed Texture Image
+    Formats"; BC1 without alpha.
+
+    Args:
+        blocks, size: as in `decoded_blocks`.
+        format: "bc1" or "bc3".
+
+    >>> block = bytes((0x1F, 0xF8, 0x1F, 0x00)) + bytes(4 * [0b11100100])  # magenta, blue
+    >>> values, apart = between_ends(block, "bc1", (4, 4))
+    >>> values[0, :, 0].tolist(), apart[0, 0].tolist()
+    ([255.0, 0.0, 170.0, 85.0], [255.0, 0.0, 0.0, 0.0])
+    """
+    parts = np.frombuffer(blocks, np.uint8).reshape(-1, 16 if format == "bc3" else 8)
+    colors = parts[:, -8:].astype(np.uint32)
+    codes = colors[:, [0, 2]] | colors[:, [1, 3]] << 8
+    fields = codes[..., None] >> np.array([11, 5, 0]) & np.array([31, 63, 31])
+    one, other = np.moveaxis(fields * 255.0 / np.array([31.0, 63.0, 31.0]), 1, 0)
+    four = (codes[:, :1] > codes[:, 1:]) | (format == "bc3")
+    third = np.where(four, (2.0 * one + other) / 3.0, (one + other) / 2.0)
+    last = np.where(four, (one + 2.0 * other) / 3.0, 0.0)
+    hues = _picked(np.stack([one, other, third, last], 1), colors[:, 4:], 2)
+    alpha = np.full((*hues.shape[:-1], 1), 255.0), np.zeros((len(parts), 1))
+    if format == "bc3":
+        alpha = _alphas(parts[:, :8])
+    apart = np.hstack([np.abs(one - other), alpha[1]])
+    whole = np.broadcast_to(apart[:, None], (len(parts), 16, 4))
+    values = np.concatenate([hues, alpha[0]], -1)
+    return _laid_out(values, size), _laid_out(whole, size)
+
+
+def _alphas(parts: Array) -> tuple[Array, Array]:
+    """The alphas of BC3's blocks, (n, 16, 1), and how far their ends are apart, (n, 1)."""
+    one, other = parts[:, :1].astype(float), parts[:, 1:2].astype(float)
+    steps = np.arange(1, 7)
+    seventh = ((7.0 - steps) * one + steps * other) / 7.0
+    fifth = ((5.0 - steps[:4]) * one + steps[:4] * other) / 5.0
+    ends = np.broadcast_to([0.0, 255.0], (len(parts), 2))
+    between = np.where(one > other, seventh, np.hstack([fifth, ends]))
+    palette = np.hstack([one, other, between])
+    return _picked(palette[..., None], parts[:, 2:], 3), np.abs(one - other)
+
+
+def _picked(palette: Array, packed: Array, bits: int) -> Array:
+    """Of each block's palette (n, colours, channels) the 16 that numbers of so many bits name."""
+    flags = np.unpackbits(packed.astype(np.uint8), axis=1, bitorder="little")
+    numbers = flags.reshape(-1, 16, bits) @ (1 << np.arange(bits))
+    return np.asarray(np.take_along_axis(palette, numbers[..., None], 1))
+
+
+def _laid_out(texels: Array, size: tuple[int, int]) -> Array:
+    """Blocks of 16 texels as an image."""
+    width, height = size
+    blocks = texels.reshape(height // 4, width // 4, 4, 4, -1)
+    return np.asarray(blocks.swapaxes(1, 2).reshape(height, width, -1))

@@ -32,6 +32,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.compiler import Shaders
+from shaderlab.drivers.opengl import textures as opengl_textures
 from shaderlab.drivers.programs.prepare import Preparer
 from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import swizzle
@@ -467,3 +468,19 @@ def test_a_format_that_the_driver_lacks_names_its_extension(
     )
     record = run(lab, folder, passes, exact("FragColor", 0.0))
     assert record.status == "unsupported" and "GL_ARB_no_such_thing" in record.message
+
+
+def test_texels_of_blocks_are_those_that_samplers_decode(
+    monkeypatch: pytest.MonkeyPatch, lab: SceneRunner, folder: Path
+) -> None:
+    """NVIDIA's glGetTexImage decodes BC1 in another way than its samplers do."""
+
+    def decode_otherwise(*given: Any) -> Any:
+        raise AssertionError("texels of blocks are read by glGetTexImage")
+
+    monkeypatch.setattr(opengl_textures, "read_level", decode_otherwise)
+    block = bytes((0x1F, 0xF8, 0x1F, 0x00)) + bytes(4 * [0b11100100])  # magenta and blue
+    image = CompressedTexture(blocks=[block], format="bc1", size=(4, 4))
+    passes = fullscreen("plain.frag", domain={"p": WIDE["p"]}, textures={"image": image})
+    record = run(lab, folder, passes, formula("FragColor", sampled))
+    assert (record.status, record.message) == ("pass", "")

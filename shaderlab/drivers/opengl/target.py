@@ -1,8 +1,7 @@
-"""Render targets, and the fixed-function state that draws into them have."""
+"""Render targets: what draws write into, and what is read of it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import ExitStack
-from functools import lru_cache
 from typing import Any
 
 import moderngl
@@ -12,47 +11,11 @@ from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.state import State
 
-from ..gl_state import state_calls
 from ..programs.textures import COLOR, DEPTH
-from ..resources import COVERING, UNREADABLE, Attachments, multisampled_error
-from .device import GL, GL_1_0, Device, gl_constant, resolve_call
+from ..resources import UNREADABLE, Attachments, multisampled_error
+from .device import GL, GL_1_0, Device, gl_constant
+from .fetching import apply_state, fetch_texels
 from .textures import DeviceTexture, address, depth_storage, tightly_packed
-
-
-def apply_state(state: State, size: tuple[int, int], version: int) -> None:
-    """Make the current context's state what `state` says, for a target of `size` pixels.
-
-    `version` is the context's OpenGL version: 450 for 4.5.
-    """
-    try:
-        calls = _list_calls(state, size, version)
-    except TypeError:  # rectangles may be lists, which no cache takes
-        calls = _list_calls.__wrapped__(state, size, version)
-    for name, given in calls:
-        getattr(GL, name)(*given)
-
-
-@lru_cache(maxsize=512)
-def _list_calls(
-    state: State, size: tuple[int, int], version: int
-) -> Sequence[tuple[str, Sequence[Any]]]:
-    switches = {
-        "polygon_offset_line": False,  # a driver may take it for that of filled polygons
-        "framebuffer_srgb": state.srgb,
-        "program_point_size": isinstance(state.point_size, str),
-        "multisample": state.multisample,
-    }
-    calls: list[tuple[Any, ...]] = []
-    if version >= 400:
-        switches["sample_shading"] = state.sample_shading is not None
-        calls.append(("MinSampleShading", state.sample_shading or 0.0))
-    elif state.sample_shading is not None:
-        raise UnsupportedError("shading each sample (sample_shading): it takes OpenGL 4.0")
-    calls += state_calls(state, size, switches)
-    calls.append(
-        ("PointSize", state.point_size if isinstance(state.point_size, int | float) else 1.0)
-    )
-    return [resolve_call(*call) for call in calls]
 
 
 class RenderTarget(Attachments):
@@ -163,10 +126,12 @@ class RenderTarget(Attachments):
     def read_samples(self, name: str) -> Array:
         """Read all samples of a colour attachment: (samples, height, width, components)."""
         kind = COLOR[self.colors[name]]
-        found = read_samples(
-            self._device, self.texture(name, sampled=True), self.size, self.samples
-        )
-        return found[..., : kind.components]
+        texture = self.texture(name, sampled=True)
+        try:
+            found = fetch_texels(self._device, "2DMS", texture.glo, [self.size] * self.samples)
+        except moderngl.Error as error:
+            raise UnsupportedError(f"fetching single samples: {str(error).strip()}") from error
+        return np.stack(found)[..., : kind.components]
 
     def _texture(self, word: str, samples: int = 0) -> Any:
         # moderngl's word for the type of a component; sRGB is another format of the same.
@@ -235,44 +200,6 @@ class RenderTarget(Attachments):
         if GL.GL_OUT_OF_MEMORY in iter(GL.glGetError, GL.GL_NO_ERROR) or wanted >= 1 << 30:
             return MemoryError(f"{what} takes {wanted / (1 << 30):.3g} GB")
         return (UnsupportedError if "UNSUPPORTED" in said else DriverError)(f"{what}: {said}")
-
-
-_FETCH = """#version 330 core
-uniform sampler2DMS image;
-uniform int number;
-out vec4 color;
-void main() { color = texelFetch(image, ivec2(gl_FragCoord.xy), number); }
-"""
-
-
-def read_samples(
-    device: Device, texture: DeviceTexture, size: tuple[int, int], samples: int
-) -> Array:
-    """Read all samples of a float or normalised texture, as float32 (samples, height, width, 4).
-    Raises UnsupportedError: the driver can't fetch single samples."""
-    context = device.context
-    try:
-        program = context.program(vertex_shader=COVERING, fragment_shader=_FETCH)
-    except moderngl.Error as error:
-        raise UnsupportedError(f"fetching single samples: {str(error).strip()}") from error
-    target = context.texture(size, 4, dtype="f4")
-    framebuffer = context.framebuffer([target])
-    corners = context.vertex_array(program, [])
-    values = np.empty((samples, size[1], size[0], 4), np.float32)
-    framebuffer.use()
-    apply_state(State(), size, device.version)
-    GL.glActiveTexture(GL.GL_TEXTURE0)
-    GL.glBindTexture(texture.target, texture.glo)
-    GL.glUseProgram(program.glo)
-    GL.glUniform1i(GL.glGetUniformLocation(program.glo, b"image"), 0)
-    for number in range(samples):
-        GL.glUniform1i(GL.glGetUniformLocation(program.glo, b"number"), number)
-        corners.render(4, vertices=3)
-        target.read_into(values[number], alignment=1)
-    GL.glBindTexture(texture.target, 0)
-    for made in (corners, framebuffer, target, program):
-        made.release()
-    return values
 
 
 NO_TEXTURE = 'Target(depth_storage="texture"): no sampler reads a renderbuffer'

@@ -44,16 +44,10 @@ from ..programs.textures import (
 from ..resources import DeviceTexels, SceneTextures
 from .buffers import write_mapped
 from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, gl_constant, resolve_call
+from .fetching import TARGETS, fetch_texels
 from .linking import uniform_location
 
 # The binding points, as OpenGL has their names, by what GLSL's samplers end in.
-_TARGETS = {
-    "2D": "texture_2d",
-    "2DArray": "texture_2d_array",
-    "3D": "texture_3d",
-    "Cube": "texture_cube_map",
-    "2DMS": "texture_2d_multisample",
-}
 # OpenGL's number, the extension that brings it, and the version that has it without.
 COMPRESSED = {
     "etc2_rgb8": (0x9274, "GL_ARB_ES3_compatibility", 430),
@@ -122,7 +116,7 @@ class DeviceTexture:
     @property
     def target(self) -> int:
         """The binding point."""
-        return gl_constant(_TARGETS[self.kind])
+        return gl_constant(TARGETS[self.kind])
 
     def release(self) -> None:
         GL.glDeleteTextures(1, [self.glo])
@@ -189,7 +183,7 @@ def _pixel_buffer(texels: Array) -> Iterator[ctypes.c_void_p]:
 
 
 def upload_compressed(device: Device, blocks: Blocks) -> tuple[DeviceTexture, list[Array]]:
-    """A texture of these blocks, and each level as the driver decodes it: codes (height, width, 4).
+    """A texture of these blocks, and each level as samplers decode it: codes (height, width, 4).
     Raises UnsupportedError: the driver lacks the format."""
     internal, extension, version = COMPRESSED[blocks.format]
     if device.version < version and extension not in device.context.extensions:
@@ -200,7 +194,8 @@ def upload_compressed(device: Device, blocks: Blocks) -> tuple[DeviceTexture, li
         GL_1_3.glCompressedTexImage2D(made.target, level, internal, *size, 0, len(data), data)
     GL.glTexParameteri(made.target, GL.GL_TEXTURE_MAX_LEVEL, len(sizes) - 1)
     GL.glBindTexture(made.target, 0)
-    return made, [read_level(made, "rgba8", level, (*s, 1)) for level, s in enumerate(sizes)]
+    fetched = fetch_texels(device, made.kind, made.glo, sizes)
+    return made, [np.rint(level * 255.0).astype(np.uint8) for level in fetched]
 
 
 def generate_levels(texture: DeviceTexture) -> None:
