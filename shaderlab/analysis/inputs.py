@@ -28,6 +28,7 @@ _WHOLE = 2.0**31
 _LAYOUT = re.compile(r"\blayout\s*\([^)]*\)")
 ALIKE = 0.01
 """Constants that differ by less may be meant to be one."""
+_MOST_ELEMENTS = 2048  # of a variable: each is given its own values
 _ENDLESS = 4  # elements of an array whose length is known at run time only
 
 
@@ -62,14 +63,21 @@ def inputs_of(program: Program) -> dict[str, Input]:
         if storage not in INPUTS:
             continue
         name = interface_name(program, id_)
-        for leaf in leaves(module, pointee, name):
+        for number, leaf in enumerate(leaves(module, pointee, name), 1):
+            lengths = unwrap(module, leaf.type)[0]
+            if number + math.prod(lengths) > _MOST_ELEMENTS:
+                array = leaf.name.partition("[")[0]
+                raise NotInterpretedError(
+                    f"not interpreted: {array} has more than {_MOST_ELEMENTS:,} elements",
+                    remedy="give its array a length that the shader needs",
+                )
             if not is_used(paths.get(id_, ()), leaf.path):
                 continue
             flat = module.decorated(id_, Decoration.Flat) is not None
             type_, uniform = type_name(module, leaf.type), flat or storage != StorageClass.Input
             if type_ in ("sampler", "samplerShadow"):  # the texture is all that is read
                 continue
-            for each in _elements(unwrap(module, leaf.type)[0], leaf.name):
+            for each in _elements(lengths, leaf.name):
                 size = program.local_size if each in NUMBERS else None
                 found[each] = Input(each, type_, uniform, size)
     return found

@@ -146,7 +146,7 @@ def _is_shader(target: str) -> bool:
 def _collect_audits(results: Iterable[Any]) -> Iterator[Audit]:
     """The audits of requests; one that was refused where there is no answer."""
     from shaderlab.analysis.audit import Audit
-    from shaderlab.engine.jobs import format_error
+    from shaderlab.engine.jobs import describe_failure
 
     for result in results:
         if result.status == "done":
@@ -157,8 +157,7 @@ def _collect_audits(results: Iterable[Any]) -> Iterator[Audit]:
         if isinstance(result.value, ShaderlabError):
             why = str(result.value)
         else:
-            why = f"{result.item.name}: {result.status} while {result.step or 'starting'}: "
-            why += format_error(result)
+            why = f"{result.item.name}: {describe_failure(result)}"
         yield Audit(file=result.item.name, hazards=(), tried=0, refused=why)
 
 

@@ -136,14 +136,13 @@ def make_executor(
 
 def perform_one(executor: Executor, request: Any) -> Any:
     """Return the result of one request. Raises ShaderlabError."""
-    from shaderlab.engine.jobs import format_error
+    from shaderlab.engine.jobs import describe_failure
 
     (result,) = executor.perform([request])
     if isinstance(result.value, ShaderlabError):
         raise result.value
     if result.status != "done":
-        what = f"{result.status} while {result.step or 'starting'}"
-        raise ShaderlabError(f"{what}: {format_error(result)}")
+        raise ShaderlabError(describe_failure(result))
     return result.value
 
 

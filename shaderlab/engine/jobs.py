@@ -384,6 +384,12 @@ def format_error(result: ItemResult) -> str:
     return "\n".join([str(result.value), *getattr(result.value, "__notes__", ())])
 
 
+def describe_failure(result: ItemResult) -> str:
+    """How a request failed and at which step, and what helps where it took too long."""
+    late = "\n  → allow more time: --timeout S" * (result.status == "timeout")
+    return f"{result.status} while {result.step or 'starting'}: {format_error(result)}{late}"
+
+
 def make_case_info(file: Path, result: ItemResult) -> CaseInfo:
     if result.status == "done":
         found: CaseInfo = result.value

@@ -179,6 +179,21 @@ def test_a_full_disk_costs_the_report_but_no_verdict(cases: Path, small_disk: Pa
     assert {case["status"] for case in found.values()} == {"pass"}
 
 
+@pytest.mark.parametrize("place", ["page", "cases", "index.html", "run.json"])
+def test_what_takes_a_place_of_the_report_meanwhile_costs_no_verdict(
+    cases: Path, place: str
+) -> None:
+    (cases / "cases" / "c.py").unlink()
+    takes = f"makedirs('run/{place}/x')" if "." in place else f"symlink('away', 'run/{place}')"
+    makes = f"os.path.lexists('run/{place}') or os.{takes}"
+    faulty.write(cases / "cases", "a", before=faulty.in_draw("a", makes))
+    done = faulty.shaderlab("./cases", "--report", "run", "--json", "out.json", cwd=cases)
+    assert "3 cases: 3 passed" in done.stdout
+    assert done.returncode == 1 and f"run/{place}" in done.stderr, done.stderr
+    assert "Traceback" not in done.stdout + done.stderr
+    assert {case["status"] for case in faulty.results(cases / "out.json").values()} == {"pass"}
+
+
 def test_without_egl_every_case_says_so(cases: Path) -> None:
     (cases / "cases" / "c.py").unlink()
     done = faulty.shaderlab(

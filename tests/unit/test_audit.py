@@ -302,18 +302,44 @@ def test_a_file_of_no_stage_is_told_what_to_do(tmp_path: Path) -> None:
     assert "can't tell the shader's stage" in result.output
 
 
-@pytest.mark.parametrize("words", [("audit",), ("explain",), ("diff", "a.frag")])
+HUGE = "more than 2,048 elements\n  → give its array a length that the shader needs"
+
+
+@pytest.mark.parametrize("words", [("audit",), ("explain",), ("prove",), ("diff", "a.frag")])
+@pytest.mark.parametrize(
+    ("declared", "value", "said"),
+    [
+        ("uniform sampler3D solid;", "texture(solid, vec3(0.5))", "sampler3D solid"),
+        ("uniform B { vec4 v[1 << 30]; }; uniform int n;", "v[n]", f"v has {HUGE}"),
+        ("struct S { vec4 a; float b; }; uniform B { S v[1 << 28]; };", "v[7].a", f"v has {HUGE}"),
+        ("uniform B { vec4 v[64][64][64]; }; uniform int n;", "v[n][n][n]", f"v has {HUGE}"),
+    ],
+)
 def test_what_is_not_interpreted_names_its_file(
+    words: tuple[str, ...], declared: str, value: str, said: str, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.frag").write_text(
+        f"#version 430 core\n{declared}\nout vec4 color;\nvoid main() {{ color = {value}; }}\n"
+    )
+    result = CliRunner().invoke(cli, [*words, "a.frag", "-j", "0"])
+    assert result.exit_code in (1, 2)
+    assert f"a.frag: not interpreted: {said}" in result.output
+
+
+@pytest.mark.parametrize("words", [("audit",), ("explain",), ("prove",), ("diff", "a.frag")])
+def test_what_takes_too_long_says_how_to_allow_more(
     words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.frag").write_text(
-        "#version 330 core\nuniform sampler3D solid;\nout vec4 color;\n"
-        "void main() { color = texture(solid, vec3(0.5)); }\n"
+        "#version 330 core\nuniform int n;\nuniform vec4 v[1000];\nout vec4 color;\n"
+        "void main() { for (int i = 0; i < 1000; i++) color += v[(n + i) % 1000]; }\n"
     )
-    result = CliRunner().invoke(cli, [*words, "a.frag", "-j", "0"])
-    assert result.exit_code in (1, 2)
-    assert "a.frag: not interpreted: sampler3D solid" in result.output
+    result = CliRunner().invoke(cli, [*words, "a.frag", "-j", "1", "--timeout", "1"])
+    assert result.exit_code in (1, 2), result.output
+    assert "took longer than 1 s\n  → allow more time: --timeout S" in result.output
 
 
 @pytest.mark.parametrize(
