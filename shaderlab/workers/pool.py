@@ -30,7 +30,7 @@ STEP_BYTES = 256
 START_SECONDS = 120.0
 """A worker is ready by then, or within the limit of an item if that is longer."""
 END_SECONDS = 5.0
-GROWTH = 448 << 20
+GROWTH = 512 << 20
 """A worker that holds this many bytes more than after its first item is replaced by a fresh one
 before its next one: drivers keep a little of every scene."""
 AHEAD = 32
