@@ -79,13 +79,13 @@ def count(number: int) -> str:
     return f"{number:,}".replace(",", "\u202f")
 
 
-def plural(number: int, one: str) -> str:
+def plural(number: int, one: str, many: str = "") -> str:
     """Format a number with its noun.
 
-    >>> plural(1, "case"), plural(2, "case")
-    ('1 case', '2 cases')
+    >>> plural(1, "case"), plural(2, "case"), plural(2, "query", "queries")
+    ('1 case', '2 cases', '2 queries')
     """
-    return f"{count(number)} {one if number == 1 else one + 's'}"
+    return f"{count(number)} {one if number == 1 else many or one + 's'}"
 
 
 def duration(seconds: float) -> str:

@@ -1,4 +1,5 @@
-"""An OpenGL context on EGL, and OpenGL's functions and constants as PyOpenGL has them.
+"""An OpenGL context on EGL, its fixed-function state, and OpenGL's functions and constants as
+PyOpenGL has them.
 
 PyOpenGL chooses its platform once, from the environment, as it is imported: all modules of this
 driver take it from here. `GL_1_0` and its like have the C functions, which move pixels as they are.
@@ -17,7 +18,9 @@ from typing import TYPE_CHECKING, Any
 import moderngl
 
 from shaderlab.errors import DriverError, UnsupportedError
+from shaderlab.model.state import State
 
+from ..gl_state import state_calls
 from ..programs.prepare import PreparedDraw
 from . import SPIRV, environment
 
@@ -187,3 +190,39 @@ def require_inputs(device: Device, draw: PreparedDraw) -> None:
             "gl_PrimitiveID in a fragment stage: this driver draws nothing where it is read",
             file=fragment.path,
         )
+
+
+def apply_state(state: State, size: tuple[int, int], version: int) -> None:
+    """Make the current context's state what `state` says, for a target of `size` pixels.
+
+    `version` is the context's OpenGL version: 450 for 4.5.
+    """
+    try:
+        calls = _list_calls(state, size, version)
+    except TypeError:  # rectangles may be lists, which no cache takes
+        calls = _list_calls.__wrapped__(state, size, version)
+    for name, given in calls:
+        getattr(GL, name)(*given)
+
+
+@functools.lru_cache(maxsize=512)
+def _list_calls(
+    state: State, size: tuple[int, int], version: int
+) -> Sequence[tuple[str, Sequence[Any]]]:
+    switches = {
+        "polygon_offset_line": False,  # a driver may take it for that of filled polygons
+        "framebuffer_srgb": state.srgb,
+        "program_point_size": isinstance(state.point_size, str),
+        "multisample": state.multisample,
+    }
+    calls: list[tuple[Any, ...]] = []
+    if version >= 400:
+        switches["sample_shading"] = state.sample_shading is not None
+        calls.append(("MinSampleShading", state.sample_shading or 0.0))
+    elif state.sample_shading is not None:
+        raise UnsupportedError("shading each sample (sample_shading): it takes OpenGL 4.0")
+    calls += state_calls(state, size, switches)
+    calls.append(
+        ("PointSize", state.point_size if isinstance(state.point_size, int | float) else 1.0)
+    )
+    return [resolve_call(*call) for call in calls]

@@ -26,8 +26,7 @@ from ..programs.stages import VaryingPart
 from ..programs.textures import components_of, numpy_type
 from ..resources import COVERING
 from .buffers import UniformBuffers, VertexArray, bind_storage_buffer, make_vertex_array
-from .device import GL, Device, gl_constant, require_inputs
-from .fetching import apply_state
+from .device import GL, Device, apply_state, gl_constant, require_inputs
 from .linking import Linker, output_locations, set_uniforms
 from .target import RenderTarget
 from .textures import BoundTextures, bind_images, read_images

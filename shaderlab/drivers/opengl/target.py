@@ -13,9 +13,8 @@ from shaderlab.model.state import State
 
 from ..programs.textures import COLOR, DEPTH
 from ..resources import UNREADABLE, Attachments, multisampled_error
-from .device import GL, GL_1_0, Device, gl_constant
-from .fetching import apply_state, fetch_texels
-from .textures import DeviceTexture, address, depth_storage, tightly_packed
+from .device import GL, GL_1_0, Device, apply_state, gl_constant
+from .textures import DeviceTexture, address, depth_storage, fetch_texels, tightly_packed
 
 
 class RenderTarget(Attachments):

@@ -8,7 +8,7 @@ copy what they are given, and know neither half floats nor packed depth and sten
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,6 +18,7 @@ import numpy as np
 from shaderlab.compiler.reflection import Variable
 from shaderlab.errors import UnsupportedError
 from shaderlab.model.frame import Array, Image, Texels
+from shaderlab.model.state import State
 from shaderlab.model.textures import (
     CompressedTexture,
     CubeTexture,
@@ -41,13 +42,19 @@ from ..programs.textures import (
     texture_contents,
     texture_kind,
 )
-from ..resources import DeviceTexels, SceneTextures
+from ..resources import COVERING, DeviceTexels, SceneTextures
 from .buffers import write_mapped
-from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, gl_constant, resolve_call
-from .fetching import TARGETS, fetch_texels
+from .device import GL, GL_1_0, GL_1_2, GL_1_3, Device, apply_state, gl_constant, resolve_call
 from .linking import uniform_location
 
-# The binding points, as OpenGL has their names, by what GLSL's samplers end in.
+TARGETS = {
+    "2D": "texture_2d",
+    "2DArray": "texture_2d_array",
+    "3D": "texture_3d",
+    "Cube": "texture_cube_map",
+    "2DMS": "texture_2d_multisample",
+}
+"""The binding point of each kind of texture."""
 # OpenGL's number, the extension that brings it, and the version that has it without.
 COMPRESSED = {
     "etc2_rgb8": (0x9274, "GL_ARB_ES3_compatibility", 430),
@@ -369,3 +376,50 @@ def read_images(
             image = replace(image, values=values)
         left[name] = image_output(image)
     return left
+
+
+_FETCH = """#version 330 core
+uniform sampler%s image;
+uniform int number;
+out vec4 color;
+void main() { color = texelFetch(image, ivec2(gl_FragCoord.xy), number); }
+"""
+
+
+def fetch_texels(
+    device: Device, kind: str, texture: int, sizes: Sequence[tuple[int, int]]
+) -> list[Array]:
+    """Fetch the samples ("2DMS") or levels ("2D") of a float or normalised texture, each of which
+    has (width, height) texels: float32 (height, width, 4).
+
+    glGetTexImage may decode blocks in another way than samplers do: NVIDIA's driver does.
+
+    Raises:
+        moderngl.Error: the driver can't fetch them.
+    """
+    context, target = device.context, gl_constant(TARGETS[kind])
+    program = context.program(vertex_shader=COVERING, fragment_shader=_FETCH % kind)
+    corners, found = context.vertex_array(program, []), []
+    unit = GL.glGetIntegerv(GL.GL_ACTIVE_TEXTURE)
+    for number, size in enumerate(sizes):
+        drawn = context.texture(size, 4, dtype="f4")
+        framebuffer = context.framebuffer([drawn])
+        framebuffer.use()
+        apply_state(State(), size, device.version)
+        GL.glActiveTexture(GL.GL_TEXTURE0)  # moderngl makes textures in another unit
+        GL.glBindTexture(target, texture)
+        GL.glBindSampler(0, 0)
+        GL.glUseProgram(program.glo)
+        for name, value in (("image", 0), ("number", number)):
+            GL.glUniform1i(GL.glGetUniformLocation(program.glo, name.encode()), value)
+        corners.render(4, vertices=3)
+        values = np.empty((size[1], size[0], 4), np.float32)
+        drawn.read_into(values, alignment=1)
+        found.append(values)
+        for made in (framebuffer, drawn):
+            made.release()
+    GL.glBindTexture(target, 0)
+    GL.glActiveTexture(unit)
+    for made in (corners, program):
+        made.release()
+    return found
