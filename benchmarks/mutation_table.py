@@ -132,8 +132,6 @@ def score_table(scores: Mapping[str, Row]) -> str:
     total = {name: sum(row.get(name, 0) for row in scores.values()) for name in names}
     shaders = _share(total[_KILLED], total[_SURVIVED])
     state = _share(total[_STATE_KILLED], total[_STATE_SURVIVED])
-    others = [case for case in scores if case not in missed]
-    lines += ["", f"All noticed: {', '.join(others)}." if others else ""]
     lines += ["", f"Noticed in all {len(scores)} cases: {shaders} in shaders, {state} in state."]
     lines.append(f"Of the survivors, {total[_UNREAD]} change only what no expectation reads.")
     samples = Counter((r["sample"], r["seed"]) for r in scores.values() if "seed" in r)

@@ -23,8 +23,8 @@ _TEXT = """\
 # The course
 
 The lessons follow a set of study notes on OpenGL, section by section. Each line names a lesson, its
-law, and how many [expectations](expectations.md) fail where the law does not hold. Lines marked
-"also" name the expectations themselves; an erratum states what is true where that text is wrong.
+law, and how many [expectations](expectations.md) fail where the law does not hold; "also" is what
+it proves besides. An erratum states what is true where that text is wrong.
 `shaderlab run ID` judges all of this, and shows which expectation proves an erratum.
 """
 
@@ -122,7 +122,7 @@ def page() -> str:
         parts += [f"## {section} · {title}", ""]
         parts += [LEFT_OUT[section], ""] if section in LEFT_OUT else []
         found = [
-            f"- {lesson}: {what}" + (f" ({by})" if "erratum" not in lesson else "")
+            f"- {lesson}: {what}" + (f" ({by})" if by.isdigit() else "")
             for lesson, what, by in rows(section)
         ]
         parts += [*found, ""] if found else []
