@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import re
 import subprocess
 import tarfile
 import tempfile
@@ -212,7 +213,8 @@ def _print(answer: Answer, inputs: bool, err: bool, heading: bool) -> None:
         click.echo(f"{answer.old} → {answer.new}", err=err)
     for line in answer.lines():
         click.echo(line, err=err)
-    for name, role in answer.inputs.items():
+    inputs_of_arrays = ((re.sub(r"\[\d+\]", "[]", n), role) for n, role in answer.inputs.items())
+    for name, role in dict.fromkeys(inputs_of_arrays):
         if inputs or role.endswith("(assumed)"):  # "same" holds of those alone
             click.echo(f"  {name}: {role}", err=err)
 

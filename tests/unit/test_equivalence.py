@@ -560,3 +560,12 @@ def test_the_command_answers_by_its_status(tmp_path: Path) -> None:
     for words in (["--range", "x"], ["--range", "x=5..1"], ["--range", "y=0:1"]):
         assert isinstance(diff("same", *words)[0], UsageError)
     assert isinstance(diff("nowhere")[0], ShaderlabError)
+
+
+def test_elements_of_an_array_are_listed_once(tmp_path: Path) -> None:
+    file = tmp_path / "sum.frag"
+    text = "#version 330 core\nuniform float w[3]; out float o;"
+    file.write_text(f"{text} void main() {{ o = w[0] + w[1] + w[2]; }}")
+    words = [str(file), str(file), "-j", "0", "--inputs", "--range", "w[1]=2:3"]
+    text = CliRunner().invoke(command, words, standalone_mode=False).output
+    assert text.splitlines()[1:] == ["  w[]: 0..1 (assumed)", "  w[]: 2..3 (given)"]
