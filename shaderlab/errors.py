@@ -143,10 +143,7 @@ def in_file(file: str) -> Iterator[None]:
 @contextmanager
 def require_extra(name: str, what: str, file: str | Path | None = None) -> Iterator[None]:
     """Around the import of a package that `what` needs, and that comes with the extra `name`.
-
-    Raises:
-        MissingPackageError: it is not installed; says how to install it.
-    """
+    Raises MissingPackageError: it is not installed; says how to install it."""
     try:
         yield
     except ImportError as error:

@@ -144,18 +144,10 @@ _MAX_CAPTURED = 16_384  # invocations of a case's draws with the same textures
 def audit_program(
     program: Program, plan: Plan | None = None, captured: Sequence[InputBatch] = ()
 ) -> Audit:
-    """Find what may go wrong in a program.
-
-    Args:
-        program: one stage.
-        plan: how it is audited.
-        captured: what a scene's draws give it. Without any, inputs are searched.
-
-    Raises:
-        NotInterpretedError: it does what the interpreter does not know, or does not end.
-        FormulaError: it reads what is not given.
-        UsageError: a range is wrong.
-    """
+    """Find what may go wrong in a program, on what a scene's draws give it (`captured`); without
+    any, inputs are searched. Raises NotInterpretedError: it does what the interpreter does not
+    know, or does not end; FormulaError: it reads what is not given; UsageError: a range is
+    wrong."""
     plan = plan or Plan()
     inputs, domains = inputs_of(program), None
     if captured:

@@ -91,19 +91,10 @@ class _Set:
 def compare_programs(
     old: Program, new: Program, plan: Plan | None = None, captured: Sequence[InputBatch] = ()
 ) -> Answer:
-    """Whether two programs of one stage compute the same.
-
-    Args:
-        old, new: the programs.
-        plan: how they are compared.
-        captured: inputs that a scene gave the old one. They are taken as they are, and varied;
-            without any, inputs are generated.
-
-    Raises:
-        NotInterpretedError: one does what the interpreter does not know, or does not end.
-        FormulaError: one reads what is not given.
-        UsageError: a range is wrong, or the stages differ.
-    """
+    """Whether two programs of one stage compute the same. Inputs that a scene gave the old one
+    (`captured`) are taken as they are, and varied; without any, inputs are generated. Raises
+    NotInterpretedError: one does what the interpreter does not know, or does not end; FormulaError:
+    one reads what is not given; UsageError: a range is wrong, or the stages differ."""
     plan = plan or Plan()
     if old.stage != new.stage:
         raise UsageError(f"a {old.stage} shader can't be compared with a {new.stage} shader")

@@ -78,16 +78,10 @@ def sample_fragments(
     program: Program | None = None,
 ) -> Invocations:
     """The fragments of a draw that are seen: all, or about `most` of them from all over, with those
-    where an input is least and greatest; or those of quads that have a pixel `among` some
-    (count, 2). Whole quads where the shader depends on its neighbours.
-
-    Args:
-        program: the fragment stage, if it is known already.
-
-    Raises:
-        ShaderError, NotInterpretedError: the fragment stage can't be interpreted.
-        DriverError, CaseError: its inputs can't be captured.
-    """
+    where an input is least and greatest; or those of quads that have a pixel `among` some (count,
+    2). Whole quads where the shader depends on its neighbours. `program` is the fragment stage, if
+    it is known already. Raises ShaderError, NotInterpretedError: that can't be interpreted;
+    DriverError, CaseError: its inputs can't be captured."""
     program = program or program_of(stage_of(evaluation, key, "fragment"))
     captured = evaluation.answer(CapturedFragments(key))
     bindings = evaluation.drawn.bindings[key]
@@ -187,17 +181,10 @@ def case_stages(lab: SceneRunner, case: Case) -> list[tuple[Source, list[InputBa
 def changed_stages(
     lab: SceneRunner, case: Case, changes: Sequence[Mapping[str, str | Path]]
 ) -> list[list[ChangedStage]]:
-    """For each change, the stages of the case's draws that it makes other ones, each once.
-
-    Args:
-        lab: draws the case, once for all changes.
-        case: whose draws give the inputs.
-        changes: other texts or files for some shaders, by their names.
-
-    Raises:
-        ShaderError: a shader does not compile, as it is or changed.
-        CaseError: no draw of the case uses any of a change's shaders.
-    """
+    """For each change, the stages of the case's draws that it makes other ones, each once;
+    `changes` are other texts or files for some shaders, by their names. The case is drawn once for
+    all. Raises ShaderError: a shader does not compile, as it is or changed; CaseError: no draw of
+    the case uses any of a change's shaders."""
     found: list[dict[tuple[str, str], ChangedStage]] = [{} for _ in changes]
     for scene in case.scenes():
         programs = lab.prepare_for_opengl(scene)

@@ -216,15 +216,11 @@ def divergent(
     inputs: Mapping[str, Input],
     made_up: Mapping[str, InputDomain] | None,
 ) -> Iterator[Hazard]:
-    """Derivatives in divergent control flow on which an output depends.
+    """Derivatives of a fragment stage in divergent control flow on which an output depends.
 
-    Args:
-        program: a fragment stage.
-        batch: whole quads; generated inputs become smooth, and uniforms uniform.
-        inputs: what it reads.
-        made_up: of which values inputs are generated; then it is unknown which textures have
-            mipmaps: those that compare depths seldom have.
-    """
+    The batch has whole quads; generated inputs become smooth, and uniforms uniform. `made_up` says
+    of which values inputs are generated; then it is unknown which textures have mipmaps: those that
+    compare depths seldom have."""
     ops = {one.op for one in program.definitions.values()}
     if program.stage != "fragment" or not ops & {*DERIVATIVES, *_SAMPLES}:
         return

@@ -48,12 +48,7 @@ _MOST_REASONS = 3
 def summarise_results(
     records: Sequence[Record], apart: Sequence[Disagreement]
 ) -> Iterator[DriverResult]:
-    """What became of each scene on each driver.
-
-    Args:
-        records: of all drivers, those of the first one first.
-        apart: how they compare.
-    """
+    """What became of each scene on each driver; records of the first driver come first."""
     renderers: dict[str, str] = {}
     for record in records:
         if record.driver:
@@ -98,14 +93,9 @@ def _format_reason(record: Record) -> str:
 
 
 def find_disagreements(records: Sequence[Record], frames: Path) -> Iterator[Disagreement]:
-    """Each output of each scene, compared between every two drivers.
-
-    Arrays are read only where digests differ; without them nothing is said of an output.
-
-    Args:
-        records: of all drivers.
-        frames: the folder in which each driver's frames were stored in a folder of its own.
-    """
+    """Each output of each scene, compared between every two drivers; `frames` has each driver's
+    frames in a folder of its own. Arrays are read only where digests differ; without them nothing
+    is said of an output."""
     scenes: dict[tuple[str, str], list[Record]] = {}
     for record in records:
         scenes.setdefault((record.id, record.variant), []).append(record)

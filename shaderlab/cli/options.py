@@ -215,19 +215,18 @@ SUMMARY_VARIABLE = "GITHUB_STEP_SUMMARY"
 def make_run_folder(parent: Path = REPORTS) -> Path:
     """Make a new folder named by the time; runs that start together get different ones."""
     stamp = datetime.datetime.now().strftime("%Y%m%d-%H%M%S")
-    for number in itertools.count(1):
-        folder = parent / (stamp if number == 1 else f"{stamp}-{number}")
+    names = itertools.chain([stamp], (f"{stamp}-{number}" for number in itertools.count(2)))
+    while True:
+        folder = parent / next(names)
         try:
             folder.mkdir(parents=True)
             (folder / REPORT_MARK).touch()
+            return folder
         except FileExistsError:
             if not parent.is_dir():
                 raise UsageError("this is not a folder", file=parent) from None
-            continue
         except OSError as error:
             raise _unwritable_error(parent, error, "name another folder: --report DIR") from error
-        return folder
-    raise AssertionError("unreachable")
 
 
 def make_report_folder(folder: Path) -> Path:
@@ -261,20 +260,12 @@ def find_latest(parent: Path = REPORTS) -> Path:
     return runs[-1]
 
 
-def output_options(command: Command) -> Command:
+def output_options(command: Command, formats: Sequence[Format] = FORMATS) -> Command:
     """Give a command the option `--NAME FILE` for each output format.
 
     It gets those that were named as `outputs`, a file for each format, which `write_outputs` takes.
     """
-    return _with_options(command, FORMATS)
 
-
-def finding_options(command: Command) -> Command:
-    """As `output_options`, for the formats of findings and `write_findings`."""
-    return _with_options(command, FINDING_FORMATS)
-
-
-def _with_options(command: Command, formats: Sequence[Format]) -> Command:
     def collect(context: click.Context, option: click.Parameter, file: str | None) -> None:
         outputs = context.params.setdefault("outputs", {})
         if file is not None:
@@ -289,6 +280,11 @@ def _with_options(command: Command, formats: Sequence[Format]) -> Command:
             callback=collect,
         )(command)
     return command
+
+
+def finding_options(command: Command) -> Command:
+    """As `output_options`, for the formats of findings and `write_findings`."""
+    return output_options(command, FINDING_FORMATS)
 
 
 def uses_stdout(outputs: Mapping[str, str]) -> bool:

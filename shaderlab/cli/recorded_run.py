@@ -179,15 +179,14 @@ def load_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
 
     `word` is the run's folder, or "" for the last one that was begun. Raises UsageError: there is
     no such run."""
-    if not word:
-        begun = sorted(
-            shared.REPORTS.glob(f"*/{shared.FILE_NAME}"), key=lambda path: path.stat().st_mtime
-        )
-        if not begun:
-            raise UsageError(f"there is no run in {shared.REPORTS}/", remedy="name its folder")
-    folder = Path(word) if word else begun[-1].parent
     if word:
+        folder = Path(word)
         shared.mark_named(folder)
+    else:
+        begun = shared.REPORTS.glob(f"*/{shared.FILE_NAME}")
+        if not (runs := sorted(begun, key=lambda path: path.stat().st_mtime)):
+            raise UsageError(f"there is no run in {shared.REPORTS}/", remedy="name its folder")
+        folder = runs[-1].parent
     refuse_links(folder)
     plan, done, damaged = read_journal(folder)
     for line in damaged:

@@ -44,19 +44,12 @@ _WITH_VARIANT = re.compile(r"(?P<id>[^\[\]]+)\[(?P<variant>.*)\]")
 def select_jobs(
     targets: Sequence[str], every: bool, variants: Sequence[str], load: Load
 ) -> list[Job]:
-    """The jobs of all `targets` (ids, ids with a variant, case files, folders), in order.
+    """The jobs of all `targets` (ids, ids with a variant, case files, folders), in order; before
+    them those of `every` shipped case, if that is asked for. If `variants` are named, of these
+    alone.
 
-    Args:
-        targets: as typed.
-        every: whether all shipped cases come before them.
-        variants: the names of the only variants to keep; all of them if empty.
-        load: tells what is in case files.
-
-    Raises:
-        UsageError: nothing is named, or something that does not exist.
-        CaseError: the only case file is wrong. One that is wrong among others is a job that says
-            so.
-    """
+    Raises UsageError: nothing is named, or something that does not exist; CaseError: the only case
+    file is wrong. One that is wrong among others is a job that says so."""
     if not targets and not every:
         raise UsageError("nothing to run", remedy="name cases or case files, or use --all")
     wanted = [(file, variant) for target in targets for file, variant in resolve_target(target)]

@@ -34,13 +34,8 @@ _RIGHT = frozenset({"variants", "checks", "of band", "seconds", _INFORMATIVE})
 def make_table(
     *headings: str, right: Collection[str], whole: Collection[str] | None = None
 ) -> Table:
-    """An empty table without lines.
-
-    Args:
-        headings: of its columns.
-        right: those aligned to the right.
-        whole: those whose cells are never broken into lines, by default all others.
-    """
+    """An empty table without lines, some columns aligned to the `right`. Cells of the `whole` ones,
+    by default all others, are never broken into lines."""
     table = Table(box=None, pad_edge=False, header_style="dim")
     for heading in headings:
         aligned = heading in right

@@ -114,12 +114,8 @@ class Session:
     def judge(
         self, case_files: Collection[Path], interrupted: Callable[[], bool] = lambda: False
     ) -> Iterator[Record]:
-        """Judge these files, what failed first: the records of variants and of tests.
-
-        Args:
-            case_files: some of those that are followed.
-            interrupted: whether to begin no more jobs.
-        """
+        """Judge these files, what failed first: the records of variants and of tests. No more jobs
+        begin once `interrupted` says so."""
         if self._stale:  # a worker that has read a Python module keeps it
             self._executor.close()
             self._executor = self._start()

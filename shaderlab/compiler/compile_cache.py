@@ -17,7 +17,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from shaderlab.errors import ShaderError
 from shaderlab.files import cache_root, open_regular, write_bytes
@@ -254,12 +253,9 @@ def _digest(value: object) -> str:
 
 def encode(compiled: Compiled) -> bytes:
     """Return a program's verdicts and modules as deflated JSON."""
-    text = json.dumps([compiled.verdicts, compiled.spirv], default=_to_plain)
+    plain = lambda value: value.hex() if isinstance(value, bytes) else vars(value)  # noqa: E731
+    text = json.dumps([compiled.verdicts, compiled.spirv], default=plain)
     return zlib.compress(text.encode("ascii"), 1)
-
-
-def _to_plain(value: Any) -> Any:
-    return value.hex() if isinstance(value, bytes) else vars(value)
 
 
 def decode(data: bytes) -> Compiled:

@@ -256,15 +256,9 @@ _NO_HEADER, _INDENT, _FRIENDLY_NAMES = 1 << 5, 1 << 3, 1 << 6
 
 
 def validate(module: bytes, env: str) -> str | None:
-    """Return SPIRV-Tools' message about an invalid module, or None if it is valid.
-
-    Args:
-        module: SPIR-V as bytes, four a word.
-        env: "opengl4.5", "vulkan1.0" … "vulkan1.3", "spv1.0" or "spv1.6".
-
-    Raises:
-        ShaderError: no such environment, or the library is missing.
-    """
+    """Return SPIRV-Tools' message about an invalid module, or None if it is valid; `env` is
+    "opengl4.5", "vulkan1.0" … "vulkan1.3", "spv1.0" or "spv1.6". Raises ShaderError: no such
+    environment, or the library is missing."""
     if env not in _ENVIRONMENTS:
         raise ShaderError(
             f"no such SPIR-V environment: {env!r}", remedy=suggest(env, _ENVIRONMENTS)

@@ -299,11 +299,8 @@ class Roots:
 
     def names(self, most: int | None = None) -> tuple[str, ...]:
         """Return all overridden names and all shader files below the roots, each by its shortest
-        name, as `load` and `#include` take them; those of the first root first.
-
-        Args:
-            most: files that are looked at below a root, of any kind, the least deep first.
-        """
+        name, as `load` and `#include` take them; those of the first root first. At most `most`
+        files of any kind are looked at below a root, the least deep first."""
         found: dict[str, str] = {}
         for folder in self.folders:
             for file in map(Path, itertools.islice(_walk(str(folder)), most)):

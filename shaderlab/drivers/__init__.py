@@ -177,13 +177,8 @@ class Backend(ABC):
     def session(
         self, scene: Scene, programs: Programs, size: Size
     ) -> AbstractContextManager[Session]:
-        """A scene to draw and to ask about; its device memory is released at the end.
-
-        Args:
-            scene: what to draw.
-            programs: each pass's draws, compiled.
-            size: (width, height) in pixels of targets that do not say.
-        """
+        """A scene to draw and to ask about; its device memory is released at the end. `size` is
+        (width, height) in pixels of targets that do not say."""
 
     def edited_session(
         self, scene: Scene, programs: Programs, size: Size, edit: CallEdit | None
@@ -211,18 +206,10 @@ class Backend(ABC):
         raise UnsupportedError("storage buffers: this driver has none")
 
     def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
-        """Run an evaluation's passes.
-
-        Args:
-            evaluation: what to run.
-            inputs: the texture array "shaderlab_input", (layers, height, width) of uint32.
-            outputs: gets the words, one after the other, (words, height, width) of uint32;
-                0 where a pixel was discarded.
-
-        Raises:
-            ShaderError: the driver refuses a shader.
-            CaseError: a texture does not fit its sampler.
-        """
+        """Run an evaluation's passes on the texture array "shaderlab_input", `inputs`: (layers,
+        height, width) of uint32. `outputs` gets the words, one after the other, (words, height,
+        width) of uint32; 0 where a pixel was discarded. Raises ShaderError: the driver refuses a
+        shader; CaseError: a texture does not fit its sampler."""
         raise UnsupportedError("calling functions: this driver can't")
 
     @abstractmethod

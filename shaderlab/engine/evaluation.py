@@ -93,12 +93,8 @@ class Evaluation:
         self, before_release: Callable[[Set[Need]], None] | None = None
     ) -> Iterator[tuple[int, Expectation]]:
         """Iterate over the scene's expectations with their numbers; each is to be gathered and
-        judged before the next one. What none after it needs is released then: captures are as
-        large as pictures.
-
-        Args:
-            before_release: called before anything is released, with what is still needed.
-        """
+        judged before the next one. What none after it needs is released then: captures are as large
+        as pictures. Before that, `before_release` is called with what is still needed."""
         expect = self.scene.expect
         for index, expectation in enumerate(expect):
             yield index, expectation

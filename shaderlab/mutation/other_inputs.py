@@ -212,8 +212,12 @@ class _InputMaker:
             changes["uniforms"] = {
                 n: self._number(v, kinds.get(n, "float")) for n, v in draw.uniforms.items()
             }
+            words = {"i": "int", "u": "uint"}
+            held = {n: bindings.buffers[n] for n in draw.buffers}
             changes["buffers"] = {
-                n: v if isinstance(v, textures.Output) else self._contents(bindings.buffers[n])
+                n: v
+                if isinstance(v, textures.Output)
+                else self._spread(held[n].shape, words.get(held[n].dtype.kind, "float"))
                 for n, v in draw.buffers.items()
             }
             changes["images"] = {
@@ -283,9 +287,6 @@ class _InputMaker:
 
     def _buffer(self, buffer: UniformBuffer) -> UniformBuffer:
         return UniformBuffer(values={n: self._number(v, "") for n, v in buffer.values.items()})
-
-    def _contents(self, held: Array) -> Array:
-        return self._spread(held.shape, {"i": "int", "u": "uint"}.get(held.dtype.kind, "float"))
 
     def _ramp(self, ramp: Ramp) -> Ramp:
         numbers = (ramp.origin, ramp.dx, ramp.dy)

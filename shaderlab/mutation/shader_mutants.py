@@ -74,16 +74,9 @@ def mutate_stage(
     operators: Iterable[Operator] = OPERATORS,
     functions: Iterable[str] = ("main",),
 ) -> list[ShaderMutant]:
-    """Return every mutant of one stage of a program, in the order of its text.
-
-    Two ways to the same text count once. Functions that its `main` does not reach are left alone.
-
-    Args:
-        source: the stage, with includes expanded.
-        program: the names of the program's shaders.
-        operators: kinds of mistakes.
-        functions: the names of those that are called from outside, in place of `main`.
-    """
+    """Return every mutant of one stage of a program, in the order of its text; `program` are the
+    names of its shaders. Two ways to the same text count once. Functions that its `main`, or else
+    one of `functions`, does not reach are left alone."""
     file = Syntax(source.text, source.stage)
     names, reached, operators = collect_names(file), reachable(file, functions), tuple(operators)
     by_text: dict[str, ShaderMutant] = {}

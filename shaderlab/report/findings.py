@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -111,11 +112,7 @@ class LineReader:
 
     def __call__(self, file: str, line: int) -> str:
         if file not in self._files:
-            try:
-                text = read_regular(file, _MOST_BYTES).decode("utf-8", "replace")
-            except OSError:
-                text = ""
-            self._files[file] = text.splitlines()
+            self._files[file] = _read_lines(file)
         lines = self._files[file]
         return lines[line - 1].strip() if 0 < line <= len(lines) else ""
 
@@ -194,9 +191,11 @@ def _name_variants(finding: Finding, variants: Sequence[str]) -> Finding:
 
 def _find_case_line(file: str) -> int:
     """The line of a case file that has the case; 1 where that is not found."""
-    try:
-        text = read_regular(file, _MOST_BYTES).decode("utf-8", "replace")
-    except OSError:
-        return 1
-    lines = enumerate(text.splitlines(), 1)
+    lines = enumerate(_read_lines(file), 1)
     return next((number for number, line in lines if _CASE.match(line)), 1)
+
+
+def _read_lines(file: str) -> Sequence[str]:
+    with suppress(OSError):
+        return read_regular(file, _MOST_BYTES).decode("utf-8", "replace").splitlines()
+    return []

@@ -152,11 +152,8 @@ class OutputExpectation(Expectation):
         return name not in programs[key[0]][key[1]].interface.outputs
 
     def is_of_vertex(self, scene: Scene, programs: Programs) -> bool:
-        """Whether a vertex stage writes the output, and not a fragment stage.
-
-        Raises:
-            CaseError: no stage writes it; names those that are written.
-        """
+        """Whether a vertex stage writes the output, and not a fragment stage. Raises CaseError: no
+        stage writes it; names those that are written."""
         key = self.key(scene)
         draw, name = programs[key[0]][key[1]], self.own_name(scene)
         if name in draw.outputs:

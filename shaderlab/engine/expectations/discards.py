@@ -69,11 +69,8 @@ class DiscardCheck:
 
     def fault(self, expectation: Expectation, frame: Frame, lend: Lend) -> str:
         """Say what is wrong with the discarded fragments of what an expectation read, or ""; the
-        frame, always the same one, gets the answers to needs that are lent.
-
-        Raises:
-            FormulaError: a rule fails, or is not a comparison.
-        """
+        frame, always the same one, gets the answers to needs that are lent. Raises FormulaError: a
+        rule fails, or is not a comparison."""
         if isinstance(expectation, OutputExpectation):
             samples = frame.answers.get(Probe(expectation))
             if samples is not None and samples.discarded:

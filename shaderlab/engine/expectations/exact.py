@@ -116,11 +116,8 @@ def spread_over(expected: Any, values: Array, name: str) -> Array:
     """An expected colour or table, as an array of the image's own shape and type.
 
     A table of cells is laid over the image as `Cell` lays draws: cell k of n begins at pixel
-    ⌊size·k/n⌋.
-
-    Raises:
-        CaseError: its shape does not fit, or it holds numbers that the attachment can't.
-    """
+    ⌊size·k/n⌋. Raises CaseError: its shape does not fit, or it holds numbers that the attachment
+    can't."""
     height, width, components = values.shape
     table = np.asarray(expected)
     rows = {(width,), (width, components)} - {(components,)}

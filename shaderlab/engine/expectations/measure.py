@@ -64,11 +64,8 @@ class Bounded(Checked):
 
     @property
     def bound(self) -> Bound | None:
-        """The bound; None where none is given.
-
-        Raises:
-            CaseError: two are given, or one that holds no number, or all.
-        """
+        """The bound; None where none is given. Raises CaseError: two are given, or one that holds
+        no number, or all."""
         ways = [(self.equals, self.digits), (self.at_most, self.at_least), (self.between,)]
         given = sum(any(part is not None for part in way) for way in ways)
         what = f"measure {self.label!r}"

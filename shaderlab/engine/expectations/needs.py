@@ -267,11 +267,8 @@ def decimal_inputs(frame: Frame, key: PassDraw, each: Mapping[str, Array]) -> di
 
 
 def find_image(name: str, scene: Scene, frame: Frame) -> Image:
-    """The attachment that an output's name means; without a pass, the last pass's.
-
-    Raises:
-        CaseError: there is no such output; names those that there are.
-    """
+    """The attachment that an output's name means; without a pass, the last pass's. Raises
+    CaseError: there is no such output; names those that there are."""
     pass_name, own = scene.split_output(name)
     key = (pass_name or frame.order[-1], own)
     if key not in frame.images:

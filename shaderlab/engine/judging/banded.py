@@ -250,18 +250,9 @@ def judge_band(
     rules: Rules | None,
     format: str = "rgba32f",
 ) -> Banded:
-    """Evaluate `reference` as a band, and hold the measured values against it.
-
-    Args:
-        measured: (count, components) as read back from an attachment of `format`.
-        reference: the formula.
-        inputs: what the shader got.
-        rules: precision rules; None for the default ones.
-        format: the attachment's format; the band is rounded as storing to it rounds.
-
-    Raises:
-        FormulaError: the formula fails or gives another number of components.
-    """
+    """Evaluate `reference` as a band, and hold the measured values (count, components), as read
+    back from an attachment of `format`, against it: the band is rounded as storing to it rounds.
+    Raises FormulaError: the formula fails or gives another number of components."""
     if measured.dtype.kind in "iu" and format in FLOAT_FORMATS:
         format = "r32i" if measured.dtype.kind == "i" else "r32ui"
     band = reference_band(

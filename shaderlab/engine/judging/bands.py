@@ -22,7 +22,7 @@ import numpy.typing as npt
 from shaderlab.bands import Allowed, Band, Integer, Rules
 from shaderlab.bands.formats import srgb_encode
 from shaderlab.errors import FormulaError
-from shaderlab.model.frame import Array, Texels
+from shaderlab.model.frame import Array
 
 from .references import Inputs, Reference, evaluate, match_parameters, name_of, source_of
 
@@ -312,12 +312,8 @@ class Plausible:
     @classmethod
     @np.errstate(all="ignore")
     def of(cls, reference: Array, format: str) -> Plausible:
-        """Read it from some values of a reference.
-
-        Args:
-            reference: in float64, (count, components), in the attachment's units.
-            format: the attachment's format.
-        """
+        """Read it from some values of a reference, (count, components) in float64, in the units of
+        the attachment's format."""
         finite = np.isfinite(reference)
         low = np.where(finite, reference, np.inf).min(axis=0, initial=np.inf)
         high = np.where(finite, reference, -np.inf).max(axis=0, initial=-np.inf)
@@ -398,12 +394,9 @@ def _digest_inputs(inputs: Inputs, parameters: Mapping[str, list[str]]) -> bytes
                 arrays = (inputs.exact[name],)
             else:
                 arrays = (texels.values, *texels.smaller)
-                found.update(repr(_sampling(texels)).encode())
+                known = {n: v for n, v in vars(texels).items() if n not in ("values", "smaller")}
+                found.update(repr(known).encode())
             for array in arrays:
                 found.update(f"{array.dtype} {array.shape} {name in inputs.each}".encode())
                 found.update(np.ascontiguousarray(array).data)
     return found.digest()
-
-
-def _sampling(texels: Texels) -> dict[str, Any]:
-    return {n: v for n, v in vars(texels).items() if n not in ("values", "smaller")}

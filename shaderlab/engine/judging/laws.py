@@ -87,14 +87,8 @@ class Law(ABC):
     def judge(
         self, inputs: Mapping[str, Array], values: Array, second: Array | None, batch: Batch
     ) -> Finding:
-        """Hold values against the law.
-
-        Args:
-            inputs: those that the law is about; their axes broadcast with the batch.
-            values: of shape (batch…, components…).
-            second: the values at `second_inputs`, likewise; None if there are none.
-            batch: the leading axes of `values`.
-        """
+        """Hold values (batch…, components…) against the law, and those at `second_inputs`, if there
+        are any. The axes of its inputs broadcast with the batch."""
 
 
 @dataclass(frozen=True)

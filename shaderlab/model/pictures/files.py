@@ -41,12 +41,8 @@ _UP = 2  # the filter "each byte less the one above it"
 
 
 def encode(pixels: Bytes, palette: Bytes | None = None) -> bytes:
-    """uint8 (height, width, 1, 3 or 4), row 0 at the bottom, as the bytes of a PNG file.
-
-    Args:
-        pixels: the picture.
-        palette: uint8 (1…256, 3), for one channel of indices into it.
-    """
+    """uint8 (height, width, 1, 3 or 4), row 0 at the bottom, as the bytes of a PNG file; `palette`
+    is uint8 (1…256, 3), for one channel of indices into it."""
     height, width, channels = pixels.shape
     rows = pixels[::-1].reshape(height, width * channels)
     lines = np.empty((height, 1 + width * channels), np.uint8)

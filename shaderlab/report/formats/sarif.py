@@ -42,17 +42,12 @@ def render(run: Run) -> str:
 
 
 def render_findings(findings: Iterable[Finding], command: str, *, complete: bool = True) -> str:
-    """Findings as a SARIF log of one run, as indented JSON.
+    """Findings of a command, such as "run", as a SARIF log, as indented JSON. Logs of different
+    commands do not replace each other; `complete` says whether everything was looked at.
 
     Paths are relative to the repository. A fingerprint is made of the rule, the path, what is
-    judged and the text of the line: it stays when lines above come and go, and when figures change.
-
-    Args:
-        findings: what to show.
-        command: what found it: "run", "compile". Logs of different commands do not replace each
-            other.
-        complete: whether everything was looked at.
-    """
+    judged and the text of the line: it stays when lines above come and go, and when figures
+    change."""
     found = list(findings)
     rules = sorted({finding.rule for finding in found})
     root, lines, seen = find_repository(), LineReader(), Counter[str]()
