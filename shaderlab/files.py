@@ -126,14 +126,14 @@ def claim_folder(folder: Path) -> None:
     (folder / REPORT_MARK).touch()
 
 
-def refuse_links(folder: Path, kind: type[ShaderlabError] = UsageError) -> None:
-    """Raise an error of this kind where a report in this folder would be written elsewhere, by a
-    link, or something else has one of its places."""
+def refuse_links(folder: Path) -> None:
+    """Raise UsageError where a report in this folder would be written elsewhere, by a link, or
+    something else has one of its places."""
     for path in (folder / name for name in (*_REPORT_FOLDERS, "records.jsonl", "mutants.json")):
         is_folder = path.name in _REPORT_FOLDERS
         if path.is_symlink() or (path.exists() and path.is_dir() != is_folder):
             what = "folder" if is_folder else "file"
-            raise kind(
+            raise UsageError(
                 f"a report has a {what} of its own here", file=path, remedy="remove what is there"
             )
 

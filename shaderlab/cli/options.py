@@ -260,12 +260,20 @@ def find_latest(parent: Path = REPORTS) -> Path:
     return runs[-1]
 
 
-def output_options(command: Command, formats: Sequence[Format] = FORMATS) -> Command:
+def output_options(command: Command) -> Command:
     """Give a command the option `--NAME FILE` for each output format.
 
     It gets those that were named as `outputs`, a file for each format, which `write_outputs` takes.
     """
+    return _with_options(command, FORMATS)
 
+
+def finding_options(command: Command) -> Command:
+    """As `output_options`, for the formats of findings and `write_findings`."""
+    return _with_options(command, FINDING_FORMATS)
+
+
+def _with_options(command: Command, formats: Sequence[Format]) -> Command:
     def collect(context: click.Context, option: click.Parameter, file: str | None) -> None:
         outputs = context.params.setdefault("outputs", {})
         if file is not None:
@@ -280,11 +288,6 @@ def output_options(command: Command, formats: Sequence[Format] = FORMATS) -> Com
             callback=collect,
         )(command)
     return command
-
-
-def finding_options(command: Command) -> Command:
-    """As `output_options`, for the formats of findings and `write_findings`."""
-    return output_options(command, FINDING_FORMATS)
 
 
 def uses_stdout(outputs: Mapping[str, str]) -> bool:

@@ -285,7 +285,7 @@ def write_report(
         problems.append(error)
     try:
         page = html.write(recorded.run, recorded.folder)
-    except ShaderlabError as error:
-        problems.append(error)
+    except ShaderlabError as error:  # what took a place meanwhile is no wrong usage
+        problems.append(ShaderlabError(error.message, file=error.file, remedy=error.remedy))
     problems += shared.write_outputs(recorded.run, outputs)
     return page, [*problems, *recorded.problems]

@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
-from shaderlab.errors import ShaderlabError
 from shaderlab.files import refuse_links, write_text
 from shaderlab.model.records import Run
 from shaderlab.report import rendering
@@ -37,7 +36,7 @@ def write(run: Run, folder: str | Path) -> Path:
             are only noted.
     """
     target = Path(folder)
-    refuse_links(target, ShaderlabError)  # what came there meanwhile
+    refuse_links(target)
     page = build_page(run, Pictures(target), load_mutants(target))
     shared = target / rendering.FOLDER
     write_text(shared / "style.css", rendering.style())
