@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from shaderlab.bands import Band
-from shaderlab.bands.rounding import RELATIVE_STEP, SMALLEST_NORMAL, Ends
+from shaderlab.bands.rounding import RELATIVE_STEP, SMALLEST_NORMAL
 from shaderlab.compiler.spirv import Op
 from shaderlab.model.frame import Array
 
@@ -38,14 +38,11 @@ class _Polynomial:
     count: int = 1
 
 
-@dataclass(frozen=True)
-class _Enclosure:
-    """In each box: the value in its middle, the ends, the sum of all products' sizes, and between
-    which ends the slope lies along each number that is read, by its id."""
+class _Form(NamedTuple):
+    """In each box: a polynomial's value in the middle, the sum of its products' sizes, and between
+    which ends its slope lies along each number that is read, by its id."""
 
     middle: Array
-    low: Array
-    high: Array
     size: Array
     slopes: Mapping[int, Any]
 
@@ -86,59 +83,45 @@ class Enclosures:
 
 def _narrow(made: _Polynomial) -> Band:
     """A polynomial's band, cut to what the mean-value form allows and all roundings change."""
-    band = made.band
+    band, halves = made.band, dict[int, Array]()
     with np.errstate(all="ignore"):
-        found = _enclose(made, {}, {})
-        give = (made.count + 2.0) * (RELATIVE_STEP * found.size + SMALLEST_NORMAL)
-        low, high = np.fmax(band.lo, found.low - give), np.fmin(band.hi, found.high + give)
+        form = _find_form(made, {}, halves)
+        reach = (made.count + 2.0) * (RELATIVE_STEP * form.size + SMALLEST_NORMAL)
+        for key, (least, most) in form.slopes.items():
+            reach = reach + np.fmax(np.abs(least), np.abs(most)) * halves[key]
+        low, high = np.fmax(band.lo, form.middle - reach), np.fmin(band.hi, form.middle + reach)
     crossed = ~(low <= high)
     low, high = np.where(crossed, band.lo, low), np.where(crossed, band.hi, high)
     return Band(low, high, band.rules, band.flags, band.terms)
 
 
-def _enclose(
-    one: _Polynomial, known: dict[int, _Enclosure], halves: dict[int, Array]
-) -> _Enclosure:
-    """The mean-value form; `halves` gets half of the width of each number that is read."""
+def _find_form(one: _Polynomial, known: dict[int, _Form], halves: dict[int, Array]) -> _Form:
+    """A polynomial's form; `halves` gets half of the width of each number that is read."""
     if id(one) in known:
         return known[id(one)]
-    if one.parts:
-        parts = [_enclose(part, known, halves) for part in one.parts]
-        weights, found = _combine(one.op, parts[0], parts[-1])
-        slopes: dict[int, Any] = {}
-        for part, weight in zip(parts, weights, strict=True):
-            for key, slope in part.slopes.items():
-                ends, before = _multiply(slope, weight), slopes.get(key, (0.0, 0.0))
-                slopes[key] = before[0] + ends[0], before[1] + ends[1]
-        reach = sum(np.fmax(np.abs(a), np.abs(b)) * halves[k] for k, (a, b) in slopes.items())
-        low, high = found.middle - reach, found.middle + reach
-        low, high = np.fmax(found.low, low), np.fmin(found.high, high)
-        found = replace(found, low=low, high=high, slopes=slopes)
-    else:
+    if not one.parts:
         low, high = one.band.apply_slack()
         halves[id(one.band)] = 0.5 * (high - low)
-        slope = {id(one.band): (np.ones_like(low),) * 2}
-        found = _Enclosure(0.5 * (low + high), low, high, one.band.abs_sum, slope)
-    known[id(one)] = found
-    return found
-
-
-def _combine(op: int, one: _Enclosure, other: _Enclosure) -> tuple[list[Any], _Enclosure]:
-    """A step of interval arithmetic, and between what its slopes along both operands lie."""
-    if op not in _SUMS and op != Op.FNegate:
-        ends = (other.low, other.high), (one.low, one.high)
-        low, high = _multiply(*ends)
-        made = _Enclosure(one.middle * other.middle, low, high, one.size * other.size, {})
-        return list(ends), made
-    sign = 1.0 if op == Op.FAdd else -1.0
-    low, high = _multiply((other.low, other.high), (sign, sign))
-    if op == Op.FNegate:
-        return [(sign, sign)], _Enclosure(-one.middle, low, high, one.size, {})
-    middle, size = one.middle + sign * other.middle, one.size + other.size
-    made = _Enclosure(middle, one.low + low, one.high + high, size, {})
-    return [(1.0, 1.0), (sign, sign)], made
-
-
-def _multiply(one: Any, other: Any) -> Ends:
-    ends = [a * b for a, b in itertools.product(one, other)]
-    return np.minimum.reduce(ends), np.maximum.reduce(ends)
+        slopes: dict[int, Any] = {id(one.band): (np.ones_like(low),) * 2}
+        form = _Form(0.5 * (low + high), one.band.abs_sum, slopes)
+    else:
+        parts = [_find_form(part, known, halves) for part in one.parts]
+        first, other = parts[0], parts[-1]
+        sign, slopes = 1.0 if one.op == Op.FAdd else -1.0, {}
+        weights: list[Any]
+        if one.op == Op.FNegate:
+            middle, size, weights = -first.middle, first.size, [(sign, sign)]
+        elif one.op in _SUMS:
+            middle, size = first.middle + sign * other.middle, first.size + other.size
+            weights = [(1.0, 1.0), (sign, sign)]
+        else:
+            middle, size = first.middle * other.middle, first.size * other.size
+            weights = [part.band.apply_slack() for part in reversed(one.parts)]
+        for part, weight in zip(parts, weights, strict=True):
+            for key, slope in part.slopes.items():
+                ends = [a * b for a, b in itertools.product(slope, weight)]
+                least, most = slopes.get(key, (0.0, 0.0))
+                slopes[key] = least + np.minimum.reduce(ends), most + np.maximum.reduce(ends)
+        form = _Form(middle, size, slopes)
+    known[id(one)] = form
+    return form
