@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from shaderlab.model.scene import Pass
     from shaderlab.model.textures import TextureSource
 
+    from .programs.captures import Probed
     from .programs.prepare import Programs
 
 Size = tuple[int, int]
@@ -102,11 +103,7 @@ class Session(ABC):
         raise UnsupportedError("capturing vertices: this driver can't")
 
     def probe(
-        self,
-        key: PassDraw,
-        stage: Literal["vertex", "fragment"],
-        runs: Sequence[Bindings],
-        inputs: Mapping[str, Array],
+        self, key: PassDraw, stage: Probed, runs: Sequence[Bindings], inputs: Mapping[str, Array]
     ) -> list[Samples]:
         """Run a stage of a draw once for each row of `inputs`, (count, components), with the
         uniforms and textures of each of the `runs`."""

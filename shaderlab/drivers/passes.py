@@ -7,7 +7,7 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar, Generic, Literal, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 
@@ -28,8 +28,9 @@ from shaderlab.model.scene import Draw, Pass, Target
 
 from . import Answers, Backend, Drawn, Session, Size
 from .programs import bind, captures, prepare
+from .programs.captures import Captured, Parts, Probed, Texts
 from .programs.prepare import PreparedDraw, Programs
-from .programs.stages import NUMBER, VaryingPart
+from .programs.stages import NUMBER
 from .programs.textures import components_of
 from .resources import Attachments, ProgramCache, SceneTextures
 
@@ -81,13 +82,8 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
 
     @abstractmethod
     def capture_outputs(
-        self,
-        draw: PreparedDraw,
-        texts: Mapping[str, str],
-        parts: Sequence[VaryingPart],
-        bindings: Bindings,
-        count: int | None,
-    ) -> Mapping[VaryingPart, Array]:
+        self, draw: PreparedDraw, texts: Texts, parts: Parts, bindings: Bindings, count: int | None
+    ) -> Captured:
         """As `shaderlab.drivers.programs.captures.CaptureOutputs`."""
 
     def issue(self, key: PassDraw, draw: PreparedDraw, target: TargetKind) -> None:
@@ -267,11 +263,7 @@ class PassSession(Session, Generic[TargetKind, LinkerKind]):
         return captures.capture_vertices(draw, self.bindings[key], self.capture_outputs)
 
     def probe(
-        self,
-        key: PassDraw,
-        stage: Literal["vertex", "fragment"],
-        runs: Sequence[Bindings],
-        inputs: Mapping[str, Array],
+        self, key: PassDraw, stage: Probed, runs: Sequence[Bindings], inputs: Mapping[str, Array]
     ) -> list[Samples]:
         draw = self.programs[key[0]][key[1]]
         if stage == "vertex":

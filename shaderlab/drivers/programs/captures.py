@@ -5,6 +5,7 @@ touches a device: the caller draws.
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -24,6 +25,12 @@ WIDTH = 256
 _MAX_ATTRIBUTES = 16
 _REMEDY = "judge it over the frame (formula, or value at a Pixel)"
 
+
+Texts = Mapping[str, str]
+"""The texts of a draw's stages."""
+Parts = Sequence[VaryingPart]
+Captured = Mapping[VaryingPart, Array]
+Probed = Literal["vertex", "fragment"]
 
 DrawPoints = Callable[
     [PreparedDraw, Bindings, Target, Mapping[str, str], tuple[int, int]], Mapping[str, Array]
@@ -301,10 +308,7 @@ def primitive_corners(mesh: Mesh) -> Array:
     return np.stack([order[at + odd], order[at + 1 - odd], order[at + 2]], axis=1)
 
 
-CaptureOutputs = Callable[
-    [PreparedDraw, Mapping[str, str], Sequence[VaryingPart], Bindings, int | None],
-    Mapping[VaryingPart, Array],
-]
+CaptureOutputs = Callable[[PreparedDraw, Texts, Parts, Bindings, int | None], Captured]
 """Draws with the stages of these texts, and gives the pieces of each vertex that comes out of the
 last of them, (vertices, components), in the order of instances, primitives and emission; the number
 is how many come out, or None where that is not known."""

@@ -20,10 +20,9 @@ from .. import Answers, Evaluation
 from ..passes import DeviceBackend, PassSession
 from ..programs import bind, stages
 from ..programs.bind import uniform_blocks
-from ..programs.captures import primitive_corners
+from ..programs.captures import Captured, Parts, Texts, primitive_corners
 from ..programs.module_texts import HEIGHT, make_sources, write_point_texts
 from ..programs.prepare import PreparedDraw
-from ..programs.stages import VaryingPart
 from ..resources import COVERING
 from .bindings import (
     BoundImage,
@@ -146,13 +145,8 @@ class VulkanSession(PassSession[RenderTarget, Linker]):
         return new_set(own, program.set_layout, program.bindings, buffers, images)
 
     def capture_outputs(
-        self,
-        draw: PreparedDraw,
-        texts: Mapping[str, str],
-        parts: Sequence[VaryingPart],
-        bindings: Bindings,
-        count: int | None,
-    ) -> Mapping[VaryingPart, Array]:
+        self, draw: PreparedDraw, texts: Texts, parts: Parts, bindings: Bindings, count: int | None
+    ) -> Captured:
         """Store them in a storage buffer, as the interface has it."""
         if _STORES not in self.device.features:
             raise UnsupportedError(f"capturing vertices: this device has no {_STORES}")

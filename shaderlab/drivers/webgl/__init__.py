@@ -19,12 +19,3 @@ def open_backend(driver: str) -> Backend:
 
 def prepare_process(driver: str) -> None:
     """Do nothing: a browser runs in separate processes."""
-
-
-def preload() -> None:
-    """Import what drives a browser before a device is opened."""
-    from playwright import async_api
-
-    from . import session
-
-    assert async_api and session

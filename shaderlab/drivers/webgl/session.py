@@ -18,6 +18,7 @@ from shaderlab.model.records import Verdict
 from .. import Answers
 from ..passes import DeviceBackend, PassSession
 from ..programs import bind, stages
+from ..programs.captures import Captured, Parts, Texts
 from ..programs.module_texts import HEIGHT, write_point_texts
 from ..programs.prepare import PreparedDraw
 from ..programs.stages import VaryingPart
@@ -188,13 +189,8 @@ class WebGLSession(PassSession[RenderTarget, Linker]):
             gl.bindBufferBase(gl.UNIFORM_BUFFER, point, buffer)
 
     def capture_outputs(
-        self,
-        draw: PreparedDraw,
-        texts: Mapping[str, str],
-        parts: Sequence[VaryingPart],
-        bindings: Bindings,
-        count: int | None,
-    ) -> Mapping[VaryingPart, Array]:
+        self, draw: PreparedDraw, texts: Texts, parts: Parts, bindings: Bindings, count: int | None
+    ) -> Captured:
         """Capture them by transform feedback, as the interface has it."""
         assert count is not None, "without a geometry stage it is known"
         found: dict[VaryingPart, Array] = {}
