@@ -42,6 +42,12 @@ if "PYTEST_XDIST_WORKER" not in os.environ:
     # changed since `make setup`.
     for folder in ("shaderlab", "cases"):
         compileall.compile_dir(Path(__file__).parents[1] / folder, quiet=2)
+# What a person's shell says of colours, widths and screens is not what tests expect.
+for name in (
+    "FORCE_COLOR", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "TTY_COMPATIBLE", "COLUMNS", "LINES",
+    "PYTHONWARNINGS", "DISPLAY", "WAYLAND_DISPLAY",
+):  # fmt: skip
+    os.environ.pop(name, None)
 # As workers have it. Small matrices are computed 30 times slower by threads that share a processor.
 # NumPy reads this when it is first imported, which nothing does before this file.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -23,6 +23,7 @@ from shaderlab import (
     fullscreen,
 )
 from shaderlab.compiler.sources import Shaders
+from shaderlab.drivers import probe
 from shaderlab.engine.run import SceneRunner
 from shaderlab.errors import DeviceLostError, DriverError, UnsupportedError
 from shaderlab.model.options import RunOptions
@@ -50,6 +51,14 @@ def test_a_browser_without_an_answer_skips_no_test() -> None:
     with pytest.raises((DeviceLostError, pytest.skip.Exception)) as caught:
         require_driver(Silent())
     assert caught.type is DeviceLostError
+
+
+def test_a_screen_that_is_not_there_is_not_asked_for(
+    lab: SceneRunner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DISPLAY", ":987")
+    monkeypatch.setenv("WAYLAND_DISPLAY", "wayland-987")
+    assert probe("webgl2")["version"].startswith("WebGL 2")
 
 
 def test_a_formula_is_judged_at_each_pixel(lab: SceneRunner, tmp_path: Path) -> None:

@@ -216,8 +216,10 @@ class Browser:
             self._playwright = await self._api.async_playwright().start()
         except Exception as error:  # of no class of its own
             raise DriverError(f"Playwright does not start: {error}") from error
+        # Where a screen is named that is not there, Chromium has no WebGL2.
+        env = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
         self._browser = await self._playwright.chromium.launch(
-            executable_path=self._path, args=_FLAGS
+            executable_path=self._path, args=_FLAGS, env=env
         )
         session = await self._browser.new_browser_cdp_session()
         running = (await session.send("SystemInfo.getProcessInfo"))["processInfo"]
