@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -42,14 +43,17 @@ def test_a_new_kind_is_a_file_and_a_line(repository: Path, tmp_path: Path) -> No
     (package / "__init__.pyi").write_text(f"{stub}{line.replace('name', 'darker')}\n", "utf-8")
 
     (tmp_path / "wall.frag").write_text(WALL)
-    for than, status in (("0.6", 0), ("0.3", 1)):
-        (tmp_path / "wall.py").write_text(CASE.replace("THAN", than))
-        done = subprocess.run(
-            [sys.executable, "-m", "shaderlab", "run", "wall.py", "-j", "0", "--no-pictures"],
-            cwd=tmp_path,
-            env={**os.environ, "PYTHONPATH": str(tmp_path)},
-            capture_output=True,
-            text=True,
-        )
-        assert done.returncode == status, done.stdout + done.stderr
-        assert status == 0 or "values are above 0.3" in done.stdout
+    for name, than in (("below", "0.6"), ("above", "0.3")):
+        (tmp_path / f"{name}.py").write_text(CASE.replace("THAN", than))
+    words = ["run", "below.py", "above.py", "-j", "0", "--no-pictures", "--json", "out.json"]
+    done = subprocess.run(
+        [sys.executable, "-m", "shaderlab", *words],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert "values are above 0.3" in done.stdout and "above 0.6" not in done.stdout
+    cases = json.loads((tmp_path / "out.json").read_text())["cases"]
+    assert {case["id"]: case["status"] for case in cases} == {"below": "pass", "above": "fail"}
