@@ -146,9 +146,12 @@ class Panel {
     for (const each of [this.live, this.small]) each?.lose();
     const recording = unpack(bytes);
     this.live = play(recording);
-    const [{ took }, scales] = [this.live, [1 / 2, 1 / 4, 1 / 8]];
-    const scale = took > FRAME && (scales.find((s) => took * s * s < FRAME) ?? scales.at(-1));
-    this.small = scale ? play(recording, scale) : null;
+    this.small = null;
+    for (let scale = 1 / 2; scale > 1 / 16 && (this.small ?? this.live).took > FRAME; scale /= 2) {
+      if (scale > 1 / 8 && this.live.took * scale * scale > FRAME) continue;
+      this.small?.lose();
+      this.small = play(recording, scale);
+    }
     const [width, height] = this.live.show.size; // known before the file is there
     Object.assign(this.judged, { width, height, src: document.documentElement.dataset.root + this.file[2] });
     this.range = rangeOfPicture(this.live.own, this.live.show);
