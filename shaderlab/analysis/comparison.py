@@ -120,11 +120,8 @@ def compare_programs(
     comparison = _Comparison((old, new), inputs, domains, make, plan)
     try:
         outputs = tuple(comparison.outputs(captured))
-        turning = comparison if captured else _assume_quaternions(comparison)
-        if turning.domains != domains and not all(output.same for output in outputs):
-            found = tuple(turning.outputs(()))
-            if all(output.same for output in found):
-                comparison, outputs = turning, found
+        if not captured:
+            comparison, outputs = _assume_quaternions(comparison, outputs)
     except NotInterpretedError as error:
         free = {n.partition("[")[0]: 0 for n, d in domains.items() if d.source == "assumed"}
         if free and "goes on after" in error.message:
@@ -141,13 +138,19 @@ def compare_programs(
     )
 
 
-def _assume_quaternions(comparison: _Comparison) -> _Comparison:
-    """The comparison of vec4s of length 1, as those are that turn, if nothing else is known."""
-    domains = dict(comparison.domains)
-    for name, one in comparison.inputs.items():
-        if one.type == "vec4" and domains[name].source == "assumed" and name[:3] != "gl_":
-            domains[name] = UNIT_VECTOR
-    return replace(comparison, domains=domains, _freed={})
+def _assume_quaternions(
+    comparison: _Comparison, outputs: tuple[OutputAnswer, ...]
+) -> tuple[_Comparison, tuple[OutputAnswer, ...]]:
+    """The comparison with vec4s of length 1 and its outputs, if they are the same then and mostly
+    different else; as they are otherwise."""
+    vec4s = [n for n, one in comparison.inputs.items() if one.type == "vec4" and n[:3] != "gl_"]
+    turn = {n: UNIT_VECTOR for n in vec4s if comparison.domains[n].source == "assumed"}
+    if turn and any(2 * output.different > output.judged for output in outputs):
+        turning = replace(comparison, domains={**comparison.domains, **turn}, _freed={})
+        found = tuple(turning.outputs(()))
+        if all(o.same for o in found) and any(o.conditions for o in found):
+            return turning, found
+    return comparison, outputs
 
 
 def _notes(mine: Mapping[str, Input], theirs: Mapping[str, Input]) -> Iterator[str]:
@@ -339,10 +342,10 @@ class _Comparison:
         if found is None:
             return None
         worse, better, row = found
-        found_costs = [find_costs(program, some, row) for program in self.programs]
-        costs = (max(a - b, default=None) for a, b in itertools.permutations(found_costs))
+        each = [find_costs(program, some, row) for program in self.programs]
+        costs = tuple(max(a - b, default=None) for a, b in itertools.permutations(each))
         near = some.example(row, self.inputs)
-        return Numerics(worse=worse, better=better, near=near, costs=tuple(costs))
+        return Numerics(worse=worse, better=better, near=near, costs=costs)
 
     def _add_conditions(self, answer: OutputAnswer, name: str, other: str) -> OutputAnswer:
         """The answer with what it holds under: assumptions about inputs without which the output is

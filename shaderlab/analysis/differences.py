@@ -103,10 +103,11 @@ def meet_bounds(
         pair = run.values(at.operands) if at.op in _COMPARISONS else []
         for own, other in itertools.permutations(pair, 2):
             for name, met in each.items() if own.shape == (batch.count, 1) else ():
-                equal = (batch.each[name].reshape(batch.count, -1) == own).all(axis=0)
-                rows = state.mask & (rng.random(batch.count) < 0.5)
-                bound = np.broadcast_to(domains[name].clip(other), own.shape)
-                met.reshape(batch.count, -1)[np.ix_(rows, equal)] = bound[rows]
+                given = batch.each[name].reshape(batch.count, -1)
+                if own[0] in given[0] and (equal := (given == own).all(axis=0)).any():
+                    rows = state.mask & (rng.random(batch.count) < 0.5)
+                    bound = np.broadcast_to(domains[name].clip(other), own.shape)
+                    met.reshape(batch.count, -1)[np.ix_(rows, equal)] = bound[rows]
         return result
 
     run_batch(program, batch, FLOAT64, watch=meet)

@@ -108,8 +108,6 @@ def command(
     except UsageError:
         raise
     except ShaderlabError as error:
-        if error.message.startswith("timeout"):
-            error.remedy = "state ranges for shorter loops, --range NAME=A:B, or a longer --timeout"
         click.echo(f"undetermined: {error}", err=True)
         return NO_ANSWER
     to_stderr = json_file == "-"
@@ -213,8 +211,7 @@ def _print(answer: Answer, inputs: bool, err: bool, heading: bool) -> None:
         click.echo(f"{answer.old} → {answer.new}", err=err)
     for line in answer.lines():
         click.echo(line, err=err)
-    inputs_of_arrays = ((re.sub(r"\[\d+\]", "[]", n), role) for n, role in answer.inputs.items())
-    for name, role in dict.fromkeys(inputs_of_arrays):
+    for name, role in {(re.sub(r"\[\d+\]", "[]", n), r): 0 for n, r in answer.inputs.items()}:
         if inputs or role.endswith("(assumed)"):  # "same" holds of those alone
             click.echo(f"  {name}: {role}", err=err)
 

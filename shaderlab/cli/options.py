@@ -142,7 +142,8 @@ def perform_one(executor: Executor, request: Any) -> Any:
     if isinstance(result.value, ShaderlabError):
         raise result.value
     if result.status != "done":
-        raise ShaderlabError(describe_failure(result))
+        ranges = ", or state ranges for shorter loops: --range NAME=A:B"
+        raise ShaderlabError(describe_failure(result) + ranges * (result.status == "timeout"))
     return result.value
 
 

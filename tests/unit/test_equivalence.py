@@ -292,6 +292,8 @@ def test_a_vec4_that_has_to_turn_is_a_condition() -> None:
     assert abs(np.linalg.norm(output.example["q"]) - 1.0) > 0.01
     assert compared(text % turned, text % longer.replace("- dot", "+ dot")).same is False
     assert compared(text % turned, text % turned.replace("tint.rgb", "tint.gbr")).same is False
+    seen = "in vec4 seen; out float o; void main() { o = seen.z / seen.w %s 1.0 ? 1.0 : 0.5; }"
+    assert compared(seen % ">", seen % ">=").same is False  # at few inputs: nothing that turns
 
 
 def test_a_step_of_0_that_a_case_does_not_give_is_left_out() -> None:
