@@ -58,7 +58,8 @@ INSTALL = (
     "mesa-libEGL mesa-dri-drivers · Arch: pacman -S mesa · or run `shaderlab doctor`"
 )
 REQUIRED_VERSION = 330
-_VERSIONS = (460, 450, 430, 410, REQUIRED_VERSION)  # NVIDIA's gives no more than was asked for
+# Mesa gives its newest version in any case, NVIDIA's driver no more than was asked for.
+_VERSIONS = (460, 450, 430, 410, REQUIRED_VERSION)
 SPIRV_EXTENSION = "GL_ARB_gl_spirv"
 _NOTHING = "#version 330 core\nvoid main() { gl_Position = vec4(0.0); }\n"
 
@@ -149,7 +150,7 @@ def open_device(driver: str) -> Device:
     # Any: mistyped in moderngl's stubs.
     options: Any = {"standalone": True, "backend": "egl", **LIBRARIES}
     with environment(driver):
-        for version in _VERSIONS:
+        for version in _VERSIONS if driver == "default" else (REQUIRED_VERSION,):
             try:
                 context = moderngl.create_context(require=version, **options)
                 break
