@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _imp
+import gc
 import os
 import pty
 import signal
@@ -23,6 +24,7 @@ def interruptible(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     before = {number: signal.signal(number, signal.SIG_DFL) for number in program._ENDING}
     signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
+    gc.enable()
     for number, handler in before.items():
         signal.signal(number, handler)
 
