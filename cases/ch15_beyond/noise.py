@@ -9,8 +9,7 @@ The hash decides whether devices agree. PCG works on integers and is exact. The 
 fract(sin(dot(p, vec2(12.9898, 78.233))) * 43758.5453), is anything: GLSL lets sin err by 2⁻¹¹, and
 that times 43758 is 21 whole turns.
 
-Look at: value noise and gradient noise above, four octaves and marble below, in the colours of a
-coast. Value noise shows its squares.
+Look at: value noise, which shows its squares, and gradient noise above; octaves and marble below.
 
 Try: in `lib/noise.glsl` write `part * part * (3.0 - 2.0 * part)` for
 `part * part * part * (part * (part * 6.0 - 15.0) + 10.0)`: faint creases show along the lattice.

@@ -27,6 +27,8 @@ from ..scenes.panels import panel_pass
 FRAMES = 8
 BLACK, WHITE = Texture(image=np.zeros((4, 4, 4))), Texture(image=np.ones((4, 4, 4)))
 NIGHT = Texture(image=np.zeros((SIDE, SIDE, 4)))
+# A history that is darker here and brighter there than all that is near.
+STREWN = Texture(image=np.random.default_rng(15).random((SIDE, SIDE, 4)))
 
 
 def halton(k, base):
@@ -99,7 +101,7 @@ case = Case(
         *means(),
         *fading(),
         frame("later", (9.0, 0.0)),
-        blended("moved", Output("later.FragColor"), NIGHT, 0.1, moving=True),
+        blended("moved", Output("later.FragColor"), STREWN, 0.1, moving=True),
         side_by_side("frame", LAST),
     ),
     picture="picture.FragColor",
