@@ -36,6 +36,7 @@ class _Polynomial:
     parts: tuple[_Polynomial, ...] = ()
     read: frozenset[int] = frozenset()
     count: int = 1
+    degree: int = 1
 
 
 class _Form(NamedTuple):
@@ -66,12 +67,16 @@ class Enclosures:
         known = tuple(part for part in parts if part is not None)
         counts = [part.count for part in known]
         count = sum(counts) if op in _SUMS else int(np.prod(counts))
+        degrees = [part.degree for part in known]
+        degree = max(degrees) if op in _SUMS else sum(degrees)
         if count > _MOST:
             return result
         shared = len(known) > 1 and known[0].read & known[1].read
-        made = _Polynomial(result, op, known, frozenset().union(*(p.read for p in known)), count)
+        made = _Polynomial(
+            result, op, known, frozenset().union(*(p.read for p in known)), count, degree
+        )
         if op in _SUMS and shared:
-            made = _Polynomial(_narrow(made), op, known, made.read, count)
+            made = _Polynomial(_narrow(made), op, known, made.read, count, degree)
         self._note(made)
         return made.band
 
@@ -86,7 +91,7 @@ def _narrow(made: _Polynomial) -> Band:
     band, halves = made.band, dict[int, Array]()
     with np.errstate(all="ignore"):
         form = _find_form(made, {}, halves)
-        reach = (made.count + 2.0) * (RELATIVE_STEP * form.size + SMALLEST_NORMAL)
+        reach = 2.0 * (made.count + made.degree) * (RELATIVE_STEP * form.size + SMALLEST_NORMAL)
         for key, (least, most) in form.slopes.items():
             reach = reach + np.fmax(np.abs(least), np.abs(most)) * halves[key]
         low, high = np.fmax(band.lo, form.middle - reach), np.fmin(band.hi, form.middle + reach)
