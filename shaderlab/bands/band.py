@@ -19,6 +19,7 @@ from shaderlab.bands.bounds import NO, NOWHERE, Allowed, Bounds, Swizzled
 from shaderlab.bands.exact import TriBool, absolute_value, equal, less, negate, not_less, union
 from shaderlab.bands.rounding import Float64Array, Rules, round_outward
 from shaderlab.errors import FormulaError
+from shaderlab.model.checked import is_masked
 
 _DEFAULT = Rules()
 _FLOAT32 = np.dtype(np.float32)
@@ -132,7 +133,7 @@ class Band(Bounds, Swizzled):
         A Python number that needs more than nine digits, such as 1.0 / 2.2, was computed; the
         shader computes it in float32, so it has 3 ULP on either side.
         """
-        if np.ma.is_masked(value):
+        if is_masked(value):
             raise FormulaError("a masked value is no number")
         given = np.atleast_1d(np.asarray(value, dtype=np.float64))
         if given.size > 16:

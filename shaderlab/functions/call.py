@@ -13,7 +13,7 @@ import numpy as np
 from shaderlab.drivers.programs.textures import texture_contents, texture_kind
 from shaderlab.errors import ArgumentsError, CallError, suggest
 from shaderlab.functions.signatures import DTYPES, Input, Signature, Type
-from shaderlab.model.checked import UNMASK
+from shaderlab.model.checked import UNMASK, is_masked
 from shaderlab.model.frame import Array, Texels
 from shaderlab.model.textures import CompressedTexture, CubeTexture, Texture, TextureArray
 
@@ -113,7 +113,7 @@ def _numbers(value: Any, kind: Type, label: str) -> Array:
         array = np.asarray(value)
     except ValueError:  # rows of different lengths
         raise _misfit_error(value, kind, label, "an array of numbers") from None
-    if np.ma.is_masked(value):
+    if is_masked(value):
         raise CallError(f"{label} holds a masked value, which is no number", remedy=UNMASK)
     if array.dtype.kind not in _ACCEPTED[kind.kind]:
         whole = array.dtype.kind == "f" and kind.kind in ("int", "uint")

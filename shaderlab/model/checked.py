@@ -188,6 +188,12 @@ def _check(owner: Any, name: str, value: Any, hint: Any) -> None:
     require_unmasked(value, f"{_public_name(owner)}: {name}")
 
 
+def is_masked(value: Any) -> bool:
+    """Whether an array, or a number, hides a part of itself: `numpy.ma.is_masked`, which takes
+    longer to import than most cases to judge."""
+    return isinstance(value, np.ndarray) and bool(np.any(getattr(value, "mask", False)))
+
+
 def require_unmasked(value: Any, place: str) -> None:
     """Raise CaseError where a value, or a part of one, is masked: NumPy would take the number that
     the mask hides."""
@@ -198,7 +204,7 @@ def require_unmasked(value: Any, place: str) -> None:
         for number, each in enumerate(value):
             if type(each) not in (float, int):  # as most are
                 require_unmasked(each, f"{place}[{number}]")
-    elif np.ma.is_masked(value):
+    elif is_masked(value):
         raise CaseError(f"{place} holds a masked value, which is no number", remedy=UNMASK)
 
 

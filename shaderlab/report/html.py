@@ -18,9 +18,15 @@ from shaderlab.report import rendering
 from shaderlab.report.comparison import compare_drivers
 from shaderlab.report.page import CaseView, Page, build_page, load_mutants
 from shaderlab.report.pictures import Pictures
-from shaderlab.report.sources import collect_words
+from shaderlab.report.sources import collect_words, colour_lines
 
 FILE_NAME = "index.html"
+
+
+def preload() -> None:
+    """Build what colours sources, which takes about as long as to write a page."""
+    for language in ("python", "glsl"):
+        colour_lines("\n", language)
 
 
 def write(run: Run, folder: str | Path) -> Path:

@@ -135,7 +135,7 @@ def script() -> str:
 @cache
 def live_script() -> str:
     """Return the script that a page loads when a live picture is asked for."""
-    player = files("shaderlab.drivers.webgl").joinpath("player.js").read_text(encoding="utf-8")
+    player = files("shaderlab").joinpath("drivers/webgl/player.js").read_text(encoding="utf-8")
     return f'"use strict";\n{{\n{player}{_join("script", ("live",), "js")}}}\n'
 
 

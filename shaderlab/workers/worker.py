@@ -105,6 +105,7 @@ def main() -> None:
     socket_number, steps, parent_id, memory = map(int, sys.argv[1:5])
     seconds, name = float(sys.argv[5]), sys.argv[6]
     del sys.argv[1:]
+    gc.disable()  # while all is imported, of which nothing is garbage
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
     die_with_parent(parent_id)
     _limit_memory(memory)
@@ -117,6 +118,7 @@ def main() -> None:
     if isinstance(work, type):
         work = work(channel)
     gc.freeze()  # what is imported stays: no later collection has to look at it
+    gc.enable()
     channel.send("ready", None)
     requests = parent.makefile("rb")
     with contextlib.suppress(EOFError, ConnectionError):

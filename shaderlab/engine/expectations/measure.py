@@ -19,7 +19,7 @@ from shaderlab.engine.expectations.needs import find_image
 from shaderlab.engine.judging.references import locate_error, parameter_name, source_of
 from shaderlab.errors import CaseError, FormulaError, ShaderlabError, suggest
 from shaderlab.model.case import Scene
-from shaderlab.model.checked import Checked
+from shaderlab.model.checked import Checked, is_masked
 from shaderlab.model.expectation import Judgement, Read
 from shaderlab.model.frame import Array, Bindings, Frame
 from shaderlab.model.phases import phase
@@ -303,7 +303,7 @@ class Measure(DrawExpectation, Bounded):
                 "a statistic gets arrays (height, width, components) and returns one number",
             ) from error
         try:
-            array = np.empty(0) if np.ma.is_masked(got) else np.asarray(got, np.float64)
+            array = np.empty(0) if is_masked(got) else np.asarray(got, np.float64)
         except (TypeError, ValueError):
             array = np.empty(0)
         if array.size != 1:

@@ -23,7 +23,7 @@ from shaderlab.bands.exact import TriBool
 from shaderlab.errors import FormulaError, MissingPackageError, ShaderlabError, suggest
 from shaderlab.glslmath.sampling import Sampler
 from shaderlab.glslmath.vector import Elements
-from shaderlab.model.checked import UNMASK
+from shaderlab.model.checked import UNMASK, is_masked
 from shaderlab.model.frame import Array, Bindings, Texels
 from shaderlab.model.phases import phase
 from shaderlab.model.records import SourceText
@@ -214,7 +214,7 @@ def _require_number(result: Any) -> Any:
     if isinstance(result, Band):
         return result
     numbers = isinstance(result, np.ndarray | np.generic) and result.dtype.kind in "fiub"
-    if np.ma.is_masked(result):
+    if is_masked(result):
         raise FormulaError("gives masked values, which are no numbers", remedy=UNMASK)
     if numbers or isinstance(result, Integer | TriBool | int | float):
         return result
