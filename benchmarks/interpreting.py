@@ -204,7 +204,10 @@ def of_program(
 def erring(survey: Survey, given: Invocations, result: Interpreted, seed: int) -> None:
     """Hold a run on the adversary against the band, where neither may have discarded."""
     arithmetic = Erring(device=Device(seed, "either"))
-    theirs = interpret(given.program, given.each, given.bindings, arithmetic, count=given.count)
+    theirs = interpret(
+        given.program, given.each, given.bindings, arithmetic,
+        count=given.count, watch=arithmetic.keep_folded,
+    )  # fmt: skip
     kept = result.discarded.all_false & theirs.discarded.all_false
     for name, band in result.outputs.items():
         if isinstance(band, Band) and band.ndim == 2:

@@ -53,7 +53,8 @@ BODIES = (
     "if ({a} <= 0.0) return {b}; return sqrt({a}) + {c};",
     "vec2 s = {v}; s.y = {a}; s *= {b}; return 1.0 / (s.x - s.y * {c} + 3.0);",
 )
-RANGES = ("0:1", "0.1:1", "-1:1", "0.5:2", "0:8", "-3:0.25", "1:1.001")
+RANGES = ("0:1", "0.1:1", "-1:1", "0.5:2", "0:8", "-3:0.25", "1:1.001",
+          "1e-30:1e-20", "1e-38:1", "0:1e15", "-1e20:1e30")  # fmt: skip
 
 
 def expression(rng: random.Random, depth: int, linear: float) -> str:
@@ -112,7 +113,8 @@ def leave_boxes(case: Case, program: Program, seed: int, tally: Counter[str]) ->
     found = {"float32": run_batch(program, batch, FLOAT32).outputs["result"]}
     for mode in ("either", "zero"):
         erring = Erring(device=Device(int(rng.integers(2**63)), mode))
-        found[f"erring, {mode}"] = run_batch(program, batch, erring).outputs["result"]
+        erred = run_batch(program, batch, erring, watch=erring.keep_folded)
+        found[f"erring, {mode}"] = erred.outputs["result"]
     given = {n: v[:, 0] if inputs[n].type == "float" else v for n, v in each.items()}
     found["the driver"] = load(case.code)["f"](**given)
     low, high, nan = (

@@ -20,9 +20,10 @@ from shaderlab.model.frame import Array
 
 from .batches import InputBatch, asks_for_neighbours
 from .checks import CHECKS, INDEX, INDEXING, Check, Place, arguments_of, indices_of, number_of
+from .enclosures import STEPS, Enclosures
 from .inputs import Input, InputDomain, sample_inputs
 from .interpreter import Bands, Program
-from .interpreter.program import Instruction
+from .interpreter.program import INPUTS, Instruction
 from .interpreter.running import Run
 from .interpreter.textures import LOOKUPS
 from .interpreter.values import Flags, PathState
@@ -230,9 +231,15 @@ class BoxWatcher:
     lines: dict[Place, int] = field(default_factory=dict)
     bad: dict[Place, Flags] = field(default_factory=dict)
     steps: int = 1
+    enclosures: Enclosures = field(default_factory=Enclosures)
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
         self.steps += 1
+        if at.op == Op.Load:
+            if run.program.variables[run.value(at.operands[0]).variable][1] in INPUTS:
+                self.enclosures.add_read(result)
+        elif at.op in STEPS:
+            return self._narrow(run, at, result)
         for check in CHECKS.get(number_of(at.op, at.operands), ()):
             values = run.values(arguments_of(at.op, at.operands))
             self._note(run, at, state, check, [ends_of(value) for value in values])
@@ -242,6 +249,14 @@ class BoxWatcher:
         if at.op in LOOKUPS:
             return self._anything(run, at, result)
         return result
+
+    def _narrow(self, run: Run, at: Instruction, result: Any) -> Any:
+        """The result of a sum or a product, which may be narrower than its operands' bands give."""
+        values = run.values(at.operands)
+        for id_, value in zip(at.operands, values, strict=True):
+            if id_ in run.program.module.constants:
+                self.enclosures.add_read(value)
+        return self.enclosures.narrow(at.op, values, result)
 
     def _note(
         self, run: Run, at: Instruction, state: PathState, check: Check, ends: Sequence[Any]

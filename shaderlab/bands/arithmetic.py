@@ -48,6 +48,7 @@ DIVISION_ULPS = 2.5
 # Terms whose sizes add up to the result's (but for roundings) have one sign, and keep it in any
 # order.
 UNCANCELLED = 1.0 - 2.0**-20
+_LARGE = 2.0**32  # the product of three such numbers is finite
 _FACTORS = 4  # of a product are remembered
 
 
@@ -99,7 +100,7 @@ def add(a: BandT, b: BandT) -> BandT:
         of_one_sign = -lo >= terms.abs_sum * UNCANCELLED if terms.signed is None else NO
         negative &= (a_hi + b_hi <= -step) | of_one_sign
         high = np.where(negative, 0.0, high)
-    return a.derive(low, high, b, nan=nan, terms=terms)
+    return a.derive(low, high, b, nan=nan, anything=terms.overflow(), terms=terms)
 
 
 def subtract(a: BandT, b: BandT) -> BandT:
@@ -150,10 +151,7 @@ def multiply(a: BandT, b: BandT) -> BandT:
             return scale(other, factor)
     a_lo, a_hi = a.apply_slack()
     b_lo, b_hi = b.apply_slack()
-    lo, hi = product_bounds(a_lo, a_hi, b_lo, b_hi)
-    nan = None
-    if not is_finite(lo, hi):
-        nan = _zero_times_infinity(a_lo, a_hi, b_lo, b_hi)
+    lo, hi, nan = _product((a_lo, a_hi), (b_lo, b_hi))
     if not a.rules.rearrange:
         return a.derive(lo, hi, b, nan=nan)
     mag_a, mag_b = a.abs_sum, b.abs_sum
@@ -171,16 +169,14 @@ def multiply(a: BandT, b: BandT) -> BandT:
     # (a + b)·(c + d) may become four products and three sums, each of the size of the terms.
     steps = 1 if a.is_plain or b.is_plain else max(3, terms.count - 1)
     bounds = _move_out_by_terms(lo, hi, steps, terms, mag * UNCANCELLED if steps > 1 else 0.0)
-    return _remember_factors(a.derive(*bounds, b, nan=nan, terms=terms), a, b)
+    made = a.derive(*bounds, b, nan=nan, anything=terms.overflow(), terms=terms)
+    return _remember_factors(made, a, b)
 
 
 @np.errstate(all="ignore")
 def scale(a: BandT, scale: BandT) -> BandT:
     """a · 0 or a · ±2^k: nothing is rounded, so a pending slack stays pending."""
-    lo, hi = product_bounds(a.lo, a.hi, scale.lo, scale.lo)
-    nan = None
-    if not is_finite(lo, hi):
-        nan = _zero_times_infinity(a.lo, a.hi, scale.lo, scale.lo)
+    lo, hi, nan = _product((a.lo, a.hi), (scale.lo, scale.lo))
     terms = _scale_terms(a, np.abs(scale.lo))
     if terms is not None:
         terms.signed = a.signed_with(scale)
@@ -191,10 +187,11 @@ def _scale_terms(a: Bounds, factor: Float64Array) -> Terms | None:
     terms = a.terms
     if terms is None:
         scaled = a.abs_sum * factor
-        if not a.rules.rearrange or not may_be_tiny(scaled, find_least(scaled)):
-            return None
-        # Small times large: the small one may meet another small one first.
+        # Small times large: each may meet another one of its kind first.
         large = np.maximum(a.abs_sum, 1.0) * np.maximum(factor, 1.0)
+        may_overflow = a.rules.ranges and bool((large > _LARGE).any())
+        if not a.rules.rearrange or not (may_overflow or may_be_tiny(scaled, find_least(scaled))):
+            return None
         return Terms(scaled, flush_gain=large) if (large > 1.0).any() else None
     slack = flush_gain = None
     if terms.slack is not None:
@@ -228,7 +225,7 @@ def _collect_powers(a: Bounds, b: Bounds) -> list[Any] | None:
 def _multiply_powers(a: BandT, b: BandT) -> BandT:
     """a · b for two powers of one value, the same in whatever order they are multiplied: no
     compiler expands (b + c)², so no slack is paid, and 0 never meets infinity."""
-    lo, hi = product_bounds(a.lo, a.hi, b.lo, b.hi)
+    lo, hi = product_bounds(a.lo, a.hi, b.lo, b.hi, np.fmin, np.fmax)
     if a is b and lo is not hi:
         lo = np.maximum(lo, 0.0)
     if not a.rules.rearrange:
@@ -266,13 +263,29 @@ def divide(a: BandT, b: BandT) -> BandT:
         signed=a.signed_with(b),
     )
     bounds = _move_out_by_terms(lo, hi, DIVISION_ULPS, terms, 0.0)
-    return a.derive(*bounds, b, anything=outside, terms=terms)
+    overflow = terms.overflow()
+    anything = outside if overflow is None else outside | overflow
+    return a.derive(*bounds, b, anything=anything, terms=terms)
+
+
+def _product(a: Ends, b: Ends) -> tuple[Float64Array, Float64Array, Flags | None]:
+    """The bounds of a product, and where it may be NaN, if anywhere: of 0 times infinity."""
+    lo, hi = product_bounds(*a, *b)
+    if is_finite(lo, hi):
+        return lo, hi, None
+    return *product_bounds(*a, *b, np.fmin, np.fmax), _zero_times_infinity(*a, *b)
 
 
 def product_bounds(
-    a_lo: Float64Array, a_hi: Float64Array, b_lo: Float64Array, b_hi: Float64Array
+    a_lo: Float64Array,
+    a_hi: Float64Array,
+    b_lo: Float64Array,
+    b_hi: Float64Array,
+    least: np.ufunc = np.minimum,
+    greatest: np.ufunc = np.maximum,
 ) -> Ends:
-    """The hull of the products of the ends. Exact: 24 + 24 bits fit into float64."""
+    """The hull of the products of the ends, NaN where 0 meets infinity, unless `least` and
+    `greatest` leave it out. Exact: 24 + 24 bits fit into float64."""
     if a_lo is a_hi:
         a_lo, a_hi, b_lo, b_hi = b_lo, b_hi, a_lo, a_hi
     if a_lo is a_hi:
@@ -284,8 +297,7 @@ def product_bounds(
             return lo, hi
     ends = (b_lo,) if b_lo is b_hi else (b_lo, b_hi)
     products = [x * y for x in (a_lo, a_hi) for y in ends]
-    # A NaN, of 0 times infinity, is no bound.
-    return reduce(np.fmin, products), reduce(np.fmax, products)
+    return reduce(least, products), reduce(greatest, products)
 
 
 def _zero_times_infinity(
@@ -382,7 +394,8 @@ def sum_last(a: BandT) -> BandT:
         return a.join_flags_over_last().derive(lo, hi, nan=nan)
     if a.is_plain:
         terms.slack = step if no_zeros else np.where(count >= 2.0, step, 0.0)
-    return a.join_flags_over_last().derive(lo, hi, nan=nan, terms=terms)
+    joined = a.join_flags_over_last()
+    return joined.derive(lo, hi, nan=nan, anything=terms.overflow(), terms=terms)
 
 
 def _over_last(values: Any, join: Callable[[Any, Any], Any]) -> Any:

@@ -90,8 +90,8 @@ class Terms:
         abs_sum: the sum of the terms' absolute values.
         slack: an error still to be added before the value is added to or multiplied with another.
         count: how many terms there may be, once all is distributed.
-        flush_gain: the factor by which a flushed partial product may be multiplied; None where no
-            term is tiny.
+        flush_gain: the factor by which a flushed partial product may be multiplied, which no
+            partial sum or product exceeds; None where no term is tiny.
         signed: of ranges, where a term may be negative somewhere; None if that is unknown.
         base: the value that this is a power of, if it is one.
         factors: the powers that the value with the lower bounds `product` is a product of, by the
@@ -154,6 +154,14 @@ class Terms:
         if self.flush_gain is None:
             return SMALLEST_NORMAL
         return SMALLEST_NORMAL * self.count * self.flush_gain
+
+    def overflow(self) -> Flags | None:
+        """Of ranges, where a partial sum or product may overflow in another order, and meet 0 or
+        another infinity then; None if nowhere."""
+        if self.signed is None or self.flush_gain is None:
+            return None
+        found: Flags = self.flush_gain > LARGEST
+        return found if found.any() else None
 
     def map_arrays(self, rearrange: Callable[[Any], Any]) -> Terms:
         """The same terms, their arrays rearranged by `rearrange`."""

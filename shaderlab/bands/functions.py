@@ -248,7 +248,8 @@ def _mix_terms(found: Band, x: Band, y: Band, a: Band) -> Terms | None:
     near, far = (_largest_size(*band.apply_slack()) for band in (x, y))
     mag = x.abs_sum + (near + far) * a.abs_sum
     mag = np.minimum(np.maximum(mag, _largest_size(found.lo, found.hi)), LARGEST)
-    return Terms.of(mag, lambda: flush_gain_of(terms.abs_sum, terms), terms, count=x.count + 2)
+    gain = lambda: flush_gain_of(terms.abs_sum, terms)  # noqa: E731
+    return Terms.of(mag, gain, terms, count=x.count + 2, signed=terms.signed)
 
 
 def _largest_size(low: Float64Array, high: Float64Array) -> Float64Array:
