@@ -267,8 +267,8 @@ def prepare_process(driver: str | None = None) -> None:
 def preload(driver: str | None = None) -> None:
     """Import what a device of a driver needs, without opening one, where its module knows how to.
 
-    For a process that is the lab's alone and forks others. What can't be imported is left to those
-    who open a device, and who say so.
+    For a process that is the lab's alone. What can't be imported is left to those who open a
+    device, and who say so.
     """
     with suppress(Exception):
         load = getattr(importlib.import_module(MODULES[known_driver(driver)]), "preload", None)
