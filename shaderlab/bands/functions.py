@@ -80,7 +80,10 @@ def exponential(a: Band, function: Any) -> Band:
     lo, hi = _evaluate(a, function)
     ulps_lo = 3.0 + 2.0 * np.minimum(np.abs(a.lo), LARGEST)
     ulps_hi = 3.0 + 2.0 * np.minimum(np.abs(a.hi), LARGEST)
+    # Subnormal results have one ULP, so the least of them may err most.
+    least = np.where(lo > 0.0, lo + ulps_lo * ulp(lo), 0.0)
     lo, hi = widen_by_ulps(lo, hi, ulps_lo, ulps_hi)
+    hi = np.maximum(hi, least)
     # The true value is positive however small: the last step above zero stays legal.
     return a.derive(np.maximum(lo, 0.0), np.maximum(hi, SMALLEST_DENORMAL))
 

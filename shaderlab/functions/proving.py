@@ -100,7 +100,8 @@ def _compare(function: Function, law: Law, ranges: Mapping[str, Any]) -> tuple[F
 def _keeps(law: Any, y: Any, z: Any = None) -> Any:
     """Whether a law holds of one result, or two."""
     if isinstance(law, Bounded):
-        return (y >= np.float32(law.low)) & (y <= np.float32(law.high))
+        low, high = law.ends
+        return (y >= low) & (y <= high)
     if isinstance(law, Monotone):
         least, most = (y, z) if law.direction == "increasing" else (z, y)
         return least < most if law.strict else least <= most

@@ -80,6 +80,8 @@ def test_what_overflows_may_become_nan() -> None:
         assert ((huge * huge) * 0.0).nan.all(), "infinity times 0"
     x, y = (Band.between([1e29], [1e30], Rules(ranges=True)) for _ in "xy")
     assert ((x - y) * (x - y * 2.0)).nan.all(), "x² − 2 x y − … is infinity minus infinity"
+    small = g.exp2(Band.between([-181.0], [-160.0]))
+    assert small.hi >= (3 + 2 * 181) * 2.0**-149, "of subnormal results the least errs most"
     product = (x * (y * 1e-30)) * 0.5
     assert product.contains(np.float32(np.inf)).all(), "x y overflows before it gets small"
 
@@ -255,6 +257,11 @@ def test_laws_of_checks_are_proved_or_broken() -> None:
     ):
         with pytest.raises(AssertionError, match=r"breaks the law with (.|\n)*on the driver"):
             broken()
+    for law in (glsl.bounded(low=0.0), glsl.bounded(0.0, 1e39)):  # infinity is not between
+        with pytest.raises(AssertionError, match="inf"):
+            library.even_of.prove(law, x=(1e20, 1e30))
+        with pytest.raises(AssertionError, match="inf"):
+            library.even_of.check(law, [1e20, 1e30])
     with pytest.raises(AssertionError, match=r"the law holds, on|breaks the law"):
         library.drops.prove(glsl.monotone("x"), x=(0, 1))
     with pytest.raises(CallError, match="reach has no range"):

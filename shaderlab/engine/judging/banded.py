@@ -328,7 +328,7 @@ def ulp_distance(measured: float, reference: float, unit: float | None = None) -
     >>> ulp_distance(1.0 + 2.0**-23, 1.0)
     1.0
     """
-    unit = unit or float(np.spacing(np.float32(abs(reference))))
+    unit = unit or float(np.spacing(np.float32(min(abs(reference), 2.0**127))))
     return abs(float(measured) - float(reference)) / unit if np.isfinite(reference) else np.nan
 
 

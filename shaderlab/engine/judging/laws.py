@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.bands.rounding import LARGEST
 from shaderlab.errors import CallError, CaseError
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Worst
@@ -93,9 +94,9 @@ class Law(ABC):
 
 @dataclass(frozen=True)
 class Bounded(Law):
-    """low ≤ f ≤ high, so that NaN fails. The bounds are numbers, or one for each component; they
-    are rounded to float32, as the shader's own constants are. Raises CaseError: there is no bound,
-    or a lower one above its upper one."""
+    """low ≤ f ≤ high, so that NaN fails, and infinity does also where there is one bound. The
+    bounds are numbers, or one for each component; they are rounded to float32, as the shader's own
+    constants are. Raises CaseError: there is no bound, or a lower one above its upper one."""
 
     low: Any = -np.inf
     high: Any = np.inf
@@ -107,16 +108,21 @@ class Bounded(Law):
         if np.any(np.isinf(self.low) & np.isinf(self.high)):
             raise CaseError("bounded: give low, high or both")
 
+    @property
+    def ends(self) -> tuple[Array, Array]:
+        """Both bounds as float32 numbers, the largest where there is none."""
+        low, high = (
+            np.clip(end, -LARGEST, LARGEST).astype(np.float32).astype(np.float64)
+            for end in (self.low, self.high)
+        )
+        return low, high
+
     def judge(
         self, inputs: Mapping[str, Array], values: Array, second: Array | None, batch: Batch
     ) -> Finding:
         numbers = values.astype(np.float64)
-        low, high = (
-            np.broadcast_to(np.asarray(bound, np.float32).astype(np.float64), values.shape)
-            for bound in (self.low, self.high)
-        )
-        with np.errstate(invalid="ignore"):
-            slack = np.minimum(numbers - low, high - numbers)
+        low, high = (np.broadcast_to(end, values.shape) for end in self.ends)
+        slack = np.minimum(numbers - low, high - numbers)
         return Finding(
             values=values,
             holds=slack >= 0.0,
