@@ -222,7 +222,7 @@ case = Case(
     errata=[
         Erratum(
             section="5.10",
-            says="normal mapping and bump mapping are one thing, and no TBN matrix is needed",
+            says="normal mapping and bump mapping are one thing; nothing is said of a TBN matrix",
             truth="a bump map holds heights, whose slopes tilt the normal (Blinn 1978); a normal "
             "map holds directions in the texture's own frame, which TBN takes to the world",
             proof="mapped: normals",

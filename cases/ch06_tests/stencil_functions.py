@@ -25,7 +25,8 @@ from ..scenes.tables import edges_check, shown, shown_checks
 VALUES = [0b00000000, 0b01000001, 0b10000010, 0b11000011]
 FUNCS = tuple(FUNCTIONS)
 COLUMNS, ROWS = 4 * len(FUNCS), 4 * 4
-# The buffer is cleared to what no column stores.
+# The buffers are cleared to what no column stores, and no draw writes.
+CLEAR = (0.5, 0.0, 0.0, 0.0)
 FORMATS = {"colors": {"total": "r32f"}, "depth": "depth24_stencil8", "clear_stencil": 0xFF}
 
 
@@ -79,7 +80,7 @@ case = Case(
     math=r"\text{pass} \iff (\mathit{ref} \mathbin{\&} \mathit{mask})\ \mathit{func}\ "
     r"(\mathit{stored} \mathbin{\&} \mathit{mask})",
     passes=(
-        picture((*stored, *tests), (COLUMNS, ROWS), "table", **FORMATS),
+        picture((*stored, *tests), (COLUMNS, ROWS), "table", clear=CLEAR, **FORMATS),
         picture(frame, (9, 9), "hollow", **{**FORMATS, "clear_stencil": 0}),
         *shown("verdicts", "table.total", (COLUMNS, ROWS), (8, 8), group=(4.0, 4.0)),
     ),

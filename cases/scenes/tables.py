@@ -143,7 +143,7 @@ def verdicts(values: Sampler, place: Value, group: Value) -> Value:
     ground = where(passed, vec3(0.16, 0.55, 0.34), vec3(0.62, 0.20, 0.20))
     color = mix(vec3(0.97), ground, smoothstep(0.07, 0.13, where(passed, tick, cross)))
     outer = max(abs(swizzle(at, "x")), abs(swizzle(at, "y")))
-    color = mix(color, vec3(0.08, 0.09, 0.11), smoothstep(0.90, 0.94, outer))
+    color = mix(color, vec3(0.08, 0.09, 0.11), smoothstep(0.84, 0.90, outer))
     off = group * abs(fract(place / group + 0.5) - 0.5)
     gap = min(swizzle(off, "x"), swizzle(off, "y")) <= 0.1
     return vec4(mix(color, vec3(0.08, 0.09, 0.11), where(gap, 1.0, 0.0)), 1.0)

@@ -23,5 +23,5 @@ vec3 verdictField(vec2 place, float passed)
     }
     color = mix(color, vec3(0.97), 1.0 - smoothstep(0.07, 0.13, stroke));
     float border = max(abs(place.x), abs(place.y));
-    return mix(color, vec3(0.08, 0.09, 0.11), smoothstep(0.90, 0.94, border));
+    return mix(color, vec3(0.08, 0.09, 0.11), smoothstep(0.84, 0.90, border));
 }
