@@ -91,8 +91,8 @@ def texels(name, wrap, row, word="nearest"):
 
 
 def at(name, u, equals, label):
-    """What stands at u."""
-    point = {"TexCoords": (u, 0.5)}
+    """What stands at u, a row further up: whatever the mode along s, along t the row repeats."""
+    point = {"TexCoords": (u, 1.5)}
     return figure(f"{name}.FragColor", label, point, (equals,) * 4, reference=sampled("image"))
 
 

@@ -25,9 +25,7 @@ from ..scenes.tables import edges_check, shown, shown_checks
 VALUES = [0b00000000, 0b01000001, 0b10000010, 0b11000011]
 FUNCS = tuple(FUNCTIONS)
 COLUMNS, ROWS = 4 * len(FUNCS), 4 * 4
-# The buffers are cleared to what no column stores, and no draw writes.
-CLEAR = (0.5, 0.0, 0.0, 0.0)
-FORMATS = {"colors": {"total": "r32f"}, "depth": "depth24_stencil8", "clear_stencil": 0xFF}
+FORMATS = {"colors": {"total": "r32f"}, "depth": "depth24_stencil8", "clear_stencil": VALUES[3]}
 
 
 def strip(verdict, stencil, at):
@@ -35,11 +33,12 @@ def strip(verdict, stencil, at):
     return panel("ch06_tests/count.frag", {}, {"worth": verdict}, stencil=stencil, cell=at)
 
 
-# First every column gets its stored value, and a red field; then each function, mask and
-# reference draws one row of its block in green, over all four stored values at once.
+# First every column gets its stored value, but for the one that the buffer is cleared to; then each
+# function, mask and reference draws one row of its block in green, over all four at once.
 stored = [
     strip(0.0, Stencil(reference=value, depth_pass="replace"), cell(column, COLUMNS))
     for column, value in enumerate(VALUES * len(FUNCS))
+    if value != FORMATS["clear_stencil"]
 ]
 tests = [
     strip(
@@ -80,7 +79,7 @@ case = Case(
     math=r"\text{pass} \iff (\mathit{ref} \mathbin{\&} \mathit{mask})\ \mathit{func}\ "
     r"(\mathit{stored} \mathbin{\&} \mathit{mask})",
     passes=(
-        picture((*stored, *tests), (COLUMNS, ROWS), "table", clear=CLEAR, **FORMATS),
+        picture((*stored, *tests), (COLUMNS, ROWS), "table", **FORMATS),
         picture(frame, (9, 9), "hollow", **{**FORMATS, "clear_stencil": 0}),
         *shown("verdicts", "table.total", (COLUMNS, ROWS), (8, 8), group=(4.0, 4.0)),
     ),
