@@ -148,6 +148,7 @@ STATUSES = {
         asked("LINK_STATUS", LINKED), "GL_TRUE", RIGHT
     ),
     "types that differ: GL_LINK_STATUS": (asked("LINK_STATUS", LINKED), "GL_FALSE", MISMATCHED),
+    "… though each shader is right": (asked("COMPILE_STATUS", FRAG), "GL_TRUE", MISMATCHED),
     "glDeleteShader after linking marks the shader": (
         asked("DELETE_STATUS"), "GL_TRUE", RIGHT, DELETED
     ),

@@ -83,6 +83,18 @@ def renderbuffer(label, point, word, size=(64, 64), samples=0):
     )
 
 
+ON_COLOR = renderbuffer("a", COLOR, "GL_RGBA8")
+ON_BOTH = renderbuffer("b", "GL_DEPTH_STENCIL_ATTACHMENT", "GL_DEPTH24_STENCIL8")
+SMALLER = renderbuffer("b", DEPTH, "GL_DEPTH_COMPONENT24", size=(32, 48))
+HELD = "GL_RENDERBUFFER"
+
+
+def at_point(point):
+    """Asks what a framebuffer has at one of its points."""
+    what = (point, "GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE")
+    return call("glGetFramebufferAttachmentParameteriv", "GL_FRAMEBUFFER", *what)
+
+
 def status(name, answer, *steps):
     """What glCheckFramebufferStatus says of a framebuffer with these attachments."""
     asked, complete = call("glCheckFramebufferStatus", "GL_FRAMEBUFFER"), f"GL_FRAMEBUFFER_{answer}"
@@ -154,17 +166,14 @@ case = Case(
         *status(
             "depth alone", "COMPLETE", renderbuffer("a", DEPTH, "GL_DEPTH_COMPONENT24"), NO_COLOR
         ),
-        *status(
-            "colour, depth and stencil",
-            "COMPLETE",
-            renderbuffer("a", COLOR, "GL_RGBA8"),
-            renderbuffer("b", "GL_DEPTH_STENCIL_ATTACHMENT", "GL_DEPTH24_STENCIL8"),
-        ),
-        *status(
-            "sizes differ",
-            "COMPLETE",
-            renderbuffer("a", COLOR, "GL_RGBA8", size=(64, 64)),
-            renderbuffer("b", DEPTH, "GL_DEPTH_COMPONENT24", size=(32, 48)),
+        *status("colour, depth and stencil", "COMPLETE", ON_COLOR, ON_BOTH),
+        *status("sizes differ", "COMPLETE", ON_COLOR, SMALLER),
+        *answers(
+            {
+                "one renderbuffer at two points: at depth": (at_point(DEPTH), HELD, BIND, ON_BOTH),
+                "… and at stencil": (at_point("GL_STENCIL_ATTACHMENT"), HELD, BIND, ON_BOTH),
+                "the smaller one is at depth": (at_point(DEPTH), HELD, BIND, SMALLER),
+            }
         ),
         *status(
             "depth where colour belongs",

@@ -35,11 +35,12 @@ MAP = ("glMapBuffer", "GL_ARRAY_BUFFER")
 TO_WRITE = (*MAP, "GL_WRITE_ONLY")
 RANGE = ("glMapBufferRange", "GL_ARRAY_BUFFER", 0)
 ACCESS = call("glGetBufferParameteriv", "GL_ARRAY_BUFFER", "GL_BUFFER_ACCESS")
+IS_MAPPED = call("glGetBufferParameteriv", "GL_ARRAY_BUFFER", "GL_BUFFER_MAPPED")
 SIZE = call("glGetBufferParameteriv", "GL_ARRAY_BUFFER", "GL_BUFFER_SIZE")
 WRITTEN = call("glBufferSubData", "GL_ARRAY_BUFFER", 0, 4, bytes(4))
 READ, WRITE, GIVE_UP = "GL_MAP_READ_BIT", "GL_MAP_WRITE_BIT", "GL_MAP_INVALIDATE_BUFFER_BIT"
 UNMAP = ("glUnmapBuffer", "GL_ARRAY_BUFFER")
-MAPPED = (*BOUND, call(*TO_WRITE))
+MAPPED, READ_WRITTEN = (*BOUND, call(*TO_WRITE)), call(*MAP, "GL_READ_WRITE")
 REFUSED = "invalid_operation"
 UNBOUND = "map with buffer 0 bound: 0x0502"
 IMAGE = {"width": 480, "height": 320, "internalformat": "GL_RGBA8", "pixels": "NULL"}
@@ -93,7 +94,12 @@ case = Case(
         gl_call(*TO_WRITE, before=BOUND, name="map with a buffer bound"),
         gl_call(*RANGE, 168, f"{WRITE} | {GIVE_UP}", before=BOUND, name="given up and written"),
         *answers(
-            {"size of the buffer": (SIZE, 168, BOUND), "unmap": (call(*UNMAP), "GL_TRUE", MAPPED)}
+            {
+                "size of the buffer": (SIZE, 168, BOUND),
+                "a buffer that is mapped": (IS_MAPPED, "GL_TRUE", (*BOUND, READ_WRITTEN)),
+                "… and unmapped": (IS_MAPPED, "GL_FALSE", MAPPED, (call(*UNMAP),)),
+                "unmap": (call(*UNMAP), "GL_TRUE", MAPPED),
+            }
             | {
                 f"mapped, {word}": (ACCESS, f"GL_{word}", (*BOUND, call(*MAP, f"GL_{word}")))
                 for word in ("READ_ONLY", "WRITE_ONLY", "READ_WRITE")
