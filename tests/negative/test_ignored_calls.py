@@ -20,6 +20,7 @@ from shaderlab.drivers.opengl import (
 from shaderlab.drivers.opengl.device import GL, gl_constant
 from shaderlab.engine.expectations.gl_call import GlCall
 from shaderlab.engine.run import SceneRunner
+from shaderlab.model.case import Scene
 from shaderlab.model.options import RunOptions
 from shaderlab.model.textures import Sampling
 from tests.catalogue import judged_only, shipped
@@ -151,6 +152,30 @@ def test_a_call_that_opengl_ignores_is_noticed(
     assert record.status == "fail", record.message
 
 
+def test_each_function_that_checks_call_is_missed_somewhere_if_it_does_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scenes: dict[str, list[Scene]] = {}
+    for case in shipped().values():
+        scene = next(case.scenes())
+        asked = tuple(e for e in scene.expect if isinstance(e, GlCall))
+        drawn = tuple(p for p in scene.passes if all(d.vertex_array for d in p.draws))
+        for function in {step.function for e in asked for step in (*e.before, e.call)}:
+            scenes.setdefault(function, []).append(replace(scene, expect=asked, passes=drawn))
+    invoke, ignored = calls._Maker._invoke, ""
+
+    def invoked(self: Any, call: Any, *given: Any) -> Any:
+        return None if call.function == ignored else invoke(self, call, *given)
+
+    monkeypatch.setattr(calls._Maker, "_invoke", invoked)
+    unmissed = []
+    with SceneRunner(CALLS_ONLY) as lab:
+        for ignored, users in scenes.items():
+            if not any(lab.run(scene).status == "fail" for scene in users):
+                unmissed.append(ignored)
+    assert len(scenes) > 60 and unmissed == []
+
+
 def test_a_framebuffer_that_is_not_the_targets_is_no_lack_of_the_driver(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -215,15 +240,43 @@ def test_one_filter_in_place_of_two_is_noticed(
     assert record.status == "fail", record.message
 
 
-def test_a_wrap_mode_that_is_not_set_along_r_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("axis", "told"), [("r", ("three dim", "the wood")), ("t", ("LINEAR", "three dim", "the wood"))]
+)
+def test_a_wrap_mode_that_is_not_set_along_one_axis_is_noticed(
+    monkeypatch: pytest.MonkeyPatch, axis: str, told: tuple[str, ...]
+) -> None:
+    """Along r there is the default one then, along t that of s."""
     made = textures.make_sampler
 
     def sampler(sampling: Any) -> int:
         plane = {f.name: getattr(sampling, f.name) for f in fields(Sampling)}
-        return made(Sampling(**plane | {"wrap": sampling.wrap[:2]}))
+        s, t, *r = sampling.wrap
+        return made(Sampling(**plane | {"wrap": (s, t if axis == "r" or r else s)}))
 
     monkeypatch.setattr(textures, "make_sampler", sampler)
     with SceneRunner(CALLS_ONLY) as lab:
         record = lab.run(next(judged_only("texture-wrap").scenes()))
     failed = {o.name for o in record.expectations if o.status != "pass"}
-    assert failed and all(name.startswith(("three dim", "the wood")) for name in failed), failed
+    assert failed and all(name.startswith(told) for name in failed), failed
+
+
+@pytest.mark.parametrize(
+    ("case_id", "function", "buffer"),
+    [
+        ("orange-triangle", "glClearBufferfv", GL.GL_COLOR),
+        ("depth-mask", "glClearBufferfv", GL.GL_DEPTH),
+        ("stencil-functions", "glClearBufferiv", GL.GL_STENCIL),
+    ],
+)
+def test_a_clear_that_does_nothing_is_noticed(
+    monkeypatch: pytest.MonkeyPatch, case_id: str, function: str, buffer: int
+) -> None:
+    """Also where memory happens to hold zeros."""
+    clear = getattr(GL, function)
+    monkeypatch.setattr(
+        GL, function, lambda what, *rest: None if what == buffer else clear(what, *rest)
+    )
+    with SceneRunner(CALLS_ONLY) as lab:
+        record = lab.run(next(judged_only(case_id).scenes()))
+    assert record.status == "fail", record.message
