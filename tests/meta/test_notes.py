@@ -64,6 +64,9 @@ skybox             7.4.2  quoted   view matrix as it is
 """Each erratum: case, section of the notes, kind of the claim, words of what the notes say."""
 
 MENTIONS = """
+cases/cases.toml                         1      derived  a set of Chinese study notes on OpenGL
+cases/cases.toml                         15     ours     "Beyond the notes"
+cases/cases.toml                         15     ours     begin where the notes end
 cases/ch01_setup/orange_triangle.py      1.2.2  quoted   as it stands in the notes
 cases/ch01_setup/orange_triangle.py      1.2.2  derived  Most likely lost when the notes were
 cases/ch01_setup/orange_triangle.py      1.2.2  derived  Most likely added when the notes were
@@ -107,6 +110,7 @@ shaders/ch08_techniques/uniform_buffer.vert  8.4    Matrices projection view
 """
 """Names that the notes give, in the shader of the lesson that shows them."""
 
+_TEXTS = (".py", ".toml", ".frag", ".vert", ".geom", ".glsl")
 _NOTES = re.compile(r"\b[Nn]otes\b(?!:)")
 _SECTION = re.compile(r"\d+(\.\d+)*")
 
@@ -120,7 +124,7 @@ def mentions() -> Iterator[tuple[str, str]]:
     for kind in ("cases", "shaders"):
         root = data_folder(kind)
         for path in sorted(root.rglob("*")):
-            if path.is_dir() or path.suffix not in (".py", ".frag", ".vert", ".geom", ".glsl"):
+            if path.is_dir() or path.suffix not in _TEXTS:
                 continue
             text = path.read_bytes().decode("utf-8", "replace")
             text = re.sub(r'"\s*\n\s*f?"|\s*\n\s*(//|#)?\s*', " ", text).replace("  ", " ")

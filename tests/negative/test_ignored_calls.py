@@ -241,7 +241,7 @@ def test_one_filter_in_place_of_two_is_noticed(
 
 
 @pytest.mark.parametrize(
-    ("axis", "told"), [("r", ("three dim", "the wood")), ("t", ("LINEAR", "three dim", "the wood"))]
+    ("axis", "told"), [("r", ("three dim", "the wood")), ("t", ("LINEAR towards a border",))]
 )
 def test_a_wrap_mode_that_is_not_set_along_one_axis_is_noticed(
     monkeypatch: pytest.MonkeyPatch, axis: str, told: tuple[str, ...]
@@ -252,7 +252,9 @@ def test_a_wrap_mode_that_is_not_set_along_one_axis_is_noticed(
     def sampler(sampling: Any) -> int:
         plane = {f.name: getattr(sampling, f.name) for f in fields(Sampling)}
         s, t, *r = sampling.wrap
-        return made(Sampling(**plane | {"wrap": (s, t if axis == "r" or r else s)}))
+        if axis == "r":
+            return made(Sampling(**plane | {"wrap": (s, t)}))
+        return made(sampling if r else Sampling(**plane | {"wrap": (s, s)}))
 
     monkeypatch.setattr(textures, "make_sampler", sampler)
     with SceneRunner(CALLS_ONLY) as lab:
