@@ -58,6 +58,8 @@ _NUMBERED = (Decoration.Location, Decoration.Binding)
 _LAYOUT = (Decoration.Offset, Decoration.RowMajor, Decoration.MatrixStride)
 _FIXED = {"std140", "std430"}  # the layouts of blocks that don't depend on the driver
 _BITS = range(Op.ShiftRightLogical, Op.BitCount + 1)
+_SHORT, _LONG = 300, 3000  # blocks: programs that run more get fewer invocations, and rounds
+_LEAST, _ROUNDS = 256, 3
 _ENDS = 1e-6  # what stored values may differ by where a step is called the same
 
 
@@ -109,13 +111,13 @@ def compare_programs(
         captured = merge_batches(captured, old, plan.count)
         domains = learn_domains(captured)
 
-        def make(domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
+        def make(domains: Mapping[str, InputDomain], seed: int, count: int) -> InputBatch:
             return vary_inputs(captured[seed % len(captured)], domains, seed)
     else:
         domains = domains_of(inputs, (old, new), plan.ranges)
 
-        def make(domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
-            return sample_inputs(inputs, domains, plan.count, seed)
+        def make(domains: Mapping[str, InputDomain], seed: int, count: int) -> InputBatch:
+            return sample_inputs(inputs, domains, count, seed)
 
     comparison = _Comparison((old, new), inputs, domains, make, plan)
     try:
@@ -123,7 +125,7 @@ def compare_programs(
         if not captured:
             comparison, outputs = _assume_quaternions(comparison, outputs)
     except NotInterpretedError as error:
-        free = {n.partition("[")[0]: 0 for n, d in domains.items() if d.source == "assumed"}
+        free = {n.partition("[")[0]: 0 for n, d in domains.items() if _is_open(n, d)}
         if free and "goes on after" in error.message:
             error.remedy = f"state ranges for which it ends, of {', '.join(free)}: --range NAME=A:B"
         raise
@@ -136,6 +138,10 @@ def compare_programs(
         notes=(*_notes(mine, theirs), *never),
         inputs={n: f"{d} ({d.source})" for n, d in comparison.domains.items() if n in inputs},
     )
+
+
+def _is_open(name: str, domain: InputDomain) -> bool:
+    return domain.source == "assumed" and domain.kind == "number" and name[:3] != "gl_"
 
 
 def _assume_quaternions(
@@ -198,16 +204,20 @@ class _Comparison:
     programs: tuple[Program, Program]
     inputs: Mapping[str, Input]
     domains: Mapping[str, InputDomain]
-    make: Callable[[Mapping[str, InputDomain], int], InputBatch]
+    make: Callable[[Mapping[str, InputDomain], int, int], InputBatch]
     plan: Plan
     _in_bands: tuple[Mapping[str, Any] | None, ...] = ()
     _labels: tuple[set[int], set[int]] = field(default_factory=lambda: (set(), set()))
     _freed: dict[tuple[str, ...], list[_Set]] = field(default_factory=dict)
+    _blocks: int = _SHORT  # the most that a program ran
 
     def outputs(self, captured: Sequence[InputBatch]) -> Iterator[OutputAnswer]:
         """An answer for each output, on captured inputs and on rounds of others."""
         sets: list[_Set] = []
         pairs: list[tuple[str, str]] = []
+        if not captured:
+            few = self.make(self.domains, 0, _LEAST)
+            self._blocks = max(_SHORT, *(run(one, few, 0).blocks for one in self.programs))
         for batch in self._inputs(captured):
             sets.append(self._run(batch))
             pairs = self._names(sets)
@@ -215,10 +225,10 @@ class _Comparison:
                 break
         else:
             if not captured and self.plan.rounds:
-                domains = add_constants(self.domains, self.inputs, self.programs)
-                # A loop as long as such a number says may be too long to run.
-                with contextlib.suppress(NotInterpretedError):
-                    sets.append(self._run(self.make(domains, self.plan.rounds + 1)))
+                for batch in self._split_long(self._make_with_constants()):
+                    # A loop as long as such a number says may be too long to run.
+                    with contextlib.suppress(NotInterpretedError):
+                        sets.append(self._run(batch))
         for name, other in pairs:
             if not name or not other:
                 yield OutputAnswer(name=name or other, why="missing")
@@ -233,7 +243,8 @@ class _Comparison:
     def _inputs(self, captured: Sequence[InputBatch]) -> Iterator[InputBatch]:
         """Captured inputs, rounds of others, and both sides of jumps between those."""
         batch = None
-        rounds = (self.make(self.domains, seed) for seed in range(self.plan.rounds))
+        count = min(self.plan.rounds, _ROUNDS if self._blocks > _LONG else self.plan.rounds)
+        rounds = (self._make(self.domains, seed) for seed in range(count))
         for batch in itertools.chain(captured, rounds):
             yield batch
         if batch is not None and self.plan.rounds:
@@ -247,6 +258,29 @@ class _Comparison:
             around = jumps(self.programs, batch, self.domains)
             if around is not None:
                 yield around
+
+    def _make(self, domains: Mapping[str, InputDomain], seed: int) -> InputBatch:
+        """Other inputs; of generated ones fewer where the programs run long, in whole quads."""
+        count = max(self.plan.count * _SHORT // self._blocks // 128 * 128, _LEAST)
+        return self.make(domains, seed, min(count, self.plan.count))
+
+    def _make_with_constants(self) -> InputBatch:
+        domains = add_constants(self.domains, self.inputs, self.programs)
+        return self._make(domains, self.plan.rounds + 1)
+
+    def _split_long(self, batch: InputBatch) -> Iterator[InputBatch]:
+        """The invocations whose integers lie within their domains, and the others: loops of those
+        may be long, and all of a batch runs as long as one of it."""
+        far = np.zeros(batch.count, np.bool_)
+        for name, domain in self.domains.items():
+            if name in self.inputs and self.inputs[name].whole and name in batch.each:
+                own = batch.each[name].reshape(batch.count, -1)
+                far |= ((own < domain.low) | (own > domain.high)).any(axis=1)
+        for program in self.programs:
+            far[batch.rows_with(np.flatnonzero(far), program)] = True
+        for rows in (np.flatnonzero(~far), np.flatnonzero(far)):
+            if rows.size:
+                yield batch.part(rows)
 
     def _run(self, batch: InputBatch) -> _Set:
         one = _Set(batch, run(self.programs[0], batch), run(self.programs[1], batch))
@@ -382,7 +416,7 @@ class _Comparison:
         }
         # A loop that ends because of what is assumed goes on without it: no condition then.
         with contextlib.suppress(NotInterpretedError):
-            yield self._run(self.make(domains, self.plan.rounds))
+            yield self._run(self._make(domains, self.plan.rounds))
         whole = {
             n: InputDomain("number", -(2.0**31), 2.0**31 - 1.0)
             for n in relaxed
@@ -390,7 +424,7 @@ class _Comparison:
         }
         if whole and any(program.line_of(op) for program in self.programs for op in _BITS):
             with contextlib.suppress(NotInterpretedError):
-                yield self._run(self.make({**domains, **whole}, self.plan.rounds))
+                yield self._run(self._make({**domains, **whole}, self.plan.rounds))
 
 
 def _is_unwritten(sets: Sequence[_Set], name: str) -> bool:

@@ -352,7 +352,7 @@ def unknown_names(ranges: Sequence[str], inputs: Iterable[str]) -> list[str]:
     return [name for name in ranges if name not in known]
 
 
-_SIDES = (8, 32)  # of textures
+_SIDES, _FACE_SIDES = (8, 32), (8, 16)  # of textures; loops over all of a cube's texels end
 _CORNERS = 0.08  # the share of numbers that are an end of their range, 0 or 1
 _PIXELS = 64  # in a row
 
@@ -553,7 +553,8 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
     kind = kind.removesuffix("Shadow")
     if kind not in _SHAPES or not of.startswith("sampler"):
         raise NotInterpretedError(f"not interpreted: {one.type} {one.name}")
-    values = rng.uniform(0.02, 3.0 if mipmaps else 1.0, _SHAPES[kind](int(rng.choice(_SIDES))))
+    side = int(rng.choice(_FACE_SIDES if kind == "Cube" else _SIDES))
+    values = rng.uniform(0.02, 3.0 if mipmaps else 1.0, _SHAPES[kind](side))
     if "normal" in words_of(one.name):
         n = rng.normal(size=(*values.shape[:-1], 3))
         n[..., 2] = np.abs(n[..., 2])

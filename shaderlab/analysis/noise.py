@@ -139,12 +139,13 @@ _HUGE = float(np.finfo(np.float32).max)
 @dataclass(frozen=True, eq=False)
 class Ran:
     """What a program gave, without noise (first) and with: outputs (runs, count, components) by
-    name, NaN where there is no float32; whether an invocation was discarded, (runs, count); and
-    the labels of the blocks that were run."""
+    name, NaN where there is no float32; whether an invocation was discarded, (runs, count); the
+    labels of the blocks that were run; and how many those were, each time counted."""
 
     outputs: Mapping[str, Array]
     discarded: Flags
     labels: Set[int]
+    blocks: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +184,7 @@ def run(program: Program, batch: InputBatch, copies: int = COPIES) -> Ran:
         name: values.reshape(times, count, values.shape[-1])
         for name, values in flatten_outputs(found.outputs)
     }
-    return Ran(outputs, gone.reshape(times, count), found.ran)
+    return Ran(outputs, gone.reshape(times, count), found.ran, found.blocks)
 
 
 def _separate_runs(places: Array | None, count: int) -> Array | None:

@@ -17,7 +17,7 @@ from shaderlab.analysis.batches import InputBatch, merge_batches
 from shaderlab.analysis.comparison import Plan, compare_programs
 from shaderlab.analysis.inputs import learn_domains, vary_inputs
 from shaderlab.analysis.interpreter import Program, load
-from shaderlab.analysis.noise import PerturbedFloat
+from shaderlab.analysis.noise import PerturbedFloat, run
 from shaderlab.cli.diff import command
 from shaderlab.compiler import Shaders
 from shaderlab.errors import NotInterpretedError, ShaderlabError, UsageError
@@ -203,6 +203,34 @@ def test_numbers_that_the_shader_names_are_tried(test: str, wrong: str) -> None:
 def test_the_cases_of_a_switch_are_tried() -> None:
     text = "uniform int id; out int o; void main() { switch (id) { case %d: o = 1; } }"
     assert compared(text % 4200, text % 4300).same is False
+
+
+@pytest.mark.parametrize(
+    ("turns", "most"),
+    [("steps", 2e7), ("int(400.0 * abs(x))", 5e7)],
+)
+def test_what_runs_long_is_compared_on_fewer_inputs(
+    turns: str, most: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A number such as 900 is tried as the end of a loop, too: the others do not run that long."""
+    text = f"""uniform int steps; in float x; out float o;
+    void main() {{
+        o = steps == 900 ? %s : 0.0;
+        for (int i = 0; i < {turns}; ++i) o = x - o;
+    }}"""
+    lanes = []
+
+    def counted(*given: Any) -> Any:
+        ran = run(*given)
+        lanes.append(ran.blocks * ran.discarded.size)
+        return ran
+
+    monkeypatch.setattr("shaderlab.analysis.comparison.run", counted)
+    plan = Plan(accuracy=False, count=2048)
+    assert compare_programs(program(text % "1.0"), program(text % "1.0"), plan).same is True
+    assert sum(lanes) < most
+    if turns == "steps":
+        assert compare_programs(program(text % "1.0"), program(text % "2.0"), plan).same is False
 
 
 def test_what_lies_between_two_numbers_that_are_nearly_the_same_is_tried() -> None:

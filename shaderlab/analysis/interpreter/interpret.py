@@ -172,12 +172,14 @@ class Interpreted:
         undecided: by line of the program's text, the invocations that took both sides of a branch.
         taken: each two blocks, by their labels, of which an invocation came to one after the other;
             0 comes before a function's first.
+        blocks: how many blocks were run.
     """
 
     outputs: Mapping[str, Any]
     discarded: TriBool
     undecided: Mapping[int, Flags]
     taken: Set[tuple[int, int]] = frozenset()
+    blocks: int = 0
 
     @property
     def ran(self) -> Set[int]:
@@ -252,4 +254,5 @@ def _run(run: Run, memory: dict[int, Value], unwritten: bool) -> Interpreted:
         discarded=TriBool(run.killed & ~survivors, ~run.killed),
         undecided=run.undecided,
         taken=run.taken,
+        blocks=run.blocks,
     )

@@ -179,6 +179,7 @@ class Run:
         undecided: by line, the invocations that took both sides of a branch there.
         taken: each two blocks, by their labels, of which one was run after the other; 0 comes
             before a function's first.
+        blocks: how many blocks were run.
     """
 
     program: Program
@@ -199,7 +200,7 @@ class Run:
         self.undecided: dict[int, Flags] = {}
         self.taken: set[tuple[int, int]] = set()
         self.units: dict[int, tuple[Value, float]] = {}
-        self._blocks = 0
+        self.blocks = 0
         self._reads: list[Value] = []
         self._steps: dict[int, Steps] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
@@ -304,10 +305,10 @@ class Run:
     def _count(self, visits: dict[int, int], label: int, line: int) -> None:
         """Count a block's run, and give up where there are too many."""
         visits[label] = visits.get(label, 0) + 1
-        self._blocks += 1
+        self.blocks += 1
         if visits[label] > MAX_LOOP_ITERATIONS + 1:
             what = f"a loop that goes on after {MAX_LOOP_ITERATIONS} iterations"
-        elif self._blocks > self.max_blocks:
+        elif self.blocks > self.max_blocks:
             what = f"a program that goes on after {self.max_blocks} blocks"
         else:
             return
