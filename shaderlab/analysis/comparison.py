@@ -225,7 +225,8 @@ class _Comparison:
                 break
         else:
             if not captured and self.plan.rounds:
-                for batch in self._split_long(self._make_with_constants()):
+                domains = add_constants(self.domains, self.inputs, self.programs)
+                for batch in self._split_long(self._make(domains, self.plan.rounds + 1)):
                     # A loop as long as such a number says may be too long to run.
                     with contextlib.suppress(NotInterpretedError):
                         sets.append(self._run(batch))
@@ -264,10 +265,6 @@ class _Comparison:
         count = max(self.plan.count * _SHORT // self._blocks // 128 * 128, _LEAST)
         return self.make(domains, seed, min(count, self.plan.count))
 
-    def _make_with_constants(self) -> InputBatch:
-        domains = add_constants(self.domains, self.inputs, self.programs)
-        return self._make(domains, self.plan.rounds + 1)
-
     def _split_long(self, batch: InputBatch) -> Iterator[InputBatch]:
         """The invocations whose integers lie within their domains, and the others: loops of those
         may be long, and all of a batch runs as long as one of it."""
@@ -278,9 +275,7 @@ class _Comparison:
                 far |= ((own < domain.low) | (own > domain.high)).any(axis=1)
         for program in self.programs:
             far[batch.rows_with(np.flatnonzero(far), program)] = True
-        for rows in (np.flatnonzero(~far), np.flatnonzero(far)):
-            if rows.size:
-                yield batch.part(rows)
+        yield from (batch.part(np.flatnonzero(rows)) for rows in (~far, far) if rows.any())
 
     def _run(self, batch: InputBatch) -> _Set:
         one = _Set(batch, run(self.programs[0], batch), run(self.programs[1], batch))
