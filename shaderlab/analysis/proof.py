@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from shaderlab.bands import Band, TriBool
-from shaderlab.errors import NotInterpretedError
+from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.glslmath.choice import isinf, isnan
 from shaderlab.model.frame import Array
 
@@ -165,7 +165,10 @@ class Proof:
         found = {}
         for name, holds in self._condition(result.outputs, batch).items():
             truth = holds.all_true if isinstance(holds, TriBool) else np.asarray(holds)
-            fails = ~truth.reshape(len(truth), -1).all(axis=1)
+            if truth.dtype != bool or truth.shape[:1] not in ((), (1,), (batch.count,)):
+                message = f"the condition gives {holds!r:.60}, no truth value for each input"
+                raise FormulaError(message, remedy="compare the results: lambda y: y >= 0.0")
+            fails = ~truth.reshape(*truth.shape[:1] or (1,), -1).all(axis=1)
             found[Place(_OUTPUT, (), name)] = np.broadcast_to(fails, drawn.shape) & drawn
         return found
 

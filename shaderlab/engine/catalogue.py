@@ -13,6 +13,7 @@ import functools
 import hashlib
 import os
 import re
+import signal
 import sys
 import sysconfig
 import traceback
@@ -407,9 +408,10 @@ def _import(path: Path) -> ModuleType:
         line = error.line or _line_in(path, error)
         kind = MissingPackageError if isinstance(error, MissingPackageError) else CaseError
         raise kind(error.message, file=path, line=line, remedy=error.remedy) from error
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # SystemExit too
+    except BaseException as error:  # SystemExit too; where interrupts are ignored, a file's own
+        ignored = signal.getsignal(signal.SIGINT) == signal.SIG_IGN
+        if isinstance(error, KeyboardInterrupt) and not ignored:
+            raise
         raise CaseError(
             _text(error),
             file=path,

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from shaderlab.drivers import Backend, Session
 from shaderlab.drivers.programs.prepare import Preparer
-from shaderlab.errors import DriverError
+from shaderlab.errors import CaseError, DriverError
 from shaderlab.model.calls import error_name
 from shaderlab.model.expectation import Expectation, Judgement, Need
 from shaderlab.model.frame import Frame
@@ -118,7 +118,11 @@ class Evaluation:
         """Judge one of the scene's expectations; see `Expectation.judge` for what it raises."""
         self.gather(expectation)
         with phase("judge", f"judging {expectation.name!r}"):
-            judgement = expectation.judge(self.scene, self.frame)
+            given: Any = expectation.judge(self.scene, self.frame)
+            if not isinstance(given, Judgement):
+                made = f"{type(expectation).__name__}.judge() gives {given!r:.60}, no Judgement"
+                raise CaseError(made, remedy="return self.judge_rows(…)")
+            judgement = given
             if judgement.outcome.status == "pass":
                 fault = self._discard_check.fault(expectation, self.frame, self._lend)
                 if fault := fault or self._find_misplaced(expectation):

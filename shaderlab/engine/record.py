@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import groupby
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,7 @@ from shaderlab.model.frame import Image, PassDraw, TracedCall
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.scene import Ramp, UniformBuffer
 
-from .catalogue import chapter_title, place_of
+from .catalogue import chapter_title, is_project_file, place_of
 from .jobs import DEFECT
 from .judging.banded import format_value
 from .pictures import PictureWriter, digest_values
@@ -289,8 +290,11 @@ def _status_of(error: BaseException, driver: str | None) -> tuple[records.Status
             return "error", ShaderlabError(f"out of memory: {error}".rstrip(": "))
         case ShaderlabError():
             return "error", error
-    place = traceback.extract_tb(error.__traceback__)[-1]
-    if not isinstance(error, Exception):  # SystemExit, say, which only a case's own code raises
+    frames = traceback.extract_tb(error.__traceback__)
+    lab = str(Path(__file__).parents[1])
+    own = [f for f in frames if f.filename[0] == "/" and is_project_file(Path(f.filename))]
+    place = [f for f in frames if f in own or f.filename.startswith(lab)][-1]
+    if place in own or not isinstance(error, Exception):  # SystemExit: a case's own code alone
         message = f"raised {type(error).__name__}: {error}".rstrip(": ")
         return "error", CaseError(message, file=place.filename, line=place.lineno)
     return "error", ShaderlabError(

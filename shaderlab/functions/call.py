@@ -259,8 +259,18 @@ def find_ranges(
     given = {p.name: v for p, v in zip(signature.given, arguments, strict=False)} | {**named}
     for one in (*signature.given, *signature.globals):
         ends: Any = given.get(one.name)
-        if one.type.name in ("float", "int", "uint") and type(ends) is tuple and len(ends) == 2:
+        if is_range(ends, one.type, f"{signature.name}: {one.name}"):
             yield one, ends
+
+
+def is_range(value: Any, kind: Type, label: str) -> bool:
+    """Whether a number is given as both ends of a range. Raises CallError: they are none."""
+    if kind.name not in ("float", "int", "uint") or type(value) is not tuple or len(value) != 2:
+        return False
+    fit_argument(list(value), kind, label)
+    if any(map(np.ndim, value)) or not value[0] <= value[1]:
+        raise CallError(f"{label}={value} is no range", remedy="give the lower end first: (0, 1)")
+    return True
 
 
 def replace_arguments(call: Call, new: Mapping[str, Any]) -> Call:

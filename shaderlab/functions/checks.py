@@ -22,6 +22,7 @@ from shaderlab.functions.call import Call, collect_opaque, read_texels, replace_
 from shaderlab.functions.signatures import Type
 from shaderlab.glslmath.choice import where
 from shaderlab.glslmath.vector import stack
+from shaderlab.model.checked import Checked
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Curve, Outcome, SourceText
 from shaderlab.report.text import format_outcome
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from shaderlab.functions.library import Function
 
 
-class CallLaw(ABC):
+class CallLaw(Checked, ABC):
     @property
     def title(self) -> str:
         return type(self).__name__.lower()
@@ -48,7 +49,7 @@ class Inverse(Close, CallLaw):
     argument: str = ""
 
     def judge_call(self, function: Function, call: Call, got: Any) -> Finding:
-        x = np.asarray(_argument(function, call, self.argument))
+        x = np.asarray(_argument(function, call, self.argument or call.signature.given[0].name))
         back = np.asarray(self.other(got))
         x = np.broadcast_to(x, back.shape)
         trivial = "it returns its argument" if back.size and np.array_equal(got, x) else ""
@@ -63,8 +64,8 @@ class Idempotent(Close, CallLaw):
 
     def judge_call(self, function: Function, call: Call, got: Any) -> Finding:
         name = self.argument or call.signature.given[0].name
-        again = np.asarray(function.evaluate(replace_arguments(call, {name: got})))
         x = _argument(function, call, name)
+        again = np.asarray(function.evaluate(replace_arguments(call, {name: got})))
         trivial = "it returns its argument" if np.array_equal(np.asarray(got), x) else ""
         return self.compare(again, got, trivial)
 
@@ -94,7 +95,7 @@ class Table(Close, CallLaw):
     """Known values, one for each element. With `digits`, they are figures printed so: a value
     has to round to its figure."""
 
-    values: Any
+    values: bool | float | Array
     _: KW_ONLY
     digits: int | None = None
 
@@ -123,9 +124,8 @@ def judge_law(law: Law | CallLaw, function: Function, call: Call, got: Any) -> F
 
 
 def _argument(function: Function, call: Call, name: str) -> Any:
-    """An argument's own array, as the function got it; the first one's if `name` is empty. Raises
-    CallError."""
-    argument = call.values.get(name or call.signature.given[0].name)
+    """An argument's own array, as the function got it. Raises CallError."""
+    argument = call.values.get(name)
     if argument is None or argument.type.members:
         known = ", ".join(n for n, a in call.values.items() if not a.type.members)
         message = f"{function.__name__} gets no numbers named {name!r}"
@@ -231,7 +231,7 @@ def _judge_law(
 ) -> Outcome:
     finding = judge_law(law, function, call, got)
     parts = (len(call.batch), finding.holds.ndim)
-    rows = kept.reshape(*kept.shape, *[1] * (parts[1] - parts[0]))
+    rows = kept.reshape((*kept.shape, *[1] * (parts[1] - parts[0])))
     finding = replace(finding, slack=np.where(rows, finding.slack, np.inf))
     wrong = np.count_nonzero(~finding.holds.all(axis=tuple(range(*parts))) & kept)
     judged = int(np.count_nonzero(kept))

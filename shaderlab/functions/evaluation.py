@@ -16,7 +16,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -248,6 +248,17 @@ class Caller:
 
 
 _CALLER: ContextVar[Caller | None] = ContextVar("_CALLER", default=None)
+Kept = TypeVar("Kept")
+
+
+@contextmanager
+def keeping(variable: ContextVar[Any], value: Kept) -> Iterator[Kept]:
+    """Give a variable of the context another value."""
+    token = variable.set(value)
+    try:
+        yield value
+    finally:
+        variable.reset(token)
 
 
 @contextmanager
@@ -255,11 +266,8 @@ def use_worker(worker: Worker) -> Iterator[None]:
     """Inside a worker: calls are made in this process, on its own device."""
     driver = load_settings(Path.cwd()).driver
     made = worker.keep("caller", driver, lambda: Caller(InProcessExecutor(driver, worker), driver))
-    token = _CALLER.set(made)
-    try:
+    with keeping(_CALLER, made):
         yield
-    finally:
-        _CALLER.reset(token)
 
 
 def get_caller() -> Caller:

@@ -93,7 +93,7 @@ class Grid:
             self._ranges[one.name] = Numbers(low, high, dtype)
         whole = math.prod(map(len, self._ranges.values())) if self._ranges else 0
         self.count = -(-whole // step)
-        if step < 1 or not 0 < self.count <= _MOST:
+        if not 1 <= step <= _MOST or not 0 < self.count <= _MOST:
             raise CallError(
                 f"{function.__name__}: every= takes ranges of 1 to {_MOST:,} values, "
                 f"not {self.count:,}",

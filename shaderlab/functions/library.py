@@ -6,13 +6,13 @@ import os
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any
 
 from shaderlab.compiler.shader_files import EXTENSIONS
 from shaderlab.compiler.sources import Shaders, Source, with_version
@@ -30,7 +30,7 @@ from shaderlab.files import display_path
 from shaderlab.functions import checks
 from shaderlab.functions.call import Call, bind_arguments, find_ranges
 from shaderlab.functions.checks import CallLaw
-from shaderlab.functions.evaluation import Preprocess, evaluate, get_caller
+from shaderlab.functions.evaluation import Preprocess, evaluate, get_caller, keeping
 from shaderlab.functions.signatures import (
     Declarations,
     Signature,
@@ -38,18 +38,8 @@ from shaderlab.functions.signatures import (
     find_signatures,
     read_declarations,
 )
+from shaderlab.model.checked import check_arguments
 from shaderlab.model.records import Curve, Outcome, ProgramRecord, Record, SourceText, Status
-
-Kept = TypeVar("Kept")
-
-
-@contextmanager
-def _keeping(variable: ContextVar[Kept | None], value: Kept) -> Iterator[Kept]:
-    token = variable.set(value)
-    try:
-        yield value
-    finally:
-        variable.reset(token)
 
 
 @dataclass
@@ -74,7 +64,7 @@ def current_notes() -> Notes | None:
 
 
 def take_notes() -> AbstractContextManager[Notes]:
-    return _keeping(_NOTES, Notes())
+    return keeping(_NOTES, Notes())
 
 
 def record_of_test(
@@ -170,7 +160,7 @@ _LOADS: ContextVar[Loads | None] = ContextVar("_LOADS", default=None)
 
 def record_loads(texts: Mapping[str, str]) -> AbstractContextManager[Loads]:
     """Take these texts in place of others, and note what is loaded."""
-    return _keeping(_LOADS, Loads(texts))
+    return keeping(_LOADS, Loads(texts))
 
 
 class Function:
@@ -259,6 +249,7 @@ class Function:
         __tracebackhide__ = True
         curves: list[Curve] = []
         try:
+            check_arguments(Function.check, law=law, every=every)
             if every:
                 from shaderlab.functions.exhaustive import judge_every
 
@@ -302,6 +293,7 @@ class Function:
         from shaderlab.functions.proving import prove_law
 
         try:
+            check_arguments(Function.prove, law=law)
             outcome = prove_law(self, law, ranges)
         except ShaderlabError as error:
             raise error.with_traceback(_short_traceback(error)) from error.__cause__
@@ -353,6 +345,7 @@ def load(
         ShaderError: there is no such file, or it or one of its includes can't be read.
         ArgumentsError: a name of `given` is none of the file's globals.
     """
+    check_arguments(load, shader=shader, defines=defines)
     if isinstance(shader, str) and "{" in shader:
         source = Shaders([], defines=defines).from_text(shader, "fragment", "text")
         return Library(source, "", given)

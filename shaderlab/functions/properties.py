@@ -14,39 +14,34 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands.rounding import shortest
-from shaderlab.errors import CallError, require_extra
+from shaderlab.errors import CallError, require_extra, suggest
 from shaderlab.files import display_path
-from shaderlab.functions.library import current_notes
+from shaderlab.functions.call import is_range
+from shaderlab.functions.library import Function, current_notes
+from shaderlab.model.checked import Checked, check_arguments, is_array
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Outcome, SourceText
 
 if TYPE_CHECKING:
-    from shaderlab.functions.library import Function
     from shaderlab.functions.signatures import Type
 
 
 _NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
-_TINY = float(np.finfo(np.float32).tiny)
+_TINY, _MOST = (float(n) for n in (np.finfo(np.float32).tiny, np.finfo(np.float32).max))
 
 
-class Domain(ABC):
+class Domain(Checked, ABC):
     @abstractmethod
     def sample(self, rng: np.random.Generator, shape: tuple[int, ...], hints: Array) -> Array:
-        """Random values and special ones; `hints` are numbers that the function is made of.
-
-        Args:
-            rng: the only source of chance.
-            shape: of the values: the first axis counts samples, the others are those of the type.
-            hints: numbers, (n,).
-        """
+        """Random values and special ones, of a shape whose first axis counts samples; `hints` are
+        numbers, (n,), that the function is made of."""
 
     @abstractmethod
     def simpler(self, value: Any) -> list[Any]:
         """Values of the domain that are simpler than one, the simplest first; for one number, or
         for a whole vector where its numbers depend on each other."""
 
-    by_component = True
-    """Whether each number of a vector is a value by itself."""
+    by_component = True  # each number of a vector is a value by itself
 
 
 @dataclass(frozen=True)
@@ -58,8 +53,8 @@ class Floats(Domain):
     high: float
 
     def __post_init__(self) -> None:
-        if not -np.inf < self.low < self.high < np.inf:
-            raise CallError(f"floats({self.low}, {self.high}): give two numbers, the lower first")
+        if not -_MOST <= self.low < self.high <= _MOST:
+            raise CallError(f"floats({self.low}, {self.high}): give two ends that are float32")
 
     def sample(self, rng: np.random.Generator, shape: tuple[int, ...], hints: Array) -> Array:
         count = math.prod(shape)
@@ -108,8 +103,8 @@ class Ints(Domain):
     high: int
 
     def __post_init__(self) -> None:
-        if self.low > self.high:
-            raise CallError(f"ints({self.low}, {self.high}): give two numbers, the lower first")
+        if not -(2**31) <= self.low <= self.high < 2**32:
+            raise CallError(f"ints({self.low}, {self.high}): give two ends of 32 bits")
 
     def sample(self, rng: np.random.Generator, shape: tuple[int, ...], hints: Array) -> Array:
         even = rng.integers(self.low, self.high, shape, endpoint=True)
@@ -133,6 +128,10 @@ class OneOf(Domain):
     values: Sequence[Any]
     by_component = False
 
+    def __post_init__(self) -> None:
+        if not self.values or not is_array(self.values):
+            raise CallError("one_of: give numbers, or arrays of numbers of one shape")
+
     def sample(self, rng: np.random.Generator, shape: tuple[int, ...], hints: Array) -> Array:
         values: Array = np.asarray(self.values)
         return values[rng.integers(0, len(values), shape[0])]
@@ -148,6 +147,8 @@ class Directions(Domain):
     by_component = False
 
     def sample(self, rng: np.random.Generator, shape: tuple[int, ...], hints: Array) -> Array:
+        if len(shape) != 2:
+            raise CallError("glsl.directions() are of vectors", remedy="give a range: (0, 1)")
         vectors = rng.normal(size=shape)
         axes = np.concatenate([np.eye(shape[-1]), -np.eye(shape[-1])])
         some = rng.random(shape[:-1]) < 0.1
@@ -267,8 +268,7 @@ class Search:
     def __init__(self, function: Function, domains: Mapping[str, Any], test: Test) -> None:
         self._function = function
         self._test = test
-        self._domains = {n: d for n, d in flatten(domains) if isinstance(d, Domain)}
-        self._fixed = {n: d for n, d in flatten(domains) if not isinstance(d, Domain)}
+        self._given = domains
         self._one_by_one = self._is_sampled = False
 
     @cached_property
@@ -276,6 +276,23 @@ class Search:
         """The types of what the function takes, by name."""
         signatures = self._function.signatures
         return {i.name: i.type for s in signatures for i in (*s.given, *s.globals)}
+
+    @cached_property
+    def _domains(self) -> dict[str, Any]:
+        found = {}
+        for name, value in flatten(self._given):
+            kind = self._type_of(name)
+            if is_range(value, kind, f"given: {name}"):
+                value = (Floats if kind.name == "float" else Ints)(*value)
+            elif isinstance(value, str) and value == "unit":
+                value = Directions()
+            if isinstance(value, Domain):
+                found[name] = value
+        return found
+
+    @cached_property
+    def _fixed(self) -> dict[str, Any]:
+        return {n: d for n, d in flatten(self._given) if n not in self._domains}
 
     @cached_property
     def _result_names(self) -> list[str]:
@@ -316,7 +333,6 @@ class Search:
         elif self.proof[0] and self._is_sampled:
             return 0
         else:
-            self._is_sampled = True
             rng = np.random.default_rng(batch)
             hints = hints_of("".join(s.code for s in self._function.signatures))
             values = {
@@ -326,9 +342,11 @@ class Search:
             for name, value in self.proof[1].items():
                 values[name][0] = np.reshape(value, values[name].shape[1:])
         if not values:
-            raise CallError(f"given: nothing of {self._function.__name__} is searched")
+            message = f"given: nothing of {self._function.__name__} is searched"
+            raise CallError(message, remedy=f"{next(iter(self._inputs), 'x')}=(0, 1)")
         arguments = self._arguments(values)
         if not self._fails(arguments):
+            self._is_sampled |= not isinstance(batch, dict)
             return _count(arguments)
         wrong = self._halve(arguments)
         values = {name: value[wrong] for name, value in values.items()}
@@ -341,14 +359,12 @@ class Search:
     def _type_of(self, name: str) -> Type:
         """The type of an argument, or of a member by its whole name."""
         head, *members = name.split(".")
-        if head not in self._inputs:
-            raise CallError(
-                f"given: {self._function.__name__} takes no {head!r}",
-                remedy=f"there is: {', '.join(self._inputs)}",
-            )
-        kind = self._inputs[head]
-        for member in members:
-            kind = dict(kind.members)[member]
+        known: Mapping[str, Type] = self._inputs
+        for part in (head, *members):
+            if part not in known:
+                message = f"given: {self._function.__name__} takes no {name!r}"
+                raise CallError(message, remedy=suggest(part, known))
+            known = dict((kind := known[part]).members)
         return kind
 
     def _report(self, values: Values) -> None:
@@ -473,12 +489,13 @@ def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
     Args:
         function: what is called.
         domains: for each parameter and global the domain that is searched, such as
-            `floats(0, 1)`, a mapping of domains for a struct, or a value.
+            `floats(0, 1)`, or `(0, 1)` for one number, a mapping of them for a struct, or a value.
 
     Raises:
         AssertionError: from the test, for a counterexample made as simple as possible; a note has
             it as a line to paste above the test: `@glsl.example(…)`.
     """
+    check_arguments(given, function=function)
 
     def decorate(test: Test) -> Test:
         with require_extra("pytest", "glsl.given"):
@@ -494,6 +511,7 @@ def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
         # Hypothesis takes it for the test: failures show that, and the database knows it by that.
         for name in ("__name__", "__qualname__", "__module__", "__doc__"):
             setattr(run, name, getattr(test, name))
+        run.__annotations__ = {}
         code = test.__code__
         run.__code__ = run.__code__.replace(
             co_filename=code.co_filename, co_firstlineno=code.co_firstlineno

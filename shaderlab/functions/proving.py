@@ -26,7 +26,7 @@ from shaderlab.bands.exact import DECIDING
 from shaderlab.compiler.spirv import StorageClass, type_name
 from shaderlab.engine.judging.laws import Bounded, Law, Monotone
 from shaderlab.errors import CallError, FormulaError, ShaderlabError
-from shaderlab.functions.evaluation import use_worker
+from shaderlab.functions.evaluation import keeping, use_worker
 from shaderlab.functions.interpreting import AuditFunctions, find_entry_points
 from shaderlab.functions.library import Function, Library
 from shaderlab.functions.signatures import PREFIX, Type
@@ -78,9 +78,10 @@ def _compare(function: Function, law: Law, ranges: Mapping[str, Any]) -> tuple[F
         return function, ranges
     changed = {name: name for name in kinds}
     if isinstance(law, Monotone):
-        if law.over not in ranges:
+        ends: Any = ranges.get(law.over)
+        if not isinstance(ends, tuple | list) or len(ends) != 2:
             raise CallError(f"{function.__name__}: {law.over} has no range")
-        low, high = ranges[law.over]
+        low, high = ends
         size = (high - low) / _STEPS
         ranges = {**ranges, law.over: (low, high - size), step: (0.99 * size, 2.0 * size)}
         changed[law.over], kinds[step] = f"min({law.over} + {step}, {float(high)!r})", "float"
@@ -122,7 +123,10 @@ def find_proof(
         raise CallError(f"{function.__name__} is overloaded, or of an included file")
     program = load(entries[str(signature)])
     inputs = inputs_of(program)
-    words = {n: r if isinstance(r, str) else f"{r[0]!r}:{r[1]!r}" for n, r in ranges.items()}
+    pairs = (tuple, list, np.ndarray)
+    words = {
+        n: ":".join(map(str, r)) if isinstance(r, pairs) else str(r) for n, r in ranges.items()
+    }
     domains = domains_of(inputs, [program], words)
     for name, domain in domains.items():
         if domain.source == "assumed" and domain.kind != "texture":
@@ -163,11 +167,8 @@ def prove_test(
         each = [whole or holds(slice(row, row + 1)) for row in range(batch.count)]
         return {"the test holds": np.array(each)}
 
-    token = DECIDING.set(True)
-    try:
+    with keeping(DECIDING, True):
         return find_proof(function, hold, ranges, _BOXES)[1]
-    finally:
-        DECIDING.reset(token)
 
 
 @dataclass(frozen=True)

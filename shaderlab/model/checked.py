@@ -81,6 +81,12 @@ def checked_arguments(function: Function) -> Function:
     return cast(Function, checked)
 
 
+def check_arguments(function: Callable[..., Any], /, **given: Any) -> None:
+    """Check the types of some arguments of a function that calls this, for it needs its caller."""
+    for name, value in given.items():
+        _check(function, name, value, typing.get_type_hints(function)[name])
+
+
 def find_misfit(value: Any, hint: Any, place: str) -> Misfit | None:
     """Find the part of a value that is not of its type; None if there is none.
 
@@ -109,7 +115,7 @@ def find_misfit(value: Any, hint: Any, place: str) -> Misfit | None:
     if kind is typing.Literal:
         fits = any(type(value) is type(one) and value == one for one in inner)
     elif kind is np.ndarray:
-        fits = _is_array(value)
+        fits = is_array(value)
     elif kind is collections.abc.Callable:
         fits = callable(value)
     elif isinstance(kind, type) and kind is not Any:
@@ -168,7 +174,8 @@ def _elements(
     return ((one, each, f"{place}[{k}]") for k, one, each in first if type(one) is not each)
 
 
-def _is_array(value: Any) -> bool:
+def is_array(value: Any) -> bool:
+    """Whether a value is an array of numbers, or sequences that make one."""
     if isinstance(value, str | bytes) or not isinstance(value, np.ndarray | Sequence):
         return False
     try:
@@ -218,4 +225,5 @@ def _fields(kind: type) -> list[tuple[str, Any, Any]]:
 def _public_name(kind: Any) -> str:
     """A function or class as case files name it: expectations are called by functions' names."""
     name: str = kind.__name__
-    return re.sub("(?<=[a-z])(?=[A-Z])", "_", name).lower() if hasattr(kind, "kind") else name
+    is_called = hasattr(kind, "kind") or hasattr(kind, "title")  # of expectations, or of laws
+    return re.sub("(?<=[a-z])(?=[A-Z])", "_", name).lower() if is_called else name

@@ -27,7 +27,7 @@ from shaderlab.model.options import Limits
 
 STEP_BYTES = 256
 """The size of the file in which a worker notes its steps."""
-START_SECONDS = 120.0
+START_SECONDS = 50.0
 """A worker is ready by then, or within the limit of an item if that is longer."""
 END_SECONDS = 5.0
 GROWTH = 512 << 20
@@ -127,8 +127,8 @@ class _Process(subprocess.Popen[bytes]):
     def answer(self, number: int, item: Any) -> ItemResult:
         """Return the result of an item."""
         began = time.monotonic()
-        self._socket.settimeout(None)
-        with contextlib.suppress(OSError):  # it is gone then; reading its answer says how
+        self._socket.settimeout(self._seconds)
+        with contextlib.suppress(OSError):  # gone or stopped; reading its answer says how
             self._socket.sendall(pickle.dumps(item, pickle.HIGHEST_PROTOCOL))
         answer = self._receive(self._seconds)
         while answer[0] == "limit":

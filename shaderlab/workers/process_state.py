@@ -21,7 +21,11 @@ import numpy as np
 _LIMITS = [value for name, value in vars(resource).items() if name.startswith("RLIMIT_")]
 
 
-_SHARED = {"builtins", "math", "numpy", "os", "pathlib", "pickle", "random", "shaderlab", "time"}
+_SHARED = {
+    *("builtins", "collections", "contextlib", "dataclasses", "functools", "hashlib", "inspect"),
+    *("itertools", "json", "math", "numpy", "operator", "os", "pathlib", "pickle", "random"),
+    *("re", "shaderlab", "struct", "time", "weakref", "zlib"),
+}
 """Packages whose functions count: what the lab computes with, and what formulas are made of."""
 
 

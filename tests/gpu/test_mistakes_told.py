@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 from shaderlab import Case, formula, fullscreen
 from shaderlab.cli import cli
+from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.run import SceneRunner
 from shaderlab.glslmath import vec4
 from shaderlab.model.options import RunOptions
@@ -127,6 +128,38 @@ def test_integers_are_shown_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     result = CliRunner().invoke(cli, ["run", "a.py", "--size", "4", "--no-pictures"])
     assert "measured   2654435761\n" in result.output and "reference  2654435760" in result.output
     assert "e+09" not in result.output and "nan" not in result.output
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ("return None", "Own.judge() gives None, no Judgement\n→ return self.judge_rows(…)"),
+        ("raise RuntimeError('none')", "own.py:9: raised RuntimeError: none"),
+        ("return [].pop(frame)", "own.py:9: raised TypeError: "),
+        ("raise SystemExit(0)", "own.py:9: raised SystemExit: 0"),
+    ],
+)
+def test_an_expectation_of_ones_own_that_fails_itself(
+    lab: SceneRunner, tmp_path: Path, body: str, message: str
+) -> None:
+    (tmp_path / "a.frag").write_text(PLAIN)
+    own = tmp_path / "own.py"
+    own.write_text(
+        "from dataclasses import dataclass\n"
+        "from shaderlab import Case, fullscreen\n"
+        "from shaderlab.model.expectation import Expectation\n"
+        "@dataclass(frozen=True, kw_only=True)\n"
+        "class Own(Expectation):\n"
+        "    kind = 'own'\n"
+        "    name = 'own'\n"
+        "    def judge(self, scene, frame):\n"
+        f"        {body}\n"
+        "case = Case(title='t', passes=fullscreen('a.frag'), expect=[Own()])\n"
+    )
+    (scene,) = load_case(own).scenes()
+    record = lab.run(scene)
+    said = "\n".join([record.message, *(o.message for o in record.expectations)])
+    assert record.status in ("fail", "error") and message in said and "defect" not in said
 
 
 def test_a_shader_with_other_names_can_be_renamed(

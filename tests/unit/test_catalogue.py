@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -53,6 +55,21 @@ def test_whatever_a_case_raises_is_named(tmp_path: Path, what: str) -> None:
     with pytest.raises(CaseError, match=f"{what}: 3") as caught:
         load_case(saved(tmp_path, f"\nraise {what}(3)\n"))
     assert caught.value.line == 2
+
+
+@pytest.mark.parametrize(
+    ("handler", "expected"),
+    [(signal.SIG_IGN, CaseError), (signal.default_int_handler, KeyboardInterrupt)],
+)
+def test_an_interrupt_is_the_files_own_where_none_can_come(
+    tmp_path: Path, handler: Any, expected: type[BaseException]
+) -> None:
+    before = signal.signal(signal.SIGINT, handler)
+    try:
+        with pytest.raises(expected):
+            load_case(saved(tmp_path, "\nraise KeyboardInterrupt\n"))
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def tree(folder: Path, files: dict[str, str]) -> Path:

@@ -44,6 +44,10 @@ SPOILERS = {
     "thread": "threading.Thread(target=time.sleep, args=[600], daemon=True).start()",
     "child": "subprocess.Popen(['sleep', '600'])",
     "math": "math.sin = math.cos",
+    "inspect": "inspect.signature = None",
+    "re": "re.compile = lambda *_: None",
+    "struct": "struct.pack = struct.calcsize",
+    "functools": "functools.partial = None",
     "NumPy": "np.sqrt = np.cbrt",
     "NumPy deep inside": "np.linalg._linalg.norm = None",
     "a method": "pathlib.Path.exists = lambda self: False",
@@ -55,8 +59,8 @@ SPOILERS = {
     "trace": "sys.settrace(lambda *_: None)",
 }
 IMPORTS = """
-import builtins, ctypes, locale, math, os, pathlib, random, resource, signal, subprocess, sys
-import threading, time, warnings
+import builtins, ctypes, functools, inspect, locale, math, os, pathlib, random, re, resource
+import signal, struct, subprocess, sys, threading, time, warnings
 import numpy as np
 import shaderlab.engine.run
 """

@@ -14,6 +14,9 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab.errors import ShaderlabError
+from shaderlab.model.options import Limits
+from shaderlab.workers import pool as pool_module
 from shaderlab.workers.pool import WorkerPool, _descendants
 
 WORK = """
@@ -141,3 +144,37 @@ def is_running(process: int) -> bool:
     with contextlib.suppress(OSError):
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     return False
+
+
+def test_a_process_that_is_stopped_while_it_starts_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = "import os, signal\nos.kill(os.getpid(), signal.SIGSTOP)\n"
+    (tmp_path / "stops.py").write_text(text)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(pool_module, "START_SECONDS", 2.0)
+    with (
+        WorkerPool("stops:work", limits=Limits(seconds=2.0)) as pool,
+        pytest.raises(ShaderlabError) as caught,
+    ):
+        list(pool.run(["a"]))
+    assert "the process was stopped (SIGSTOP)" in caught.value.message
+
+
+def test_a_stopped_process_is_sent_no_more_than_the_limit_allows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also an item that is larger than what the system keeps for it."""
+    text = (
+        "import os, signal, threading\n"
+        "def work(item):\n"
+        "    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGSTOP)).start()\n"
+        "    return os.getpid()\n"
+    )
+    (tmp_path / "stops.py").write_text(text)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with WorkerPool("stops:work", limits=Limits(seconds=1.0)) as pool:
+        (first,) = pool.run([b""])
+        os.waitid(os.P_PID, first.value, os.WSTOPPED | os.WNOWAIT)
+        (result,) = pool.run([bytes(1 << 24)])
+    assert result.status == "timeout" and "stopped" in result.message

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from shaderlab.bands.rounding import LARGEST
 from shaderlab.errors import CallError, CaseError
+from shaderlab.model.checked import Checked
 from shaderlab.model.frame import Array
 from shaderlab.model.records import Worst
 from shaderlab.model.state import check_choice
@@ -72,7 +73,15 @@ class Finding:
         )
 
 
-class Law(ABC):
+def fit_shape(values: Any, shape: tuple[int, ...], label: str) -> Array:
+    """Numbers in this shape, float64. Raises CallError: they are none, or have another shape."""
+    try:
+        return np.broadcast_to(np.asarray(values, np.float64), shape)
+    except (TypeError, ValueError):
+        raise CallError(f"{label} is {values!r:.60}, not numbers of shape {shape}") from None
+
+
+class Law(Checked, ABC):
     """A property of a function that needs no reference."""
 
     #: What failures call it.
@@ -98,8 +107,8 @@ class Bounded(Law):
     bounds are numbers, or one for each component; they are rounded to float32, as the shader's own
     constants are. Raises CaseError: there is no bound, or a lower one above its upper one."""
 
-    low: Any = -np.inf
-    high: Any = np.inf
+    low: float | Sequence[float] | Array = -np.inf
+    high: float | Sequence[float] | Array = np.inf
     title = "bounded"
 
     def __post_init__(self) -> None:
@@ -121,7 +130,7 @@ class Bounded(Law):
         self, inputs: Mapping[str, Array], values: Array, second: Array | None, batch: Batch
     ) -> Finding:
         numbers = values.astype(np.float64)
-        low, high = (np.broadcast_to(end, values.shape) for end in self.ends)
+        low, high = (fit_shape(end, values.shape, "a bound") for end in self.ends)
         slack = np.minimum(numbers - low, high - numbers)
         return Finding(
             values=values,
@@ -199,18 +208,22 @@ class Monotone(Law):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Close:
+class Close(Checked):
     """How far two values may lie apart: so many units in the last place (`ulp`), or that much
-    (`within`)."""
+    (`within`). Raises CaseError: it is negative or infinite."""
 
     ulp: float = 0.0
     within: float = 0.0
 
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.ulp < 2**23 or not 0.0 <= self.within < np.inf:
+            raise CaseError("tolerance: ulp must be at least 0 and below 2²³, within finite")
+
     def compare(self, values: Array, expected: Any, trivial: str = "") -> Finding:
         """Hold values against others; NaN is close to NaN alone."""
         values = np.asarray(values)
-        other = np.broadcast_to(np.asarray(expected), values.shape)
-        numbers, wanted = values.astype(np.float64), other.astype(np.float64)
+        numbers = values.astype(np.float64)
+        other = wanted = fit_shape(expected, values.shape, "what it is compared with")
         with np.errstate(all="ignore"):
             last = np.spacing(np.abs(wanted).astype(np.float32)).astype(np.float64)
             allowed = np.fmax(self.ulp * last, self.within)
@@ -232,15 +245,10 @@ class Close:
 @dataclass(frozen=True)
 class Symmetric(Close, Law):
     """The value stays the same when one input changes its sign, or two are exchanged; or, with the
-    sign −1, it changes its own sign then. Raises CaseError: there are more inputs than two, or the
-    tolerance is negative or infinite."""
+    sign −1, it changes its own sign then."""
 
     inputs: tuple[str, ...]
     sign: int = 1
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.ulp < 2**23 or not 0.0 <= self.within < np.inf:
-            raise CaseError(f"{self.title}: ulp must be at least 0 and below 2²³, within finite")
 
     @property
     def title(self) -> str:  # type: ignore[override]
@@ -268,12 +276,7 @@ class Symmetric(Close, Law):
         return self.compare(values, self.sign * np.asarray(second), trivial)
 
 
-bounded = Bounded
-
-
-def monotone(over: str, *, direction: str = "increasing", strict: bool = False) -> Monotone:
-    """f never falls (or never rises) as the input `over` grows; see `Monotone`."""
-    return Monotone(over, direction=direction, strict=strict)
+bounded, monotone = Bounded, Monotone
 
 
 def even(over: str, *, ulp: float = 0.0, within: float = 0.0) -> Symmetric:
@@ -290,7 +293,7 @@ def symmetric(
     over: tuple[str, str], *old: str, odd: bool = False, ulp: float = 0.0, within: float = 0.0
 ) -> Symmetric:
     """f(a, b) = f(b, a); with `odd`, f(a, b) = −f(b, a)."""
-    if old or isinstance(over, str) or len(over) != 2:
+    if old or not isinstance(over, tuple | list) or len(over) != 2:
         raise CaseError(
             f"symmetric: over must be a pair of names, not {over!r}",
             remedy='symmetric(over=("a", "b")) exchanges two inputs; '
