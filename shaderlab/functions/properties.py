@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.bands.rounding import shortest
+from shaderlab.bands.rounding import LARGEST, shortest
 from shaderlab.errors import CallError, require_extra, suggest
 from shaderlab.files import display_path
 from shaderlab.functions.call import is_range
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 _NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
-_TINY, _MOST = (float(n) for n in (np.finfo(np.float32).tiny, np.finfo(np.float32).max))
+_TINY = float(np.finfo(np.float32).tiny)
 
 
 class Domain(Checked, ABC):
@@ -53,8 +53,8 @@ class Floats(Domain):
     high: float
 
     def __post_init__(self) -> None:
-        if not -_MOST <= self.low < self.high <= _MOST:
-            raise CallError(f"floats({self.low}, {self.high}): give two ends that are float32")
+        if not -LARGEST <= self.low < self.high <= LARGEST:
+            raise CallError(f"floats({self.low}, {self.high}): give two floats, the lower first")
 
     def sample(self, rng: np.random.Generator, shape: tuple[int, ...], hints: Array) -> Array:
         count = math.prod(shape)
@@ -104,7 +104,7 @@ class Ints(Domain):
 
     def __post_init__(self) -> None:
         if not -(2**31) <= self.low <= self.high < 2**32:
-            raise CallError(f"ints({self.low}, {self.high}): give two ends of 32 bits")
+            raise CallError(f"ints({self.low}, {self.high}): give two of 32 bits, the lower first")
 
     def sample(self, rng: np.random.Generator, shape: tuple[int, ...], hints: Array) -> Array:
         even = rng.integers(self.low, self.high, shape, endpoint=True)

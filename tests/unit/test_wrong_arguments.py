@@ -103,8 +103,8 @@ def test_an_odd_argument_is_a_sentence_or_a_verdict(odd: Any) -> None:
         (lambda: LIB.f.check(glsl.bounded(0, "x"), 1.0), "bounded: high is 'x'; expected float or"),
         (lambda: LIB.f.check(glsl.bounded([0, 1]), 1.0), "not numbers of shape ()"),
         (lambda: LIB.whole.check(lambda k: k, k=(0, 0.5), every=True), "whole: k is int; given"),
-        (lambda: glsl.floats(0, 1e39), "floats(0, 1e+39): give two ends that are float32"),
-        (lambda: glsl.ints(0, 2**40), "give two ends of 32 bits"),
+        (lambda: glsl.floats(0, 1e39), "floats(0, 1e+39): give two floats, the lower first"),
+        (lambda: glsl.ints(0, 2**40), "give two of 32 bits, the lower first"),
         (lambda: glsl.load(5), "load: shader is 5; expected str or PathLike"),
     ],
 )
