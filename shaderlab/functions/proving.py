@@ -98,6 +98,7 @@ def _compare(function: Function, law: Law, ranges: Mapping[str, Any]) -> tuple[F
     return Library(source, function.folder, {})[f"{PREFIX}law"], ranges
 
 
+@np.errstate(all="ignore")
 def _keeps(law: Any, y: Any, z: Any = None) -> Any:
     """Whether a law holds of one result, or two."""
     if isinstance(law, Bounded):
