@@ -108,7 +108,8 @@ def _log_bounds(a_lo: Float64Array, a_hi: Float64Array, function: Any) -> Ends:
         # Just inside ½ and 2 more is allowed than just outside.
         crosses = ((a_lo < 0.5) & (a_hi >= 0.5)) | ((a_lo <= 2.0) & (a_hi > 2.0))
         error = np.where(crosses, np.maximum(error, LOG_ERROR_NEAR_ONE), error)
-    return lo - (error + FLOAT64_ERROR * np.abs(lo)), hi + (error + FLOAT64_ERROR * np.abs(hi))
+    most = error + FLOAT64_ERROR * np.minimum(np.maximum(np.abs(lo), np.abs(hi)), LARGEST)
+    return lo - most, hi + most
 
 
 @np.errstate(all="ignore")

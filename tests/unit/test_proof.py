@@ -80,6 +80,7 @@ def test_what_overflows_may_become_nan() -> None:
         assert ((huge * huge) * 0.0).nan.all(), "infinity times 0"
     x, y = (Band.between([1e29], [1e30], Rules(ranges=True)) for _ in "xy")
     assert ((x - y) * (x - y * 2.0)).nan.all(), "x² − 2 x y − … is infinity minus infinity"
+    assert g.log2(huge * huge).hi == np.inf == g.log2(Band.exact([np.inf])).lo
     small = g.exp2(Band.between([-181.0], [-160.0]))
     assert small.hi >= (3 + 2 * 181) * 2.0**-149, "of subnormal results the least errs most"
     product = (x * (y * 1e-30)) * 0.5
