@@ -183,8 +183,6 @@ def write_named(path: str | Path, data: bytes, *, append: bool = False) -> None:
     written, is written in place. Missing folders are made.
 
     Args:
-        path: of the file.
-        data: what is to be in it.
         append: after what is in it already.
 
     Raises:

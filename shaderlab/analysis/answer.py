@@ -70,7 +70,7 @@ class OutputAnswer:
         different: on how many of them it is another one.
         apart: how far, at most; infinite where only one program draws, or has a number.
         why: "value", "coverage", "definedness"; "missing" where a program has no such output;
-            "interface" where no output but a declaration differs, which is the name then.
+            "refused" where a function can't be compared; "interface" where a declaration differs.
         example: inputs at which it differs, and what both give there; if it is the same under
             conditions, inputs that do not meet them.
         place: the first line of the new program that differs there, "file:line" or "".
@@ -98,7 +98,7 @@ class OutputAnswer:
 
     def __str__(self) -> str:
         if self.why == "missing":
-            return f"{self.name}: only one of the two shaders writes it"
+            return f"{self.name}: only one of the two has it"
         if self.why == "interface":
             return f"interface: {self.name}"
         if self.same is None:
@@ -134,8 +134,6 @@ class Answer:
     """What a comparison found.
 
     Attributes:
-        old, new: the files.
-        outputs: each output of either program.
         notes: what else a reader should know: inputs that only one program has.
         inputs: what each input was given, in words, by name.
     """
@@ -167,7 +165,8 @@ class Answer:
     def lines(self) -> Iterator[str]:
         """The answer in words."""
         for output in self.outputs:
-            yield str(output)
+            if output.why != "refused":  # a note says why
+                yield str(output)
         yield from self.notes
 
     def data(self) -> dict[str, Any]:

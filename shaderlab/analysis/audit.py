@@ -94,7 +94,6 @@ class Plan:
 
     Attributes:
         ranges: "a..b", "a:b" or "unit" for inputs, by name.
-        count: the number of random invocations.
         precision: whether to measure how far devices may differ, at highp and at mediump.
         prove: whether to show of each hazard that no input of the ranges causes it.
         assume: conditions in GLSL that hold of the inputs.

@@ -25,7 +25,6 @@ class InputBatch:
     Attributes:
         each: what differs between them, by name, a row for each; or one row for all.
         bindings: what does not.
-        count: how many there are.
     """
 
     each: Mapping[str, Array]

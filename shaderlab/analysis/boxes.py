@@ -219,11 +219,9 @@ class BoxWatcher:
     """A `Watch` of a run on boxes: which instructions may go wrong in which of them.
 
     Attributes:
-        count: of boxes.
         texels: the range of each texture's texels by its identity.
         lines: of each instruction that was looked at, by its place.
         bad: where it may go wrong, (count,).
-        steps: how many instructions were run.
     """
 
     count: int

@@ -187,7 +187,6 @@ class Check:
     """One way in which an instruction may go wrong.
 
     Attributes:
-        kind: what it is called.
         margin: of the operands, (count or 1, components): how far each is from going wrong.
         bad: of the margin, where it does.
         words: of one component's operands, what happens.

@@ -43,7 +43,6 @@ class Statement:
         place: what is stored to, as it is written: "light.position.y".
         start, end: its bytes in the text.
         value, type: of a `return`, where the bytes of its expression end, and its function's type.
-        braced: whether it stands in braces.
     """
 
     kind: Literal["store", "return", "entry"]
@@ -80,18 +79,12 @@ def driver_values(
     can be seen; of what is passed again and again the first turns and the last one.
 
     Args:
-        evaluation: the scene, which is on the device.
-        key: the draw.
-        pixel: column and row.
         stored: what an interpretation of the pixel's invocation stored, in order.
         undecided: whether it took both sides of a branch: what it passed more than once is left
             out, for the driver may have passed it less often.
 
-    Raises:
-        UnsupportedError: the shader has no room for another output, or whatever is watched, the
-            driver computes others.
-        ShaderlabError: the shader can't be drawn again.
-    """
+    Raises UnsupportedError: the shader has no room for another output, or whatever is watched, the
+    driver computes others; ShaderlabError: it can't be drawn again."""
     text = evaluation.programs[key[0]][key[1]].text("fragment") or ""
     statements = [*find_entries(text), *find_statements(text)]
     wanted = _plan_watches(statements, stored, undecided)

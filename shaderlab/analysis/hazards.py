@@ -28,9 +28,6 @@ class Hazard:
     """A hazard of a shader.
 
     Attributes:
-        file, line: where it is.
-        kind: of hazard, such as "division by 0".
-        message: what happens there, in words.
         evident: whether the inputs below do it, in float32, and an output depends on it; else it
             is possible: `message` states the condition.
         inputs: an invocation at which it happens, by name.
@@ -97,9 +94,7 @@ class Audit:
     """What was found in one shader.
 
     Attributes:
-        file: the shader.
         hazards: by line, evident ones and possible ones.
-        tried: how many invocations were run.
         inputs: what each input was given, in words, by name.
         refused: why nothing can be said of it, if so.
         spreads: how far devices may differ at each output, if that was measured.

@@ -539,6 +539,7 @@ def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Genera
 _SHAPES: Mapping[str, Callable[[int], tuple[int, ...]]] = {
     "2D": lambda n: (n, n, 4),
     "2DArray": lambda n: (4, n, n, 4),
+    "3D": lambda n: (n, n, n, 4),
     "Cube": lambda n: (6, n, n, 4),
     "2DMS": lambda n: (4, n, n, 4),
 }
@@ -551,7 +552,7 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
     kind = of.partition("sampler")[2]
     shadow = kind.endswith("Shadow")
     kind = kind.removesuffix("Shadow")
-    if kind not in _SHAPES or not of.startswith("sampler"):
+    if kind not in _SHAPES:
         raise NotInterpretedError(f"not interpreted: {one.type} {one.name}")
     side = int(rng.choice(_FACE_SIDES if kind == "Cube" else _SIDES))
     values = rng.uniform(0.02, 3.0 if mipmaps else 1.0, _SHAPES[kind](side))
@@ -559,12 +560,14 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
         n = rng.normal(size=(*values.shape[:-1], 3))
         n[..., 2] = np.abs(n[..., 2])
         values[..., :3] = 0.5 + 0.5 * n / np.linalg.norm(n, axis=-1, keepdims=True)
-    filters = ("nearest", "nearest") if kind == "2DMS" else ("linear", "linear")
+    if dtype := {"i": np.int32, "u": np.uint32}.get(of[0]):
+        values *= 16.0
+    filters = ("nearest", "nearest") if dtype or kind == "2DMS" else ("linear", "linear")
     texels = Texels(
-        values.astype(np.float32), filters, ("repeat", "repeat"), (0.0,) * 4,
+        values.astype(dtype or np.float32), filters, ("repeat",) * 3, (0.0,) * 4,
         kind=kind, compare="lequal" if shadow else None,
     )  # fmt: skip
-    return add_mipmaps(texels) if mipmaps else texels
+    return add_mipmaps(texels) if mipmaps and not dtype else texels
 
 
 def add_mipmaps(texels: Texels) -> Texels:

@@ -41,9 +41,7 @@ class Invocations:
     """What some invocations of one stage of a draw got and gave.
 
     Attributes:
-        program: the stage.
         each: its inputs by name, built-in ones too, a row for every invocation.
-        bindings: its uniforms and textures.
         measured: what they wrote, by output, as it was read back; those of other passes' formats
             in the formats' own units.
         formats: the attachments' formats by output; "rgba32f" of vertices.

@@ -31,15 +31,10 @@ _DOUBLE = struct.Struct("<d")
 class PerturbedFloat(Numbers):
     """float64 in which every rounding errs by its full size, this way or that.
 
-    All runs are one: the invocations come 1 + `copies` times, one block of `count` after the other.
-    The first block is float64 without noise, and each of the others errs in its own way.
-
-    Operations err by 2^-52; numbers that the shader got or whose author wrote more digits than a
-    float32 has, by half of a float32 ULP. What needs no rounding has no error: results of as
-    many bits as a float32 has, inputs all of whose numbers have few bits.
-
-    GLSL's undefined results are NaN in all blocks: pow of a negative base, what is read before it
-    is written.
+    All runs are one: the invocations come 1 + `copies` times, a block of `count` after the other,
+    the first without noise. Operations err by 2^-52; numbers that the shader got or whose author
+    wrote more digits than a float32 has, by half of a float32 ULP; what needs no rounding by
+    nothing. What GLSL leaves undefined is NaN in all blocks.
     """
 
     dtype: Any = np.float64
@@ -133,6 +128,7 @@ _FAR = 2.0**20  # pixels between two runs
 TIMES = 16.0
 """How many times the spread two outputs may lie apart."""
 _TINY = float(np.finfo(np.float32).tiny)  # smaller ones are zero on many devices
+_LEAST = 2.0**-26  # of a value: less than half of what float32 can tell
 _HUGE = float(np.finfo(np.float32).max)
 
 
@@ -153,7 +149,6 @@ class Compared:
     """How an output of two programs compares, by invocation, (count,).
 
     Attributes:
-        different: where it is another one.
         judged: where it can be decided: what noise dominates, and what neither program draws or
             defines, is left out.
         apart: how far the two are apart, infinite where only one is there.
@@ -237,8 +232,8 @@ def compare(old: Ran, new: Ran, name: str, other: str) -> Compared:
         spread = np.maximum(np.abs(a[1:] - a[0]).max(axis=0), np.abs(b[1:] - b[0]).max(axis=0))
         apart = np.abs(a[0] - b[0])
         here = always[0] & always[1] & both[:, None]
-        value = (here & (apart > TIMES * spread + _TINY)).any(axis=-1)
         scale = np.maximum(np.abs(a[0]), np.abs(b[0]))
+        value = (here & (apart > TIMES * spread + _TINY + _LEAST * scale)).any(axis=-1)
         vague = (here & (spread > 1e-2 * scale + _TINY)).all(axis=-1)
         far = np.where(here, apart, 0.0).max(axis=-1, initial=0.0)
     different = coverage | defined | value

@@ -38,7 +38,6 @@ class Spread:
     """How far devices may differ at an output.
 
     Attributes:
-        output: its name.
         precision: "highp": what the precision rules allow; "mediump": what devices of 16 bits gave.
         codes: in codes of 8 bits, of what lies within 0..1; infinite where one gave no number, 0 of
             a stage that draws nothing.

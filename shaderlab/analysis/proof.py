@@ -75,15 +75,11 @@ class Proof:
         condition: what has to hold of the outputs for the inputs.
         tried: inputs to begin with.
         counts: which inputs settle a place, by default all; `points` has others if none does.
-        hazards: whether instructions are watched.
-        boxes: how many boxes are run at most.
         drawn: what draws give the program, whose ends are the ranges.
 
     Attributes:
-        tried: how many inputs were run in float32.
         points: a counterexample for each place that has one.
         reached: the places that an invocation came to.
-        space: the ranges.
     """
 
     def __init__(

@@ -65,7 +65,6 @@ class SelfCheck:
     """The draws of a scene, held against their own shaders while it is on the device.
 
     Args:
-        evaluation: the scene.
         every: look at all pixels of all draws. Otherwise at some of each program's first draw,
             and of those whose inputs expectations capture, of one in each pass.
 

@@ -82,6 +82,9 @@ def as_vector(result: Any, *values: Any) -> Any:
 TINY = 2.0**-60
 
 
+_MOST_TERMS = 1 << 1000  # still a float; loops that square a sum have more
+
+
 @dataclass(slots=True, eq=False)
 class Terms:
     """The terms of a value that is a sum or a product.
@@ -128,6 +131,7 @@ class Terms:
         of ranges, whose sizes are the largest."""
         least = find_least(abs_sum)
         tiny = signed is not None or may_be_tiny(abs_sum, least, *parts)
+        count = min(count, _MOST_TERMS)
         return cls(abs_sum, None, count, flush_gain() if tiny else None, signed, least)
 
     def step(self) -> Float64Array:
@@ -256,7 +260,6 @@ class Bounds(Interval):
 
     Attributes:
         lo, hi: float64 arrays; -inf and inf where the value may be infinite.
-        rules: the precision rules.
         flags: where a value may be NaN, where it may be anything, where a branch that led to it
             took both sides; each is 0-d if it is so nowhere.
         terms: what the value is a sum of, or None.

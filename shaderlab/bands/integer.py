@@ -174,7 +174,6 @@ class Integer(Swizzled):
 
     Attributes:
         lo, hi: int64 arrays.
-        unsigned: whether this is a `uint`.
         rules: those of the bands that this turns into; None beside float64 arrays.
         anything: where GLSL defines no result; 0-d for nowhere.
 

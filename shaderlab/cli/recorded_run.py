@@ -47,7 +47,6 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
         problem: why records are no longer written, such as a full disk; None while they are.
 
     Args:
-        folder: the run's folder.
         plan: what is run; None resumes the run that is there.
 
     Raises:

@@ -52,9 +52,7 @@ class Session:
     """Judges case files, and again those that depend on a file.
 
     Args:
-        start: starts an executor.
         select: the jobs of case files, in order.
-        options: how scenes are run.
     """
 
     def __init__(

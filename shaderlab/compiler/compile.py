@@ -19,11 +19,11 @@ from .diagnostics import (
     parse_link_log,
     parse_stage_log,
 )
-from .dialects import raise_version
+from .dialects import drop_version, raise_version
 from .glslang import ALL_TARGETS, SETTINGS, TARGETS, Linked, link, validate
-from .module_edits import find_unwritten_inputs, match_locations
+from .module_edits import drop_repeated, find_unwritten_inputs, match_locations
 from .reflection import Interface, reflect
-from .shader_files import STAGES, is_embedded
+from .shader_files import STAGES, is_embedded, version_of
 from .sources import Source
 from .spirv import parse
 from .syntax import Node, Syntax, walk
@@ -138,6 +138,9 @@ def order_stages(stages: Sequence[Source], targets: Sequence[str]) -> list[Sourc
     if not stages:
         raise ShaderError("a program needs at least one stage")
     ordered = sorted(stages, key=lambda source: STAGES.index(source.stage))
+    if {source.version for source in ordered} == {(100, ""), (110, "")}:
+        # A vertex stage without `#version` may be either.
+        ordered = [s if version_of(s.parts[0][1]) else drop_version(s) for s in ordered]
     for one, other in pairwise(ordered):
         if one.stage == other.stage:
             raise ShaderError(
@@ -230,6 +233,10 @@ def _finish(linked: Linked, sources: Sequence[Source], target: str) -> Result:
         return Result(diagnostics)
     # Validated before they are read, since glslang can make modules that can't be parsed.
     problems = _validate(linked.modules, sources, target)
+    if any("multiple times" in problem.message for problem in problems):
+        # glslang decorates twice what is converted to its own type.
+        linked = replace(linked, modules={s: drop_repeated(m) for s, m in linked.modules.items()})
+        problems = _validate(linked.modules, sources, target)
     valid, modules = not problems, linked.modules
     if valid and len(sources) > 1:
         modules = match_locations(linked.modules, sources)

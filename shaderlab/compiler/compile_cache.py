@@ -169,7 +169,6 @@ class CompileCache:
     """Compiles each program once and stores the result.
 
     Args:
-        store: where entries are stored.
         compilers: returns a digest of the compilers, or None to switch the cache off; called
             once, for the first program.
     """

@@ -10,6 +10,7 @@ from tree_sitter import Node
 from shaderlab.model.records import Diagnostic, Severity, Verdict
 
 from .glslang import SETTINGS, preprocess
+from .shader_files import OWN
 from .sources import Source
 from .syntax import GlslDeclaration, Syntax
 
@@ -28,7 +29,7 @@ VERSION = r"^[ \t]*#[ \t]*version\b"
 def parse_stage_log(log: str, source: Source) -> tuple[Diagnostic, ...]:
     """Return the diagnostics in one stage's log, without duplicates, in the log's order."""
     found: dict[Diagnostic, None] = {}
-    for severity, rest in _entries(log):
+    for severity, rest in _entries(log.replace(OWN, "")):
         placed = _PLACED.match(rest)
         if _COUNT.match(rest):
             continue

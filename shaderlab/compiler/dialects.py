@@ -3,11 +3,11 @@
 import re
 from dataclasses import replace
 
-from .shader_files import is_embedded
+from .shader_files import OWN, is_embedded, rename_words, strip_comments
 from .sources import LineMap, Source
 
 # GLSL 1.30 (§1.1) and GLSL ES 3.00 (§1.1) name what they replace.
-_CALLS = re.compile(r"\btexture(?:[123]D|Cube)((?:Proj)?(?:Lod|Grad)?)(?:EXT|ARB)?(?=\s*\()")
+CALLS = re.compile(r"\btexture(?:[123]D|Cube)((?:Proj)?(?:Lod|Grad)?)(?:EXT|ARB)?(?=\s*\()")
 _STORAGE = re.compile(r"\b(?:attribute|varying)\b")
 _OUTPUT = re.compile(r"\bgl_Frag(?:Color|Data(?=\s*\[\s*(\d+)))")
 _VERSION = re.compile(r"^[ \t]*#[ \t]*version\b[^\n]*", re.M)
@@ -19,22 +19,46 @@ _SHADOWS = {
         "shadow1D": "texture", "shadow2D": "texture", "shadow2DProj": "textureProj",
     }.items()
 }  # fmt: skip
+# Words of later versions, which older texts may give to what is theirs.
+_TAKEN = re.compile(
+    r"\b(?:float|int|bool|[bi]?vec[234]|mat[234]|sampler\w+)\s+(buffer|centroid|coherent|flat|layout"
+    r"|noperspective|patch|precise|readonly|resource|restrict|sampler?|shared|smooth|subroutine"
+    r"|texture|writeonly|a?(?:cos|sin|tan)h|bitCount|determinant|find[LM]SB|fma|frexp|inverse|isinf"
+    r"|isnan|ldexp|modf|outerProduct|round(?:Even)?|texelFetch|texture(?:Lod|Proj|Size)|transpose"
+    r"|trunc)\b(?!\s*\w)"
+)
 
 
-def raise_version(source: Source) -> Source:
+def keep_own_names(text: str) -> str:
+    """The text with other names for what it declares by words of later versions."""
+    return rename_words(text, {word: OWN + word for word in _TAKEN.findall(strip_comments(text))})
+
+
+def find_own_names(text: str) -> dict[str, str]:
+    """What `keep_own_names` renamed in a text that it wrote."""
+    return {word: OWN + word for word in re.findall(rf"\b{OWN}(\w+)", text)}
+
+
+def drop_version(source: Source) -> Source:
+    """The stage without `#version`."""
+    return replace(source, text=_VERSION.sub("", source.text, count=1), stripped=None)
+
+
+def raise_version(source: Source, head: str = "") -> Source:
     """Return the stage in the oldest version that has all its words and can become SPIR-V for
     OpenGL: GLSL 3.30 for 1.10 to 1.50, ES 3.10 for ES 1.00 and 3.00. The stage itself if it can
-    already, or if it is of the compatibility profile."""
+    already, or if it is of the compatibility profile. `head` is another `#version` line."""
     version, profile = source.version
     embedded = is_embedded(version, profile)
     known = (100, 300) if embedded else (110, 120, 130, 140, 150)
     if version not in known or profile == "compatibility":
         return source
-    head = "#version 310 es" if embedded else "#version 330"
-    if version in (140, 150, 300):  # no word changes
-        return replace(source, text=_VERSION.sub(head, source.text, count=1), stripped=None)
+    head = head or ("#version 310 es" if embedded else "#version 330")
+    if version in (140, 150, 300):  # no word is replaced
+        text = _VERSION.sub(head, keep_own_names(source.text), count=1)
+        return replace(source, text=text, stripped=None)
     # What extensions added is part of the newer version.
-    text = _START.sub("", source.text).replace("gl_FragDepthEXT", "gl_FragDepth")
+    text = _START.sub("", keep_own_names(source.text)).replace("gl_FragDepthEXT", "gl_FragDepth")
     last_stage = source.stage == "fragment"
     text = _STORAGE.sub(lambda m: "in" if last_stage or m[0] == "attribute" else "out", text)
     rows = [head, *(define for name, define in _SHADOWS.items() if name in text)]
@@ -43,5 +67,5 @@ def raise_version(source: Source) -> Source:
         rows.append(f"layout (location = 0) out mediump vec4 shaderlab_color{count};")
         text = _OUTPUT.sub("shaderlab_color", text)
     lines = LineMap.of([(*source.place(1), 1)] * len(rows) + list(source.lines.spans))
-    text = "\n".join([*rows, _CALLS.sub(r"texture\1", text)])
+    text = "\n".join([*rows, CALLS.sub(r"texture\1", text)])
     return replace(source, text=text, lines=lines, stripped=None)

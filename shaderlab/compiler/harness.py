@@ -13,9 +13,10 @@ from shaderlab.workers.pool import WorkerPool
 
 from .compile import compile_program
 from .diagnostics import DRIVER, mark_disagreement
+from .dialects import raise_version
 from .glslang import ALL_TARGETS, TARGETS
-from .shader_files import STAGES, ShaderFile, find_shaders, is_library, stage_of
-from .sources import Shaders, Source, with_version
+from .shader_files import EXTENSIONS, STAGES, ShaderFile, find_shaders, is_library, stage_of
+from .sources import Shaders, Source
 
 WORK = "shaderlab.compiler.harness:Work"
 """What a pool of processes runs, by name: takes `CompileJob`s, returns `FileResult`s."""
@@ -26,16 +27,10 @@ class CompileOptions:
     """How to compile files.
 
     Attributes:
-        targets: some of `ALL_TARGETS`.
         include: folders to include from, after a file's own root.
-        defines: macros to put after each `#version` line.
         stage: every file's stage; by default its extension or `#pragma shader_stage` says it.
         driver: the function that returns a driver's verdict on a program, as "module:function".
         driver_name: the driver to use, and what its verdicts' target is called.
-        keep: whether to return SPIR-V modules.
-
-    Raises:
-        ShaderError: unknown target or stage.
     """
 
     targets: Sequence[str] = TARGETS
@@ -97,20 +92,14 @@ def compile_glsl(
 ) -> Iterator[FileResult]:
     """Compile shader files and yield one result for each, sorted by path.
 
-    Results are yielded as they are made, so ten thousand files take no more memory than ten.
-
     Args:
         paths: files, and folders to search; see `find_shaders`.
         link: whether the files are the stages of one program.
         workers: processes to compile in, so that a file that crashes a compiler, hangs it or fills
             the memory does not affect the others. By default this process compiles.
-        options: attributes of `CompileOptions`.
 
-    Raises:
-        UsageError: a path does not exist, or a folder holds no shader.
-        ShaderError: unknown target or stage, or no compiler is installed. What is wrong with a file
-            never raises; it is in the file's result.
-    """
+    Raises UsageError: a path does not exist, or a folder holds no shader; ShaderError: unknown
+    target or stage, or no compiler is installed. What is wrong with a file is in its result."""
     how = CompileOptions(**options)
     shaders = find_shaders(paths, [Path(folder) for folder in how.include], stage=how.stage)
     return compile_files([shaders] if link else [[one] for one in shaders], how, workers)
@@ -167,7 +156,10 @@ class Work:
             self._shaders[key] = Shaders(list(map(Path, folders)), defines=options.defines)
         if options.stage is not None or not is_library(file.path):
             return self._shaders[key].load(file.name, options.stage)
-        source = with_version(self._shaders[key].load(file.name, "fragment"), _NEWEST)
+        stage = EXTENSIONS.get(Path(file.name).suffix, "fragment")
+        source = self._shaders[key].load(file.name, stage)
+        if source.version == (110, ""):
+            source = raise_version(source, f"#version {_NEWEST} core")
         return replace(source, text=f"{source.text}\nvoid main() {{}}\n", stripped=None)
 
 

@@ -49,6 +49,19 @@ class _Use:
         return range(start, start + self.count)
 
 
+def drop_repeated(module: bytes) -> bytes:
+    """Return the module without decorations that it has already."""
+    words = struct.unpack(f"{len(module) // 4}I", module)
+    kept, seen, at = list(words[:5]), set[tuple[int, ...]](), 5
+    while at < len(words):
+        one = words[at : at + max(words[at] >> 16, 1)]
+        if one[0] & 0xFFFF != Op.Decorate or one not in seen:
+            kept += one
+        seen.add(one)
+        at += len(one)
+    return struct.pack(f"{len(kept)}I", *kept)
+
+
 def match_locations(modules: Mapping[str, bytes], sources: Sequence[Source]) -> dict[str, bytes]:
     """Return the modules with numbers that agree between stages.
 

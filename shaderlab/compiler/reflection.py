@@ -182,16 +182,13 @@ class Variable:
     """One input, output or uniform.
 
     Attributes:
-        name: in GLSL.
         type: "float", "vec3", "mat4", "int", "uint", "bool", "sampler2D", "image2D", …
         location: in the module. Without the author's own, the compiler chooses one, and a driver
             that compiles GLSL may choose another.
         array: the number of elements, 0 if known at run time only, None if it is not an array.
-        interpolation: of varyings.
         components: numbers in one element: 3 for vec3, 16 for mat4, 0 for samplers.
         used: whether the program's functions refer to it; a driver may still optimise it away.
         format: of an image, as its layout says ("rgba8"); "" for none.
-        readonly: what GLSL says of an image.
         patch: of an evaluation stage's input, whether there is one for the whole patch.
     """
 
@@ -252,15 +249,10 @@ class Interface:
     """Everything that a program declares, by name, without built-ins (`gl_…`).
 
     Attributes:
-        attributes: inputs of the vertex stage.
-        varyings: inputs of the fragment stage.
         vertex_outputs: outputs of the last stage before rasterisation.
         evaluation_inputs: inputs of the tessellation evaluation stage, by a patch's vertices.
         patch_vertices: of the patches that the tessellation control stage makes; 0 without one.
-        outputs: outputs of the fragment stage.
         uniforms: uniforms outside blocks, samplers and images among them.
-        blocks: uniform and storage blocks.
-        local_size: of a compute stage, or None.
     """
 
     attributes: Mapping[str, Variable] = field(default_factory=dict)

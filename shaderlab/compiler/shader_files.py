@@ -24,6 +24,12 @@ EXTENSIONS: Mapping[str, str] = {
     ".frag": "fragment", ".fs": "fragment", ".comp": "compute", ".cs": "compute",
 }  # fmt: skip
 _PRAGMA = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+shader_stage[ \t]*\([ \t]*(\w*)[ \t]*\)", re.M)
+# Words that one stage alone has.
+_TELLING = {
+    "vertex": re.compile(r"\bgl_(?:Vertex(?:ID|Index)?|Normal|MultiTexCoord0)\b|\battribute\b"),
+    "fragment": re.compile(r"\bgl_Frag(?:Color|Data|Coord|Depth)\b|\bdiscard\s*;"),
+    "compute": re.compile(r"\bgl_GlobalInvocationID\b|\blocal_size_x\b"),
+}
 _PRAGMA_NAMES = {"tesscontrol": "tess_control", "tesseval": "tess_evaluation"}
 
 # A quoted include path may hold "//"; everything else that looks like a comment is one. Without
@@ -72,7 +78,10 @@ SCRIPT = ".glsl.js"
 _LANGUAGES = {
     ".hlsl": "HLSL", ".hlsli": "HLSL", ".fx": "HLSL", ".usf": "HLSL", ".cg": "Cg", ".wgsl": "WGSL",
     ".metal": "the Metal Shading Language", ".slang": "Slang", ".spvasm": "SPIR-V assembly",
-    ".gdshader": "Godot's language",
+    ".gdshader": "Godot's language", ".shader": "Unity's ShaderLab", ".cginc": "HLSL",
+    ".fxh": "HLSL", ".ush": "HLSL", ".sc": "bgfx's dialect",
+    **dict.fromkeys((".mesh", ".task"), "of a mesh stage"),
+    **dict.fromkeys((".rgen", ".rint", ".rahit", ".rchit", ".rmiss"), "of a ray-tracing stage"),
 }  # fmt: skip
 
 
@@ -157,6 +166,9 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
     pragma = _PRAGMA.search(code)
     if pragma is None and _is_shadertoy(code):
         return "fragment"
+    telling = [stage for stage, word in _TELLING.items() if word.search(code)]
+    if pragma is None and len(telling) == 1:
+        return telling[0]
     if pragma is None:
         raise ShaderError(
             "can't tell the shader's stage from its name",
@@ -177,6 +189,9 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
 
 
 _MAIN_IMAGE, _MAIN = (re.compile(rf"\bvoid\s+{name}\s*\(") for name in ("mainImage", "main"))
+_DESKTOP = re.compile(
+    r"\bgl_(?!Position\b|PointSize\b|DepthRange\b|Max)|\bftransform\b|\btexture[13]D|\bmat\dx"
+)
 _PRECISION = re.compile(r"\bprecision\s+(?:low|medium|high)p\s+\w+\s*;")
 SHADERTOY_INPUTS: Mapping[str, tuple[str, tuple[int, ...]]] = {
     "iResolution": ("vec3", ()), "iTime": ("float", ()), "iTimeDelta": ("float", ()),
@@ -191,19 +206,21 @@ def frame_text(code: str, stage: str) -> tuple[Sequence[str], Sequence[str]]:
     """Return the rows to put before and after a shader without `#version`.
 
     A Shadertoy image gets its inputs and a `main`. Text that states default precisions is WebGL 1's
-    GLSL ES 1.00, which has no other version; all else is desktop GLSL 1.10, as the specification
-    has it.
+    GLSL ES 1.00, which has no other version, and so is a vertex stage of attributes, which needs
+    none; all else is desktop GLSL 1.10, as the specification has it.
     """
     if stage == "fragment" and _is_shadertoy(code):
         inputs = [
             f"uniform {kind} {name}{''.join(map('[{}]'.format, sizes))};"
             for name, (kind, sizes) in SHADERTOY_INPUTS.items()
             if re.search(rf"\b{name}\b", code)
+            and not re.search(rf"\buniform\s[^;]*\b{name}\b", code)
         ]
         output = "layout (location = 0) out vec4 shadertoy_color;"
         main = "void main() { mainImage(shadertoy_color, gl_FragCoord.xy); }"
         return ["#version 330 core", *inputs], [output, main]
-    return ["#version 100"] if _PRECISION.search(code) else [], []
+    plain = stage == "vertex" and "attribute" in code and not _DESKTOP.search(code)
+    return ["#version 100"] if plain or _PRECISION.search(code) else [], []
 
 
 def _is_shadertoy(code: str) -> bool:
@@ -353,6 +370,10 @@ def _resolve_folder(path: str) -> str:
     return os.path.join(os.path.realpath(parent), name)
 
 
+OWN = "shaderlab_own_"
+"""What an author's name begins with where a later version took it."""
+
+
 def rename_words(text: str, renames: Mapping[str, str]) -> str:
     """Change some of the names in a shader's text.
 
@@ -404,9 +425,7 @@ def find_shaders(
             folder in `paths`, or its own.
         stage: every file's stage; by default each file names its own.
 
-    Raises:
-        UsageError: a path does not exist, or a folder holds no shader.
-    """
+    Raises UsageError: a path does not exist, or a folder holds no shader."""
     real_roots = [(os.path.join(os.path.realpath(root), ""), str(root)) for root in roots]
     found: dict[str, ShaderFile] = {}
     for path in map(Path, paths):
@@ -477,15 +496,16 @@ def _find_units(folder: str) -> Iterator[str]:
 
 
 def is_library(file: str | Path) -> bool:
-    """Return whether a file has functions for others and no stage: neither its name nor a pragma
-    says one, and there is no `main`."""
+    """Return whether a file has functions for others: there is no `main`, and neither a pragma nor
+    its name says a stage; or only its name does, and it includes nothing and has no `#version`."""
     stem, suffix = os.path.splitext(file)
     if suffix == ".glsl":
         suffix = os.path.splitext(stem)[1]
-    if suffix in EXTENSIONS or suffix == ".spv":
+    if suffix == ".spv":
         return False
     try:
         code = strip_comments(read_shader(file))
     except ShaderError:
         return False
-    return not any(word.search(code) for word in (_PRAGMA, _MAIN, _MAIN_IMAGE))
+    words = [_PRAGMA, _MAIN, _MAIN_IMAGE, *[_INCLUDED, _VERSION] * (suffix in EXTENSIONS)]
+    return not any(word.search(code) for word in words)

@@ -56,7 +56,10 @@ _DEFINED = re.compile(
 _LINE = re.compile(r'(\d+)(?:[ \t]+(?:\d+|"([^"]*)"))?[ \t]*')
 _ONE_COMMENT = re.compile(r"//[^\n]*|/\*.*?(?:\*/|\Z)", re.DOTALL)
 _CONTINUED = re.compile(r"\\$", re.MULTILINE)
-_INCLUDE_EXTENSIONS = ("GL_GOOGLE_include_directive", "GL_ARB_shading_language_include")
+_NOT_FOR_COMPILERS = (
+    "GL_GOOGLE_include_directive", "GL_ARB_shading_language_include", "glslify",
+    "GL_EXT_draw_buffers",
+)  # fmt: skip
 
 _Trail = tuple[tuple[File, int], ...]
 """The includes that lead to a place, the outermost first: the including file and the line."""
@@ -174,7 +177,7 @@ class Expansion:
                 self._append_module(
                     name, path, dict(_GIVEN.findall(given)), (*trail, (file, number))
                 )
-            elif kind == "extension" and rest.split(":")[0].strip() in _INCLUDE_EXTENSIONS:
+            elif rest.split(":")[0].strip() in _NOT_FOR_COMPILERS:
                 self.add(place, "")  # drivers without the extension would refuse it
             elif line:
                 self.add(place, "")
@@ -232,14 +235,17 @@ class Expansion:
         whole = posixpath.splitext(path)[1] or not path
         endings = ("",) if whole else (".glsl", SCRIPT, "/index.glsl", "")
         paths = [path + ending for ending in endings]
-        for start, tried in itertools.product(dict.fromkeys([folder, ""]), paths):
+        # Last by the name of a shader folder itself, as those write who know it as a package.
+        for start, tried in itertools.product(dict.fromkeys([folder, "", ".."]), paths):
             try:
                 name = normalise_name(tried, start)
                 file = self._roots.find(name)
             except OutsideError as error:
-                outside = outside or error
+                outside = outside or (None if start == ".." else error)
                 continue
             except ShaderError as error:
+                if not whole and tried == path and error.file and Path(error.file).is_dir():
+                    continue
                 chain = f"{error.message} (included by {_chain(trail)})"
                 raise ShaderError(
                     chain, file=error.file, line=error.line, remedy=error.remedy
@@ -286,11 +292,9 @@ class Source:
     Attributes:
         name: as it was loaded, e.g. "lamps/attenuation.frag".
         path: the file on disk, or the name if the text is not a file's.
-        stage: one of `STAGES`.
         text: what the compiler gets, with line ends "\\n".
         lines: for each line of `text`, the author's file and line.
         parts: each contributing file's path and own text, the main file first.
-        stripped: `code`, if it is known already.
     """
 
     name: str
@@ -349,7 +353,6 @@ class Shaders(Roots):
     """Loads shaders by name from a list of root folders.
 
     Args:
-        roots: folders, searched in order.
         overrides: by a shader's name, the text to use, or the file to read, in its place.
             Applies to included files as well.
         defines: macros to put after each shader's `#version` line; a value may be "".
@@ -378,10 +381,8 @@ class Shaders(Roots):
             stage: one of `STAGES`; by default that of the extension or, in a .glsl file, of
                 `#pragma shader_stage(fragment)`.
 
-        Raises:
-            ShaderError: there is no such file in the roots, it or one of its includes can't be
-                used, or the stage is unknown.
-        """
+        Raises ShaderError: there is no such file in the roots, it or one of its includes can't be
+        used, or the stage is unknown."""
         file = self.shader(name)
         return self._source(file, name, stage or stage_of(name, file.text, file.path))
 

@@ -8,11 +8,13 @@ import functools
 import math
 import struct
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import NamedTuple
 
 from shaderlab.errors import ShaderError
+
+from .shader_files import OWN
 
 MAGIC = 0x07230203
 
@@ -162,13 +164,10 @@ class Module:
         variables: id → (pointed-to type, storage class).
         constants: the words of scalar ones; `values` has the instruction of every constant.
         initialisers: id of each variable that has one → the id of the constant.
-        capabilities: the numbers of those that it takes.
         comments: the ids of instruction sets that change nothing.
-        entry, model: the id of the function that is the stage's `main`, and the stage's number in
-            `shader_files.STAGES`.
+        entries: stage's number in `shader_files.STAGES` → the id of its `main`, and of what that
+            reads and writes of other stages; `model` and `entry` are those of one stage.
         decoration_words: (id, decoration) → index of its first literal in the module's words.
-        body: the instructions inside functions.
-        instructions: how many there are in all.
     """
 
     words: tuple[int, ...]
@@ -186,6 +185,7 @@ class Module:
     variables: dict[int, tuple[int, int]] = field(default_factory=dict)
     initialisers: dict[int, int] = field(default_factory=dict)
     comments: set[int] = field(default_factory=set)
+    entries: dict[int, tuple[int, frozenset[int]]] = field(default_factory=dict)
     entry: int = 0
     model: int = 0
     capabilities: set[int] = field(default_factory=set)
@@ -236,10 +236,35 @@ def parse(data: bytes) -> Module:
     return module
 
 
+_BUILT_IN = {
+    0: "Position", 1: "PointSize", 15: "FragCoord", 16: "PointCoord", 17: "FrontFacing",
+    22: "FragDepth", 28: "GlobalInvocationID", 42: "VertexIndex", 43: "InstanceIndex",
+}  # fmt: skip
+_MADE = ("SLANG_", "_", "RWStructured", "Structured", "EntryPointParams")
+
+
+def adapt(module: Module, model: int) -> Module:
+    """The module of another compiler with a stage's `main`, what that alone reads and writes, and
+    names as GLSL has them: of what is built in, and of blocks, whose variables are named."""
+    entry, used = module.entries[model]
+    module = replace(
+        module, entry=entry, model=model, names={**module.names}, variables={**module.variables}
+    )
+    for id_, (of, storage) in list(module.variables.items()):
+        number, element = module.number(id_, Decoration.BuiltIn), unwrap(module, of)[1]
+        if storage in (StorageClass.Input, StorageClass.Output) and id_ not in used:
+            del module.variables[id_]
+        elif number in _BUILT_IN:
+            module.names[id_] = f"gl_{_BUILT_IN[number]}"
+        elif module.names.get(id_) and module.names.get(element, "_").startswith(_MADE):
+            module.names[element] = module.names[id_]
+    return module
+
+
 def _declare(module: Module, instruction: Instruction) -> None:
     op, words, at = instruction.op, instruction.words, instruction.at
     if op == Op.Name:
-        module.names[words[0]] = _string(words[1:])
+        module.names[words[0]] = _string(words[1:]).removeprefix(OWN)
     elif op == Op.MemberName:
         module.member_names[words[0], words[1]] = _string(words[2:])
     elif op == Op.Decorate:
@@ -252,6 +277,8 @@ def _declare(module: Module, instruction: Instruction) -> None:
     elif op == Op.Capability:
         module.capabilities.add(words[0])
     elif op == Op.EntryPoint:
+        used = len(_string(words[2:]).encode()) // 4 + 3
+        module.entries[words[0]] = words[1], frozenset(words[used:])
         module.model, module.entry = words[:2]
     elif op == Op.ExecutionMode:
         module.modes[words[1]] = words[2:]

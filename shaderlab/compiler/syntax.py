@@ -66,13 +66,9 @@ class GlslDeclaration:
         kind: "layout" is a default such as `layout(points) in;`, "other" a redeclaration such as
             `invariant gl_Position;`.
         start, end: the characters of the text, the semicolon included.
-        line: the first line, counted from 1.
-        name: of a function, struct or block.
         members: a function's parameters, or what a struct, a block or a declaration declares.
         prefix: what stands before the type, or before a block's name, as it is written.
-        result: what a function returns.
         body: the text between the braces of a function, struct or block.
-        instance: a block's variable.
         variables: what is declared after a struct's body.
         uses: the names that occur in it and are not its own.
     """

@@ -52,7 +52,6 @@ class Evaluation:
 
     Attributes:
         passes: each shader, and how many words it writes, to locations 0, 1, …
-        size: (width, height) of the grid in pixels.
         shared: the uniform array "shaderlab_shared", (count, 4) of uint32.
         uniforms: others, by name.
         textures: what samplers read, by name: the sampler's type, and the texture.
@@ -74,7 +73,6 @@ class Session(ABC):
     calls raises OtherApiError where another API draws.
 
     Attributes:
-        scene: what is drawn.
         programs: each pass's draws, compiled.
         subpixel_step: the grid that corners are moved to before they are rasterised, in pixels.
         answers: what answers each of QUERIES, as functions of the session and of the arguments.
@@ -246,10 +244,8 @@ def open_backend(driver: str | None = None) -> Backend:
             software driver, which is the same everywhere. "default" is the machine's own of
             OpenGL, "vulkan" that of Vulkan, "webgl2" that of a browser.
 
-    Raises:
-        DriverError: there is no such driver here, or it offers too little.
-        UsageError: `driver` is not one of DRIVERS.
-    """
+    Raises DriverError: there is no such driver here, or it offers too little; UsageError: `driver`
+    is not one of DRIVERS."""
     chosen = known_driver(driver)
     backend: Backend = importlib.import_module(MODULES[chosen]).open_backend(chosen)
     return backend

@@ -521,9 +521,7 @@ def shaders_of(
         include: further folders, which come after the project's own.
         renames: names in the files of `overrides`, and what they are called instead.
 
-    Raises:
-        UsageError: the project's settings are wrong.
-    """
+    Raises UsageError: the project's settings are wrong."""
     from shaderlab.compiler.sources import Shaders
 
     shipped = data_folder("shaders")

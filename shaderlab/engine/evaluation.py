@@ -29,14 +29,11 @@ class Evaluation:
 
     Args:
         session: the scene on the device; it is drawn now.
-        backend: the device.
         preparer: what compiled the scene's programs.
         like: an evaluation of the same scene with the shaders' own texts: its answers are taken
             where they must be the same.
 
-    Raises:
-        ShaderError, UnsupportedError, CaseError: the scene can't be drawn.
-    """
+    Raises ShaderError, UnsupportedError, CaseError: the scene can't be drawn."""
 
     def __init__(
         self,

@@ -290,7 +290,6 @@ class ProcessExecutor(Executor):
 
     Args:
         driver: as in `shaderlab.drivers.open_backend`.
-        limits: of each job.
         workers: how many there are; None for as many as the jobs are worth.
         work: what they call: `Worker`, or a class derived from it, as "module:name".
         early: whether one is asked for its driver at once, and not when that is first needed.

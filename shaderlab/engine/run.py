@@ -42,7 +42,6 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
     """Compiles, draws and judges scenes. A context manager; the device is opened on first use.
 
     Args:
-        options: how scenes are run.
         notice: called with each step as it begins, in words.
 
     Attributes:

@@ -27,11 +27,7 @@ class Settings:
         root: the project's folder: that of the nearest pyproject.toml with a table
             `[tool.shaderlab]`, or else of the nearest repository; None where there is neither.
         shaders: the folders in which shaders are found by name.
-        include: further folders for `#include`.
-        targets: what programs are compiled for.
-        driver: the driver's name.
-        timeout: seconds that one variant may take.
-        memory: gigabytes that one worker may have.
+        timeout: seconds that one variant may take; `memory`, gigabytes that one worker may have.
         keep: how many runs stay in reports/; 0 for all.
     """
 

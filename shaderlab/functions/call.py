@@ -27,8 +27,6 @@ class Argument:
     """A value that fits its type.
 
     Attributes:
-        type: of the parameter or global.
-        batch: the axes before the type's own.
         leaves: its numbers in the order of the type's words: each (batch…, words of the leaf),
             where the batch may be any shape that broadcasts.
         whole: the kind of the integers that were given, "i" or "u" as in NumPy; "" for others.

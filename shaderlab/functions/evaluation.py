@@ -21,8 +21,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from shaderlab.compiler.compile_cache import cached_compiler
+from shaderlab.compiler.dialects import find_own_names
 from shaderlab.compiler.glslang import preprocess
-from shaderlab.compiler.shader_files import strip_comments, version_of
+from shaderlab.compiler.shader_files import rename_words, strip_comments, version_of
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.drivers import Evaluation
 from shaderlab.engine.jobs import Executor, InProcessExecutor, ProcessExecutor
@@ -337,8 +338,10 @@ def _evaluation(source: Source, folder: str, call: Call, kernel: Kernel) -> Eval
         argument.fill(shared.reshape(-1, 1)[at:], argument.batch)
         at += one.type.words
     parameters = {p.name for p in kernel.signature.parameters}
+    own = find_own_names(kernel.signature.code)
     uniforms, textures = collect_opaque(
-        call, lambda name: local_name(name) if name in parameters else rename(name)
+        call,
+        lambda name: local_name(name) if name in parameters else rename_words(rename(name), own),
     )
     return Evaluation(
         passes=build_passes(source, kernel),
@@ -368,14 +371,14 @@ def build_passes(source: Source, kernel: Kernel) -> tuple[tuple[Source, int], ..
     """The kernel's shaders, each with how many words it writes; their lines are the file's."""
     version = glsl_version(source, kernel.signature.code)
     code, here = kernel.signature.code, source.place(kernel.signature.line)
-    found = []
+    own, found = find_own_names(code), []
     for first in range(0, max(kernel.result_words, 1), MAX_WORDS):
         words = min(MAX_WORDS, kernel.result_words - first)
         head, main = kernel.head(version, words), kernel.main(first, words)
         spans = [(*here, 1)] * head.count("\n")
         spans += [(*source.place(line + 1), 1) for line in range(code.count("\n") + 1)]
         spans += [(*here, 1)] * (main.count("\n") + 1)
-        text = f"{head}{code}\n{main}"
+        text = f"{head}{code}\n{rename_words(main, own)}"
         made = Source(source.name, source.path, "fragment", text, LineMap.of(spans), ())
         found.append((made, words))
     return tuple(found)

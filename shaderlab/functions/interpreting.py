@@ -19,7 +19,9 @@ from shaderlab.analysis.comparison import Plan as ComparisonPlan, compare_progra
 from shaderlab.analysis.inputs import inputs_of, unknown_names
 from shaderlab.analysis.interpreter import Program, adopt_names, load, read_file
 from shaderlab.analysis.requests import ShaderOfFile, assume
-from shaderlab.compiler.sources import LineMap, Source, with_version
+from shaderlab.compiler.dialects import raise_version
+from shaderlab.compiler.shader_files import OWN
+from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.compiler.translation import find_compiler
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, suggest
 from shaderlab.functions.evaluation import (
@@ -52,11 +54,14 @@ EntryPoint = tuple[Signature, Source]
 """A function, and its file with a `main` that calls it once."""
 
 
-def find_entry_points(written: Source, worker: Worker | None = None) -> list[EntryPoint]:
+def find_entry_points(
+    written: Source, worker: Worker | None = None, like: Sequence[EntryPoint] = ()
+) -> list[EntryPoint]:
     """The functions that a file defines itself, not in what it includes, in order; preprocessed by
-    a worker, or where calls are made. Raises ShaderError: its brackets do not match, or it has no
-    function."""
-    source = with_version(written)
+    a worker, or where calls are made. Those `like` another one, by name and types, have that one's
+    names of parameters. Raises ShaderError: its brackets do not match, or it has no function."""
+    named = {_key(one): one.parameters for one, _ in like}
+    source = raise_version(written, "" if has_version(written) else "#version 330 core")
     request = Preprocess(source)
     text = get_caller().perform(request, "") if worker is None else request.perform(worker)
     known = read_declarations(text)
@@ -68,16 +73,23 @@ def find_entry_points(written: Source, worker: Worker | None = None) -> list[Ent
         place = source.place(signature.line)
         if place[0] != own_file:
             continue
+        signature = replace(signature, parameters=named.get(_key(signature), signature.parameters))
         added = "\n".join(_main_lines(signature, taken)) + "\n"
         lines = LineMap.of(places + [(*place, 1)] * added.count("\n"))
         text = f"{source.text}\n{added}"
         made = replace(source, stage="fragment", text=text, lines=lines, stripped=None)
         if not has_version(written):
             made = as_version(made, glsl_version(written, made.code))
-        found.append((signature, made))
+        found.append((replace(signature, name=signature.name.removeprefix(OWN)), made))
     if not found:
         raise ShaderError("there is no function in it, and no main", file=own_file)
     return sorted(found, key=lambda one: one[0].line)
+
+
+def _key(one: Signature) -> tuple[str, ...]:
+    """A function's name and types, by which another one is found that is like it."""
+    types = (f"{p.direction} {p.type}" for p in one.parameters)
+    return one.name.removeprefix(OWN), str(one.result), *types
 
 
 def _main_lines(signature: Signature, taken: Collection[str]) -> Iterator[str]:
@@ -196,27 +208,28 @@ class CompareFunctions:
         ported_text = ported.read_text(errors="replace") if others.is_module else ""
         if ported_text:
             find_compiler(ported, "name two shaders in GLSL")
-        theirs = [] if ported_text else find_entry_points(others.source("fragment"), worker)
+        text = None if ported_text else others.source("fragment")
+        theirs = [] if text is None else find_entry_points(text, worker, functions)
         _check_ranges(self.plan.ranges, [*functions, *theirs])
-        left = {str(signature): source for signature, source in theirs}
+        left = {_key(signature): (signature, source) for signature, source in theirs}
         outputs: list[OutputAnswer] = []
         inputs: dict[str, str] = {}
         notes: list[str] = []
         for signature, source in functions:
-            name, other = signature.name, left.pop(str(signature), None)
+            name, other = signature.name, left.pop(_key(signature), None)
             if other is None and not re.search(rf"\b{name}\s*\(", ported_text):
                 outputs.append(OutputAnswer(name=str(signature), why="missing"))
                 continue
             worker.note(f"interpreting {name}")
             try:
                 mine = load(source)
-                its = load(other) if other else adopt_names(load_ported(signature, ported), mine)
+                its = load(other[1]) if other else adopt_names(load_ported(signature, ported), mine)
                 pair = (its, mine) if ours is self.new else (mine, its)
                 answer = compare_programs(*pair, _plan_of(self.plan, *pair))
             except UsageError:
                 raise
             except ShaderlabError as error:
-                outputs.append(OutputAnswer(name=name))
+                outputs.append(OutputAnswer(name=name, why="refused"))
                 notes.append(f"undetermined for {name}: {error}")
                 continue
             alone = len(answer.outputs) == 1
@@ -225,7 +238,7 @@ class CompareFunctions:
             ]
             notes += [f"{name}: {note}" for note in answer.notes]
             inputs |= {f"{name}: {word}": role for word, role in answer.inputs.items()}
-        notes += [f"only {others.file.path} has {signature}" for signature in left]
+        notes += [f"only {others.file.path} has {signature}" for signature, _ in left.values()]
         names = {"old": self.old.file.path, "new": self.new.file.path}
         return [Answer(**names, outputs=tuple(outputs), notes=tuple(notes), inputs=inputs)]
 

@@ -347,10 +347,10 @@ def load(
     """
     check_arguments(load, shader=shader, defines=defines)
     if isinstance(shader, str) and "{" in shader:
-        source = Shaders([], defines=defines).from_text(shader, "fragment", "text")
+        folders = _folders(sys._getframe(1).f_globals)
+        source = Shaders(folders, defines=defines).from_text(shader, "fragment", "text")
         return Library(source, "", given)
-    calling: str | None = sys._getframe(1).f_globals.get("__file__")
-    path = _find(Path(shader), Path(calling).parent if calling else None)
+    path = _find(Path(shader), _folders(sys._getframe(1).f_globals))
     return Library(_source(path, defines), str(path.parent), given)
 
 
@@ -424,8 +424,13 @@ class Library:
             raise ShaderError(error.message, file=file, line=line) from None
 
 
-def _find(path: Path, beside: Path | None) -> Path:
-    tried = [*(load_settings(beside).shader_folders(beside) if beside else ()), Path.cwd()]
+def _folders(calling: Mapping[str, Any]) -> list[Path]:
+    """Where shaders are that a module with these globals names."""
+    beside = Path(calling["__file__"]).parent if calling.get("__file__") else None
+    return [*(load_settings(beside).shader_folders(beside) if beside else ()), Path.cwd()]
+
+
+def _find(path: Path, tried: Sequence[Path]) -> Path:
     for folder in tried:
         if (folder / path).is_file():
             return Path(os.path.abspath(folder / path))

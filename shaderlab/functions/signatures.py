@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
+from shaderlab.compiler.dialects import CALLS, keep_own_names
 from shaderlab.compiler.shader_files import SHADERTOY_INPUTS
 from shaderlab.compiler.syntax import (
     Declarator,
@@ -39,8 +40,6 @@ class Type:
 
     Attributes:
         name: without array lengths: "vec3", "Light", "sampler2D".
-        dims: array lengths, the outermost first.
-        members: of a struct, by name, in order.
     """
 
     name: str
@@ -124,10 +123,16 @@ class Declarations:
         open_ends = list(function.uses)
         while open_ends:
             for one in by_name.get(open_ends.pop(), ()):
-                if one.start not in found:
+                # Another overload may take what somebody else declares.
+                apart = one.name == function.name and not all(map(self._is_known, one.members))
+                if one.start not in found and not apart:
                     found.add(one.start)
                     open_ends += one.uses
         return [one for one in self.all if one.start in found]
+
+    def _is_known(self, one: Declarator) -> bool:
+        structs = {known.name for known in self.all if known.kind == "struct"}
+        return one.type.name in structs or Type(one.type.name).opaque or Type(one.type.name).known
 
     def type_of(self, written: TypeSpecifier) -> Type:
         """The type that is written so. Raises LookupError, whose message names what is unknown."""
@@ -195,8 +200,6 @@ _OTHER_STAGES = frozenset({
 _GL = re.compile(rf"\bgl_({'|'.join(n[3:] for n in (*_STAGE_INPUTS, *_STAGE_OUTPUTS))})\b")
 # The samplers that the lab has textures for.
 _TEXTURED = re.compile(r"[iu]?sampler(?:2D|2DArray|Cube)|sampler(?:2D|2DArray|Cube)Shadow")
-# Texture functions of GLSL 1.20 and ES 1.00, under the names that replaced them.
-_OLD = re.compile(r"\btexture(?:1D|2D|3D|Cube)(Proj)?(Lod)?(?:EXT|ARB)?(?=\s*\()")
 
 
 @dataclass(frozen=True)
@@ -204,7 +207,6 @@ class Input:
     """A parameter, or a global that the function's file leaves to others to set.
 
     Attributes:
-        name, type: as declared.
         direction: of a parameter; globals are "in".
         optional: whether the file has a value for it, or the function does not read it, as other
             members of a block.
@@ -221,16 +223,10 @@ class Signature:
     """One function of a file, an overload of its name.
 
     Attributes:
-        name: in GLSL.
         result: what it returns; "void" for nothing.
-        parameters: in order.
-        globals: what else it reads.
         code: the text that it needs, line for line as in the file.
         line: of the definition in that text, counted from 1.
-        definition: the function's own text.
         state: variables of the file that a call may change, with their initialisers.
-        discards: whether it may discard its pixel.
-        extensions: the file's `#extension` lines.
         obstacle: why it can't be called; "" if it can.
     """
 
@@ -377,7 +373,7 @@ def rename(name: str) -> str:
 
 
 def _modernise(text: str) -> str:
-    return _OLD.sub(r"texture\1\2", _GL.sub(rf"{PREFIX}\1", text))
+    return CALLS.sub(r"texture\1", _GL.sub(rf"{PREFIX}\1", keep_own_names(text)))
 
 
 def _variables_to_give(needed: list[GlslDeclaration]) -> Iterator[Declarator]:

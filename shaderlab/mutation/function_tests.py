@@ -64,7 +64,6 @@ class RunTestFile:
     """Requests the result of a file's tests.
 
     Attributes:
-        file: with the tests.
         texts: what to take in place of GLSL that is loaded, by its text with includes expanded.
         only: the names of the only tests to run; all of them if empty.
         alike: whether properties try the same samples each time, and leave no trace in Hypothesis'

@@ -166,8 +166,6 @@ class Chart:
         labels: texts as (x, y, CSS class, text).
         key: (CSS class, words) of each kind of mark.
         hidden: how many points are not in the drawing.
-        heads: of the table's columns.
-        points: a row for each.
         foot: the lowest part's edge.
     """
 

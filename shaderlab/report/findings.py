@@ -26,9 +26,7 @@ class Finding:
 
     Attributes:
         rule: what kind of thing, "compile-error" or "formula": the same from run to run.
-        file: where it is, "" where it is in no file.
-        line: counted from 1; 0 for the file as a whole.
-        severity: "error", "warning" or "info".
+        file, line: "" where it is in no file, 0 for the file as a whole.
         message: what is wrong; its first line says the most.
         subject: what it is about: with the rule, the file and the line's text it tells a finding
             from others, whatever the figures in its message are.

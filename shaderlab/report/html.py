@@ -35,12 +35,8 @@ def write(run: Run, folder: str | Path) -> Path:
     That is `folder`/index.html. Cases are in `folder`/cases, what the pages share in `folder`/page.
     Each file is written whole or not at all, the front page last.
 
-    The results of `shaderlab mutate --report` in that folder are shown too.
-
-    Raises:
-        ShaderlabError: a file can't be written, or `mutation.json` is damaged. Missing pictures
-            are only noted.
-    """
+    The results of `shaderlab mutate --report` in that folder are shown too. Raises ShaderlabError:
+    a file can't be written, or `mutation.json` is damaged; missing pictures are only noted."""
     target = Path(folder)
     refuse_links(target)
     page = build_page(run, Pictures(target), load_mutants(target))

@@ -54,11 +54,9 @@ class ItemResult:
 
     Attributes:
         number: the item's position among those passed to `run`.
-        item: the item itself.
         status: "done"; "crash" or "timeout" where the worker died on it; "error" where work raised.
         value: the work's result, the exception where it raised one, else None.
-        message: how the worker died.
-        step: the last step that the work noted before the worker died.
+        message, step: how the worker died, and the last step that the work noted before.
         seconds: the time from the result before it, or from when the item was sent.
     """
 
@@ -227,7 +225,6 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
             that takes an item and returns its result; or a class that makes such a function from a
             `shaderlab.workers.worker.Channel`, optionally with a `preload()` that imports what it
             will need.
-        limits: of each item.
         jobs: how many workers at most; may be set to more at any time.
     """
 

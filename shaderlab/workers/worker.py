@@ -27,8 +27,6 @@ class Channel:
     """The worker's connection to its parent.
 
     Args:
-        parent: the parent's socket.
-        seconds: the time limit of each item.
         steps: the descriptor of the file for steps.
     """
 

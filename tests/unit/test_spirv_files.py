@@ -180,3 +180,81 @@ def test_functions_are_compared_across_languages(
     theirs.write_text("float fade(float x, int n) { return wrong; }\n")
     status, said = call("diff", ours, theirs)
     assert f"undetermined for fade: {theirs}: slangc refuses it" in said
+
+
+def test_an_entry_point_is_found_by_what_people_call_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = compile_to_file(tmp_path, "uv.x * k")
+    compiler = tmp_path / "slangc"
+    note = f'echo "$@" > "{tmp_path}/said"; for last; do :; done'
+    compiler.write_text(f'#!/bin/sh\n{note}\ncp "{module}" "$last"\n')
+    compiler.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    stages = (
+        "VSOut VSMain(VSIn i) { return o; }\nfloat4 PSMain(VSOut i) : SV_Target { return 1; }\n"
+    )
+    expected = {
+        "float4 main(float2 uv : A) : SV_Target { return 1; }": "-stage fragment -entry main",
+        "half4 frag(v2f i) : SV_Target { return 1; }": "-stage fragment -entry frag",
+        stages: "-stage fragment -entry PSMain",
+        "[numthreads(8,8,1)] void cs_main(uint3 id : SV_DispatchThreadID) { }": "-entry cs_main",
+    }
+    file = tmp_path / "b.hlsl"
+    for text, words in expected.items():
+        file.write_text(text)
+        assert call("audit", file)[0] == 0
+        assert words in (tmp_path / "said").read_text()
+    file.write_text(stages)
+    call("audit", file, "--stage", "vertex")
+    assert "-stage vertex -entry VSMain" in (tmp_path / "said").read_text()
+
+
+TWO_STAGES = """
+    OpCapability Shader
+    OpMemoryModel Logical GLSL450
+    OpEntryPoint Fragment %fs "fs" %uv %color
+    OpEntryPoint Vertex %vs "vs" %at %position
+    OpExecutionMode %fs OriginUpperLeft
+    OpName %at "at"
+    OpName %uv "uv"
+    OpDecorate %uv Location 0
+    OpDecorate %color Location 0
+    OpDecorate %at Location 0
+    OpDecorate %position BuiltIn Position
+    %void = OpTypeVoid
+    %main = OpTypeFunction %void
+    %float = OpTypeFloat 32
+    %vec4 = OpTypeVector %float 4
+    %in = OpTypePointer Input %vec4
+    %out = OpTypePointer Output %vec4
+    %uv = OpVariable %in Input
+    %at = OpVariable %in Input
+    %color = OpVariable %out Output
+    %position = OpVariable %out Output
+    %fs = OpFunction %void None %main
+    %1 = OpLabel
+    %2 = OpLoad %vec4 %uv
+    %3 = OpFDiv %vec4 %2 %2
+    OpStore %color %3
+    OpReturn
+    OpFunctionEnd
+    %vs = OpFunction %void None %main
+    %4 = OpLabel
+    %5 = OpLoad %vec4 %at
+    %6 = OpFAdd %vec4 %5 %5
+    OpStore %position %6
+    OpReturn
+    OpFunctionEnd
+"""
+
+
+def test_of_several_entry_points_one_is_read(tmp_path: Path) -> None:
+    file = tmp_path / "both.spvasm"
+    file.write_text(TWO_STAGES)
+    status, said = call("audit", file)
+    assert status == 1 and "1 hazard" in said and "uv = " in said and "at" not in said.split()
+    status, said = call("explain", file)
+    assert status == 0 and "uv = " in said and "gl_Position" not in said
+    status, said = call("audit", file, "--stage", "vertex")
+    assert status == 0 and "at: " in said and "uv" not in said

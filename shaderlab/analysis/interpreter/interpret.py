@@ -203,17 +203,14 @@ def interpret(
     """Run a stage on many invocations at once.
 
     Args:
-        program: the stage, of `load` or `read`.
         each: what differs between invocations, by name: varyings or attributes, built-in inputs
             such as "gl_FragCoord", uniforms; (count, components), matrices (count, rows, columns),
             arrays (count, elements, …); a first axis of 1 is for all. In bands a complex number is
             a range, from its real to its imaginary part.
         bindings: uniforms, members of blocks and textures, as a scene's frame has them.
-        arithmetic: computes floats.
         count: the number of invocations; by default that of the rows of `each`, or 1.
         places: the pixels, by which derivatives and mipmaps find neighbours, (count, 2 or more); by
             default gl_FragCoord.
-        max_blocks: how many blocks may be run in all.
         trace: is called with each value that a variable or a part of one is given.
         watch: is called after each instruction, and may change its result.
         unwritten: whether outputs hold an undefined value where an invocation writes none.

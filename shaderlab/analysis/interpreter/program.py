@@ -20,6 +20,7 @@ from shaderlab.compiler.spirv import (
     Module,
     Op,
     StorageClass,
+    adapt,
     parse,
     unwrap,
 )
@@ -41,8 +42,6 @@ class Type:
         kind: see `Kind`; sampled images are "image", what has no image is "sampler".
         of: what a vector, matrix (its columns) or array is made of.
         count: how many of them, 0 if that is known at run time only.
-        members: a struct's members by name, in order.
-        signed: of integers.
         base: the scalar that a vector or matrix is made of, else the type itself.
     """
 
@@ -172,10 +171,7 @@ class Program:
     """One stage, ready to be interpreted.
 
     Attributes:
-        module: the declarations.
         source: the text that the lines are of; None for a module from elsewhere.
-        types: the module's types by id.
-        functions: by id.
         variables: the type and storage class of every variable, those of functions too, by id.
     """
 
@@ -273,7 +269,14 @@ def load(source: Source) -> Program:
         source, compiled = newer, compile_with_lines(newer)
     for modules in compiled.spirv.values():
         return read(modules[source.stage], source)
-    compiled.require()
+    if any("GLSL for Vulkan" in d.message for v in compiled.verdicts for d in v.diagnostics):
+        compiled = compiled.only(("vulkan",))
+    try:
+        compiled.require()
+    except ShaderError as error:
+        if error.message.startswith("'gl_"):
+            error.remedy = "declare it: nothing feeds the fixed-function pipeline here"
+        raise
     raise ShaderError("does not become SPIR-V", file=source.path)
 
 
@@ -292,6 +295,8 @@ def read_file(path: Path, stage: str | None = None) -> Program:
     if not module.entry:
         remedy = "add one that calls them"
         raise ShaderError("has functions and no entry point", file=path, remedy=remedy)
+    wanted = STAGES.index(stage or "fragment")
+    module = adapt(module, wanted if wanted in module.entries else module.model)
     source = Source(path.name, str(path), STAGES[module.model], "", LineMap(), ())
     return _build(module, source)
 

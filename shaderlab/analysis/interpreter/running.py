@@ -42,7 +42,6 @@ class Stored:
     """A value that one path through a program stores.
 
     Attributes:
-        at: the instruction.
         name: the variable, or the part of it, as GLSL writes it; "f()" is the result of f,
             "f(x)" what f is passed as x.
         value: floats of the arithmetic, an `Integer`, a `TriBool`, or a tuple of such, with one row
@@ -174,7 +173,6 @@ class Run:
         for_ranges: whether values are ranges: what nothing is stored to on one of two paths is
             anything where they meet.
         results: each instruction's result by id, as of its last execution, and each constant.
-        calls: the lines of the calls under way.
         killed: the invocations that a `discard` may have ended.
         undecided: by line, the invocations that took both sides of a branch there.
         taken: each two blocks, by their labels, of which one was run after the other; 0 comes

@@ -292,11 +292,15 @@ def _gather(*, compared: bool) -> Handler:
 
 def _size(run: Run, at: Instruction, state: PathState) -> Any:
     texels: Texels = run.value(at.operands[0])
-    level = int(run.value(at.operands[1]).lo.flat[0]) if len(at.operands) > 1 else 0
-    if not 0 <= level <= len(texels.smaller):
-        raise FormulaError(f"textureSize of level {level}, which is not there")
-    found = sampling.textureSize(Sampler(texels, run.arithmetic.rules), level)
-    return Integer(found.lo[None], rules=run.arithmetic.rules)
+    level = run.value(at.operands[1]).lo if len(at.operands) > 1 else np.zeros((1, 1), np.int64)
+    most, sampler = len(texels.smaller), Sampler(texels, run.arithmetic.rules)
+    sizes = np.stack([sampling.textureSize(sampler, n).lo for n in range(most + 1)])
+    found = Integer(sizes[np.clip(level, 0, most)[:, 0]], rules=run.arithmetic.rules)
+    # That of a level which is not there is undefined (OpenGL 4.6, 11.1.3.4).
+    outside = (level < 0) | (level > most)
+    return (
+        found.derive(found.lo, anything=outside) if (outside & state.mask[:, None]).any() else found
+    )
 
 
 def _levels(run: Run, at: Instruction, state: PathState) -> Any:

@@ -179,7 +179,6 @@ class PathState:
     both; where the paths meet, the states are joined.
 
     Attributes:
-        mask: which invocations are here, (count,).
         memory: by id; what is stored for other invocations means nothing.
     """
 

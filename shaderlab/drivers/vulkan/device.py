@@ -138,9 +138,7 @@ class Device:
 
     Attributes:
         driver: a name of `shaderlab.drivers.DRIVERS`.
-        info: what the driver says of itself.
         features: the names of the features that it has, all of them enabled.
-        limits: a VkPhysicalDeviceLimits.
         memory_types: each memory type's VkMemoryPropertyFlags.
         instance, physical, handle, queue, pool: Vulkan's own handles.
     """

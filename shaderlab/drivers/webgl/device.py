@@ -304,8 +304,6 @@ class Device:
     """An open device.
 
     Attributes:
-        gl: its calls.
-        info: what the browser says of itself.
         extensions: the names of those that it has, all of them enabled.
         own_programs: the lab's own, which read what can't be read otherwise, by their text.
     """

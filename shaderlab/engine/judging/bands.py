@@ -58,7 +58,6 @@ class ReferenceBand:
     Attributes:
         reference, inputs: the formula, and what it was given.
         parameters: what `match_parameters` returns for them.
-        format: the attachment's.
         low, high: (count, components), float32 where the format is one of floats.
         nan: where NaN is legal, (count, components); False where it is nowhere.
         unit: the size of one code for fixed-point formats, None for floats.

@@ -45,7 +45,6 @@ class Inputs:
             constants, shaped (components,) or (rows, columns).
         each: what differs from one judged value to the next, shaped (count, components).
         decimal: some of both in float64, as the case wrote them.
-        textures: by sampler name.
         arrays: names in `shared` whose first axis is a GLSL array's.
     """
 

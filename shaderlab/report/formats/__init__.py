@@ -21,7 +21,6 @@ class Format(NamedTuple):
 
     Attributes:
         name: of its module and its option.
-        help: the option's.
         findings: whether the module has `render_findings` too: then commands that make no run,
             such as `compile`, have the option as well.
     """

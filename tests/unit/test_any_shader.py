@@ -1,0 +1,172 @@
+"""Shaders as people write them, in front of every command: read, or refused by words that help."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from shaderlab import glsl
+from shaderlab.analysis.comparison import Plan, compare_programs
+from shaderlab.analysis.interpreter import load
+from shaderlab.cli import cli
+from shaderlab.compiler import Shaders, compile_program
+
+ES = "#version 300 es\nprecision highp float;\n"
+READ = {
+    "webgl1.vert": """attribute vec3 position; uniform mat4 projection; varying vec3 at;
+        mat3 transpose(mat3 m) { return mat3(m[0].x, m[1].x, m[2].x, m[0].y, m[1].y, m[2].y,
+                                             m[0].z, m[1].z, m[2].z); }
+        void main() { at = transpose(mat3(2.0)) * position;
+                      gl_Position = projection * vec4(position, 1.0); }""",
+    "words.frag": """precision mediump float; uniform sampler2D texture; varying vec2 uv;
+        float round(float x) { return floor(x + 0.5); }
+        void main() { vec4 sample = texture2D(texture, uv); float smooth = round(sample.r);
+                      gl_FragColor = vec4(smooth, sample.gba); }""",
+    "buffers.frag": """#extension GL_EXT_draw_buffers : require
+        precision mediump float; varying vec3 n;
+        void main() { gl_FragData[0] = vec4(n, 1.0); gl_FragData[1] = vec4(0.5); }""",
+    "processing.glsl": """#ifdef GL_ES
+        precision mediump float;
+        #endif
+        uniform sampler2D texture; varying vec4 vertTexCoord;
+        void main() { gl_FragColor = texture2D(texture, vertTexCoord.st); }""",
+    "cube.frag": """uniform samplerCube iChannel0;
+        void mainImage(out vec4 c, in vec2 p) { c = texture(iChannel0, vec3(p, iTime)); }""",
+    "part.fs": "float half_of(float x) { return 0.5 * x; }",
+    "old.glsl": """vec4 both(sampler2D image, vec2 uv)
+        { return texture2D(image, uv) + texture2D(image, -uv); }""",
+    "mediump.glsl": """precision mediump float; varying vec2 uv; uniform sampler2D image;
+        vec3 at(float s) { return texture2D(image, uv * s).rgb; }""",
+    "twice.frag": ES.replace("highp", "mediump")
+    + "uniform float k; in vec2 uv; out vec4 c; void main() { c = vec4(vec2(uv), float(k), 1.0); }",
+    "whole.frag": ES
+    + """precision highp usampler2D; precision highp isampler2D; precision highp sampler3D;
+        uniform usampler2D ids; uniform isampler2D offsets; uniform sampler3D volume;
+        uniform sampler2D image; in vec3 p; in float lod; out vec4 c;
+        void main() { int k = texelFetch(offsets, ivec2(0), 0).x;
+            c = texture(volume, p) + vec4(texture(ids, p.xy)) + float(k)
+              + float(textureSize(image, int(lod)).x); }""",
+}
+
+
+def call(*words: str | Path) -> tuple[int, str]:
+    found = CliRunner().invoke(cli, [*map(str, words), "-j", "0"])
+    return found.exit_code, found.output
+
+
+@pytest.mark.parametrize("name", READ)
+def test_every_command_reads_it(tmp_path: Path, name: str) -> None:
+    file = tmp_path / name
+    file.write_text(READ[name])
+    status, said = call("compile", file, "--target", "opengl", "--target", "glsl")
+    assert status == 0, said
+    status, said = call("audit", file)
+    assert status in (0, 1) and "undetermined" not in said, said
+    status, said = call("diff", file, file)
+    assert status == 0 and "shaderlab_own" not in said, said
+    if "main" in READ[name]:
+        status, said = call("explain", file)
+        assert status == 0 and "shaderlab_own" not in said, said
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("a.rgen", "#version 460\nvoid main() {}", "is of a ray-tracing stage"),
+        ("a.shader", 'Shader "X" { }', "is Unity's ShaderLab"),
+        ("a.sc", "$input uv\nvoid main() {}", "is bgfx's dialect"),
+        ("a.gdshader", "shader_type canvas_item;", "is Godot's language"),
+        ("a.metal", "fragment float4 f() { return 1; }", "is the Metal Shading Language"),
+        ("a.cginc", "float4 f() { return 1; }", "is HLSL"),
+        ("a.frag", "#version 120\nvoid main() { gl_FragColor = gl_TexCoord[0]; }",
+         "declare it: nothing feeds the fixed-function pipeline"),
+        ("a.frag", "#include <common>\nvoid main() {}", "no file to #include: 'common'"),
+        ("a.frag", "#version 450\n#extension GL_EXT_scalar_block_layout : require\n"
+         "layout(scalar) buffer B { vec3 v[]; };\nlayout(location = 0) out vec4 c;\n"
+         "void main() { c = vec4(v[1], wrong); }", "'wrong' : undeclared identifier [vulkan]"),
+    ],
+)  # fmt: skip
+def test_what_is_refused_says_why(tmp_path: Path, name: str, text: str, words: str) -> None:
+    (tmp_path / "common").mkdir()
+    (tmp_path / name).write_text(text)
+    status, said = call("audit", tmp_path / name)
+    assert status == 2 and words in " ".join(said.split())
+
+
+def test_a_vertex_stage_without_version_is_of_its_fragment_stages_dialect(tmp_path: Path) -> None:
+    vertex, es, desktop = (tmp_path / name for name in ("a.vert", "es.frag", "desktop.frag"))
+    vertex.write_text("attribute vec4 at;\nvoid main() { gl_Position = at; }\n")
+    desktop.write_text("void main() { gl_FragColor = vec4(1.0); }\n")
+    es.write_text("precision mediump float;\n" + desktop.read_text())
+    assert call("compile", "--link", vertex, es)[0] == 0
+    assert call("compile", "--link", "--target", "glsl", vertex, desktop)[0] == 0
+
+
+def test_words_that_later_versions_took_are_names_of_functions(tmp_path: Path) -> None:
+    text = (
+        "uniform sampler2D texture; float round(float x) { return floor(x + 0.25); }\n"
+        "vec3 centroid(vec3 a) { return a / 3.0; }\n"
+        "vec4 f(vec2 uv) { vec4 smooth = texture2D(texture, uv); return smooth * round(0.8); }\n"
+    )
+    made = glsl.load(text)
+    white = np.ones((2, 2, 4), np.float32)
+    assert made.f((0.5, 0.5), texture=white).tolist() == [1.0] * 4
+    assert made.round(0.7) == 0.0 and made.centroid([3.0, 6.0, 9.0]).tolist() == [1.0, 2.0, 3.0]
+
+
+def test_text_includes_from_the_callers_folders(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "law.glsl").write_text("float law(float x) { return 2.0 * x; }\n")
+    monkeypatch.chdir(tmp_path)
+    made = glsl.load('#include "law.glsl"\nfloat twice(float x) { return law(law(x)); }')
+    assert made.twice(1.0) == 4.0
+
+
+def test_an_overload_of_an_unknown_type_leaves_the_others(tmp_path: Path) -> None:
+    made = glsl.load("float f(float x) { return x; }\nfloat f(Shading s) { return s.x; }\n")
+    assert made.f["float"](2.0) == 2.0
+
+
+def test_a_package_includes_by_its_own_name(tmp_path: Path) -> None:
+    package = tmp_path / "lights"
+    (package / "math").mkdir(parents=True)
+    (package / "math" / "one.glsl").write_text("float one() { return 1.0; }\n")
+    (package / "a.frag").write_text(
+        '#version 330\n#include "lights/math/one.glsl"\nout float c;\nvoid main() { c = one(); }\n'
+    )
+    assert compile_program([Shaders([package]).load("a.frag")]).ok
+
+
+def test_functions_are_matched_by_types_whatever_their_parameters_are_called(
+    tmp_path: Path,
+) -> None:
+    old, new = tmp_path / "old.glsl", tmp_path / "new.glsl"
+    old.write_text("float f(float a, vec2 b) { return a * b.x; }\n")
+    new.write_text("float f(float x, vec2 y) { return y.x * x; }\n")
+    status, said = call("diff", old, new)
+    assert status == 0 and "f: same" in said
+
+
+def test_what_float32_cannot_tell_is_no_difference() -> None:
+    text = "#version 330\nin float x;\nout vec2 c;\nvoid main() { c = vec2(max(x, 0.5)RESULT); }\n"
+    programs = [
+        load(Shaders([]).from_text(text.replace("RESULT", word), "fragment", "a.frag"))
+        for word in ("", " + 0.5e-9")
+    ]
+    (answer,) = compare_programs(*programs, Plan()).outputs
+    assert answer.same
+
+
+def test_a_sum_that_is_squared_for_long_has_a_band() -> None:
+    text = """#version 330
+        in float x; out float c;
+        void main() { vec2 z = vec2(x, 0.1);
+            for (int i = 0; i < 300; i++)
+                z = vec2(z.x * z.x - z.y * z.y + x, 2.0 * z.x * z.y + 0.1);
+            c = z.x; }"""
+    program = load(Shaders([]).from_text(text, "fragment", "a.frag"))
+    assert compare_programs(program, program, Plan(ranges={"x": "-0.2..0.2"})).outputs
