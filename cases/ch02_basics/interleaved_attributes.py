@@ -106,6 +106,8 @@ case = Case(
         formula("judged.FragColor", fields, draw=0, name="the triangle in the picture"),
         formula("judged.share", unchanged("ourColor"), draw=0, name="shares in the picture"),
         formula("judged.FragColor", encoded, draw=1, name="its numbers in memory"),
+        formula("judged.gl_Position", device_place, draw=1, name="where each of them stands"),
+        formula("judged.ourColor", unchanged("aColor"), draw=1, name="how bright it is"),
         attribute_layout(LAYOUT, name="stride 32, offsets 0, 12, 24"),
         *answers(ANSWERS),
         formula("gl_Position", device_place),

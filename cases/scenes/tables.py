@@ -145,7 +145,7 @@ def verdicts(values: Sampler, place: Value, group: Value) -> Value:
     outer = max(abs(swizzle(at, "x")), abs(swizzle(at, "y")))
     color = mix(color, vec3(0.08, 0.09, 0.11), smoothstep(0.84, 0.90, outer))
     off = group * abs(fract(place / group + 0.5) - 0.5)
-    gap = min(swizzle(off, "x"), swizzle(off, "y")) <= 0.1
+    gap = min(swizzle(off, "x"), swizzle(off, "y")) <= 0.16
     return vec4(mix(color, vec3(0.08, 0.09, 0.11), where(gap, 1.0, 0.0)), 1.0)
 
 

@@ -12,6 +12,6 @@ void main()
 {
     vec3 color = verdictField(fract(place) * 2.0 - 1.0, texelFetch(values, ivec2(place), 0).r);
     vec2 edge = group * abs(fract(place / group + 0.5) - 0.5);
-    float gap = step(min(edge.x, edge.y), 0.1);
+    float gap = step(min(edge.x, edge.y), 0.16);
     FragColor = vec4(mix(color, vec3(0.08, 0.09, 0.11), gap), 1.0);
 }
