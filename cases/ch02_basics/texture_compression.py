@@ -142,6 +142,7 @@ case = Case(
         *(one for kind in FORMATS for one in judged(kind)),
     ),
     picture="picture.FragColor",
+    rows=("lost, × 8", "BC1, BC3, BC7", "lost, × 8", "ETC1, ETC2, ETC2 with alpha"),
     expect=[
         enlarged_check(),
         *each_draw(

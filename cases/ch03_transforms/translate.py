@@ -64,6 +64,7 @@ case = Case(
     r"\begin{pmatrix} x + w\,T_x \\ y + w\,T_y \\ z + w\,T_z \\ w \end{pmatrix}",
     passes=stage.photographed((*half(0, 1.0), *half(1, 0.0)), (800, 300)),
     picture="picture.FragColor",
+    columns=("w = 1", "w = 0"),
     expect=[
         *stage.checks(),
         *each_draw("judged.Moved", translated, HALVES, also={"PyGLM": translated_by_glm}),

@@ -252,6 +252,7 @@ case = Case(
         *(judged(scheme) for scheme in SPLITS),
     ),
     picture="picture.FragColor",
+    rows=("cascades", "shadows"),
     expect=[
         *shadow_stage.map_checks("practical-0-1"),
         *(any_order(f"practical-{k}-2.depth") for k in range(CASCADES)),

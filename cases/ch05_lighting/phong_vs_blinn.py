@@ -115,6 +115,7 @@ case = Case(
         drawings("judged", (96, 96)),
     ),
     picture="picture.FragColor",
+    rows=("exponents 8 and 32", "8 and 8"),
     expect=[
         *each_draw("phong", phong, {0: "Phong's lobe, below", 1: "Phong's lobe, above"}),
         *each_draw("blinn", blinn, {0: "Blinn's lobe, same exponent", 1: "… matched"}),

@@ -93,6 +93,7 @@ case = Case(
         *(looked_at(f"{b}-{n}", n, b, size=(128, 128), colors=SHADOW) for b, n in OTHERS),
     ),
     picture="picture.FragColor",
+    rows=("no bias", "a bias"),
     expect=[
         *courtyard.map_checks("map-256"),
         *(formula(f"{WHOLE}.{output}", law) for output, law in LAWS.items()),

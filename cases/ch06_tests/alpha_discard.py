@@ -88,6 +88,7 @@ case = Case(
         picture(TWO, WHOLE, "behind", depth="depth24", clear=CLEAR),
     ),
     picture="picture.FragColor",
+    columns=("nothing discarded", "alpha < 0.1 discarded"),
     expect=[
         enlarged_check(),
         formula("small.FragColor", leaf_color, discards=cut, name="the last leaf on the right"),

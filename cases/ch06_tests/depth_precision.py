@@ -168,6 +168,7 @@ case = Case(
         *enlarged((chart(0, 0.1), chart(1, 1.0)), (108, 54), 9, judged="judged"),
     ),
     picture="picture.FragColor",
+    rows=("n = 1", "n = 0.1"),
     expect=[
         enlarged_check("judged"),
         *answers(

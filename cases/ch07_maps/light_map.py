@@ -89,6 +89,7 @@ case = Case(
         picture(walls(*PAIR, WAYS[2:]), (8, 8), "pair"),
     ),
     picture="picture.FragColor",
+    columns=("texture", "light map", "product"),
     expect=[
         enlarged_check(),
         *each_draw("small.FragColor", lit, enumerate(("bricks", "light", "lit bricks"))),

@@ -144,6 +144,7 @@ case = Case(
         under("sky-first", sky(HERE, NOISE), *on_the_ground(HERE, PLAIN)),
     ),
     picture="picture.FragColor",
+    columns=("here", "some steps on"),
     expect=[
         softened_check(),
         any_order("scene.FragColor"),
