@@ -25,6 +25,8 @@ from ..scenes.panels import WHOLE, panel_pass
 
 SMOOTH = {"filter": ("linear", "linear"), "wrap": ("clamp_to_edge", "clamp_to_edge")}
 CALM = 0.5 + np.random.default_rng(3).uniform(-0.024, 0.024, (24, 24, 4))
+# From nearly black on the left to all contrasts on the right, up to the very border.
+ROUGH = np.random.default_rng(3).uniform(0.0, np.geomspace(0.02, 1.0, 24)[:, None], (24, 24, 4))
 
 
 def smoothed(name, image, side=SIDE):
@@ -100,6 +102,7 @@ case = Case(
         smoothed("fxaa", Output("frame.FragColor", **SMOOTH)),
         smoothed("turned_fxaa", Output("turned.FragColor", **SMOOTH)),
         smoothed("calm", Texture(image=CALM, **SMOOTH), 24),
+        smoothed("rough", Texture(image=ROUGH, **SMOOTH), 24),
         side_by_side("frame", "fxaa"),
     ),
     picture="picture.FragColor",
@@ -107,6 +110,7 @@ case = Case(
         formula("frame.FragColor", wheel, name="the wheel"),
         formula("turned.FragColor", sampled("image"), name="turned"),
         formula("fxaa.FragColor", fxaa, name="means along edges"),
+        formula("rough.FragColor", fxaa, name="edges everywhere, in the dark too"),
         measure("change where contrast is low", changed, reads=AFTER, equals=0.0, digits=9),
         measure("edges of the turned wheel", unturned, reads=BOTH, at_most=OFF),
         measure("mean difference of neighbours", roughness, readings=ROUGHNESS),
