@@ -12,7 +12,6 @@ from .engine.expectations.driver_answers import (
     inactive_uniforms as inactive_uniforms,
     query as query,
 )
-from .engine.expectations.energy_conserving import energy_conserving as energy_conserving
 from .engine.expectations.exact import exact as exact
 from .engine.expectations.figures import computed as computed, value as value
 from .engine.expectations.formula import formula as formula, sweep as sweep

@@ -18,7 +18,7 @@ PUBLIC = {
     "formula", "value", "sweep", "boundaries", "exact", "coverage", "computed", "compile_fails",
     "gl_error", "gl_call", "gl_calls", "query", "cost", "attribute_layout", "block_layout",
     "refused", "inactive_uniforms",
-    "monotone", "bounded", "even", "odd", "symmetric", "energy_conserving",
+    "monotone", "bounded", "even", "odd", "symmetric",
     "measure", "reading", "any_order", "both_ways",
     "Pixel", "Rules",
     # the rest
