@@ -38,8 +38,9 @@ class ShaderOfFile:
         folders = dict.fromkeys([self.file.root, *self.include])
         return Shaders([Path(folder) for folder in folders]).load(self.file.name, stage)
 
-    def program(self, stage: str | None, conditions: Sequence[str] = ()) -> Program:
+    def program(self, worker: Worker, stage: str | None, conditions: Sequence[str] = ()) -> Program:
         """As the interpreter runs it, where conditions are met. Raises as `load`, `assume`."""
+        worker.note(f"compiling {self.file.path}")
         with in_file(self.file.path):
             if self.is_module and not conditions:
                 return read_file(Path(self.file.path), stage)
@@ -61,11 +62,10 @@ class CompareFiles:
     plan: Plan
 
     def perform(self, worker: Worker) -> list[Answer]:
-        worker.note("compiling")
-        old, new = (shader.program(self.stage) for shader in (self.old, self.new))
+        old, new = (shader.program(worker, self.stage) for shader in (self.old, self.new))
         old = adopt_names(old, new) if self.old.is_module else old
         new = adopt_names(new, old) if self.new.is_module else new
-        worker.note("interpreting")
+        worker.note(f"interpreting {self.old.file.path}")
         with in_file(self.old.file.path):
             return [compare_programs(old, new, self.plan)]
 
@@ -130,9 +130,8 @@ class AuditFile:
         return self.shader.file.path
 
     def perform(self, worker: Worker) -> list[Audit]:
-        worker.note("compiling")
-        program = self.shader.program(self.stage, self.plan.assume)
-        worker.note("interpreting")
+        program = self.shader.program(worker, self.stage, self.plan.assume)
+        worker.note(f"interpreting {self.shader.file.path}")
         with in_file(self.shader.file.path):
             return [audit_program(program, self.plan)]
 
@@ -157,7 +156,7 @@ class AuditCase:
         lab, case = worker.lab(self.options), worker.case(str(self.case))
         audits = []
         for source, given in case_stages(lab, case):
-            worker.note("interpreting")
+            worker.note(f"interpreting {source.path}")
             try:
                 if not given:
                     raise NotInterpretedError(
@@ -208,8 +207,7 @@ class ExplainFile:
     def perform(self, worker: Worker) -> tuple[Explanation, Mapping[str, tuple[float, ...]]]:
         from shaderlab.analysis.explain import explain_file
 
-        worker.note("compiling")
-        program = self.shader.program(None)
-        worker.note("interpreting")
+        program = self.shader.program(worker, None)
+        worker.note(f"interpreting {self.shader.file.path}")
         with in_file(self.shader.file.path):
             return explain_file(program, self.ranges)
