@@ -12,6 +12,7 @@ from shaderlab.engine.catalogue import shipped_cases, sort_key
 from shaderlab.engine.jobs import CaseInfo
 from shaderlab.model.options import Limits
 from shaderlab.report.grouping import PASSABLE
+from shaderlab.report.text import clean
 
 FIELDS = ("id", "section", "title", "variants", "file")
 """What JSON has of each case."""
@@ -39,7 +40,7 @@ def command(targets: tuple[str, ...], json_file: str | None) -> int:
         listed = [{name: getattr(case, name) for name in FIELDS} for case in cases]
         write_json({"version": VERSION, "cases": listed}, json_file)
     if json_file != "-" and cases:
-        click.echo("\n".join(_format_lines(cases)))
+        click.echo(clean("\n".join(_format_lines(cases))))
     errors = [case.error for case in found if case.error is not None]
     for error in errors:
         click.echo(f"shaderlab: {error}", err=True)

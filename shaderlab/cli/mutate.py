@@ -235,13 +235,14 @@ def _judge(run: MutationRun, show: Show) -> BaseException | None:
 def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None:
     from shaderlab.cli.showing import make_table
     from shaderlab.mutation import score
+    from shaderlab.report.text import clean
 
     headings = ("mutants", "killed", "survived", "score", "of state", "equivalent",
                 "no difference", "invalid", "seconds")  # fmt: skip
     table = make_table("case", *headings, right=headings)
     for result in results:
         table.add_row(
-            result.id,
+            clean(result.id),
             str(len(result.runs)),
             str(result.count("killed")),
             str(result.count("survived")),
@@ -254,15 +255,15 @@ def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None
     console.print(table)
     for result in results:
         if result.message:
-            console.print(f"\n{result.id}: {result.message}", style="red")
+            console.print(clean(f"\n{result.id}: {result.message}"), style="red")
         if result.survivors:
-            console.print(f"\nsurvived in {result.id}:", style="bold")
+            console.print(clean(f"\nsurvived in {result.id}:"), style="bold")
         for run in result.survivors:
-            console.print(f"  {run.mutant}\n      {run.result.by}")
+            console.print(clean(f"  {run.mutant}\n      {run.result.by}"))
         if result.noticed:
-            console.print(f"\nnoticed in {result.id}, by test:", style="bold")
+            console.print(clean(f"\nnoticed in {result.id}, by test:"), style="bold")
         for name, count in result.noticed.items():
-            console.print(f"  {count:>5}  {name}")
+            console.print(clean(f"  {count:>5}  {name}"))
     of_state = score(results, state=True)
     console.print(
         f"\nmistakes in {mutated} noticed: {_percent(score(results))}"
