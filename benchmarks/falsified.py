@@ -107,7 +107,8 @@ def find_noticing(evaluation: Evaluation, keys: list[tuple[str, int]]) -> str:
     """What notices that these draws are wrong: "expectation", "module", or "" for nothing."""
 
     def asks_elsewhere(expectation: Expectation) -> bool:
-        return not any(getattr(need, "key", None) in keys for need in evaluation.needs(expectation))
+        needs = expectation.needs(evaluation.scene, evaluation.programs)
+        return not any(getattr(need, "key", None) in keys for need in needs)
 
     try:
         for expectation in sorted(evaluation.scene.expect, key=asks_elsewhere):
