@@ -252,15 +252,17 @@ def divergent(
 
 HASH = "sine hash"
 _SINES = {(Op.ExtInst, Glsl450.Sin), (Op.ExtInst, Glsl450.Cos)}
+_FRACT, _FLOOR = (Op.ExtInst, Glsl450.Fract), (Op.ExtInst, Glsl450.Floor)
 _PRODUCTS = (Op.FMul, Op.VectorTimesScalar)
 _MAGNIFIED = 100.0  # times: of the 2^-11 that a sine may err, a twentieth of fract's range
 
 
 @dataclass
 class _Hashes:
-    """A `Watch` that follows sines, and keeps where `fract` is taken of large multiples of them."""
+    """A `Watch` that follows sines, and keeps where the fraction is taken of large multiples."""
 
     sines: dict[int, tuple[Any, bool]] = field(default_factory=dict)  # kept, and whether magnified
+    floors: dict[int, tuple[Any, Any]] = field(default_factory=dict)  # and of what
     found: dict[Place, tuple[int, Instruction]] = field(default_factory=dict)
 
     def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
@@ -277,9 +279,20 @@ class _Hashes:
             self.sines[id(result)] = result, large or any(flag for _, flag in known)
         elif known and at.op in COMPOSITES:
             self.sines[id(result)] = result, any(flag for _, flag in known)
-        elif number == (Op.ExtInst, Glsl450.Fract) and any(flag for _, flag in known):
+        elif number == _FLOOR and known:
+            self.floors[id(result)] = result, known[0][0]
+        elif any(flag for _, flag in known) and self._is_fraction(run, at, number):
             self.found[Place(at.id, tuple(run.calls), HASH)] = int(state.mask.argmax()), at
         return result
+
+    def _is_fraction(self, run: Run, at: Instruction, number: object) -> bool:
+        """fract(x), mod(x, 1.0) or x - floor(x)."""
+        if number == _FRACT:
+            return True
+        if at.op == Op.FMod:
+            return bool((np.abs(run.value(at.operands[1])) <= 1.0).all())
+        x, whole = run.values(at.operands) if at.op == Op.FSub else (None, None)
+        return x is not None and self.floors.get(id(whole), (None, None))[1] is x
 
 
 def sine_hashes(
@@ -287,7 +300,7 @@ def sine_hashes(
 ) -> Iterator[Hazard]:
     """Random numbers of the last bits of a sine, on which an output depends."""
     numbers = {number_of(one.op, one.operands) for one in program.definitions.values()}
-    if not numbers & _SINES or (Op.ExtInst, Glsl450.Fract) not in numbers:
+    if not numbers & _SINES or not {_FRACT, _FLOOR, number_of(Op.FMod, ())} & numbers:
         return
     watch = _Hashes()
     run_batch(program, batch, watch=watch)
