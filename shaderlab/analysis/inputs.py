@@ -257,7 +257,7 @@ def add_constants(
     for name, domain in domains.items():
         if domain.kind == "number" and name in inputs and "mat" not in inputs[name].type:
             beyond = inputs[name].whole and domain.source == "assumed" and name[:3] != "gl_"
-            low, high = (-_WHOLE, _WHOLE - 1.0) if beyond else (domain.low, domain.high)
+            low, high = (-_WHOLE, 2.0 * _WHOLE) if beyond else (domain.low, domain.high)
             own = tuple(n for n in constants if low < n < high and n not in (0.0, 1.0))
             found[name] = replace(domain, constants=own)
     return found
@@ -410,7 +410,7 @@ def _numbers(type_: str, domain: InputDomain, count: int, rng: np.random.Generat
             whole = np.where(
                 rng.random(whole.shape) < _CORNERS, rng.choice(own, whole.shape), whole
             )
-        return whole if type_[0] == "i" else np.abs(whole)
+        return whole.astype(np.int32).astype(np.int64) if type_[0] == "i" else np.abs(whole)
     x = rng.uniform(domain.low, domain.high, (count, size))
     if domain.low > 0.0 and domain.high > 20.0 * domain.low:  # of each magnitude as many
         x = np.exp(rng.uniform(np.log(domain.low), np.log(domain.high), (count, size)))
@@ -572,7 +572,7 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
 
 def add_mipmaps(texels: Texels) -> Texels:
     """The texture with smaller levels, others; as it is where its kind has none here."""
-    if texels.kind not in ("2D", "2DArray") or texels.compare or texels.smaller:
+    if texels.kind not in ("2D", "2DArray", "Cube") or texels.compare or texels.smaller:
         return texels
     levels = (texels.values[..., ::n, ::n, :][..., ::-1, :, :] * 0.9 for n in (2, 4, 8))
     smaller = tuple(level.astype(np.float32) for level in levels)

@@ -200,6 +200,14 @@ def test_numbers_that_the_shader_names_are_tried(test: str, wrong: str) -> None:
     assert compared(text % test, text % wrong).same is False
 
 
+def test_numbers_of_any_sign_bit_are_tried() -> None:
+    text = "uniform %s id; out float o; void main() { o = %s ? 2.0 : 1.0; }"
+    for type_, test in (("uint", "id == 0xdeadbeefu"), ("int", "uint(id) == 0xdeadbeefu")):
+        answer = compared(text % (type_, test), text % (type_, "false"))
+        (given,) = answer.outputs[0].example["id"]
+        assert answer.same is False and given == 0xDEADBEEF - (2**32 if type_ == "int" else 0)
+
+
 def test_the_cases_of_a_switch_are_tried() -> None:
     text = "uniform int id; out int o; void main() { switch (id) { case %d: o = 1; } }"
     assert compared(text % 4200, text % 4300).same is False
@@ -341,8 +349,9 @@ def test_a_texture_may_be_larger_than_another() -> None:
     assert compare_programs(program(text % 1), program(text % 2), plan).same is False
 
 
-def test_levels_of_detail_matter_where_a_texture_has_mipmaps() -> None:
-    text = "uniform sampler2D map; in vec2 uv; out vec4 o; void main() { o = %s; }"
+@pytest.mark.parametrize("kind", ["2D map; in vec2", "Cube map; in vec3"])
+def test_levels_of_detail_matter_where_a_texture_has_mipmaps(kind: str) -> None:
+    text = f"uniform sampler{kind} uv; out vec4 o; void main() {{ o = %s; }}"
     plain, condition = "texture(map, uv)", "map has no mipmaps and no texel above 1"
     for other in ("texture(map, uv, 1.0)", "textureLod(map, uv, 0.0)", "texture(map, uv, -1.0)"):
         (output,) = compared(text % plain, text % other, accuracy=False).outputs
@@ -350,6 +359,8 @@ def test_levels_of_detail_matter_where_a_texture_has_mipmaps() -> None:
     for other in ("texture(map, 0.5 * (uv + uv))", "textureGrad(map, uv, dFdx(uv), dFdy(uv))"):
         (output,) = compared(text % plain, text % other, accuracy=False).outputs
         assert output.same is True and output.conditions == ()
+    old, new = (text % f"textureLod(map, uv, {lod})" for lod in (2.0, 1.0))
+    assert compared(old, new, accuracy=False).outputs[0].conditions == (condition,)
 
 
 def test_lines_that_no_input_came_to_are_said() -> None:

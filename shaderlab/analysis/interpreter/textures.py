@@ -24,7 +24,7 @@ from shaderlab.glslmath.sampling.reading import (
     level_values,
     to_span,
 )
-from shaderlab.model.frame import Texels
+from shaderlab.model.frame import Array, Texels
 
 from .operations import Handler, derivative
 from .program import Instruction, Type
@@ -217,6 +217,9 @@ def _level(
     else:
         plane = place[..., :2] if texels.kind == "2DArray" else place
         dx, dy = (derivative(run, name, plane) for name in ("dFdx", "dFdy"))
+    if texels.kind == "Cube" and sampler.rules is None:
+        dx, dy = (_move_on_face(place, d) for d in (dx, dy))
+        sampler = Sampler(replace(texels, kind="2D"))
     low, high = compute_level(sampler, dx, dy)
     unknown = np.isnan(low) | np.isnan(high)
     for d in (dx, dy):
@@ -228,6 +231,18 @@ def _level(
     same = low is high
     low = np.where(unknown, 0.0, low)
     return (low, low if same else np.where(unknown, 0.0, high)), unknown
+
+
+def _move_on_face(place: Array, moved: Array) -> Array:
+    """How far directions move on their cube's face, which is 1 wide, as they change by `moved`."""
+    *minor, axis = np.moveaxis(np.argsort(np.abs(place), axis=-1), -1, 0)
+    p, d = (
+        np.broadcast_to(v, np.broadcast_shapes(place.shape, moved.shape)) for v in (place, moved)
+    )
+    major, turn = (np.take_along_axis(v, axis[..., None], -1) for v in (p, d))
+    across: Array = 0.5 * (d * major - p * turn) / (major * major)
+    found: Array = np.take_along_axis(across, np.stack(minor, axis=-1), -1)
+    return found
 
 
 def _offset(rest: Mapping[int, list[Any]]) -> tuple[int, int]:
