@@ -192,6 +192,7 @@ class Function:
 
     def __getitem__(self, types: str) -> Function:
         """The overload with parameters of these types, such as `f["vec3, float"]`."""
+        check_arguments(Function.__getitem__, types=types)
         wanted = [word.strip() for word in types.split(",") if word.strip()]
         for one in self.signatures:
             if [str(p.type) for p in one.parameters] == wanted:
@@ -382,6 +383,7 @@ class Library:
         Raises:
             NoFunctionError: the file has no such function; it is a KeyError, too.
         """
+        check_arguments(Library.__getitem__, name=name)
         found = self._functions.get(name)
         if found is None:
             raise NoFunctionError(

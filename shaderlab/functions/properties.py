@@ -498,6 +498,8 @@ def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
     check_arguments(given, function=function)
 
     def decorate(test: Test) -> Test:
+        if not inspect.isfunction(test):
+            raise CallError(f"glsl.given is written above a test, not {test!r:.60}")
         with require_extra("pytest", "glsl.given"):
             import hypothesis
             from hypothesis import strategies
