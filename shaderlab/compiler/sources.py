@@ -230,7 +230,7 @@ class Expansion:
             raise _error(f"malformed #include {rest}".rstrip(), trail, remedy)
         path = match[2] if match[1] is None else match[1]
         folder = "" if match[1] is None else posixpath.dirname(trail[-1][0].name)
-        outside = None
+        outside = refused = None
         # First with an ending: a folder may have the name itself.
         whole = posixpath.splitext(path)[1] or not path
         endings = ("",) if whole else (".glsl", SCRIPT, "/index.glsl", "")
@@ -244,12 +244,11 @@ class Expansion:
                 outside = outside or (None if start == ".." else error)
                 continue
             except ShaderError as error:
+                chain = f"{error.message} (included by {_chain(trail)})"
+                refused = ShaderError(chain, file=error.file, line=error.line, remedy=error.remedy)
                 if not whole and tried == path and error.file and Path(error.file).is_dir():
                     continue
-                chain = f"{error.message} (included by {_chain(trail)})"
-                raise ShaderError(
-                    chain, file=error.file, line=error.line, remedy=error.remedy
-                ) from None
+                raise refused from None
             found = name if file is None else file.name
             open_files = [one for one, _ in trail if one.name == found]
             if open_files and not _ONCE.search(strip_comments(open_files[0].text)):
@@ -258,6 +257,8 @@ class Expansion:
                 raise _error(f"includes nest deeper than {MAX_DEPTH}", trail, "include less deeply")
             if file is not None:
                 return File(file.name, file.path, "\n") if open_files else file
+        if refused is not None and match[1] is not None:  # a chunk, <common>, is no folder
+            raise refused
         if outside is not None:
             raise _error(f"#include {path!r} {outside}", trail, OUTSIDE_REMEDY)
         near = self._roots.suggest(path)

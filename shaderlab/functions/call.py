@@ -267,7 +267,9 @@ def is_range(value: Any, kind: Type, label: str) -> bool:
         return False
     fit_argument(list(value), kind, label)
     if any(map(np.ndim, value)) or not value[0] <= value[1]:
-        raise CallError(f"{label}={value} is no range", remedy="give the lower end first: (0, 1)")
+        raise CallError(
+            f"{label}={value} is no range", remedy="give two numbers, the lower one first"
+        )
     return True
 
 

@@ -418,6 +418,7 @@ def leaves(call: Call) -> Iterator[tuple[str, Type, Array]]:
             yield word, kind, leaf
 
 
+@np.errstate(over="ignore")
 def _number_inputs(call: Call, kept: Array) -> Inputs:
     shared: dict[str, Array] = {}
     each: dict[str, Array] = {}

@@ -90,7 +90,7 @@ def test_a_pair_for_one_number_is_a_range_and_a_list_is_values() -> None:
 def test_what_is_no_range_is_refused() -> None:
     with pytest.raises(CallError, match="takes ranges"):
         lib.fade.check(lambda d: d, 0.5, every=True)
-    with pytest.raises(CallError, match="1 to 8,589,934,592 values, not 0"):
+    with pytest.raises(CallError, match=r"d=\(2, 1\) is no range"):
         lib.fade.check(lambda d: d, (2, 1), every=True)
     with pytest.raises(CallError, match="overloaded"):
         lib.over.check(lambda x: x, (0, 1), every=True)

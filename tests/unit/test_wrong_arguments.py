@@ -88,7 +88,10 @@ def test_an_odd_argument_is_a_sentence_or_a_verdict(odd: Any) -> None:
 @pytest.mark.parametrize(
     ("attempt", "message"),
     [
-        (given(LIB.f, k=(1, 0)), "given: k=(1, 0) is no range\n  → give the lower end first"),
+        (
+            given(LIB.f, k=(1, 0)),
+            "given: k=(1, 0) is no range\n  → give two numbers, the lower one",
+        ),
         (given(LIB.f, k=2.0), "nothing of f is searched\n  → k=(0, 1)"),
         (given(LIB.f, k="unit"), "glsl.directions() are of vectors"),
         (

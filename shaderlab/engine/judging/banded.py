@@ -197,6 +197,7 @@ class Banded(BoundedValues):
         numbers: Any = {name: tuple(getattr(self, name)[rows, number].tolist()) for name in names}
         return Curve(title=title, x_label=over, y_label=y_label, x=tuple(x), **numbers)
 
+    @np.errstate(invalid="ignore")
     def _require_inside(self, i: int, reference: Array) -> None:
         """Raise FormulaError where the reference leaves its own band, but for float64's roundings
         and the format's: then one of the two is wrong, whatever the shader does."""
