@@ -96,7 +96,7 @@ def _narrow(made: _Polynomial) -> Band:
         for key, (least, most) in form.slopes.items():
             reach = reach + np.fmax(np.abs(least), np.abs(most)) * halves[key]
         low, high = np.fmax(band.lo, form.middle - reach), np.fmin(band.hi, form.middle + reach)
-    # What overflows is none of the form's business.
+    # An infinite bound says that something may overflow, which the form knows nothing of.
     kept = ~(low <= high) | ~np.isfinite(band.hi - band.lo)
     low, high = np.where(kept, band.lo, low), np.where(kept, band.hi, high)
     return Band(low, high, band.rules, band.flags, band.terms)
