@@ -32,7 +32,6 @@ from .undefined import NEEDED
 BOXES = 200_000  # that are run at most
 _AT_ONCE = 2048
 _POINTS = 16_384  # run in float32 for so many boxes
-_MAX_BLOCKS = 2000
 _BOXES_A_FAILURE = 8192  # a loop that does not end takes long
 _LONG = 400  # instructions that are run: a box of a longer program counts for several
 _FIRST = 1e35  # times a width: more than any effect
@@ -93,6 +92,7 @@ class Proof:
         counts: Callable[[InputBatch], Flags] | None = None,
         hazards: bool = True,
         boxes: int = BOXES,
+        max_blocks: int = 2000,
         drawn: InputBatch | None = None,
     ) -> None:
         self.tried = 0
@@ -109,7 +109,7 @@ class Proof:
         self._interpret = partial(run_batch, program)
         for batch in tried:
             self._try(batch)
-        self._interpret = partial(run_batch, program, max_blocks=_MAX_BLOCKS)
+        self._interpret = partial(run_batch, program, max_blocks=max_blocks)
         self._search()
 
     def _search(self) -> None:

@@ -27,13 +27,13 @@ from shaderlab.engine.expectations.needs import CapturedFragments
 from shaderlab.engine.judging.bands import store_band
 from shaderlab.engine.worker import Worker
 from shaderlab.errors import DeviceLostError, ShaderlabError
-from shaderlab.files import display_path
 from shaderlab.model.expectation import Judgement, Need
 from shaderlab.model.frame import PassDraw
 from shaderlab.model.phases import phase
 from shaderlab.model.records import Explanation, LineCoverage, ModulesRecord, Outcome, Row
 
-from .batches import InputBatch, fragment_batch
+from .batches import InputBatch, fragment_batch, scatter
+from .hazards import Claim
 from .invocations import Invocations, program_of, sample_fragments, stage_of
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class _DrawCheck:
     """What checking one draw found: a row for each output, or why the draw was left out; the
     outputs that were judged, and those outside of their bands; how many pixels were judged, over
     all outputs; words about the first pixel that is outside; and the program with what it came
-    to."""
+    to, and with inputs of the draw."""
 
     rows: list[Row] = field(default_factory=list)
     left_out: str = ""
@@ -59,6 +59,7 @@ class _DrawCheck:
     judged: int = 0
     message: str = ""
     taken: tuple[Program, Set[tuple[int, int]]] | None = None
+    drawn: tuple[Program, InputBatch] | None = None
 
 
 class SelfCheck:
@@ -96,6 +97,7 @@ class SelfCheck:
         checks = {key: self._check(key) for key in self._keys}
         self.outside = {(key[0], name) for key, check in checks.items() for name in check.outside}
         judged = sum(check.judged for check in checks.values())
+        claims = [(claim.status, str(claim)) for claim in self._prove()]
         outputs = (f"{key[0]}.{name}" for key, check in checks.items() for name in check.outputs)
         left_out = (check.left_out for check in checks.values() if check.left_out)
         record = ModulesRecord(
@@ -103,35 +105,30 @@ class SelfCheck:
             outputs=tuple(dict.fromkeys(outputs)),
             left_out=tuple(dict.fromkeys(left_out)),
             coverage=_list_lines(checks.values()) if self._every else (),
+            proved=tuple(words for status, words in claims if status == "proved"),
+            open=tuple(words for status, words in claims if status == "open"),
         )
         rows = [row for check in checks.values() for row in check.rows]
-        rows += self._prove() if self._every else ()
         message = next((check.message for check in checks.values() if check.message), "")
         outcome = Outcome.of_rows(_NAME, "module", rows, message, judged)
         return record, Judgement(outcome=outcome)
 
-    def _prove(self) -> Iterator[Row]:
-        """How much about each program is proved for all inputs between those of its draws."""
-        from .audit import prove_between_draws  # few runs ask
+    def _prove(self) -> Iterator[Claim]:
+        """What is proved of each program for all inputs between those of its draws: at once, of a
+        case's first variant, or with some effort if `every`."""
+        from .audit import prove_between_draws  # other variants need none of it
         from .inputs import inputs_of
 
-        drawn: dict[Program, list[InputBatch]] = {}
-        for key in self._keys:
-            with suppress(ShaderlabError):
-                given = sample_fragments(self._evaluation, key, PIXELS)
-                batch = InputBatch(given.each, given.bindings, given.count)
-                drawn.setdefault(given.program, []).append(batch)
-            self._evaluation.answers.pop(CapturedFragments(key), None)
+        scene, drawn = self._evaluation.scene, dict[Program, list[InputBatch]]()
+        first = next(iter(scene.case.variants), None)
+        if self._every or first is None or first.name == scene.variant:
+            for program, batch in filter(None, (check.drawn for check in self._checks.values())):
+                drawn.setdefault(program, []).append(batch)
         for program, batches in drawn.items():
             with suppress(ShaderlabError), phase("judge", "proving each program"):
-                proof = prove_between_draws(program, inputs_of(program), batches)
-                claims = [*proof.claims(), *proof.refuted_claims()]
-                known = sum(claim.status == "proved" for claim in claims)
-                words = f"proved for all inputs: {known} of {len(claims)} claims"
-                label = f"{display_path(program.path)} with inputs between those of its draws"
-                yield Row(
-                    label=label, expected="no hazard, finite outputs", measured=words, ok=True
-                )
+                inputs = inputs_of(program)
+                proof = prove_between_draws(program, inputs, batches, at_once=not self._every)
+                yield from (*proof.claims(), *proof.refuted_claims())
 
     def _check(self, key: PassDraw) -> _DrawCheck:
         """Check a draw, once."""
@@ -163,6 +160,8 @@ def _check_outputs(
     given, result = _interpret_draw(evaluation, key, every=every)
     if result is None:
         return
+    batch = InputBatch(given.each, given.bindings, given.count)
+    check.drawn = given.program, batch.part(scatter(given.count, PIXELS))
     if not shows_what_is_written(evaluation, key):
         given = _redraw_unblended(evaluation, key, given)
     if every:

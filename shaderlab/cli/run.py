@@ -113,8 +113,8 @@ class RunArguments:
 @click.option(
     "--modules/--no-modules",
     default=None,
-    help="Check every pixel of every draw against its own shader, and report how much is proved "
-    "for all inputs; or check none.  [default: a sample of each program]",
+    help="Check every pixel of every draw against its own shader, and try longer to prove what "
+    "holds for all inputs; or check none.  [default: a sample of each program]",
 )
 @shared.collect(RunArguments, "arguments")
 def command(arguments: RunArguments) -> int:

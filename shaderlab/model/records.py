@@ -414,12 +414,14 @@ class ModulesRecord:
     """What a scene's fragment shaders were interpreted for, to judge what the driver drew: how many
     pixels' outputs lie inside or outside of their modules' bands, the outputs ("pass.output"), and
     the draws that were left out, each with the reason. `coverage` is known where all pixels were
-    looked at."""
+    looked at; what is `proved` or `open` holds, or may not, for all inputs between its draws'."""
 
     judged: int = 0
     outputs: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     coverage: tuple[LineCoverage, ...] = ()
+    proved: tuple[str, ...] = ()
+    open: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,6 @@ from shaderlab.drivers.opengl import linking
 from shaderlab.drivers.passes import PassSession
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.options import RunOptions
-from shaderlab.model.records import ModulesRecord
 
 SHADER = """#version 330 core
 in vec2 place;
@@ -54,11 +53,20 @@ def test_outputs_that_nothing_looks_at_are_judged(lab: SceneRunner, case: Case) 
     assert (outcome.kind, outcome.status, outcome.judged) == ("module", "pass", 2 * 256)
 
 
-def test_what_is_proved_of_a_program_is_said(case: Case) -> None:
-    (scene,) = case.scenes()
-    with SceneRunner(RunOptions(modules=True)) as lab:
-        rows = lab.run(scene).expectations[-1].rows
-    assert rows[-1].measured == "proved for all inputs: 3 of 3 claims"
+def test_what_is_proved_of_a_program_is_said(lab: SceneRunner, case: Case) -> None:
+    x, divided = "place.x", "second = vec4(1.0 / (place.x * place.x - place.x + 0.5));"
+    shader = SHADER.replace(f"sqrt({x})", f"sqrt({x} - 0.5)").replace(
+        "second = vec4(place, 0.25, 0.5);", divided
+    )
+    Path(case.file).with_name("two.frag").write_text(shader)
+    with SceneRunner(RunOptions(size=16)) as one_box:
+        first, closer = (runner.run(case.scene("default")).modules for runner in (one_box, lab))
+    assert first is not None and closer is not None
+    for found in (first, closer):
+        assert any("no sqrt of a negative number" in claim for claim in found.open)
+    division = "no division by 0"
+    assert any(division in claim for claim in first.open)
+    assert any(division in claim for claim in closer.proved)
 
 
 def test_one_wrong_pixel_is_found_and_named(lab: SceneRunner, case: Case) -> None:
@@ -106,7 +114,9 @@ def test_a_miscompiled_output_that_no_formula_looks_at_turns_the_run_red(
             lambda self, texts, **more: verbatim(self, miscompiled(texts), **more),
         )  # fmt: skip
         wrong = lab.run(scene)
-    assert right.modules == ModulesRecord(judged=2 * 1026, outputs=("main.color", "main.second"))
+    assert right.modules is not None
+    assert right.modules.outputs == ("main.color", "main.second")
+    assert right.modules.judged == 2 * 1026
     assert (right.status, [one.kind for one in right.expectations]) == ("pass", ["coverage"])
     outcome = wrong.expectations[-1]
     assert (wrong.status, outcome.kind, outcome.status) == ("fail", "module", "fail")
