@@ -33,11 +33,12 @@ from shaderlab.model.phases import phase
 from shaderlab.model.records import Explanation, LineCoverage, ModulesRecord, Outcome, Row
 
 from .batches import InputBatch, fragment_batch, scatter
-from .hazards import Claim
 from .invocations import Invocations, program_of, sample_fragments, stage_of
 
 if TYPE_CHECKING:
     from shaderlab.workers.worker import Channel
+
+    from .hazards import Claim
 
 PIXELS = 1024
 """Of each draw in a sample."""
@@ -116,14 +117,16 @@ class SelfCheck:
     def _prove(self) -> Iterator[Claim]:
         """What is proved of each program for all inputs between those of its draws: at once, of a
         case's first variant, or with some effort if `every`."""
+        scene = self._evaluation.scene
+        first = [variant.name for variant in scene.case.variants][:1] or [scene.variant]
+        if not self._every and scene.variant not in first:
+            return
         from .audit import prove_between_draws  # other variants need none of it
         from .inputs import inputs_of
 
-        scene, drawn = self._evaluation.scene, dict[Program, list[InputBatch]]()
-        first = next(iter(scene.case.variants), None)
-        if self._every or first is None or first.name == scene.variant:
-            for program, batch in filter(None, (check.drawn for check in self._checks.values())):
-                drawn.setdefault(program, []).append(batch)
+        drawn: dict[Program, list[InputBatch]] = {}
+        for program, batch in filter(None, (check.drawn for check in self._checks.values())):
+            drawn.setdefault(program, []).append(batch)
         for program, batches in drawn.items():
             with suppress(ShaderlabError), phase("judge", "proving each program"):
                 inputs = inputs_of(program)
