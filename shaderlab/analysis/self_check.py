@@ -32,7 +32,7 @@ from shaderlab.model.frame import PassDraw
 from shaderlab.model.phases import phase
 from shaderlab.model.records import Explanation, LineCoverage, ModulesRecord, Outcome, Row
 
-from .batches import InputBatch, fragment_batch, scatter
+from .batches import InputBatch, fragment_batch
 from .invocations import Invocations, program_of, sample_fragments, stage_of
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class _DrawCheck:
     """What checking one draw found: a row for each output, or why the draw was left out; the
     outputs that were judged, and those outside of their bands; how many pixels were judged, over
     all outputs; words about the first pixel that is outside; and the program with what it came
-    to, and with inputs of the draw."""
+    to, and with what inputs."""
 
     rows: list[Row] = field(default_factory=list)
     left_out: str = ""
@@ -115,8 +115,8 @@ class SelfCheck:
         return record, Judgement(outcome=outcome)
 
     def _prove(self) -> Iterator[Claim]:
-        """What is proved of each program for all inputs between those of its draws: at once, of a
-        case's first variant, or with some effort if `every`."""
+        """What is proved of each program for all inputs between those that it was checked with: at
+        once, of a case's first variant, or with some effort if `every`."""
         scene = self._evaluation.scene
         first = [variant.name for variant in scene.case.variants][:1] or [scene.variant]
         if not self._every and scene.variant not in first:
@@ -163,8 +163,8 @@ def _check_outputs(
     given, result = _interpret_draw(evaluation, key, every=every)
     if result is None:
         return
-    batch = InputBatch(given.each, given.bindings, given.count)
-    check.drawn = given.program, batch.part(scatter(given.count, PIXELS))
+    some = sample_fragments(evaluation, key, PIXELS, program=given.program) if every else given
+    check.drawn = given.program, InputBatch(some.each, some.bindings, some.count)
     if not shows_what_is_written(evaluation, key):
         given = _redraw_unblended(evaluation, key, given)
     if every:

@@ -414,7 +414,7 @@ class ModulesRecord:
     """What a scene's fragment shaders were interpreted for, to judge what the driver drew: how many
     pixels' outputs lie inside or outside of their modules' bands, the outputs ("pass.output"), and
     the draws that were left out, each with the reason. `coverage` is known where all pixels were
-    looked at; what is `proved` or `open` holds, or may not, for all inputs between its draws'."""
+    looked at; what is `proved` holds for all inputs between those pixels', what is `open` may."""
 
     judged: int = 0
     outputs: tuple[str, ...] = ()
