@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from shaderlab import Blend, Case, Cell, Ramp, State, coverage, fullscreen
-from shaderlab.analysis import self_check
+from shaderlab.analysis import proof, self_check
 from shaderlab.analysis.self_check import SelfCheck
 from shaderlab.drivers.opengl import linking
 from shaderlab.drivers.passes import PassSession
@@ -68,6 +68,17 @@ def test_what_is_proved_of_a_program_is_said(lab: SceneRunner, case: Case) -> No
     division = "no division by 0"
     assert any(division in claim for claim in first.open)
     assert any(division in claim for claim in closer.proved)
+
+
+def test_a_defect_of_a_proof_changes_no_verdict(
+    case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("SHADERLAB_DEBUG", raising=False)
+    monkeypatch.setattr(proof, "BoxWatcher", lambda *given: 1 / 0)
+    with SceneRunner(RunOptions(size=16)) as lab:
+        record = lab.run(case.scene("default"))
+    assert record.status == "pass" and record.modules is not None
+    assert record.modules.judged and not record.modules.proved
 
 
 def test_one_wrong_pixel_is_found_and_named(lab: SceneRunner, case: Case) -> None:
