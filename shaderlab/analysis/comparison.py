@@ -11,11 +11,10 @@ makes at that invocation, or where only one of them draws, or is defined.
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -28,7 +27,7 @@ from shaderlab.compiler.spirv import (
     type_name,
     unwrap,
 )
-from shaderlab.errors import NotInterpretedError, UsageError
+from shaderlab.errors import UsageError
 from shaderlab.files import display_path
 
 from .answer import Answer, Numerics, OutputAnswer
@@ -49,6 +48,7 @@ from .inputs import (
     vary_inputs,
 )
 from .interpreter import Program
+from .interpreter.running import EndlessError
 from .noise import Compared, PerturbedFloat, Ran, compare, confirm, run
 from .portability import MOST, bands_of, compare_accuracy, find_costs
 
@@ -60,6 +60,8 @@ _FIXED = {"std140", "std430"}  # the layouts of blocks that don't depend on the 
 _BITS = range(Op.ShiftRightLogical, Op.BitCount + 1)
 _SHORT, _LONG = 300, 3000  # blocks: programs that run more get fewer invocations, and rounds
 _LEAST, _ROUNDS = 256, 3
+_TRIES = 4  # to leave out what goes on for too long
+_T = TypeVar("_T")
 _ENDS = 1e-6  # what stored values may differ by where a step is called the same
 
 
@@ -124,9 +126,9 @@ def compare_programs(
         outputs = tuple(comparison.outputs(captured))
         if not captured:
             comparison, outputs = _assume_quaternions(comparison, outputs)
-    except NotInterpretedError as error:
+    except EndlessError as error:
         free = {n.partition("[")[0]: 0 for n, d in domains.items() if _is_open(n, d)}
-        if free and "goes on after" in error.message:
+        if free:
             error.remedy = f"state ranges for which it ends, of {', '.join(free)}: --range NAME=A:B"
         raise
     outputs = *outputs, *_compare_interfaces(old, new)
@@ -210,6 +212,7 @@ class _Comparison:
     _labels: tuple[set[int], set[int]] = field(default_factory=lambda: (set(), set()))
     _freed: dict[tuple[str, ...], list[_Set]] = field(default_factory=dict)
     _blocks: int = _SHORT  # the most that a program ran
+    _endless: int = 0  # invocations that were left out
 
     def outputs(self, captured: Sequence[InputBatch]) -> Iterator[OutputAnswer]:
         """An answer for each output, on captured inputs and on rounds of others."""
@@ -228,8 +231,7 @@ class _Comparison:
                 domains = add_constants(self.domains, self.inputs, self.programs)
                 for batch in self._split_long(self._make(domains, self.plan.rounds + 1)):
                     # A loop as long as such a number says may be too long to run.
-                    with contextlib.suppress(NotInterpretedError):
-                        sets.append(self._run(batch))
+                    sets += self._end(self._run, batch)
         for name, other in pairs:
             if not name or not other:
                 yield OutputAnswer(name=name or other, why="missing")
@@ -250,12 +252,8 @@ class _Comparison:
             yield batch
         if batch is not None and self.plan.rounds:
             coarse = coarsen_inputs(batch, self.domains)
-            with contextlib.suppress(NotInterpretedError):  # of 0 a loop may have no end
-                for program in self.programs:
-                    coarse = meet_bounds(program, coarse, self.domains)
-                coarse = keep_defined(self.programs, coarse)
-                if coarse.count:
-                    yield coarse
+            # Of 0 a loop may have no end.
+            yield from (one for one in self._end(self._meet_bounds, coarse) if one.count)
             around = jumps(self.programs, batch, self.domains)
             if around is not None:
                 yield around
@@ -283,12 +281,36 @@ class _Comparison:
             labels.update(ran.labels)
         return one
 
+    def _meet_bounds(self, batch: InputBatch) -> InputBatch:
+        for program in self.programs:
+            batch = meet_bounds(program, batch, self.domains)
+        return keep_defined(self.programs, batch)
+
+    def _end(self, act: Callable[[InputBatch], _T], batch: InputBatch) -> Iterator[_T]:
+        """What a function gives for a batch, but for invocations for which a program goes on for
+        too long; nothing where that is so for all, or for others again and again."""
+        for _ in range(_TRIES):
+            try:
+                yield act(batch)
+                return
+            except EndlessError as error:
+                going = error.invocations.reshape(-1, batch.count).any(axis=0)
+            for program in self.programs:
+                going[batch.rows_with(np.flatnonzero(going), program)] = True
+            self._endless += int(going.sum())
+            batch = batch.part(np.flatnonzero(~going))
+            if not batch.count:
+                return
+        self._endless += batch.count
+
     def notes(self) -> Iterator[str]:
         """Which lines no input came to, of those that were tried; numbers that nearly agree."""
         pairs = list(zip(self.programs, self._labels, strict=True))
         places = [_format_place(p, line) for p, ran in pairs for line in lines_not_run(p, ran)]
         if places:
             yield f"never run: {', '.join(dict.fromkeys(places))}"
+        if self._endless:
+            yield f"not compared: {self._endless:,} inputs for which a shader goes on for too long"
         old, new = (program.numbers for program in self.programs)
         for a, b in itertools.product(old - new, new - old):
             if abs(a - b) < ALIKE * abs(a):
@@ -410,16 +432,14 @@ class _Comparison:
             n: (n in relaxed and domain.relaxed) or domain for n, domain in self.domains.items()
         }
         # A loop that ends because of what is assumed goes on without it: no condition then.
-        with contextlib.suppress(NotInterpretedError):
-            yield self._run(self._make(domains, self.plan.rounds))
+        yield from self._end(self._run, self._make(domains, self.plan.rounds))
         whole = {
             n: InputDomain("number", -(2.0**31), 2.0**31 - 1.0)
             for n in relaxed
             if n in self.inputs and self.inputs[n].whole and domains[n].source == "assumed"
         }
         if whole and any(program.line_of(op) for program in self.programs for op in _BITS):
-            with contextlib.suppress(NotInterpretedError):
-                yield self._run(self._make({**domains, **whole}, self.plan.rounds))
+            yield from self._end(self._run, self._make({**domains, **whole}, self.plan.rounds))
 
 
 def _is_unwritten(sets: Sequence[_Set], name: str) -> bool:

@@ -548,6 +548,27 @@ def test_an_endless_loop_beyond_what_is_assumed_is_no_condition() -> None:
     assert answer.outputs[0].same is True and "dt" not in str(answer.outputs[0].conditions)
 
 
+def test_where_a_loop_ends_shaders_are_compared_however_many_do_not() -> None:
+    """Without what is assumed of dt the loop does not end for some; of n it is known, still."""
+    text = "uniform float dt; in vec3 normal; out float o; void main() {"
+    text += " float s = 0.0; for (float t = 0.0; t < 1.0; t += dt) s += t;"
+    text += " vec3 n = %s; o = s * n.z; }"
+    answer = compared(text % "normalize(normal)", text % "normal")
+    assert answer.outputs[0].conditions == ("|normal| = 1",)
+    right = compared(text % "normal", text % "1.0 * normal")
+    assert right.same is True and not right.conditional
+    assert any(n.startswith("not compared: ") and "goes on for too" in n for n in right.notes)
+
+
+def test_what_is_not_interpreted_beyond_what_is_assumed_is_not_called_the_same() -> None:
+    """Only a loop that goes on is left out; above 1.5, more than light's name says, not all read
+    one level."""
+    text = "uniform float light; uniform sampler2D map; in vec3 normal; out float o; void main() {"
+    text += " vec3 n = %s; o = n.z * texelFetch(map, ivec2(0), int(light > 1.5)).r; }"
+    with pytest.raises(NotInterpretedError, match="texelFetch of a level that differs"):
+        compared(text % "normalize(normal)", text % "normal")
+
+
 def test_noise_errs_by_what_rounding_may() -> None:
     rough, plain = PerturbedFloat(count=3, copies=2), PerturbedFloat()
     x = np.float32([[0.1], [0.5], [3.0]] * 3)

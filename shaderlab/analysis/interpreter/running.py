@@ -12,7 +12,7 @@ from shaderlab.bands import Band, Integer, TriBool
 from shaderlab.bands.rounding import shortest, ulp
 from shaderlab.compiler.compile import literal_of
 from shaderlab.compiler.spirv import Op
-from shaderlab.errors import FormulaError
+from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.model.frame import Array
 
 from .arithmetic import Arithmetic
@@ -157,6 +157,12 @@ _MAX_STATES = 8  # that wait at one block before they are joined
 _MOST_PARTS = 256  # parts of values that are remembered
 
 
+class EndlessError(NotInterpretedError):
+    """A loop or a program goes on after those limits, for the `invocations`."""
+
+    invocations: Flags = np.zeros(0, np.bool_)
+
+
 Watch = Callable[["Run", Instruction, PathState, Value], Value]
 """Called after each instruction but the last of a block, with its result; returns the result that
 counts."""
@@ -281,7 +287,7 @@ class Run:
         while waiting:
             label = min(waiting, key=order.__getitem__) if len(waiting) > 1 else next(iter(waiting))
             arrived = join(waiting.pop(label))
-            self._count(visits, label, function.blocks[label][0].line)
+            self._count(visits, label, function.blocks[label][0].line, arrived.mask)
             for target, next_state in self._block(function, label, arrived):
                 if target is None:
                     returned.append(next_state)
@@ -300,7 +306,7 @@ class Run:
             end.memory.pop(id_, None)
         return end
 
-    def _count(self, visits: dict[int, int], label: int, line: int) -> None:
+    def _count(self, visits: dict[int, int], label: int, line: int, mask: Flags) -> None:
         """Count a block's run, and give up where there are too many."""
         visits[label] = visits.get(label, 0) + 1
         self.blocks += 1
@@ -310,7 +316,10 @@ class Run:
             what = f"a program that goes on after {self.max_blocks} blocks"
         else:
             return
-        raise self.program.not_interpreted(what, line)
+        said = self.program.not_interpreted(what, line)
+        error = EndlessError(said.message, file=said.file)
+        error.invocations = mask
+        raise error
 
     def _block(self, function: Function, label: int, state: PathState) -> Leaving:
         """Run a block; the states that leave it, each with the block that it goes to, None for
