@@ -158,9 +158,10 @@ class Answer:
         return any(output.conditions for output in self.outputs)
 
     @property
-    def same_numerics(self) -> bool:
-        """Whether no output's accuracy changes."""
-        return not any(o.numerics is not None and o.numerics.differ for o in self.outputs)
+    def same_numerics(self) -> bool | None:
+        """Whether no output's accuracy changes; None where it is not known of one."""
+        found = [o.numerics and not o.numerics.differ for o in self.outputs if o.same]
+        return False if False in found else None if None in found else True
 
     def lines(self) -> Iterator[str]:
         """The answer in words."""

@@ -49,6 +49,7 @@ from .inputs import (
 )
 from .interpreter import Program
 from .interpreter.running import EndlessError
+from .interpreter.values import Flags
 from .noise import Compared, PerturbedFloat, Ran, compare, confirm, run
 from .portability import MOST, bands_of, compare_accuracy, find_costs
 
@@ -132,7 +133,10 @@ def compare_programs(
             error.remedy = f"state ranges for which it ends, of {', '.join(free)}: --range NAME=A:B"
         raise
     outputs = *outputs, *_compare_interfaces(old, new)
-    never = comparison.notes() if all(output.same for output in outputs) else ()
+    never = tuple(comparison.notes()) if all(output.same for output in outputs) else ()
+    if plan.accuracy:
+        unknown = (f"{o.name}: accuracy not known" for o in outputs if o.same and not o.numerics)
+        never += tuple(unknown)
     return Answer(
         old=old.path,
         new=new.path,
@@ -294,7 +298,8 @@ class _Comparison:
                 yield act(batch)
                 return
             except EndlessError as error:
-                going = error.invocations.reshape(-1, batch.count).any(axis=0)
+                by_run = error.invocations.reshape(-1, batch.count)
+                going: Flags = np.logical_or.reduce(by_run, axis=0)
             for program in self.programs:
                 going[batch.rows_with(np.flatnonzero(going), program)] = True
             self._endless += int(going.sum())

@@ -157,10 +157,10 @@ _ULPS, _RATIO = 1.0, 1.25  # wider by more than both is less accurate
 
 def compare_accuracy(bands: tuple[Any, Any], values: Array) -> tuple[float, float, int] | None:
     """By how many ULP of an output's values (count, components) the second of two bands is wider,
-    and narrower, at most; and the invocation where that is, of whichever is more. None where there
-    are no bands, such as an integer's, or all of them are open."""
+    and narrower, at most; and the invocation where that is, of whichever is more. None where
+    all bands are open; what has none, such as an integer, is as accurate."""
     if not all(isinstance(band, Band) for band in bands):
-        return None
+        return 0.0, 0.0, 0
     size = min(bands[0].shape[-1], bands[1].shape[-1], values.shape[-1])
     values = values[:, :size]
     with np.errstate(all="ignore"):

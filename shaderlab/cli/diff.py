@@ -121,7 +121,8 @@ def command(
 
 def _status(answers: Sequence[Answer], *, strict: bool, assume: bool) -> int:
     found = {answer.same for answer in answers}
-    if False in found or (strict and not all(answer.same_numerics for answer in answers)):
+    found |= {answer.same_numerics for answer in answers if strict}
+    if False in found:
         return FAILED
     if None in found:
         return NO_ANSWER

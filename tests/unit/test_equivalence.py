@@ -472,6 +472,18 @@ void main() {
     assert same.same_numerics and same.outputs[0].numerics is not None
 
 
+def test_strict_does_not_pass_where_accuracy_is_not_known(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "a.frag"
+    file.write_text("#version 330 core\nin float x; out float o; void main() { o = x * 2.0; }")
+    words = [str(file), str(file), "--strict", "-j", "0"]
+    assert CliRunner().invoke(command, words, standalone_mode=False).return_value == 0
+    monkeypatch.setattr("shaderlab.analysis.comparison.bands_of", lambda *_, **__: None)
+    found = CliRunner().invoke(command, words, standalone_mode=False)
+    assert found.return_value == 2 and "o: accuracy not known" in found.output
+
+
 def test_captured_inputs_are_varied_and_stay_what_they_are() -> None:
     rng = np.random.default_rng(3)
     normal = rng.normal(size=(64, 3))
