@@ -537,10 +537,14 @@ def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Genera
 
 
 _SHAPES: Mapping[str, Callable[[int], tuple[int, ...]]] = {
+    "1D": lambda n: (1, n, 4),
+    "1DArray": lambda n: (4, 1, n, 4),
+    "Buffer": lambda n: (1, n, 4),
     "2D": lambda n: (n, n, 4),
     "2DArray": lambda n: (4, n, n, 4),
     "3D": lambda n: (n, n, n, 4),
     "Cube": lambda n: (6, n, n, 4),
+    "CubeArray": lambda n: (12, n, n, 4),
     "2DMS": lambda n: (4, n, n, 4),
 }
 
@@ -554,7 +558,7 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
     kind = kind.removesuffix("Shadow")
     if kind not in _SHAPES:
         raise NotInterpretedError(f"not interpreted: {one.type} {one.name}")
-    side = int(rng.choice(_FACE_SIDES if kind == "Cube" else _SIDES))
+    side = int(rng.choice(_FACE_SIDES if "Cube" in kind else _SIDES))
     values = rng.uniform(0.02, 3.0 if mipmaps else 1.0, _SHAPES[kind](side))
     if "normal" in words_of(one.name):
         n = rng.normal(size=(*values.shape[:-1], 3))

@@ -3,7 +3,7 @@ than `shaderlab.glslmath.sampling` takes, the answer is any texel."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -175,11 +175,15 @@ def _image_operands(run: Run, words: tuple[int, ...]) -> dict[int, list[Any]]:
     return found
 
 
+_ROWS = {"1D": "2D", "1DArray": "2DArray", "Buffer": "2D"}  # read as planes that are 1 texel high
+_COORDINATES = {**COORDINATES, "1D": 1, "1DArray": 2, "CubeArray": 4}
+
+
 def _sample(*, compared: bool = False, projected: bool = False) -> Handler:
     def handler(run: Run, at: Instruction, state: PathState) -> Any:
         texels: Texels = run.value(at.operands[0])
         p = run.value(at.operands[1])
-        size = COORDINATES[texels.kind]
+        size = _COORDINATES[texels.kind]
         place = p if p.shape[-1] == size else p[..., :size]
         last = [run.value(at.operands[2])] if compared else []
         if projected:
@@ -187,12 +191,36 @@ def _sample(*, compared: bool = False, projected: bool = False) -> Handler:
                 run.arithmetic.call("divide", v, component(p, size)) for v in (place, *last)
             )
         rest = _image_operands(run, at.operands[2 + compared :])
-        sampler = Sampler(texels, run.arithmetic.rules)
-        level, unknown = _level(run, sampler, place, rest)
-        lookup = Lookup(sampler, _join([place, *last]), level, unknown, _offset(rest))
-        return sample_texture(run, lookup, state.mask)
+        layer = component(place, 3) if texels.kind == "CubeArray" else None
+        if texels.kind in _ROWS:
+            x, *layers = (component(place, i) for i in range(size))
+            place = _join([x, run.arithmetic.literal(0.5), *layers])
+            texels = replace(texels, kind=_ROWS[texels.kind])
+        elif layer is not None:
+            place = place[..., :3]
+
+        def look(texels: Texels) -> Any:
+            sampler = Sampler(texels, run.arithmetic.rules)
+            level, unknown = _level(run, sampler, place, rest)
+            lookup = Lookup(sampler, _join([place, *last]), level, unknown, _offset(rest))
+            return sample_texture(run, lookup, state.mask)
+
+        return look(texels) if layer is None else _look_up_cubes(look, texels, layer)
 
     return handler
+
+
+def _look_up_cubes(look: Callable[[Texels], Any], texels: Texels, layer: Any) -> Any:
+    """What is looked up in the cube of an array that is nearest to a number."""
+    cubes = np.split(texels.values, len(texels.values) // 6)
+    last = len(cubes) - 1
+    low, high = (np.clip(np.floor(end + 0.5), 0, last) for end in to_span(layer))
+    found = None
+    for i, values in enumerate(cubes):
+        own = look(replace(texels, kind="Cube", values=values))
+        here = TriBool((low == i) & (high == i), (high < i) | (low > i))
+        found = own if found is None else select(here, own, found)
+    return found
 
 
 def _join(parts: list[Any]) -> Any:
@@ -251,7 +279,7 @@ def _offset(rest: Mapping[int, list[Any]]) -> tuple[int, int]:
             whole: Integer = rest[bit][0]
             if whole.shape[0] != 1:
                 raise FormulaError("a texture function with an offset that differs")
-            return int(whole.lo[0, 0]), int(whole.lo[0, 1])
+            return int(whole.lo[0, 0]), int(whole.lo[0, 1:2].sum())  # a row's has one number
     return 0, 0
 
 
@@ -265,9 +293,13 @@ def _fetch(run: Run, at: Instruction, state: PathState) -> Any:
     level = 0 if texels.kind == "2DMS" else int(number.lo.flat[0])
     if not 0 <= level <= len(texels.smaller):
         raise FormulaError(f"texelFetch of level {level}, which is not there")
-    offset = np.zeros(place.shape[-1], np.int64)
+    low, high = place.lo, place.hi
+    if texels.kind in _ROWS:
+        low, high = (np.insert(end, 1, 0, axis=-1) for end in (low, high))
+        texels = replace(texels, kind=_ROWS[texels.kind])
+    offset = np.zeros(low.shape[-1], np.int64)
     offset[:2] = _offset(rest)
-    low, high = place.lo + offset, place.hi + offset
+    low, high = low + offset, high + offset
     most = sampling.textureSize(Sampler(texels), level).lo - 1
     wide = (low != high).any(axis=-1)
     outside = ((low < 0) | (low > most)).any(axis=-1) | wide
@@ -310,6 +342,11 @@ def _size(run: Run, at: Instruction, state: PathState) -> Any:
     level = run.value(at.operands[1]).lo if len(at.operands) > 1 else np.zeros((1, 1), np.int64)
     most, sampler = len(texels.smaller), Sampler(texels, run.arithmetic.rules)
     sizes = np.stack([sampling.textureSize(sampler, n).lo for n in range(most + 1)])
+    if texels.kind in ("1DArray", "CubeArray"):
+        layers = len(texels.values) // (6 if texels.kind == "CubeArray" else 1)
+        sizes = np.insert(sizes, 2, layers, axis=-1)
+    if texels.kind in _ROWS:
+        sizes = np.delete(sizes, 1, axis=-1)
     found = Integer(sizes[np.clip(level, 0, most)[:, 0]], rules=run.arithmetic.rules)
     # That of a level which is not there is undefined (OpenGL 4.6, 11.1.3.4).
     outside = (level < 0) | (level > most)
