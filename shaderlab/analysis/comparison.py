@@ -429,8 +429,14 @@ class _Comparison:
         """Where an output differs without what is assumed of some inputs; None if it does not."""
         if relaxed not in self._freed:
             self._freed[relaxed] = list(self._sets_without(relaxed))
-        found = ((one, self._compare(one, name, other)) for one in self._freed[relaxed])
-        return next((pair for pair in found if pair[1].different.any()), None)
+        for one in self._freed[relaxed]:
+            compared, old = self._compare(one, name, other), one.old.outputs.get(name)
+            if old is not None:  # what it leaves undefined there, the new one may define
+                defined = np.isfinite(old[0]).all(axis=-1) | one.old.discarded[0]
+                compared = replace(compared, different=compared.different & defined)
+            if compared.different.any():
+                return one, compared
+        return None
 
     def _sets_without(self, relaxed: tuple[str, ...]) -> Iterator[_Set]:
         domains = {

@@ -560,6 +560,7 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
         raise NotInterpretedError(f"not interpreted: {one.type} {one.name}")
     side = int(rng.choice(_FACE_SIDES if "Cube" in kind else _SIDES))
     values = rng.uniform(0.02, 3.0 if mipmaps else 1.0, _SHAPES[kind](side))
+    values[..., -side // 4 :, :] *= np.geomspace(0.2, 0.01, side // 4)[:, None]  # dark columns
     if "normal" in words_of(one.name):
         n = rng.normal(size=(*values.shape[:-1], 3))
         n[..., 2] = np.abs(n[..., 2])

@@ -309,7 +309,11 @@ HUGE = "more than 2,048 elements\n  → give its array a length that the shader 
 @pytest.mark.parametrize(
     ("declared", "value", "said"),
     [
-        ("uniform samplerCubeArray solid;", "texture(solid, vec4(0.5))", "samplerCubeArray solid"),
+        (
+            "uniform sampler2DMSArray solid;",
+            "texelFetch(solid, ivec3(0), 0)",
+            "sampler2DMSArray solid",
+        ),
         ("uniform B { vec4 v[1 << 30]; }; uniform int n;", "v[n]", f"v has {HUGE}"),
         ("struct S { vec4 a; float b; }; uniform B { S v[1 << 28]; };", "v[7].a", f"v has {HUGE}"),
         ("uniform B { vec4 v[64][64][64]; }; uniform int n;", "v[n][n][n]", f"v has {HUGE}"),

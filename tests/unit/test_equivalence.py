@@ -15,7 +15,13 @@ from click.testing import CliRunner
 from shaderlab.analysis.answer import Answer
 from shaderlab.analysis.batches import InputBatch, merge_batches
 from shaderlab.analysis.comparison import Plan, compare_programs
-from shaderlab.analysis.inputs import learn_domains, vary_inputs
+from shaderlab.analysis.inputs import (
+    domains_of,
+    inputs_of,
+    learn_domains,
+    sample_inputs,
+    vary_inputs,
+)
 from shaderlab.analysis.interpreter import Program, load
 from shaderlab.analysis.noise import PerturbedFloat, run
 from shaderlab.cli.diff import command
@@ -579,6 +585,26 @@ def test_what_is_not_interpreted_beyond_what_is_assumed_is_not_called_the_same()
     text += " vec3 n = %s; o = n.z * texelFetch(map, ivec2(0), int(light > 1.5)).r; }"
     with pytest.raises(NotInterpretedError, match="texelFetch of a level that differs"):
         compared(text % "normalize(normal)", text % "normal")
+
+
+def test_what_the_old_one_leaves_undefined_beyond_what_is_assumed_is_no_condition() -> None:
+    """With levels of -2 it divides by 0, which the new one need not."""
+    text = "uniform int levels; in float d; out float o; void main() { float n = float(levels + 2);"
+    text += " o = %s; }"
+    guarded = text % "n == 0.0 ? 0.0 : d / n"
+    found = compared(text % "d / n", guarded)
+    assert found.same is True and not found.conditional
+    assert compared(guarded, text % "d / n").outputs[0].conditions == ("0 <= levels <= 4",)
+
+
+def test_textures_that_are_made_up_have_dark_places_with_contrast() -> None:
+    one = program(
+        "uniform sampler2D map; in vec2 uv; out vec4 o; void main() { o = texture(map, uv); }"
+    )
+    inputs = inputs_of(one)
+    made = sample_inputs(inputs, domains_of(inputs, [one], {}), 64, 0).bindings.textures["map"]
+    dark = made.values[:, -1]
+    assert 0.0 < dark.min() < dark.max() / 8.0 and dark.max() < 1.0 / 64.0
 
 
 def test_noise_errs_by_what_rounding_may() -> None:
