@@ -173,22 +173,17 @@ class Answer:
     def data(self) -> dict[str, Any]:
         """The answer as JSON."""
         return {
-            "old": self.old,
-            "new": self.new,
-            "same": self.same,
+            "old": self.old, "new": self.new, "same": self.same,
             "outputs": [_data(output) for output in self.outputs],
-            "notes": list(self.notes),
-            "inputs": dict(self.inputs),
-        }
+            "notes": list(self.notes), "inputs": dict(self.inputs),
+        }  # fmt: skip
 
 
 def _data(output: OutputAnswer) -> dict[str, Any]:
     found: dict[str, Any] = {
-        "name": output.name,
-        "same": output.same,
-        "judged": output.judged,
+        "name": output.name, "same": output.same, "judged": output.judged,
         "different": output.different,
-    }
+    }  # fmt: skip
     if output.why:
         found |= {
             "why": output.why,

@@ -21,7 +21,14 @@ from shaderlab.model.frame import Array
 from .answer import format_inputs
 from .batches import InputBatch, merge_batches, run_batch
 from .checks import INDEX, OVERFLOW, Place, Watcher
-from .hazards import Audit as Audit, Claim, Hazard as Hazard, find_dependents, find_written_outputs
+from .hazards import (
+    Audit as Audit,
+    Claim,
+    Hazard as Hazard,
+    find_dependents,
+    find_written_outputs,
+    hazard_at,
+)
 from .inputs import (
     Input,
     InputDomain,
@@ -182,13 +189,9 @@ def audit_program(
     if plan.confirm is not None:
         hazards = [plan.confirm(program, hazard) for hazard in hazards]
     return Audit(
-        file=program.path,
-        hazards=tuple(_deduplicate(hazards)),
-        tried=tried,
-        inputs=words,
-        spreads=tuple(widest_spreads(spreads)),
-        claims=tuple(claims),
-    )
+        file=program.path, hazards=tuple(_deduplicate(hazards)), tried=tried, inputs=words,
+        spreads=tuple(widest_spreads(spreads)), claims=tuple(claims),
+    )  # fmt: skip
 
 
 def prove_between_draws(
@@ -253,15 +256,9 @@ def _hazards(
     words = one.check.words(*(one.operands.get(row) or next(iter(one.operands.values()), ())))
     if origin != RANDOM:
         words += "; only if two inputs are equal" if origin == EQUAL else _ONLY_AT_0
-    file, line = program.place(one.at.line)
-    yield Hazard(
-        file=file, line=line, kind=place.kind,
-        message=words if words.startswith(place.kind) else f"{place.kind}: {words}",
-        evident=bool(origin == RANDOM),
-        inputs=batch.example(row, inputs),
-        outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
-        calls=tuple(program.place(call)[1] for call in place.calls),
-    )  # fmt: skip
+    words = words if words.startswith(place.kind) else f"{place.kind}: {words}"
+    found, evident = (place, one.at, batch, row), bool(origin == RANDOM)
+    yield hazard_at(program, inputs, found, outputs, words, evident=evident)
 
 
 def _deduplicate(hazards: Sequence[Hazard]) -> list[Hazard]:

@@ -77,13 +77,7 @@ class Watcher:
         return result
 
     def _overflow(
-        self,
-        run: Run,
-        at: Instruction,
-        state: PathState,
-        values: list[Any],
-        result: Any,
-        known_bad: Flags,
+        self, run: Run, at: Instruction, state: PathState, given: list[Any], result: Any, bad: Flags
     ) -> None:
         """Note results that are no numbers although all operands are, and good ones."""
         value = numbers(result) if isinstance(result, np.ndarray) else None
@@ -93,8 +87,8 @@ class Watcher:
             peak = _rows(np.abs(value)).max(axis=1, keepdims=True)
             if not (peak > 1e15).any() and not np.isnan(peak).any():
                 return
-            known = ~known_bad[:, None]
-            for operand in values:
+            known = ~bad[:, None]
+            for operand in given:
                 known = known & np.isfinite(_rows(operand)).all(axis=1, keepdims=True)
             worst = np.where(known, np.where(np.isfinite(peak), peak, np.nan), 0.0)
             margin = np.where(np.isnan(worst), -2.0, np.asarray(OVERFLOW.margin(worst)))

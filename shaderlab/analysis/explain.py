@@ -166,20 +166,14 @@ def _step(
     low, high = _bounds(event.value, row)
     with np.errstate(all="ignore"):
         off = np.nanmax(np.abs(value - exact) / ulp(exact), initial=0.0)
+    value, exact, low, high = (tuple(map(float, own)) for own in (value, exact, low, high))
     return Step(
-        file=file,
-        line=line,
-        name=event.name,
+        file=file, line=line, name=event.name,
         calls=tuple(given.program.place(call)[1] for call in event.calls),
-        value=tuple(map(float, value)),
-        by_driver=measured,
-        exact=tuple(map(float, exact)),
-        low=tuple(map(float, low)),
-        high=tuple(map(float, high)),
-        off=float(off),
+        value=value, by_driver=measured, exact=exact, low=low, high=high, off=float(off),
         width=width(event.value, row) if is_vector(event.value) else 0.0,
         lost=precision_loss(event, row) if is_vector(event.value) else 0.0,
-    )
+    )  # fmt: skip
 
 
 def widest_pixel(evaluation: Evaluation, key: PassDraw) -> tuple[int, int]:
@@ -256,11 +250,8 @@ def locate_failure(
             words = "the driver follows the shader, which differs from the reference"
             expected = format_value(known[-1])
             return _add_verdict(explained, steps[-1], words, "in the reference", expected)
-    return replace(
-        explained,
-        verdict="the driver follows the shader, and every value that has a name in the reference "
-        "agrees with it",
-    )
+    agreed = "every value that has a name in the reference agrees with it"
+    return replace(explained, verdict=f"the driver follows the shader, and {agreed}")
 
 
 def _add_verdict(
@@ -271,12 +262,8 @@ def _add_verdict(
     if not expected:
         pairs = zip(step.low, step.high, strict=True)
         expected = ", ".join(f"{low:.9g} … {high:.9g}" for low, high in pairs)
-    return replace(
-        explained,
-        verdict=f"{words}; first at {file}: {step.name} is {value}, {other} {expected}",
-        file=step.file,
-        line=step.line,
-    )
+    verdict = f"{words}; first at {file}: {step.name} is {value}, {other} {expected}"
+    return replace(explained, verdict=verdict, file=step.file, line=step.line)
 
 
 def _reference_at(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -141,15 +141,12 @@ class Audit:
     def data(self) -> dict[str, Any]:
         """The audit as JSON."""
         return {
-            "file": self.file,
-            "clean": self.clean,
+            "file": self.file, "clean": self.clean,
             "hazards": [hazard.data() for hazard in self.hazards],
-            "tried": self.tried,
-            "inputs": dict(self.inputs),
-            "refused": self.refused,
+            "tried": self.tried, "inputs": dict(self.inputs), "refused": self.refused,
             "spreads": [spread.data() for spread in self.spreads],
             "claims": [vars(claim) for claim in self.claims],
-        }
+        }  # fmt: skip
 
 
 def _numbers(values: tuple[float, ...]) -> list[float | str]:
@@ -211,6 +208,24 @@ def find_dependents(
         find_written_outputs(program, some, own, _Replacing(place, value)) for value in _VALUES
     ]
     return {name: value for name, value in plain.items() if _differs(name, others)}
+
+
+def hazard_at(
+    program: Program,
+    inputs: Iterable[str],
+    found: tuple[Place, Instruction, InputBatch, int],
+    outputs: Mapping[str, Array],
+    message: str,
+    **more: Any,
+) -> Hazard:
+    """The hazard of an instruction that was found at a place, for a row of a batch."""
+    place, at, batch, row = found
+    file, line = program.place(at.line)
+    return Hazard(
+        file=file, line=line, kind=place.kind, message=message, inputs=batch.example(row, inputs),
+        outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
+        calls=tuple(program.place(call)[1] for call in place.calls), **more,
+    )  # fmt: skip
 
 
 def _differs(name: str, runs: Sequence[Mapping[str, Array]]) -> bool:

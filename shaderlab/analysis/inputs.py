@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -536,17 +536,11 @@ def _matrices(type_: str, domain: InputDomain, count: int, rng: np.random.Genera
     return found.astype(np.float32)
 
 
-_SHAPES: Mapping[str, Callable[[int], tuple[int, ...]]] = {
-    "1D": lambda n: (1, n, 4),
-    "1DArray": lambda n: (4, 1, n, 4),
-    "Buffer": lambda n: (1, n, 4),
-    "2D": lambda n: (n, n, 4),
-    "2DArray": lambda n: (4, n, n, 4),
-    "3D": lambda n: (n, n, n, 4),
-    "Cube": lambda n: (6, n, n, 4),
-    "CubeArray": lambda n: (12, n, n, 4),
-    "2DMS": lambda n: (4, n, n, 4),
-}
+# 0 is a texture's side.
+_SHAPES: Mapping[str, tuple[int, ...]] = {
+    "1D": (1, 0), "1DArray": (4, 1, 0), "Buffer": (1, 0), "2D": (0, 0), "2DArray": (4, 0, 0),
+    "3D": (0, 0, 0), "Cube": (6, 0, 0), "CubeArray": (12, 0, 0), "2DMS": (4, 0, 0),
+}  # fmt: skip
 
 
 def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
@@ -559,7 +553,8 @@ def _texture(one: Input, rng: np.random.Generator, *, mipmaps: bool) -> Texels:
     if kind not in _SHAPES:
         raise NotInterpretedError(f"not interpreted: {one.type} {one.name}")
     side = int(rng.choice(_FACE_SIDES if "Cube" in kind else _SIDES))
-    values = rng.uniform(0.02, 3.0 if mipmaps else 1.0, _SHAPES[kind](side))
+    shape = *(size or side for size in _SHAPES[kind]), 4
+    values = rng.uniform(0.02, 3.0 if mipmaps else 1.0, shape)
     values[..., -side // 4 :, :] *= np.geomspace(0.2, 0.01, side // 4)[:, None]  # dark columns
     if "normal" in words_of(one.name):
         n = rng.normal(size=(*values.shape[:-1], 3))

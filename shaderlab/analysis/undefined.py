@@ -16,7 +16,7 @@ from shaderlab.model.frame import Array
 
 from .batches import DERIVATIVES, InputBatch, flatten_outputs, quads_of, run_batch
 from .checks import Place, arguments_of, number_of
-from .hazards import Hazard, fill_value, find_dependents
+from .hazards import Hazard, fill_value, find_dependents, hazard_at
 from .inputs import Input, InputDomain, smooth_quads
 from .interpreter import Interpreted, Numbers, Program
 from .interpreter.flow import HANDLERS
@@ -142,12 +142,7 @@ def _find_differences(
 
 
 def _read(
-    program: Program,
-    batch: InputBatch,
-    row: int,
-    id_: int,
-    output: str,
-    inputs: Mapping[str, Input],
+    program: Program, batch: InputBatch, row: int, id_: int, to: str, inputs: Mapping[str, Input]
 ) -> Hazard:
     """The hazard of an uninitialised variable: at the first line that loads it."""
     some, own = batch.alone(row, program)
@@ -165,7 +160,7 @@ def _read(
     name = program.name(id_) or "a function's result"
     return Hazard(
         file=file, line=line, kind=READ,
-        message=f"{READ}: {name} has no value here, and {output} depends on it",
+        message=f"{READ}: {name} has no value here, and {to} depends on it",
         inputs=batch.example(row, inputs),
     )  # fmt: skip
 
@@ -237,17 +232,11 @@ def divergent(
         outputs = find_dependents(program, some, own, place)
         if not outputs:
             continue
-        file, line = program.place(at.line)
         what = "a derivative" if at.op in DERIVATIVES else "a texture's level of detail"
         words = f"{what} is undefined where other pixels of the quad take another branch, or end"
-        yield Hazard(
-            file=file, line=line, kind=KIND,
-            message=words if mipmapped else f"{words}; only if the texture has mipmaps",
-            evident=mipmapped or at.op not in _SHADOWS,
-            inputs=batch.example(row, inputs),
-            outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
-            calls=tuple(program.place(call)[1] for call in place.calls),
-        )  # fmt: skip
+        words = words if mipmapped else f"{words}; only if the texture has mipmaps"
+        evident, found = mipmapped or at.op not in _SHADOWS, (place, at, batch, row)
+        yield hazard_at(program, inputs, found, outputs, words, evident=evident)
 
 
 HASH = "sine hash"
@@ -306,10 +295,5 @@ def sine_hashes(
     run_batch(program, batch, watch=watch)
     for place, (row, at) in watch.found.items():
         if outputs := find_dependents(program, batch, row, place):
-            file, line = program.place(at.line)
-            yield Hazard(
-                file=file, line=line, kind=HASH,
-                message=f"{HASH}: fract of a large multiple of a sine, another one on each GPU",
-                inputs=batch.example(row, inputs),
-                outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
-            )  # fmt: skip
+            words = f"{HASH}: fract of a large multiple of a sine, another one on each GPU"
+            yield hazard_at(program, inputs, (place, at, batch, row), outputs, words)
