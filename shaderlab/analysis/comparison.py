@@ -360,15 +360,12 @@ class _Comparison:
         apart = np.concatenate([compared.apart[compared.different] for compared in found])
         finite = apart[np.isfinite(apart)]
         return OutputAnswer(
-            name=called,
-            judged=judged,
-            different=different,
+            name=called, judged=judged, different=different,
             apart=float(finite.max()) if finite.size else float("inf"),
             why="value" if finite.size else compared.why,
-            example=one.batch.example(row, self.inputs),
+            example=one.batch.example(row, self.inputs), place=self._place(one, row),
             gives=(_value(one.old, name, row), _value(one.new, other, row)),
-            place=self._place(one, row),
-        )
+        )  # fmt: skip
 
     def _place(self, one: _Set, row: int) -> str:
         """The first line that stores another value at an invocation; where only one program

@@ -126,31 +126,16 @@ def _pow(x: Floats, y: Floats) -> Floats:
 
 
 _FUNCTIONS: Mapping[str, Callable[..., Any]] = {
-    "add": np.add,
-    "subtract": np.subtract,
-    "multiply": np.multiply,
-    "divide": np.divide,
-    "negate": np.negative,
-    "remainder": np.fmod,
-    "min": np.minimum,
-    "max": np.maximum,
-    "fract": lambda x: x - np.floor(x),
-    "mod": lambda x, y: x - y * np.floor(x / y),
-    "mix": lambda x, y, a: x * (1 - a) + y * a,
-    "smoothstep": _smoothstep,
-    "fma": lambda a, b, c: a * b + c,
-    "pow": _pow,
-    "inversesqrt": lambda x: 1 / np.sqrt(x),
-    "dot": _dot,
-    "length": _length,
-    "distance": lambda a, b: _length(a - b),
-    "normalize": lambda v: v / _length(v),
-    "cross": _cross,
-    "reflect": lambda i, n: i - 2 * _dot(n, i) * n,
-    "refract": _refract,
-    "mul": _mul,
-    "matmul": _matmul,
-}
+    "add": np.add, "subtract": np.subtract, "multiply": np.multiply, "divide": np.divide,
+    "negate": np.negative, "remainder": np.fmod, "min": np.minimum, "max": np.maximum,
+    "fract": lambda x: x - np.floor(x), "mod": lambda x, y: x - y * np.floor(x / y),
+    "mix": lambda x, y, a: x * (1 - a) + y * a, "smoothstep": _smoothstep,
+    "fma": lambda a, b, c: a * b + c, "pow": _pow, "inversesqrt": lambda x: 1 / np.sqrt(x),
+    "dot": _dot, "length": _length, "distance": lambda a, b: _length(a - b),
+    "normalize": lambda v: v / _length(v), "cross": _cross,
+    "reflect": lambda i, n: i - 2 * _dot(n, i) * n, "refract": _refract,
+    "mul": _mul, "matmul": _matmul,
+}  # fmt: skip
 """The instructions that `shaderlab.glslmath` lacks, and functions of several operations, each of
 which rounds; other functions are those of `glslmath`, in float64, rounded once."""
 
@@ -201,10 +186,6 @@ def _multiply(a: Any, b: Any) -> Any:
 
 
 _OPERATORS: Mapping[str, Callable[..., Any]] = {
-    "add": _add,
-    "subtract": operator.sub,
-    "multiply": _multiply,
-    "divide": operator.truediv,
-    "negate": operator.neg,
-    "remainder": lambda a, b: a - b * glslmath.trunc(a / b),
-}
+    "add": _add, "subtract": operator.sub, "multiply": _multiply, "divide": operator.truediv,
+    "negate": operator.neg, "remainder": lambda a, b: a - b * glslmath.trunc(a / b),
+}  # fmt: skip

@@ -152,13 +152,9 @@ def _fract(x: Band, unit: float) -> Found:
 
 
 _EXACT: Mapping[str, Callable[..., Found]] = {
-    "add": _add,
-    "subtract": _subtract,
-    "multiply": _multiply,
-    "negate": lambda a, unit: (negate(a), unit),
-    "mod": _mod,
-    "fract": _fract,
-}
+    "add": _add, "subtract": _subtract, "multiply": _multiply,
+    "negate": lambda a, unit: (negate(a), unit), "mod": _mod, "fract": _fract,
+}  # fmt: skip
 
 
 _NOTHING = 0xFFFFFFFF
@@ -227,21 +223,14 @@ def _different(a: TriBool, b: TriBool) -> TriBool:
 _ORDERS = {"LessThan": operator.lt, "GreaterThan": operator.gt,
            "LessThanEqual": operator.le, "GreaterThanEqual": operator.ge}  # fmt: skip
 LOGIC: Mapping[int, Handler] = {
-    Op.Any: apply(TriBool.any),
-    Op.All: apply(TriBool.all),
-    Op.IsNan: _compare(glslmath.isnan),
-    Op.IsInf: _compare(glslmath.isinf),
-    Op.LogicalEqual: apply(lambda a, b: ~_different(a, b)),
-    Op.LogicalNotEqual: apply(_different),
-    Op.LogicalOr: apply(operator.or_),
-    Op.LogicalAnd: apply(operator.and_),
-    Op.LogicalNot: apply(operator.invert),
-    Op.Select: apply(select),
-    Op.FOrdEqual: _compare(operator.eq),
-    Op.FOrdNotEqual: _compare(operator.ne),
-    Op.FUnordNotEqual: _compare(operator.ne),
+    Op.Any: apply(TriBool.any), Op.All: apply(TriBool.all), Op.Select: apply(select),
+    Op.IsNan: _compare(glslmath.isnan), Op.IsInf: _compare(glslmath.isinf),
+    Op.LogicalEqual: apply(lambda a, b: ~_different(a, b)), Op.LogicalNotEqual: apply(_different),
+    Op.LogicalOr: apply(operator.or_), Op.LogicalAnd: apply(operator.and_),
+    Op.LogicalNot: apply(operator.invert), Op.FOrdEqual: _compare(operator.eq),
+    Op.FOrdNotEqual: _compare(operator.ne), Op.FUnordNotEqual: _compare(operator.ne),
     **{Op[f"FOrd{name}"]: _compare(function) for name, function in _ORDERS.items()},
-}
+}  # fmt: skip
 """The comparisons are those that glslang writes: ordered ones, and != that holds for NaN."""
 
 
@@ -274,27 +263,17 @@ def _bitcast(run: Run, at: Instruction, state: PathState) -> Any:
     return run.arithmetic.call("floatBitsToInt" if to.signed else "floatBitsToUint", value)
 
 
+_CALLED = {
+    Op.ConvertFToU: "uint", Op.ConvertFToS: "int", Op.FNegate: "negate", Op.FAdd: "add",
+    Op.FSub: "subtract", Op.FMul: "multiply", Op.FDiv: "divide", Op.FRem: "remainder",
+    Op.FMod: "mod", Op.VectorTimesScalar: "multiply", Op.MatrixTimesVector: "mul",
+    Op.MatrixTimesMatrix: "matmul", Op.OuterProduct: "outerProduct", Op.Dot: "dot",
+}  # fmt: skip
 FLOATS: Mapping[int, Handler] = {
-    Op.ConvertFToU: call_function("uint"),
-    Op.ConvertFToS: call_function("int"),
-    Op.ConvertSToF: _from_integer,
-    Op.ConvertUToF: _from_integer,
-    Op.Bitcast: _bitcast,
-    Op.FNegate: call_function("negate"),
-    Op.FAdd: call_function("add"),
-    Op.FSub: call_function("subtract"),
-    Op.FMul: call_function("multiply"),
-    Op.FDiv: call_function("divide"),
-    Op.FRem: call_function("remainder"),
-    Op.FMod: call_function("mod"),
-    Op.VectorTimesScalar: call_function("multiply"),
-    Op.MatrixTimesScalar: _matrix_times_scalar,
-    Op.VectorTimesMatrix: _vector_times_matrix,
-    Op.MatrixTimesVector: call_function("mul"),
-    Op.MatrixTimesMatrix: call_function("matmul"),
-    Op.OuterProduct: call_function("outerProduct"),
-    Op.Dot: call_function("dot"),
-}
+    **{op: call_function(name) for op, name in _CALLED.items()},
+    Op.ConvertSToF: _from_integer, Op.ConvertUToF: _from_integer, Op.Bitcast: _bitcast,
+    Op.MatrixTimesScalar: _matrix_times_scalar, Op.VectorTimesMatrix: _vector_times_matrix,
+}  # fmt: skip
 
 
 def derivative(run: Run, function: str, value: Any) -> Any:
@@ -426,11 +405,14 @@ def _compare_integers(function: Callable[[Any, Any], Any], unsigned: bool | None
     return handler
 
 
+_SIGNLESS: Mapping[int, Callable[..., Any]] = {
+    Op.SNegate: operator.neg, Op.IAdd: operator.add, Op.ISub: operator.sub, Op.IMul: operator.mul,
+    Op.ShiftLeftLogical: operator.lshift, Op.BitwiseOr: operator.or_, Op.BitwiseXor: operator.xor,
+    Op.BitwiseAnd: operator.and_, Op.Not: operator.invert, Op.BitCount: glslmath.bitCount,
+    Op.BitReverse: glslmath.bitfieldReverse,
+}  # fmt: skip
 INTEGERS: Mapping[int, Handler] = {
-    Op.SNegate: call_integers(operator.neg),
-    Op.IAdd: call_integers(operator.add),
-    Op.ISub: call_integers(operator.sub),
-    Op.IMul: call_integers(operator.mul),
+    **{op: call_integers(function) for op, function in _SIGNLESS.items()},
     Op.UDiv: call_integers(operator.truediv, unsigned=True),
     Op.SDiv: call_integers(operator.truediv, unsigned=False),
     Op.UMod: call_integers(operator.mod, unsigned=True),
@@ -449,14 +431,7 @@ INTEGERS: Mapping[int, Handler] = {
     },
     Op.ShiftRightLogical: call_integers(operator.rshift, unsigned=True),
     Op.ShiftRightArithmetic: call_integers(operator.rshift, unsigned=False),
-    Op.ShiftLeftLogical: call_integers(operator.lshift),
-    Op.BitwiseOr: call_integers(operator.or_),
-    Op.BitwiseXor: call_integers(operator.xor),
-    Op.BitwiseAnd: call_integers(operator.and_),
-    Op.Not: call_integers(operator.invert),
     Op.BitFieldInsert: call_integers(glslmath.bitfieldInsert, bits=True),
     Op.BitFieldSExtract: call_integers(glslmath.bitfieldExtract, bits=True),
     Op.BitFieldUExtract: call_integers(glslmath.bitfieldExtract, bits=True),
-    Op.BitReverse: call_integers(glslmath.bitfieldReverse),
-    Op.BitCount: call_integers(glslmath.bitCount),
 }

@@ -126,12 +126,9 @@ def _make_number(kind: Literal["int", "float"], words: tuple[int, ...]) -> Type:
 
 
 INPUTS = (
-    StorageClass.Input,
-    StorageClass.UniformConstant,
-    StorageClass.Uniform,
-    StorageClass.PushConstant,
-    StorageClass.StorageBuffer,
-)
+    StorageClass.Input, StorageClass.UniformConstant, StorageClass.Uniform,
+    StorageClass.PushConstant, StorageClass.StorageBuffer,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
