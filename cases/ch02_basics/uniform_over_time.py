@@ -1,13 +1,12 @@
 """A uniform that changes with time: the program computes a colour, the shader shows it.
 
-The green channel swings as sin(t)/2 + 0.5. A sine runs from −1 to 1; halved and raised by a half it
-fits a colour's range from 0 to 1. The program sends `ourColor` before each draw. A uniform arrives
-exactly as it was sent. A sine computed in the shader itself need only be within 2⁻¹¹.
+The green channel swings as sin(t)/2 + 0.5, from 0 to 1. What the program sends before each draw
+arrives exactly; a sine computed in the shader itself need only be within 2⁻¹¹.
 
 Look at: the bead, which is filled with the uniform of that moment, riding on the curve.
 
 Try: in `ch02_basics/uniform_over_time.frag` write `sin(2.0 * time) / 2.0` for `sin(time) / 2.0`:
-the green that the shader computes swings twice as fast as the one that is sent.
+the green from the shader swings twice as fast as the one that is sent.
 """
 
 from functools import partial
@@ -16,9 +15,9 @@ from math import pi, sin
 import numpy as np
 
 from shaderlab import Case, Rules, Variant, exact, formula, fullscreen, sweep, value
-from shaderlab.glslmath import length, mix, swizzle, vec2, vec3, vec4, where
+from shaderlab.glslmath import length, swizzle, vec2, vec3, vec4, where
 
-from ..scenes.drawing import line, pixel_size
+from ..scenes.drawing import pixel_size, with_lines
 from ..scenes.figures import figure
 from ..scenes.laws import unchanged
 from ..scenes.panels import rectangle
@@ -29,12 +28,13 @@ FRAMES += [("1.5708 (π÷2)", pi / 2, 1.0), ("4.7124 (3π÷2)", 3 * pi / 2, 0.0)
 
 # Past π the specification promises nothing of a sine; the conformance suite allows |t|·2⁻¹².
 LATER = Rules(trig_outside="scaled")
+GREY, PALE, WHITE = (0.30,) * 3, (0.85,) * 3, (1.0,) * 3
 START = (-0.4, -0.3)  # time and green in the picture's corner
 
 
-def our_color(time):
+def sent(time):
     """What a render loop sends."""
-    return (0.0, sin(time) / 2.0 + 0.5, 0.0, 1.0)
+    return {"time": time, "ourColor": (0.0, sin(time) / 2.0 + 0.5, 0.0, 1.0)}
 
 
 def painted(place, ourColor, time, frag_coord, corner=START):
@@ -47,19 +47,15 @@ def painted(place, ourColor, time, frag_coord, corner=START):
     def bead(place):
         return length((place - vec2(time, swizzle(ourColor, "g"))) * vec2(0.2254, 1.0)) - 0.075
 
-    def above_curve(place):
-        return swizzle(place, "y") - pulse(swizzle(place, "x"))
-
-    def drawn(field, width):
-        return line(field, place, size, width)
-
-    level = drawn(lambda place: swizzle(place, "y"), 1.0)
-    level = level + drawn(lambda place: swizzle(place, "y") - 1.0, 1.0)
-    color = mix(color, vec3(0.30), level)
-    color = mix(color, vec3(0.85), drawn(above_curve, 2.0))
-    color = mix(color, vec3(0.85), 0.5 * drawn(lambda place: swizzle(place, "x") - time, 1.0))
-    color = where(bead(place) < 0.0, swizzle(ourColor, "rgb"), color)
-    return vec4(mix(color, vec3(1.0), drawn(bead, 2.5)), 1.0)
+    lines = (
+        (lambda place: swizzle(place, "y"), 1.0, GREY, 1.0),
+        (lambda place: swizzle(place, "y") - 1.0, 1.0, GREY, 1.0),
+        (lambda place: swizzle(place, "y") - pulse(swizzle(place, "x")), 2.0, PALE, 1.0),
+        (lambda place: swizzle(place, "x") - time, 1.0, PALE, 0.5),
+    )
+    curve = with_lines(color, place, size, lines)
+    color = where(bead(place) < 0.0, swizzle(ourColor, "rgb"), curve)
+    return vec4(with_lines(color, place, size, [(bead, 2.5, WHITE, 1.0)]), 1.0)
 
 
 def picture(corner, extent, moment):
@@ -70,21 +66,20 @@ def picture(corner, extent, moment):
 
 def frame(name, time, green):
     """The picture at one moment, with the figure the formula gives then."""
-    color = our_color(time)
+    moment = sent(time)
     return Variant(
         f"t = {name}",
-        {"time": time, "ourColor": color},
+        moment,
         expect=[
             formula("picture.FragColor", painted, rules=LATER, name="the curve and the bead"),
-            exact("FragColor", np.float32(color), name="the uniform arrives exactly"),
+            exact("FragColor", np.float32(moment["ourColor"]), name="the uniform arrives exactly"),
             value("green", at={"time": time}, equals=green, digits=6, rules=LATER),
         ],
     )
 
 
 OTHER, ANOTHER = (0.25, 0.5, 0.75, 1.0), "another colour arrives as well"
-moment = {"time": 0.0, "ourColor": our_color(0.0)}
-bead = {"time": 2.5, "ourColor": our_color(2.5)}
+moment, bead = sent(0.0), sent(2.5)
 # The bead's radius is a third of this part's width, and of its height.
 EXTENT = (1.0, 0.2254)
 NEAR = (bead["time"] - 0.5 * EXTENT[0], bead["ourColor"][1] - 0.5 * EXTENT[1])

@@ -2,9 +2,8 @@
 
 The model matrix halves the quad and tilts it by −55° around x, the view matrix steps back by three
 units, and the perspective matrix has a field of view of 45° from bottom to top. Read the product
-from the right: the model acts first. What leaves the vertex shader is still four numbers; the
-hardware divides by the last one, w, which is the distance in front of the camera, and so far things
-become small.
+from the right: the model acts first. The hardware divides what leaves the vertex shader by w, the
+distance in front of the camera, and so far things become small.
 
 Look at: the grid's lines. They are parallel on the quad and meet in the distance. The picture shows
 a larger quad from the same place; the three matrices are those of the notes.
@@ -17,40 +16,50 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, Depth, Erratum, Mesh, State, Target, assets, formula, mesh_pass, value
+from shaderlab import Case, Erratum, assets, formula
 from shaderlab.glslmath import abs, fract, min, mix, smoothstep, swizzle, vec3
 from shaderlab.reference.transforms import (
     clip_position,
     device_position,
     frustum,
     perspective,
-    rotate,
     scale,
     translate,
 )
 
+from ..scenes.cameras import turned
 from ..scenes.drawing import chessboard
+from ..scenes.draws import tested
+from ..scenes.figures import figures
 from ..scenes.laws import opaque, unchanged
+from ..scenes.panels import picture
 
 # Left, right, bottom, top, near, far: the middle of the window is not straight ahead.
-SIX_PLANES = frustum(-1.0, 3.0, -0.5, 1.5, 0.5, 20.0)
+SIX_PLANES = {"projection": frustum(-1.0, 3.0, -0.5, 1.5, 0.5, 20.0)}
+SIX = {
+    f"six planes: {what}": ({"aPos": place, **SIX_PLANES}, clip)
+    for what, place, clip in (
+        ("the window's lower left", (-1.0, -0.5, -0.5), (-0.5, -0.5, -0.5, 0.5)),
+        ("the window's upper right", (3.0, 1.5, -0.5), (0.5, 0.5, -0.5, 0.5)),
+        ("behind it on the far plane", (120.0, 60.0, -20.0), (20.0, 20.0, 20.0, 20.0)),
+        ("straight ahead is aside", (0.0, 0.0, -1.0), (-0.5, -0.5, 0.025641, 1.0)),
+    )
+}
+CORNER, CLIP = {"aPos": (0.5, 0.5, 0.0)}, (0.452665, 0.346184, 3.011004, 3.204788)
+
+
+def seen(aspect):
+    """The view of 45°, from 0.1 to 100 units away."""
+    return perspective(radians(45.0), aspect, 0.1, 100.0)
 
 
 def tilted(name, size, pixels):
     """A quad scaled to `size`, tilted away from a camera three units off."""
-    return mesh_pass(
-        "ch03_transforms/mvp.vert",
-        "ch03_transforms/mvp.frag",
-        Mesh(**assets.quad()).only("aPos", "aTexCoords"),
-        name=name,
-        uniforms={
-            "model": rotate(radians(-55.0), (1.0, 0.0, 0.0)) @ scale(size),
-            "view": translate((0.0, 0.0, -3.0)),
-            "projection": perspective(radians(45.0), 4.0 / 3.0, 0.1, 100.0),
-        },
-        target=Target(size=pixels, depth="depth24", clear=(0.55, 0.65, 0.75, 1.0)),
-        state=State(depth=Depth()),
-    )
+    model = turned(-55.0, (1.0, 0.0, 0.0)) @ scale(size)
+    camera = {"view": translate((0.0, 0.0, -3.0)), "projection": seen(4.0 / 3.0)}
+    uniforms, only = {"model": model, **camera}, ("aPos", "aTexCoords")
+    quad = tested("ch03_transforms/mvp", assets.quad(), uniforms, only=only)
+    return picture([quad], pixels, name, depth="depth24", clear=(0.55, 0.65, 0.75, 1.0))
 
 
 def floor_tiles(TexCoords, frag_coord):
@@ -70,7 +79,7 @@ case = Case(
     section="3.4",
     math=r"\mathbf{c} = P\,V\,M\,(x, y, z, 1)^{\mathsf T}, \qquad "
     r"\mathbf{n} = (c_x, c_y, c_z)\,/\,c_w",
-    passes=(*tilted("picture", 2.2, (640, 480)), *tilted("half", 0.5, (64, 48))),
+    passes=(tilted("picture", 2.2, (640, 480)), tilted("half", 0.5, (64, 48))),
     picture="picture.FragColor",
     expect=[
         *(formula(f"{name}.FragColor", opaque(floor_tiles)) for name in ("picture", "half")),
@@ -78,44 +87,15 @@ case = Case(
         formula("Ndc", device_position),
         formula("picture.gl_Position", clip_position),
         formula("TexCoords", unchanged("aTexCoords")),
-        value(
-            "gl_Position",
-            at={"aPos": (0.5, 0.5, 0.0)},
-            equals=(0.452665, 0.346184, 3.011004, 3.204788),
-            digits=6,
-            name="clip coordinates of the corner",
-        ),
-        *(
-            value(
-                "gl_Position",
-                at={"aPos": place, "model": np.eye(4), "view": np.eye(4), "projection": SIX_PLANES},
-                equals=equals,
-                digits=6,
-                name=f"six planes: {what}",
-            )
-            for what, place, equals in (
-                ("the window's lower left", (-1.0, -0.5, -0.5), (-0.5, -0.5, -0.5, 0.5)),
-                ("the window's upper right", (3.0, 1.5, -0.5), (0.5, 0.5, -0.5, 0.5)),
-                ("behind it on the far plane", (120.0, 60.0, -20.0), (20.0, 20.0, 20.0, 20.0)),
-                ("straight ahead is aside", (0.0, 0.0, -1.0), (-0.5, -0.5, 0.025641, 1.0)),
-            )
-        ),
-        value(
+        *figures("gl_Position", {"clip coordinates of the corner": (CORNER, CLIP)}),
+        *figures("gl_Position", SIX, at={"model": np.eye(4), "view": np.eye(4)}),
+        *figures(
             "Ndc",
-            at={"aPos": (0.5, 0.5, 0.0)},
-            equals=(0.141246, 0.108021, 0.939533),
-            digits=6,
-            name="device coordinates of the corner",
-        ),
-        value(
-            "Ndc",
-            at={
-                "aPos": (0.5, 0.5, 0.0),
-                "projection": perspective(radians(45.0), 800 // 600, 0.1, 100.0),
+            {
+                "device coordinates of the corner": ({}, (0.141246, 0.108021, 0.939533)),
+                BY_INTEGERS: ({"projection": seen(800 // 600)}, (0.188329, 0.108021, 0.939533)),
             },
-            equals=(0.188329, 0.108021, 0.939533),
-            digits=6,
-            name=BY_INTEGERS,
+            at=CORNER,
         ),
     ],
     errata=[

@@ -3,17 +3,15 @@
 A pixel value v becomes roughly v^2.2 of the display's light, which spends the 256 steps where the
 eye can tell them apart. A shader calculates with light, so its result has to be encoded at the end,
 by the power 1/2.2 or by the exact sRGB curve. An sRGB framebuffer does the latter by itself, and an
-sRGB texture undoes it when it is read: all 256 codes come back, whichever half the shader does
-itself.
+sRGB texture undoes it when it is read: whichever half the shader does, all 256 codes come back.
 
 Look at: the stripes, at full size and from a few steps away. The dithered ones mix black and white
-dots, so their light is right on any display, whatever its curve. The middle stripe is encoded and
-matches them; the outer ones are raw numbers, and too dark. Half of the dots white is a grey of 188,
-not of 128. (A picture made smaller mixes numbers instead of light, and then the outer stripes seem
-to match: the very mistake that this case is about.)
+dots, so their light is right on any display. The middle stripe is encoded and matches them; the
+outer ones are raw numbers, and too dark. Half of the dots white is a grey of 188, not of 128. (A
+smaller picture mixes numbers instead of light, and then the outer stripes seem to match.)
 
 Try: in `lib/gamma.glsl` write `pow(linear, 1.0 / 2.2)` for `1.055 * pow(linear, 1.0 / 2.4) -
-0.055`: the power in place of the exact curve is too near for an eye, but not for the checks.
+0.055`: that is too near for an eye, but not for the checks.
 """
 
 import numpy as np
@@ -24,7 +22,8 @@ from shaderlab.reference.gamma import gamma_encode, srgb_decode, srgb_encode
 
 from ..scenes.colour_science import srgb_by_colour_science
 from ..scenes.drawing import bayer_threshold
-from ..scenes.figures import figure, results
+from ..scenes.figures import figure, figures, results
+from ..scenes.laws import renamed
 from ..scenes.panels import WHOLE, panel, panel_pass, picture
 
 CODES = np.arange(256) / 255.0
@@ -39,7 +38,15 @@ CHECKS = assets.checker(size=2, cells=2, dark=(0, 0, 0, 1), light=(1, 1, 1, 1))
 BLACK_AND_WHITE = Texture(image=CHECKS, format="srgb8_alpha8", filter=("linear", "linear"))
 RAMP = {"linear": across(0.0, 1.0)}
 STRIPES = {**RAMP, "stripe": up(0.0, 5.0)}
+LIGHT = {
+    f"light of code {code}": ({"code": code + 0.5}, (light, light, light, 1.0))
+    for code, light in ((8, 0.002428), (128, 0.215861))
+}
 MIDDLE = {"TexCoords": Ramp((0.5, 0.5))}
+
+
+# The shader puts the same ramp through the way back.
+decode = renamed(srgb_decode, encoded="linear")
 
 
 def converted(shader, name, format="srgb8_alpha8", domain=WHOLE, **inputs):
@@ -49,16 +56,11 @@ def converted(shader, name, format="srgb8_alpha8", domain=WHOLE, **inputs):
     return picture([draw], (256, 16), name, colors={"FragColor": format})
 
 
-def decode(linear):
-    """The shader puts the same ramp through the way back."""
-    return srgb_decode(linear)
-
-
 def around(threshold):
     """The whole range, and closely where the line meets the curve: they are so alike there that a
-    threshold 1 % too low shows within that 1 % only."""
-    near = threshold * np.linspace(0.965, 1.3, 68)
-    return np.sort(np.concatenate([np.geomspace(0.0005, 1.0, 64), near]))
+    threshold 1 % too low shows within that 1 % only, and 0.00313, as some write it, just below."""
+    near = np.concatenate([np.linspace(0.965, 1.3, 68), np.linspace(0.99978, 0.99997, 7)])
+    return np.sort(np.concatenate([np.geomspace(0.0005, 1.0, 64), threshold * near]))
 
 
 def stripes(linear, stripe, frag_coord):
@@ -95,21 +97,8 @@ case = Case(
         figure("srgb", "half, by sRGB", {"linear": 0.5}, 0.735357),
         sweep("power", gamma_encode, over="linear", values=np.linspace(0.005, 1.0, 64)),
         sweep("srgb", srgb_encode, over="linear", values=around(0.0031308), log_x=True),
-        # Some write 0.00313: between both numbers the curve is still a line.
-        sweep(
-            "srgb",
-            srgb_encode,
-            over="linear",
-            values=np.linspace(0.0031301, 0.0031307, 7),
-            name="srgb, just below where the line ends",
-        ),
         sweep("decoded", decode, over="linear", values=around(0.04045), log_x=True),
-        *(
-            figure(
-                "framebuffer.FragColor", f"light of code {int(at)}", {"code": at}, (y, y, y, 1.0)
-            )
-            for at, y in ((8.5, 0.002428), (128.5, 0.215861))
-        ),
+        *figures("framebuffer.FragColor", LIGHT),
         exact("framebuffer.FragColor", GREY_BY_GREY, name="an sRGB framebuffer encodes"),
         exact("texture.FragColor", CODE_BY_CODE, name="an sRGB texture decodes"),
         # Light that is .2 % more has the same code; 32 bits tell.

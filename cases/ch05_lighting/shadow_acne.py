@@ -1,15 +1,13 @@
 """Shadow acne: a surface that shadows itself, and what a bias costs.
 
-A texel of the shadow map stores one depth for all of the surface that it covers. Where the surface
-slants, half of it lies behind the stored depth and is darkened in stripes. A bias, taken from each
-depth before it is compared, has to cover half a texel of slope: so it shrinks with the texels, and
-must grow as light grazes. A constant one is too small for steep walls, or too large everywhere
-else, where shadows then detach from what casts them. Ray casting shows what is really in shadow, so
-both mistakes can be counted.
+A texel of the shadow map stores one depth for all that it covers. Where the surface slants, half of
+it lies behind that depth and is darkened in stripes. A bias, taken from each depth before it is
+compared, has to cover half a texel of slope: it shrinks with the texels, and grows as light grazes.
+A constant one is too small for steep walls, or too large elsewhere: shadows detach from what casts
+them. Ray casting shows what is really in shadow and counts both mistakes.
 
-Look at: the same courtyard four times. Above without a bias, with a map of 512² on the left and of
-2048² on the right: finer stripes, not fewer. Lower left a constant bias, which leaves stripes on
-the walls that light grazes; lower right one that grows with the slope.
+Look at: above no bias, maps of 512² and 2048²: finer stripes, not fewer. Below a constant bias,
+which leaves stripes on walls that light grazes, and one that grows with the slope.
 
 Try: in `ch05_lighting/shadow_map.frag` write `bias + 0.01, radius` for `bias, radius`: no stripe is
 left, with either map.
@@ -52,9 +50,8 @@ def surfaces(bias, size):
 
 def by_rays(bias, size):
     """The map against one that rays make: the same texels, the same bias, nothing rasterised."""
-    given, bound = {"size": size, "biases": BIASES[bias]}, {}
-    if bias == "none":
-        bound["at_most"] = courtyard.EQUAL_SHARE
+    given = {"size": size, "biases": BIASES[bias]}
+    bound = {"at_most": courtyard.EQUAL_SHARE} if bias == "none" else {}
     return reading(f"{SERIES[bias]}, {size}²", reads=surfaces(bias, size), given=given, **bound)
 
 

@@ -1,13 +1,11 @@
 """Specular light: a glossy surface reflects the lamp, blurred, in one direction only.
 
-The ray from the lamp is reflected about the normal. A viewer in its path sees a highlight, which
-fades with the angle from it: by the angle's cosine, raised to the power of the shininess. Of the
-three parts only this one depends on the viewer, so it moves when the viewer does. A face that is
-turned away from the lamp reflects nothing: it has no highlight, even where the cosine is large.
+The ray from the lamp is reflected about the normal. A viewer in its path sees a highlight; beside
+it the cosine of the angle counts, raised to the power of the shininess. Only this one of the three
+parts moves when the viewer does. A face turned away from the lamp has no highlight at all.
 
-Look at: the same ring and ball three times. Above is what ambient and diffuse light show: chalk. In
-the middle is the specular part alone, a few points of light on black. Below is the sum, and the
-chalk has become glazed clay.
+Look at: the same ring and ball three times. Above, ambient and diffuse light: chalk. In the middle
+the specular part alone, a few points of light on black. Below the sum: chalk became glazed clay.
 
 Try: in `ch05_lighting/specular.frag` write `viewDir, 4.0 * shininess);` for `viewDir, shininess);`:
 highlights become half as wide.

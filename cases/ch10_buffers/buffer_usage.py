@@ -2,12 +2,10 @@
 
 The first half says how often the contents change and are used: STREAM once and a few times, STATIC
 once and many times, DYNAMIC again and again. The second half says who writes and who reads: DRAW
-the program for OpenGL, READ OpenGL for the program, COPY OpenGL for itself. Together they are hints
-for where to put the memory, and that is all. Every one of the nine draws the same pixels, a STATIC
-buffer may be written to any number of times, and a READ one may be drawn from.
+the program for OpenGL, READ OpenGL for the program, COPY OpenGL for itself. All nine draw the same
+pixels, a STATIC buffer may be written to any number of times, and a READ one may be drawn from.
 
-Look at: nine butterflies, one for each hint, and nothing tells them apart. All of their buffers
-were made empty and written to afterwards.
+Look at: nine butterflies, one for each hint, out of buffers that were made empty. All are alike.
 """
 
 from shaderlab import Case, Erratum, Output, attribute_layout, exact
@@ -52,8 +50,7 @@ def told(usage):
     return sent(usage, {f"{usage.upper()} is what the driver is told": ("glBufferData", 1, empty)})
 
 
-TIMES = {"stream": 1, "static": 1, "dynamic": 3}
-WRITTEN = {"stream": "written once", "static": "written once", "dynamic": "written thrice"}
+WRITTEN = {"stream": ("once", 1), "static": ("once", 1), "dynamic": ("thrice", 3)}
 ALL = [hinted(usage, cell(place, 3, 3)) for place, usage in enumerate(USAGES)]
 BATCHED = {"aPos": (0, 12), "aColor": (12 * butterfly().vertices, 12)}
 LAYOUT = "what the vertex array holds: bytes to begin at, and strides"
@@ -75,13 +72,13 @@ case = Case(
         *(check for usage in USAGES for check in told(usage)),
         *answers(
             {
-                f"{usage.upper()}: {WRITTEN[often]}, the last write is what is there": (
+                f"{usage.upper()}: written {so_often}, the last write is what is there": (
                     call("glGetBufferSubData", "GL_ARRAY_BUFFER", 0, 4),
-                    (TIMES[often],) * 4,
-                    written(usage, TIMES[often]),
+                    (times,) * 4,
+                    written(usage, times),
                 )
                 for usage in USAGES
-                for often in [usage.partition("_")[0]]
+                for so_often, times in [WRITTEN[usage.partition("_")[0]]]
             }
         ),
         *(
