@@ -112,6 +112,7 @@ case = Case(
         *enlarged((shown(k, n, *v) for k, (n, v) in enumerate(SETTINGS.items())), (138, 46), 7),
     ),
     picture="picture.FragColor",
+    columns=("at first", "strength turned up", "unused turned up"),
     expect=[
         enlarged_check(),
         *each_draw(

@@ -101,6 +101,7 @@ case = Case(
         triangle("interleaved", "main"),
     ),
     picture="picture.FragColor",
+    columns=("drawn", "in memory"),
     expect=[
         *pictured_checks(),
         formula("judged.FragColor", fields, draw=0, name="the triangle in the picture"),

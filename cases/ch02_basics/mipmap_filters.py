@@ -134,6 +134,8 @@ case = Case(
         picture(derived(), (4 * FIELD, 2 * FIELD), "derived"),
     ),
     picture="picture.FragColor",
+    columns=("one level", "two levels mixed"),
+    rows=("LINEAR in a level", "NEAREST in a level"),
     expect=[
         enlarged_check(),
         *each_draw(

@@ -87,6 +87,7 @@ case = Case(
     r"n \mapsto \tfrac{n}{3},\ n - 2,\ n - 2 \text{ triangles}",
     passes=(drawn("spelt out", spelt_out=True), drawn("modes", spelt_out=False)),
     picture="modes.FragColor",
+    rows=("points, lines, line strip", "triangles, strip, fan"),
     expect=[
         exact("modes.FragColor", Output("spelt out.FragColor"), name="the same, one by one"),
         *each_draw("modes.FragColor", by_number, enumerate(MODES)),

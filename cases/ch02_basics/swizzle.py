@@ -76,6 +76,7 @@ case = Case(
         *fullscreen("ch02_basics/swizzle.frag", domain={}, uniforms={"someVec": (1.0, 2.0)}),
     ),
     picture="picture.FragColor",
+    rows=(".rgb, .gbr, .brg", ".rbg, .grb, .bgr"),
     expect=[
         enlarged_check(),
         *(

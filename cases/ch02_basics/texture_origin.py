@@ -66,6 +66,7 @@ case = Case(
         *numbered("topmost-first", NUMBERED[::-1]),
     ),
     picture="picture.FragColor",
+    columns=("lowest row first", "top row first"),
     expect=[
         enlarged_check(),
         *each_draw(

@@ -72,6 +72,7 @@ case = Case(
     r"R_y(\alpha)\,R_x(90^\circ)\,R_z(\gamma) = R_y(\alpha - \gamma)\,R_x(90^\circ)",
     passes=stage.gallery(panel, POSES.values(), 3, (960, 640)),
     picture="picture.FragColor",
+    rows=("yaw, pitch, roll", "nose up: still, yaw, roll"),
     expect=[
         *stage.checks(),
         *each_draw("judged.Turned", euler_turned, AIRCRAFT, also={"PyGLM": euler_by_glm}),

@@ -80,6 +80,7 @@ case = Case(
     r"& V_2 \\ 0 & 0 & 1 & V_3 \\ 0 & 0 & 0 & 1 \end{pmatrix}",
     passes=stage.gallery(quarter, AXES, 2, (800, 600)),
     picture="picture.FragColor",
+    rows=("around x, around y", "around z, around (1, 1, 1)"),
     expect=[
         *stage.checks(),
         *each_draw("judged.Turned", turned, TURNS, also={"PyGLM": rotated_by_glm}),

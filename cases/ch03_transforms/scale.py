@@ -64,6 +64,7 @@ case = Case(
     r"S_1 x + V_1 \\ S_2 y + V_2 \\ S_3 z + V_3 \\ 1 \end{pmatrix}",
     passes=stage.gallery(quarter, SCALES.values(), 2, (800, 600)),
     picture="picture.FragColor",
+    rows=("½, (1, 2, 3)", "(2, ½, 1), (−1, 1, 1)"),
     expect=[
         *stage.checks(),
         *each_draw("judged.Scaled", scaled, LAST, also={"PyGLM": scaled_by_glm}),

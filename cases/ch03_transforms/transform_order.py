@@ -10,12 +10,10 @@ whatever was in memory, often zeros, which stay zeros in every product.
 
 Look at: where the six letters are. All have been stretched to (2, 1, 1), turned by 90° around z and
 moved by (1, 2, 3). The rods follow the black point at its foot, (1, 0, 0), through the steps: green
-for the scaling, gold for the rotation, blue for the translation. On top T·R·S and R·T·S, in the
-middle S·T·R and T·S·R, below R·S·T and S·R·T.
+for the scaling, gold for the rotation, blue for the translation.
 
 Try: in `ch03_transforms/transform_order.vert` write `first * (second * (third * vec4(aPos, 1.0)))`
-for `third * (second * (first * vec4(aPos, 1.0)))`: each letter goes where the reversed product is,
-T·R·S where S·R·T was.
+for `third * (second * (first * vec4(aPos, 1.0)))`: the letters of each row change places.
 """
 
 from itertools import accumulate
@@ -41,11 +39,11 @@ STEPS = {
 # As mathematics writes them: the last letter acts first. Where (1, 0, 0) ends up.
 ORDERS = {
     "T·R·S": (1.0, 4.0, 3.0),
-    "R·T·S": (-2.0, 3.0, 3.0),
+    "S·R·T": (-4.0, 2.0, 3.0),
     "S·T·R": (2.0, 3.0, 3.0),
+    "R·T·S": (-2.0, 3.0, 3.0),
     "T·S·R": (1.0, 3.0, 3.0),
     "R·S·T": (-2.0, 4.0, 3.0),
-    "S·R·T": (-4.0, 2.0, 3.0),
 }
 POINT = np.array([1.0, 0.0, 0.0, 1.0])
 CAMERA = camera((1.2, 6.0, 16.0), (-0.8, 1.35, 0.8), 19.6, 8.0 / 3.0, near=1.0, far=40.0)
@@ -106,6 +104,8 @@ case = Case(
     r"R = 90^\circ_z,\ T = (1, 2, 3)",
     passes=stage.gallery(panel, ORDERS, 2, (960, 540)),
     picture="picture.FragColor",
+    columns=("one order", "the reversed one"),
+    rows=("T·R·S, S·R·T", "S·T·R, R·T·S", "T·S·R, R·S·T"),
     expect=[
         *stage.checks(),
         *each_draw("judged.Placed", placed, LETTERS, "{} of every vertex", also=AT_ONCE),

@@ -72,6 +72,7 @@ case = Case(
     r"V(\alpha) = \text{lookAt}(e(\alpha), \text{target}, \text{up})",
     passes=stage.photographed([frame(k) for k in FRAMES], (1120, 630)),
     picture="picture.FragColor",
+    rows=("0° to 90°", "120° to 210°", "240° to 330°"),
     expect=[
         *stage.checks(props=False),
         *each_draw("judged.Eye", orbit_eye, enumerate(FRAMES), "eye of frame {}"),

@@ -155,6 +155,7 @@ case = Case(
     r"\text{clip} \xrightarrow{\div w} \text{device} \xrightarrow{\text{viewport}} \text{window}",
     passes=stage.photographed(DRAWS, (1080, 540)),
     picture="picture.FragColor",
+    rows=("local, world, view", "clip, device, window"),
     expect=[
         *stage.checks(light=False, edges=0.005),
         formula("judged.World", in_world, name="1 · local to world"),

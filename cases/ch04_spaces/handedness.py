@@ -80,6 +80,7 @@ case = Case(
         panel_pass("depth", "ch04_spaces/handedness_depth.frag", VIEW_Z, PLANES, size=(64, 1)),
     ),
     picture="picture.FragColor",
+    columns=("right-handed", "left-handed"),
     expect=[
         *stage.checks(light=False),
         *each_draw("judged.Seen", in_hand, HANDS),

@@ -134,6 +134,7 @@ case = Case(
     r"s = \frac{f \times \text{up}}{\lVert f \times \text{up} \rVert},\quad u = s \times f",
     passes=stage.photographed(DRAWS, (1000, 375)),
     picture="picture.FragColor",
+    columns=("the camera", "what it sees"),
     expect=[
         *stage.checks(light=False),
         formula("judged.InView", seen_place, also={"PyGLM": in_camera_by_glm}, name="every vertex"),

@@ -163,6 +163,7 @@ case = Case(
         over_slopes("lobes", 30.0),
     ),
     picture="picture.FragColor",
+    columns=("Phong", "Blinn"),
     expect=[
         *lit.vertex_stage_checks(pass_name="picture"),
         formula("picture.specular", BY_PHONG, draw=0, name="Phong, left half"),

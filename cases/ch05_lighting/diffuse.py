@@ -116,6 +116,7 @@ case = Case(
         clear=(0.018, 0.022, 0.03, 1.0),
     ),
     picture="picture.FragColor",
+    rows=("the ball; squeezed, old normals", "like points; by the inverse transpose"),
     expect=[
         *lit.vertex_stage_checks("gl_Position", "FragPos"),
         formula("Normal", unchanged("aNormal"), draw=1, name="normals as they are"),

@@ -169,6 +169,7 @@ case = Case(
         panel_pass("curves", SHADER, {"light": across(0.0, 8.0)}, {"exposure": 2.0}),
     ),
     picture="picture.FragColor",
+    rows=("clipped, Reinhard", "exposure 0.25, exposure 4"),
     expect=[
         any_order("hdr.FragColor"),
         any_order("judged.FragColor"),

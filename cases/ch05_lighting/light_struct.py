@@ -84,6 +84,7 @@ case = Case(
     math=r"C = L_a \odot M_a + d\, L_d \odot M_d + s\, L_s \odot M_s",
     passes=lit.photographed([thing(*one, quarter) for quarter in range(4) for one in THINGS]),
     picture="picture.FragColor",
+    rows=("all white; 0.2, 0.5, 1", "a candle; a blue sky"),
     expect=[
         *lit.vertex_stage_checks(),
         *each_draw("FragColor", lit_material, NAMES),

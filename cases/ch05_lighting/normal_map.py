@@ -204,6 +204,7 @@ case = Case(
         judged("flat", "left", flat=True),
     ),
     picture="picture.FragColor",
+    rows=("flat; the normal map", "the lamp elsewhere"),
     expect=[
         formula("mapped.TexCoords", uv_of, name="mapped: texture coordinates"),
         *checks("mapped"),

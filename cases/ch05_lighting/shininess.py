@@ -116,6 +116,7 @@ case = Case(
         panel_pass("main", PROFILE, {**LEVELS, "slope": across(-1.2, 1.2)}, {"shininess": 8.0}),
     ),
     picture="picture.FragColor",
+    columns=[f"s = {2**k}" for k in range(1, 9)],
     expect=[
         *lit.vertex_stage_checks(pass_name="balls", draw=14),
         *each_draw("balls.spec", specular_factor, BALLS, "lobe of {} on its ball"),

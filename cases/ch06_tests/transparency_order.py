@@ -182,6 +182,7 @@ case = Case(
         shown("small", "judged"),
     ),
     picture="picture.FragColor",
+    columns=("far to near", "near to far", "near to far, depth written"),
     expect=[
         *(
             formula("small.FragColor", framed(order, hides), draw=k, name=name)

@@ -175,6 +175,7 @@ case = Case(
         picture(panels(), (PANEL * len(PANELS), PANEL), depth="depth16", clear=CLEAR),
     ),
     picture="picture.FragColor",
+    columns=("n = 0.01", "n = 0.1", "n = 0.01, offset"),
     expect=[
         *(
             formula(f"{of}.gl_Position", clip, draw=draw, name=f"the {color} wall, {where}")

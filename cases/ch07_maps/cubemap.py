@@ -190,6 +190,7 @@ case = Case(
         ),
     ),
     picture="picture.FragColor",
+    columns=("ball", "cube", "unfolded"),
     expect=[
         *stage.picture_checks(),
         *each_draw("main.FragColor", texel, enumerate(NAMES), "texels around {}"),

@@ -149,6 +149,7 @@ case = Case(
         ),
     ),
     picture="picture.FragColor",
+    rows=("one buffer", "two buffers"),
     expect=[
         *each_draw("small.FragColor", copied, {k: f"shown: {s}" for k, s in enumerate(STRIP)}),
         enlarged_check(edges=0.001),

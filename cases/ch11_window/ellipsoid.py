@@ -149,6 +149,7 @@ case = Case(
         ),
     ),
     picture="picture.FragColor",
+    columns=("the gradient", "the globe's normals, stretched"),
     expect=[
         softened_check(),
         smaller_check("both", "scene"),

@@ -169,6 +169,7 @@ case = Case(
         strips("small", (200, 120), PIXELS["small"]),
     ),
     picture="picture.FragColor",
+    rows=("even frames", "uneven frames", "uneven steps"),
     expect=[
         # Of 576 points, two pixels each change within 1/256 of a pixel, to either side.
         enlarged_check(edges=576 * 2 * (2 / 256) / (200 * 120)),

@@ -165,6 +165,7 @@ case = Case(
         strip("foot", "GTAO", HIGH, 0.3, (0.2995, 0.45)),
     ),
     picture="picture.FragColor",
+    columns=("64 points", "six slices"),
     expect=[
         measure("unlike the same in float64", unlike, reads=BOTH, at_most=0.004),
         enlarged_check(),

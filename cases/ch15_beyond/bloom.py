@@ -179,6 +179,7 @@ case = Case(
         picture([sign(0.0, 0), sign(0.7, 1)], (2 * SIDE, SIDE)),
     ),
     picture="picture.FragColor",
+    columns=("without", "with"),
     expect=[
         formula("scene.FragColor", neon, name="a neon sign"),
         formula("bright.FragColor", bright, name="what is above 1"),

@@ -158,6 +158,7 @@ case = Case(
         *enlarged([shown(k == 1, cell(k, 2)) for k in (0, 1)], (56, 28), 9),
     ),
     picture="picture.FragColor",
+    columns=("the opening", "the lamp through it"),
     expect=[
         exact("scan.sums", SUMS, name="sums from the left"),
         measure("from the sums of pulls", from_pulls, reads=PULLED, at_most=2.0**-16),

@@ -150,6 +150,7 @@ case = Case(
         picture([ball(4, 1.0, radius=5.5)], (12, 12), "edge"),
     ),
     picture="picture.FragColor",
+    rows=("one bounce", "all bounces"),
     expect=[
         formula("table.share", share, name="E: the share of one bounce"),
         formula("means.mean", mean, name="its mean over all directions"),

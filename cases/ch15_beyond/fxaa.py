@@ -106,6 +106,7 @@ case = Case(
         side_by_side("frame", "fxaa"),
     ),
     picture="picture.FragColor",
+    columns=("as drawn", "FXAA"),
     expect=[
         formula("frame.FragColor", wheel, name="the wheel"),
         formula("turned.FragColor", sampled("image"), name="turned"),

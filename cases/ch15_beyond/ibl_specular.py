@@ -154,6 +154,7 @@ case = Case(
         picture([ball(3, GOLD, NOISE, radius=5.5)], (12, 12), "noise"),
     ),
     picture="picture.FragColor",
+    rows=("gold", "plastic"),
     expect=[
         exact("bits.fraction", np.array(BITS)[None, :, None], name="bits in opposite order"),
         formula("table.factors", factors, name="A and B"),

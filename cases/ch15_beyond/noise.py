@@ -171,6 +171,7 @@ case = Case(
         gradient("wide", -32.0, 64.0, 256),
     ),
     picture="picture.FragColor",
+    rows=("value, gradient", "octaves, marble"),
     expect=[
         *(formula("small.level", law, draw=k, name=KINDS[k]) for k, law in enumerate(LEVELS[:2])),
         measure(

@@ -168,6 +168,7 @@ case = Case(
         shown("small", "", SMALL),
     ),
     picture="picture.FragColor",
+    columns=("one after the other", "lists", "weighted"),
     expect=[
         *each_draw("layers.color", glass.layer, enumerate("123456"), "petal {}"),
         *each_draw("layers.depth", glass.depth, enumerate("123456"), "petal {}: how far"),

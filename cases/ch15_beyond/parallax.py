@@ -169,6 +169,7 @@ case = Case(
         *(plane(name, *one) for name, one in PLANES.items()),
     ),
     picture="picture.FragColor",
+    columns=("flat", "parallax"),
     expect=[
         measure("unlike the same in float64", unlike, reads=SMALL, at_most=0.0004),
         measure("elsewhere than in float64", elsewhere, reads=PLACES, at_most=0.0004),

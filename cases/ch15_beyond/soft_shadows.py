@@ -153,6 +153,7 @@ case = Case(
         *enlarged([shown(k, cell(k, 2)) for k in (0, 1)], (2 * SMALL, SMALL), 9),
     ),
     picture="picture.FragColor",
+    columns=("by variance", "percentage-closer"),
     expect=[
         formula("map.moments", round_lamp.moments, name="what the lamp sees"),
         measure(

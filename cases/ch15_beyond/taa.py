@@ -105,6 +105,7 @@ case = Case(
         side_by_side("frame", LAST),
     ),
     picture="picture.FragColor",
+    columns=("one frame", "mean of eight"),
     expect=[
         formula("frame.FragColor", wheel, name="the wheel"),
         *(formula(f"frame_{k}.FragColor", wheel, name=f"shifted, {k}") for k in (2, 4)),

@@ -112,6 +112,7 @@ case = Case(
     r"(a', b') = \frac{L'}{L}\left(1 - L'^6\right)(a, b)",
     passes=enlarged([chart(k) for k in range(4)], (32, 32), 11),
     picture="picture.FragColor",
+    rows=("clipped, Narkowicz's", "Hill's, in OKLab"),
     expect=[
         *(
             formula("small.FragColor", through(curve), draw=k, name=name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from statistics import median
 
 import pytest
 
@@ -54,6 +55,29 @@ def test_an_erratum_names_the_expectation_that_proves_it(case: Case) -> None:
     names = {e.name for scene in case.scenes() for e in scene.expect}
     for erratum in case.errata:
         assert erratum.proof in names
+
+
+def test_half_of_the_cases_have_at_most_110_lines() -> None:
+    """Of those in the chapters of the notes."""
+    files = [Path(case.file) for case in cases() if "ch15_" not in case.file]
+    lines = [len(file.read_text(encoding="utf-8").splitlines()) for file in files]
+    assert len(lines) > 100
+    assert median(lines) <= 110
+
+
+# These say in words what their cells are.
+WITHOUT_HEADINGS = {
+    "compile-and-link": "a lamp for each stage, and eight mistakes of many words",
+    "viewport": "six rectangles of four shapes",
+}
+
+
+@pytest.mark.parametrize("case", each_case())
+def test_a_picture_of_several_cells_has_headings(case: Case) -> None:
+    """The page writes them beside it, so nobody has to look for them in the text."""
+    cells = [draw.state.cell for one in case.passes for draw in one.draws if draw.state.cell]
+    if any(cell.columns > 1 or cell.rows > 1 for cell in cells):
+        assert bool(case.columns or case.rows) == (case.id not in WITHOUT_HEADINGS)
 
 
 @pytest.mark.parametrize("case", each_case())
