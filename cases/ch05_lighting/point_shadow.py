@@ -167,6 +167,8 @@ def table(label, statistic, **none):
 
 
 PAST = {"FragPos": (0.12, 0.85, 40.0), "Normal": (0, 0, -1), "Color": (1, 1, 1)}
+# In the shadow of a box, and turned straight to the lamp: the slope has no part in the bias.
+UPRIGHT = {**PAST, "FragPos": (1.2, 0, 1.2), "Normal": (-1.08, 0.85, -1.1), "mostBias": 100.0}
 BELOW = {"FragPos": (0.12, 0.0, 0.1), "Normal": (0.0, 1.0, 0.0), "Color": (0.5, 0.5, 0.5)}
 NIGHT = (0.003, 0.004, 0.007, 0.0)
 
@@ -190,6 +192,8 @@ case = Case(
             formula(f"{name}-256.depth", stored, discards=beyond, name=f"distances on {name}")
             for name in FACES
         ),
+        # Nothing casts a shadow there, so no other check would miss what these two faces hold.
+        *(formula(f"{name}-512.depth", stored, discards=beyond) for name in ("+y", "-y")),
         *(any_order(f"{name}-256.depth") for name in FACES),
         formula("+x-256.gl_Position", light_position),
         formula("+x-256.FragPos", world_position),
@@ -202,6 +206,7 @@ case = Case(
         formula("bulb.FragColor", lit.glowing, name="colour of the lamp"),
         lit.glow_check(),
         figure("judged.shadow", "past the far plane nothing is dark", PAST, 0.0),
+        figure("judged.shadow", "in upright light the least bias counts", UPRIGHT, 1.0),
         *shadow_stage.surface_checks(EYE, BOXES, "judged", ("small", "bare")),
         *shadow_stage.picture_checks(EYE, BOXES, hidden=0.004),
         measure(
