@@ -16,8 +16,9 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from shaderlab.compiler import ALL_TARGETS, Shaders, compile_program
-from shaderlab.compiler.glslang import SETTINGS
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.compile import compile_program
+from shaderlab.compiler.glslang import ALL_TARGETS, SETTINGS
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError
 

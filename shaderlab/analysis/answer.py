@@ -1,4 +1,4 @@
-"""What a comparison of two programs found, as data and in words."""
+"""How two programs are compared, and what that found, as data and in words."""
 
 from __future__ import annotations
 
@@ -11,6 +11,23 @@ from shaderlab.files import display_path
 
 _SHOWN = 6  # inputs of an example
 _WHY = {"coverage": ", where only one discards", "definedness": ", where only one is defined"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """How two programs are compared.
+
+    Attributes:
+        ranges: "a..b", "a:b" or "unit" for inputs, by name.
+        rounds: how many batches of inputs are generated, or captured ones varied.
+        count: invocations in each that is generated.
+        accuracy: whether to compare the accuracy of both by their bands.
+    """
+
+    ranges: Mapping[str, str] = field(default_factory=dict)
+    rounds: int = 5
+    count: int = 4096
+    accuracy: bool = True
 
 
 @dataclass(frozen=True, order=True)

@@ -11,8 +11,8 @@ defines no result there, and an output depends on its result.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,14 +21,7 @@ from shaderlab.model.frame import Array
 from .answer import format_inputs
 from .batches import InputBatch, merge_batches, run_batch
 from .checks import INDEX, OVERFLOW, Place, Watcher
-from .hazards import (
-    Audit as Audit,
-    Claim,
-    Hazard as Hazard,
-    find_dependents,
-    find_written_outputs,
-    hazard_at,
-)
+from .hazards import Audit as Audit, Claim, Hazard as Hazard, Plan as Plan, Spread
 from .inputs import (
     Input,
     InputDomain,
@@ -42,9 +35,16 @@ from .inputs import (
     sample_inputs,
 )
 from .interpreter import Program
-from .portability import Spread, find_spreads, widest_spreads
+from .portability import find_spreads, widest_spreads
 from .proof import BOXES, Point, Proof
-from .undefined import divergent, sine_hashes, undefined_values
+from .undefined import (
+    divergent,
+    find_dependents,
+    find_written_outputs,
+    hazard_at,
+    sine_hashes,
+    undefined_values,
+)
 
 RANDOM, ZERO, EQUAL = range(3)
 """What is special about an invocation: nothing; a place that is 0; two places that are equal."""
@@ -93,26 +93,6 @@ def find_counterexamples(
     found = {place: one for place, one in watcher.found.items() if one.bad.any()}
     rows = {place: np.where(one.bad, origins, np.inf).argmin() for place, one in found.items()}
     return {place: Point(batch, int(rows[place]), one) for place, one in found.items()}
-
-
-@dataclass(frozen=True, kw_only=True)
-class Plan:
-    """How a program is audited.
-
-    Attributes:
-        ranges: "a..b", "a:b" or "unit" for inputs, by name.
-        precision: whether to measure how far devices may differ, at highp and at mediump.
-        prove: whether to show of each hazard that no input of the ranges causes it.
-        assume: conditions in GLSL that hold of the inputs.
-        confirm: runs a hazard's inputs on a driver.
-    """
-
-    ranges: Mapping[str, str] = field(default_factory=dict)
-    count: int = 4096
-    precision: bool = False
-    prove: bool = False
-    assume: tuple[str, ...] = ()
-    confirm: Callable[[Program, Hazard], Hazard] | None = None
 
 
 def search_inputs(

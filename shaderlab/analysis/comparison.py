@@ -27,10 +27,11 @@ from shaderlab.compiler.spirv import (
     type_name,
     unwrap,
 )
-from shaderlab.errors import UsageError
+from shaderlab.engine.jobs import BareWorker
+from shaderlab.errors import UsageError, in_file
 from shaderlab.files import display_path
 
-from .answer import Answer, Numerics, OutputAnswer
+from .answer import Answer, Numerics, OutputAnswer, Plan as Plan
 from .batches import InputBatch, merge_batches
 from .coverage import lines_not_run
 from .differences import discards, first_difference, jumps, keep_defined, meet_bounds
@@ -47,11 +48,12 @@ from .inputs import (
     sample_inputs,
     vary_inputs,
 )
-from .interpreter import Program
+from .interpreter import Program, adopt_names
 from .interpreter.running import EndlessError
 from .interpreter.values import Flags
 from .noise import Compared, PerturbedFloat, Ran, compare, confirm, run
 from .portability import MOST, bands_of, compare_accuracy, find_costs
+from .requests import ShaderOfFile
 
 _PIXELS = (ExecutionMode.PixelCenterInteger, ExecutionMode.OriginUpperLeft)
 _INTERPOLATED = (Decoration.NoPerspective, Decoration.Flat, Decoration.Centroid, Decoration.Sample)
@@ -66,23 +68,6 @@ _T = TypeVar("_T")
 _ENDS = 1e-6  # what stored values may differ by where a step is called the same
 
 
-@dataclass(frozen=True, kw_only=True)
-class Plan:
-    """How two programs are compared.
-
-    Attributes:
-        ranges: "a..b", "a:b" or "unit" for inputs, by name.
-        rounds: how many batches of inputs are generated, or captured ones varied.
-        count: invocations in each that is generated.
-        accuracy: whether to compare the accuracy of both by their bands.
-    """
-
-    ranges: Mapping[str, str] = field(default_factory=dict)
-    rounds: int = 5
-    count: int = 4096
-    accuracy: bool = True
-
-
 @dataclass(frozen=True, eq=False)
 class _Set:
     """What both programs gave on a set of inputs, and how their outputs compare, by name."""
@@ -91,6 +76,17 @@ class _Set:
     old: Ran
     new: Ran
     compared: dict[tuple[str, str], Compared] = field(default_factory=dict)
+
+
+def compare_files(
+    before: ShaderOfFile, after: ShaderOfFile, stage: str | None, plan: Plan, worker: BareWorker
+) -> list[Answer]:
+    """The answer on two shader files. Raises as `load` and `compare_programs`."""
+    old, new = (shader.program(worker, stage) for shader in (before, after))
+    old = adopt_names(old, new) if before.is_module else old
+    new = adopt_names(new, old) if after.is_module else new
+    with in_file(before.file.path):
+        return [compare_programs(old, new, plan)]
 
 
 def compare_programs(

@@ -7,15 +7,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.bands import Band, Integer, TriBool
-from shaderlab.bands.rounding import ulp
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.formula import Formula
 from shaderlab.engine.expectations.needs import CapturedFragments, subject_of
@@ -24,53 +22,18 @@ from shaderlab.engine.judging.references import Inputs, evaluate
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 from shaderlab.model.frame import Array, PassDraw
+from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Explanation, Outcome, Step
 
-from .batches import InputBatch
 from .driver_values import driver_values
-from .inputs import domains_of, inputs_of, sample_inputs
-from .interpreter import FLOAT32, FLOAT64, Arithmetic, Bands, Program, Stored, interpret
-from .interpreter.running import is_vector, precision_loss, row_of, width
+from .inputs import inputs_of
+from .interpreter import Bands, Stored
 from .invocations import Invocations, sample_fragments
 from .self_check import find_outside, shows_what_is_written
+from .steps import SAMPLES, Trace, steps_at, trace_invocations, widest_row
 
-_MOST_BLOCKS = 10_000  # a few seconds, for so few invocations
-_SAMPLES = 1024  # of a draw, or of a file
-_Key = tuple[int, tuple[int, ...], str, int]
-
-
-@dataclass(frozen=True, eq=False)
-class Trace:
-    """What the invocations of a draw stored in one arithmetic, in the order of execution; what they
-    wrote; and which took both sides of a branch."""
-
-    stored: list[Stored]
-    outputs: Mapping[str, Any]
-    undecided: Any
-
-    def at(self, row: int) -> dict[_Key, Stored]:
-        """What one of them stored, by line, calls, name, and how often it was there before."""
-        found: dict[_Key, Stored] = {}
-        for event in self.stored:
-            if event.mask[row]:
-                again = 0
-                while (key := (event.line, event.calls, event.name, again)) in found:
-                    again += 1
-                found[key] = event
-        return found
-
-
-def trace_invocations(given: Invocations, arithmetic: Arithmetic) -> Trace:
-    """Interpret invocations and keep what they store. Raises as `interpret` does."""
-    events: list[Stored] = []
-    result = interpret(
-        given.program, given.each, given.bindings, arithmetic, count=given.count,
-        max_blocks=_MOST_BLOCKS, trace=events.append,
-    )  # fmt: skip
-    undecided = np.zeros(given.count, np.bool_)
-    for flags in result.undecided.values():
-        undecided = undecided | flags
-    return Trace(events, result.outputs, undecided)
+if TYPE_CHECKING:
+    from shaderlab.engine.worker import Worker
 
 
 def explain(
@@ -95,7 +58,7 @@ def explain(
             f"draw {key[1]} of pass {key[0]!r} is not seen at pixel {pixel}",
             remedy=f"its columns are 0 to {width - 1}, its rows 0 to {height - 1}",
         )
-    bands = trace_invocations(given, Bands())
+    bands = trace_invocations(given.program, given.batch, Bands())
     row = int(rows[0])
     driver, refused = dict[Stored, Array](), ""
     if not if_outside or _is_outside(evaluation, key, given, bands, row):
@@ -105,7 +68,27 @@ def explain(
             driver = driver_values(evaluation, key, pixel, here, undecided=undecided)
         except ShaderlabError as error:
             refused = str(error).splitlines()[0]
-    return Explanation(pixel=pixel, steps=steps_at(given, bands, driver, row), refused=refused)
+    return Explanation(
+        pixel=pixel, steps=steps_at(given.program, given.batch, bands, driver, row), refused=refused
+    )
+
+
+def explain_in_case(
+    file: Path,
+    variant: str,
+    pass_name: str | None,
+    draw: int,
+    pixel: tuple[int, int] | None,
+    options: RunOptions,
+    worker: Worker,
+) -> tuple[Explanation, Mapping[str, tuple[float, ...]]]:
+    """What a draw stores at a pixel, by default where its band is widest, and what that gets, by
+    name. `pass_name` is None for the last pass; `draw` counts from 0, from the last if negative."""
+    lab, scene = worker.lab(options), worker.scenes(str(file))[variant]
+    key = scene.draw_key(pass_name, draw)
+    with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
+        pixel = pixel or widest_pixel(evaluation, key)
+        return explain(evaluation, key, pixel), inputs_at(evaluation, key, pixel)
 
 
 def inputs_at(
@@ -114,8 +97,7 @@ def inputs_at(
     """What a draw's fragment shader gets at a pixel that it is seen at. Raises as `explain`."""
     given = sample_fragments(evaluation, key, among=np.array([pixel]))
     row = int(np.flatnonzero(np.all(given.pixels == pixel, axis=-1))[0])
-    some = InputBatch(given.each, given.bindings, given.count)
-    return some.example(row, inputs_of(given.program))
+    return given.batch.example(row, inputs_of(given.program))
 
 
 def _is_outside(
@@ -129,96 +111,16 @@ def _is_outside(
     return any(flags is not None and flags[row] for flags in found)
 
 
-def steps_at(
-    given: Invocations, bands: Trace, driver: Mapping[Stored, Array], row: int
-) -> tuple[Step, ...]:
-    """What one invocation stores, step by step, with the driver's values where they are known. An
-    integer or an argument has a step where the driver has another one."""
-    single, exact = (
-        trace_invocations(given, arithmetic).at(row) for arithmetic in (FLOAT32, FLOAT64)
-    )
-    steps = []
-    for key, event in bands.at(row).items():
-        if getattr(event.value, "ndim", 0) != 2 or key not in single or key not in exact:
-            continue
-        value, known = _bounds(single[key].value, row)[0], event in driver
-        if known:
-            value = driver[event].astype(np.float64)
-        step = _step(given, event, value, known, _bounds(exact[key].value, row)[0], row)
-        if (is_vector(event.value) and not event.is_argument) or (known and not step.inside):
-            steps.append(step)
-    return tuple(steps)
-
-
-def _bounds(value: Any, row: int) -> tuple[Any, Any]:
-    """The least and the greatest value of one invocation, (components,) each."""
-    if isinstance(value, TriBool):
-        return row_of(value.all_true, row), row_of(~value.all_false, row)
-    if isinstance(value, Integer | Band):
-        return row_of(value.lo, row), row_of(value.hi, row)
-    return row_of(value, row), row_of(value, row)
-
-
-def _step(
-    given: Invocations, event: Stored, value: Any, measured: bool, exact: Any, row: int
-) -> Step:
-    file, line = given.program.place(event.line)
-    low, high = _bounds(event.value, row)
-    with np.errstate(all="ignore"):
-        off = np.nanmax(np.abs(value - exact) / ulp(exact), initial=0.0)
-    value, exact, low, high = (tuple(map(float, own)) for own in (value, exact, low, high))
-    return Step(
-        file=file, line=line, name=event.name,
-        calls=tuple(given.program.place(call)[1] for call in event.calls),
-        value=value, by_driver=measured, exact=exact, low=low, high=high, off=float(off),
-        width=width(event.value, row) if is_vector(event.value) else 0.0,
-        lost=precision_loss(event, row) if is_vector(event.value) else 0.0,
-    )  # fmt: skip
-
-
 def widest_pixel(evaluation: Evaluation, key: PassDraw) -> tuple[int, int]:
     """The pixel of a draw where the band of what it writes is widest in ULP, of some from all over
     the picture; the first one where all are exact. Raises UsageError: the draw is not seen;
     NotInterpretedError, DriverError, CaseError: as `explain`."""
-    given = sample_fragments(evaluation, key, _SAMPLES)
+    given = sample_fragments(evaluation, key, SAMPLES)
     assert given.pixels is not None
     if not given.count:
         raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at any pixel")
-    x, y = given.pixels[_widest(given)]
+    x, y = given.pixels[widest_row(given.program, given.batch)]
     return int(x), int(y)
-
-
-def explain_file(
-    program: Program, ranges: Mapping[str, str]
-) -> tuple[Explanation, dict[str, tuple[float, ...]]]:
-    """What a program without a case stores at one invocation, and what that gets: of inputs that
-    are made up, where the band of what it writes is widest. Raises NotInterpretedError: it can't be
-    interpreted; UsageError: a range is wrong."""
-    inputs = inputs_of(program)
-    made_up = sample_inputs(inputs, domains_of(inputs, [program], ranges), _SAMPLES, 0)
-    row = _widest(_as_invocations(program, made_up))
-    batch, own = made_up.alone(row, program)
-    some = _as_invocations(program, batch)
-    steps = steps_at(some, trace_invocations(some, Bands()), {}, own)
-    return Explanation(pixel=(0, 0), steps=steps), made_up.example(row, inputs)
-
-
-def _as_invocations(program: Program, given: InputBatch) -> Invocations:
-    return Invocations(
-        program=program, each=given.each, bindings=given.bindings, measured={}, formats={}
-    )
-
-
-def _widest(given: Invocations) -> int:
-    """The invocation whose outputs' bands are widest in ULP, of those that are bounded."""
-    widths = np.zeros(given.count)
-    for band in trace_invocations(given, Bands()).outputs.values():
-        if is_vector(band):
-            with np.errstate(all="ignore"):
-                unit = ulp(np.maximum(np.abs(band.lo), np.abs(band.hi)))
-                found = np.nan_to_num((band.hi - band.lo) / unit, nan=0.0, posinf=0.0)
-            widths = np.maximum(widths, found.max(axis=-1))
-    return int(np.argmax(widths))
 
 
 def locate_failure(

@@ -1,26 +1,40 @@
-"""Hazards as data and in words, and what depends on a value that went wrong."""
+"""What an audit is asked, and what it finds, as data and in words."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from shaderlab.bands import Integer, TriBool
 from shaderlab.files import display_path
-from shaderlab.model.frame import Array
 
 from .answer import format_inputs
-from .batches import InputBatch, flatten_outputs, run_batch
-from .checks import FLOATS, Place, arguments_of
-from .interpreter import Program
-from .interpreter.program import Instruction
-from .interpreter.running import Run, Watch
-from .interpreter.values import PathState
-from .portability import Spread
+
+if TYPE_CHECKING:
+    from .interpreter import Program
+
+_MOST_NUMBERS = 4  # of an input that is shown
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """How a program is audited.
+
+    Attributes:
+        ranges: "a..b", "a:b" or "unit" for inputs, by name.
+        precision: whether to measure how far devices may differ, at highp and at mediump.
+        prove: whether to show of each hazard that no input of the ranges causes it.
+        assume: conditions in GLSL that hold of the inputs.
+        confirm: runs a hazard's inputs on a driver.
+    """
+
+    ranges: Mapping[str, str] = field(default_factory=dict)
+    count: int = 4096
+    precision: bool = False
+    prove: bool = False
+    assume: tuple[str, ...] = ()
+    confirm: Callable[[Program, Hazard], Hazard] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,6 +104,56 @@ class Claim:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Spread:
+    """How far devices may differ at an output.
+
+    Attributes:
+        precision: "highp": what the precision rules allow; "mediump": what devices of 16 bits gave.
+        codes: in codes of 8 bits, of what lies within 0..1; infinite where one gave no number, 0 of
+            a stage that draws nothing.
+        ulp: in float32 ULP of the value, or of 1/256 of the output's largest if that is more; 0 at
+            mediump.
+        near: the inputs where the codes are most, of the ULP if codes are the same everywhere.
+        file, line: where most precision is lost there; "" and 0 if nowhere.
+        unbounded: the share of invocations for which the rules bound nothing.
+    """
+
+    output: str
+    precision: str
+    codes: float
+    ulp: float = 0.0
+    near: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    file: str = ""
+    line: int = 0
+    unbounded: float = 0.0
+
+    def __str__(self) -> str:
+        if self.precision == "mediump":
+            text = f"{self.output} at mediump: 16-bit devices "
+            none = math.isinf(self.codes)
+            text += "return no number" if none else f"are off by {self.codes:.3g} 8-bit codes"
+        else:
+            text = f"{self.output}: conforming devices may differ by {self.ulp:.3g} ULP"
+            text += f", {self.codes:.2g} 8-bit codes" if self.codes else ""
+        few = {name: values for name, values in self.near.items() if len(values) <= _MOST_NUMBERS}
+        if few:
+            text += f", near {format_inputs(few, 2)}"
+        if self.line:
+            text += f"; most precision is lost at {display_path(self.file, self.line)}"
+        if self.unbounded:
+            text += f"; unbounded for {100.0 * self.unbounded:.0f} % of inputs"
+        return text
+
+    def data(self) -> dict[str, Any]:
+        """The spread as JSON."""
+        return {
+            **vars(self),
+            "codes": self.codes if math.isfinite(self.codes) else None,
+            "near": {name: list(values) for name, values in self.near.items()},
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
 class Audit:
     """What was found in one shader.
 
@@ -152,84 +216,3 @@ class Audit:
 def _numbers(values: tuple[float, ...]) -> list[float | str]:
     """As JSON has them, which has no NaN and no infinity."""
     return [value if math.isfinite(value) else str(value) for value in values]
-
-
-_VALUES = (None, 0.37, 41.0, -2.6, 7.5e3)
-_STAND_IN = 0.5
-
-
-@dataclass(frozen=True)
-class _Replacing:
-    """A `Watch` that replaces an instruction's result, or leaves it as it is with None. Other
-    results that are no number although all operands are become one: they would hide what depends
-    on this one."""
-
-    place: Place
-    value: float | None
-
-    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
-        if at.id == self.place.id and tuple(run.calls) == self.place.calls:
-            return result if self.value is None else fill_value(result, self.value)
-        if isinstance(result, np.ndarray) and at.op in FLOATS and not np.isfinite(result).all():
-            values = run.values(arguments_of(at.op, at.operands))
-            if all(np.isfinite(v).all() for v in values if isinstance(v, np.ndarray)):
-                return np.where(np.isfinite(result), result, np.float32(_STAND_IN))
-        return result
-
-
-def fill_value(value: Any, number: float) -> Any:
-    """The value with a number in place of each of its own, true where that is above 1."""
-    if isinstance(value, tuple):
-        return tuple(fill_value(part, number) for part in value)
-    if isinstance(value, Integer):
-        return Integer(np.full_like(value.lo, int(abs(number))), unsigned=value.unsigned)
-    if isinstance(value, TriBool):
-        return TriBool.of(np.full_like(value.all_true, number > 1.0))
-    return np.full_like(value, number) if isinstance(value, np.ndarray) else value
-
-
-def find_written_outputs(
-    program: Program, batch: InputBatch, row: int, watch: Watch | None = None
-) -> Mapping[str, Array]:
-    """What an invocation writes, by output; "discard" is 1 where it is discarded."""
-    result = run_batch(program, batch, watch=watch)
-    found = {name: values[row] for name, values in flatten_outputs(result.outputs, finite=False)}
-    gone = bool(np.broadcast_to(result.discarded.all_true, (batch.count,))[row])
-    return found | {"discard": np.array([float(gone)])}
-
-
-def find_dependents(
-    program: Program, batch: InputBatch, row: int, place: Place
-) -> dict[str, Array]:
-    """The outputs that depend on an instruction's result at an invocation, as they are."""
-    some, own = batch.alone(row, program)
-    plain = find_written_outputs(program, some, own)
-    others = [
-        find_written_outputs(program, some, own, _Replacing(place, value)) for value in _VALUES
-    ]
-    return {name: value for name, value in plain.items() if _differs(name, others)}
-
-
-def hazard_at(
-    program: Program,
-    inputs: Iterable[str],
-    found: tuple[Place, Instruction, InputBatch, int],
-    outputs: Mapping[str, Array],
-    message: str,
-    **more: Any,
-) -> Hazard:
-    """The hazard of an instruction that was found at a place, for a row of a batch."""
-    place, at, batch, row = found
-    file, line = program.place(at.line)
-    return Hazard(
-        file=file, line=line, kind=place.kind, message=message, inputs=batch.example(row, inputs),
-        outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
-        calls=tuple(program.place(call)[1] for call in place.calls), **more,
-    )  # fmt: skip
-
-
-def _differs(name: str, runs: Sequence[Mapping[str, Array]]) -> bool:
-    values = [run[name] for run in runs if name in run]
-    return len(values) < len(runs) or any(
-        not np.array_equal(value, values[0], equal_nan=True) for value in values
-    )

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,9 +19,10 @@ from shaderlab.drivers.programs.prepare import PreparedDraw, Programs
 from shaderlab.engine.evaluation import Evaluation
 from shaderlab.engine.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.engine.run import SceneRunner
-from shaderlab.errors import CaseError, NotInterpretedError
+from shaderlab.errors import CaseError, NotInterpretedError, in_file
 from shaderlab.model.case import Case
 from shaderlab.model.frame import Array, Bindings, Fragments, PassDraw
+from shaderlab.model.options import RunOptions
 
 from .batches import (
     InputBatch,
@@ -31,6 +33,11 @@ from .batches import (
     whole_quads,
 )
 from .interpreter import Program, load
+
+if TYPE_CHECKING:
+    from shaderlab.engine.worker import Worker
+
+    from .answer import Answer, Plan
 
 _MOST_INPUTS = 2048
 """Invocations of a draw that `case_stages` and `changed_stages` take."""
@@ -60,11 +67,41 @@ class Invocations:
         """How many invocations there are."""
         return max((len(values) for values in self.each.values()), default=0)
 
+    @property
+    def batch(self) -> InputBatch:
+        """What they got."""
+        return InputBatch(self.each, self.bindings, self.count)
+
 
 @lru_cache(maxsize=64)
 def program_of(source: Source) -> Program:
     """A stage's program; see `interpreter.load`."""
     return load(source)
+
+
+def compare_in_case(
+    file: Path,
+    files: Mapping[str, Path],
+    reverse: bool,
+    plan: Plan,
+    options: RunOptions,
+    worker: Worker,
+) -> list[Answer]:
+    """An answer on each stage of a case's draws that other files for some of its shaders change, on
+    the inputs that the case gives it. `reverse` if those files are the old shaders."""
+    from .comparison import compare_programs
+
+    worker.note("drawing the case")
+    (found,) = changed_stages(worker.lab(options), worker.case(str(file)), [files])
+    answers = []
+    for one in found:
+        worker.note("interpreting")
+        old, new = (one.new, one.old) if reverse else (one.old, one.new)
+        with in_file(new.path):
+            program = load(new)
+        with in_file(old.path):
+            answers.append(compare_programs(load(old), program, plan, one.given))
+    return answers
 
 
 def sample_fragments(

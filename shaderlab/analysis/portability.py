@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,12 +12,12 @@ from shaderlab.bands import Band
 from shaderlab.bands.rounding import ulp
 from shaderlab.compiler.spirv import Decoration, Op
 from shaderlab.errors import FormulaError, NotInterpretedError
-from shaderlab.files import display_path
 from shaderlab.model.frame import Array
 
-from .answer import Cost, format_inputs
+from .answer import Cost
 from .batches import InputBatch, flatten_outputs, run_batch
 from .checks import arguments_of
+from .hazards import Spread
 from .inputs import Input
 from .interpreter import FLOAT16, FLOAT32, FLOAT64, Arithmetic, Bands, Numbers, Program, Stored
 from .interpreter.flow import HANDLERS
@@ -30,57 +30,6 @@ MOST = 512
 """Invocations that are looked at."""
 CODES = 255.0
 _SMALL = 2.0**-8  # of an output's largest value: below it, what counts is the ULP of this
-_MOST_NUMBERS = 4  # of an input that is shown
-
-
-@dataclass(frozen=True, kw_only=True)
-class Spread:
-    """How far devices may differ at an output.
-
-    Attributes:
-        precision: "highp": what the precision rules allow; "mediump": what devices of 16 bits gave.
-        codes: in codes of 8 bits, of what lies within 0..1; infinite where one gave no number, 0 of
-            a stage that draws nothing.
-        ulp: in float32 ULP of the value, or of 1/256 of the output's largest if that is more; 0 at
-            mediump.
-        near: the inputs where the codes are most, of the ULP if codes are the same everywhere.
-        file, line: where most precision is lost there; "" and 0 if nowhere.
-        unbounded: the share of invocations for which the rules bound nothing.
-    """
-
-    output: str
-    precision: str
-    codes: float
-    ulp: float = 0.0
-    near: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
-    file: str = ""
-    line: int = 0
-    unbounded: float = 0.0
-
-    def __str__(self) -> str:
-        if self.precision == "mediump":
-            text = f"{self.output} at mediump: 16-bit devices "
-            none = np.isinf(self.codes)
-            text += "return no number" if none else f"are off by {self.codes:.3g} 8-bit codes"
-        else:
-            text = f"{self.output}: conforming devices may differ by {self.ulp:.3g} ULP"
-            text += f", {self.codes:.2g} 8-bit codes" if self.codes else ""
-        few = {name: values for name, values in self.near.items() if len(values) <= _MOST_NUMBERS}
-        if few:
-            text += f", near {format_inputs(few, 2)}"
-        if self.line:
-            text += f"; most precision is lost at {display_path(self.file, self.line)}"
-        if self.unbounded:
-            text += f"; unbounded for {100.0 * self.unbounded:.0f} % of inputs"
-        return text
-
-    def data(self) -> dict[str, Any]:
-        """The spread as JSON."""
-        return {
-            **vars(self),
-            "codes": self.codes if np.isfinite(self.codes) else None,
-            "near": {name: list(values) for name, values in self.near.items()},
-        }
 
 
 def portability(program: Program, batch: InputBatch, inputs: Mapping[str, Input]) -> list[Spread]:

@@ -1,10 +1,11 @@
 """Undefined behaviour beyond single instructions: uninitialised reads and outputs, for which the
-program runs twice, each time with another value in all of them; and divergent derivatives."""
+program runs twice, each time with another value in all of them; and divergent derivatives. And what
+depends on a value that went wrong."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,18 +16,20 @@ from shaderlab.compiler.spirv import Glsl450, Op, StorageClass
 from shaderlab.model.frame import Array
 
 from .batches import DERIVATIVES, InputBatch, flatten_outputs, quads_of, run_batch
-from .checks import Place, arguments_of, number_of
-from .hazards import Hazard, fill_value, find_dependents, hazard_at
+from .checks import FLOATS, Place, arguments_of, number_of
+from .hazards import Hazard
 from .inputs import Input, InputDomain, smooth_quads
 from .interpreter import Interpreted, Numbers, Program
 from .interpreter.flow import HANDLERS
 from .interpreter.operations import COMPOSITES
 from .interpreter.program import Instruction
-from .interpreter.running import Run
+from .interpreter.running import Run, Watch
 from .interpreter.values import PathState, null
 
 READ, UNWRITTEN = "uninitialised read", "output not written"
 _VALUES = (0.21, 3.4)
+_TRIED = (None, 0.37, 41.0, -2.6, 7.5e3)
+_STAND_IN = 0.5
 _ARGUMENT = "param"  # what glslang calls the copy of an argument
 _INTERFACE = "gl_"  # built-in outputs need no value
 NEEDED = ("gl_FragDepth", "gl_Position")  # but for these, where a shader writes to them at all
@@ -297,3 +300,80 @@ def sine_hashes(
         if outputs := find_dependents(program, batch, row, place):
             words = f"{HASH}: fract of a large multiple of a sine, another one on each GPU"
             yield hazard_at(program, inputs, (place, at, batch, row), outputs, words)
+
+
+@dataclass(frozen=True)
+class _Replacing:
+    """A `Watch` that replaces an instruction's result, or leaves it as it is with None. Other
+    results that are no number although all operands are become one: they would hide what depends
+    on this one."""
+
+    place: Place
+    value: float | None
+
+    def __call__(self, run: Run, at: Instruction, state: PathState, result: Any) -> Any:
+        if at.id == self.place.id and tuple(run.calls) == self.place.calls:
+            return result if self.value is None else fill_value(result, self.value)
+        if isinstance(result, np.ndarray) and at.op in FLOATS and not np.isfinite(result).all():
+            values = run.values(arguments_of(at.op, at.operands))
+            if all(np.isfinite(v).all() for v in values if isinstance(v, np.ndarray)):
+                return np.where(np.isfinite(result), result, np.float32(_STAND_IN))
+        return result
+
+
+def fill_value(value: Any, number: float) -> Any:
+    """The value with a number in place of each of its own, true where that is above 1."""
+    if isinstance(value, tuple):
+        return tuple(fill_value(part, number) for part in value)
+    if isinstance(value, Integer):
+        return Integer(np.full_like(value.lo, int(abs(number))), unsigned=value.unsigned)
+    if isinstance(value, TriBool):
+        return TriBool.of(np.full_like(value.all_true, number > 1.0))
+    return np.full_like(value, number) if isinstance(value, np.ndarray) else value
+
+
+def find_written_outputs(
+    program: Program, batch: InputBatch, row: int, watch: Watch | None = None
+) -> Mapping[str, Array]:
+    """What an invocation writes, by output; "discard" is 1 where it is discarded."""
+    result = run_batch(program, batch, watch=watch)
+    found = {name: values[row] for name, values in flatten_outputs(result.outputs, finite=False)}
+    gone = bool(np.broadcast_to(result.discarded.all_true, (batch.count,))[row])
+    return found | {"discard": np.array([float(gone)])}
+
+
+def find_dependents(
+    program: Program, batch: InputBatch, row: int, place: Place
+) -> dict[str, Array]:
+    """The outputs that depend on an instruction's result at an invocation, as they are."""
+    some, own = batch.alone(row, program)
+    plain = find_written_outputs(program, some, own)
+    others = [
+        find_written_outputs(program, some, own, _Replacing(place, value)) for value in _TRIED
+    ]
+    return {name: value for name, value in plain.items() if _differs(name, others)}
+
+
+def hazard_at(
+    program: Program,
+    inputs: Iterable[str],
+    found: tuple[Place, Instruction, InputBatch, int],
+    outputs: Mapping[str, Array],
+    message: str,
+    **more: Any,
+) -> Hazard:
+    """The hazard of an instruction that was found at a place, for a row of a batch."""
+    place, at, batch, row = found
+    file, line = program.place(at.line)
+    return Hazard(
+        file=file, line=line, kind=place.kind, message=message, inputs=batch.example(row, inputs),
+        outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
+        calls=tuple(program.place(call)[1] for call in place.calls), **more,
+    )  # fmt: skip
+
+
+def _differs(name: str, runs: Sequence[Mapping[str, Array]]) -> bool:
+    values = [run[name] for run in runs if name in run]
+    return len(values) < len(runs) or any(
+        not np.array_equal(value, values[0], equal_nan=True) for value in values
+    )

@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from shaderlab.analysis.hazards import Audit, Plan
+from shaderlab.analysis.requests import AuditCase, AuditFile
 from shaderlab.cli import FAILED, USAGE, options as shared
 from shaderlab.compiler.shader_files import EXTENSIONS, STAGES, is_library
+from shaderlab.engine.jobs import Call, describe_failure
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
 
 if TYPE_CHECKING:
-    from shaderlab.analysis.audit import Audit, Plan
     from shaderlab.report.findings import Finding
 
 
@@ -82,12 +84,13 @@ def command(
       shaderlab audit lighting.glsl --prove --range roughness=0.05:1
       shaderlab audit specular my_case.py
     """
-    from shaderlab.analysis.audit import Plan
-
     files = dict(outputs) if json_file is None else {**outputs, "json": json_file}
     to_stderr = shared.uses_stdout(files)
     audits: list[Audit] = []
-    with contextlib.closing(shared.make_executor(driver, limits, workers, early=False)) as executor:
+    files_only = not prove and all(map(_is_shader, targets))
+    with contextlib.closing(
+        shared.make_executor(driver, limits, workers, files_only=files_only)
+    ) as executor:
         options = RunOptions(driver=driver, include=includes, limits=limits)
         plan = Plan(ranges=ranges, precision=precision, prove=prove, assume=assume)
         requests = list(_make_requests(targets, plan, stage, options))
@@ -113,21 +116,19 @@ def _make_requests(
     targets: Sequence[str], plan: Plan, stage: str | None, options: RunOptions
 ) -> Iterator[Any]:
     """What is asked of workers: one request for each shader file, and for each case."""
-    from shaderlab.analysis.requests import AuditCase, AuditFile
     from shaderlab.cli.selecting import find_files
 
     shaders = [Path(t) for t in targets if _is_shader(t)]
     for shader in shared.resolve_shaders(shaders, options.include):
-        request: Any = AuditFile(shader, stage, plan)
-        if stage is None and is_library(shader.file.path):
-            from shaderlab.functions.interpreting import AuditFunctions
-
-            request = AuditFunctions(shader, plan)
+        request = AuditFile(shader, stage, plan)
+        functions = stage is None and is_library(request.name)
         if plan.prove:
-            from shaderlab.functions.proving import Prove
-
-            request = Prove(request)
-        yield request
+            yield Call("shaderlab.functions.proving:prove_file", (request, functions), request.name)
+        elif functions:
+            work = "shaderlab.functions.interpreting:audit_functions"
+            yield Call(work, (shader, plan), request.name)
+        else:
+            yield request
     cases = [target for target in targets if not _is_shader(target)]
     if cases and (plan.ranges or plan.assume):
         raise UsageError(
@@ -145,9 +146,6 @@ def _is_shader(target: str) -> bool:
 
 def _collect_audits(results: Iterable[Any]) -> Iterator[Audit]:
     """The audits of requests; one that was refused where there is no answer."""
-    from shaderlab.analysis.audit import Audit
-    from shaderlab.engine.jobs import describe_failure
-
     for result in results:
         if result.status == "done":
             yield from result.value

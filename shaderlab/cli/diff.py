@@ -5,28 +5,20 @@ from __future__ import annotations
 import contextlib
 import io
 import re
-import subprocess
-import tarfile
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from shaderlab.analysis.answer import Answer, Plan
 from shaderlab.cli import FAILED, OK, USAGE, options as shared
 from shaderlab.compiler.shader_files import STAGES, is_library, is_shader
 from shaderlab.compiler.translation import has_no_entry
+from shaderlab.engine.jobs import Call, Executor, make_jobs
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.model.options import Limits, RunOptions
-
-if TYPE_CHECKING:
-    from shaderlab.analysis.answer import Answer
-    from shaderlab.analysis.comparison import Plan
-    from shaderlab.engine.jobs import Executor
-
 
 NO_ANSWER = USAGE
 """The exit status of an undetermined comparison."""
@@ -89,8 +81,6 @@ def command(
       shaderlab diff lamp.frag --against HEAD~1
       shaderlab diff lib/phong.glsl my_phong.glsl --case specular
     """
-    from shaderlab.analysis.comparison import Plan
-
     if (new is None) == (against is None):
         raise UsageError("name two shaders, OLD and NEW, or one shader and --against REV")
     if case is not None and (ranges or stage):
@@ -146,7 +136,7 @@ class _Comparison:
         """The answers on two files; `then` says where the old one and what it includes is. Raises
         ShaderlabError: there is none."""
         with contextlib.closing(
-            shared.make_executor(None, self.limits, self.workers, early=False)
+            shared.make_executor(None, self.limits, self.workers, files_only=self.case is None)
         ) as executor:
             request = self._make_request(old, new, then, executor)
             answers: list[Answer] = shared.perform_one(executor, request)
@@ -155,8 +145,6 @@ class _Comparison:
     def _make_request(
         self, old: Path, new: Path, then: Callable[[Path], Path] | None, executor: Executor
     ) -> object:
-        from shaderlab.analysis import requests
-
         if self.case is None:
             shaders = (
                 shared.resolve_shader(old, self.includes, then),
@@ -165,12 +153,11 @@ class _Comparison:
             paths = [Path(shader.file.path) for shader in shaders]
             functions = all(is_library(path) or has_no_entry(path) for path in paths)
             if self.stage is None and functions and any(map(is_library, paths)):
-                from shaderlab.functions.interpreting import CompareFunctions
-
-                return CompareFunctions(*shaders, self.plan)
-            return requests.CompareFiles(*shaders, self.stage, self.plan)
+                work = "shaderlab.functions.interpreting:compare_functions"
+                return Call(work, (*shaders, self.plan))
+            work = "shaderlab.analysis.comparison:compare_files"
+            return Call(work, (*shaders, self.stage, self.plan))
         from shaderlab.cli.selecting import resolve_replacements, select_one
-        from shaderlab.engine.jobs import make_jobs
 
         facts, _ = select_one(self.case, executor.load)
         mine, other = (old, new) if then is None else (new, then(old))
@@ -179,7 +166,8 @@ class _Comparison:
         name = _name_in_cases(mine, Path(facts.file).parent, self.includes)
         files = resolve_replacements({name: other}, make_jobs(facts), self.includes)
         options = RunOptions(include=self.includes, limits=self.limits)
-        return requests.CompareInCase(Path(facts.file), files, then is not None, self.plan, options)
+        work = "shaderlab.analysis.invocations:compare_in_case"
+        return Call(work, (Path(facts.file), files, then is not None, self.plan, options))
 
 
 def _compare_with_revision(comparison: _Comparison, file: Path, name: str) -> list[Answer]:
@@ -252,6 +240,9 @@ def check_out(path: Path, name: str) -> Iterator[Revision]:
     own = path.resolve().relative_to(top.resolve()).as_posix()
     if own not in shaders:
         raise UsageError(f"{own} is not in revision {name}", file=path)
+    import tarfile  # few ask for a revision
+    import tempfile
+
     with tempfile.TemporaryDirectory(prefix="shaderlab-") as folder:
         archive = _git(top, "archive", "--format=tar", hash_, "--", *shaders)
         with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
@@ -260,6 +251,8 @@ def check_out(path: Path, name: str) -> Iterator[Revision]:
 
 
 def _git(folder: Path, *words: str) -> bytes:
+    import subprocess
+
     try:
         done = subprocess.run(["git", "-C", str(folder), *words], capture_output=True, check=False)
     except FileNotFoundError:

@@ -6,19 +6,16 @@ import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from shaderlab.analysis.answer import format_inputs
 from shaderlab.cli import FAILED, OK, options as shared
 from shaderlab.compiler.shader_files import is_library, is_shader
+from shaderlab.engine.jobs import Call, Executor
 from shaderlab.errors import UsageError, suggest
 from shaderlab.model.options import Limits, RunOptions
 from shaderlab.model.records import Explanation, Step
-
-if TYPE_CHECKING:
-    from shaderlab.analysis.requests import ExplainFile, ExplainPixel
-    from shaderlab.engine.jobs import Executor
 
 _MOST = 3  # of the steps that lose most, in words
 
@@ -98,10 +95,9 @@ def command(arguments: ExplainArguments) -> int:
     Exit code: 0 shown, 1 the shader can't be interpreted or the driver is outside the shader's
     band, 2 wrong usage.
     """
-    from shaderlab.analysis.answer import format_inputs
-
+    a = arguments
     with contextlib.closing(
-        shared.make_executor(arguments.driver, arguments.limits, arguments.workers, early=False)
+        shared.make_executor(a.driver, a.limits, a.workers, files_only=a.is_shader)
     ) as executor:
         request = _make_request(arguments, executor)
         explained, inputs = shared.perform_one(executor, request)
@@ -117,9 +113,8 @@ def command(arguments: ExplainArguments) -> int:
     return FAILED if any(s.by_driver and not s.inside for s in explained.steps) else OK
 
 
-def _make_request(arguments: ExplainArguments, executor: Executor) -> ExplainFile | ExplainPixel:
+def _make_request(arguments: ExplainArguments, executor: Executor) -> Call:
     """Return the request for what was named. Raises UsageError, CaseError."""
-    from shaderlab.analysis.requests import ExplainFile, ExplainPixel
     from shaderlab.cli.selecting import select_one
 
     if arguments.is_shader:
@@ -130,7 +125,7 @@ def _make_request(arguments: ExplainArguments, executor: Executor) -> ExplainFil
                 remedy="name the shader that includes it; audit and diff take functions alone",
             )
         shader = shared.resolve_shader(Path(arguments.target), arguments.includes)
-        return ExplainFile(shader, arguments.ranges)
+        return Call("shaderlab.analysis.steps:explain_file", (shader, arguments.ranges))
     if arguments.ranges:
         raise UsageError("--range can't be combined with a case, whose inputs are known")
     facts, variant = select_one(arguments.target, executor.load)
@@ -146,9 +141,9 @@ def _make_request(arguments: ExplainArguments, executor: Executor) -> ExplainFil
         include=arguments.includes,
         limits=arguments.limits,
     )
-    return ExplainPixel(
-        Path(facts.file), variant, arguments.pass_name, arguments.draw, arguments.pixel, options
-    )
+    a = arguments
+    given = (Path(facts.file), variant, a.pass_name, a.draw, a.pixel, options)
+    return Call("shaderlab.analysis.explain:explain_in_case", given)
 
 
 def show(explained: Explanation, where: str) -> None:

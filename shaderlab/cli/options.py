@@ -19,8 +19,17 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from shaderlab.analysis import CHECKING_WORK
 from shaderlab.cli import FAILED, OK, USAGE
-from shaderlab.engine.jobs import WORDS, check_driver
+from shaderlab.engine.jobs import (
+    FILE_WORK,
+    WORDS,
+    Executor,
+    InProcessExecutor,
+    ProcessExecutor,
+    check_driver,
+    describe_failure,
+)
 from shaderlab.errors import ShaderlabError, UsageError, suggest
 from shaderlab.files import (
     REPORT_MARK,
@@ -36,7 +45,6 @@ from shaderlab.report.formats import FINDING_FORMATS, FORMATS, Format
 
 if TYPE_CHECKING:
     from shaderlab.analysis.requests import ShaderOfFile
-    from shaderlab.engine.jobs import Executor
     from shaderlab.model.records import Run
     from shaderlab.report.findings import Finding
 
@@ -123,21 +131,23 @@ def limits_option(help: str, seconds: float = Limits.seconds) -> Callable[[Comma
 
 
 def make_executor(
-    driver: str | None, limits: Limits, workers: int | None, early: bool = True
+    driver: str | None,
+    limits: Limits,
+    workers: int | None,
+    *,
+    early: bool = True,
+    files_only: bool = False,
 ) -> Executor:
-    """Return an executor on this machine: in this process for 0 workers."""
-    from shaderlab.analysis import CHECKING_WORK
-    from shaderlab.engine.jobs import InProcessExecutor, ProcessExecutor
-
+    """Return an executor on this machine: in this process for 0 workers. `files_only` if it is
+    asked about shader files alone, which takes no driver."""
+    work = FILE_WORK if files_only else CHECKING_WORK
     if workers == 0:
-        return InProcessExecutor(driver, CHECKING_WORK)
-    return ProcessExecutor(driver, limits, workers, early=early, work=CHECKING_WORK)
+        return InProcessExecutor(driver, work)
+    return ProcessExecutor(driver, limits, workers, early=early and not files_only, work=work)
 
 
 def perform_one(executor: Executor, request: Any) -> Any:
     """Return the result of one request. Raises ShaderlabError."""
-    from shaderlab.engine.jobs import describe_failure
-
     (result,) = executor.perform([request])
     if isinstance(result.value, ShaderlabError):
         raise result.value

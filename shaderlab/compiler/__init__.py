@@ -5,7 +5,4 @@
 package loads no shared library.
 """
 
-from .compile import Compiled as Compiled, compile_program as compile_program
-from .glslang import ALL_TARGETS as ALL_TARGETS, disassemble as disassemble, validate as validate
-from .reflection import Block as Block, Interface as Interface
 from .sources import Shaders as Shaders, Source as Source

@@ -11,8 +11,6 @@ from shaderlab.errors import DriverError, ShaderError, suggest
 from shaderlab.model.records import Diagnostic, Verdict
 from shaderlab.workers.pool import WorkerPool
 
-from .compile import compile_program
-from .diagnostics import DRIVER, mark_disagreement
 from .dialects import raise_version
 from .glslang import ALL_TARGETS, TARGETS
 from .shader_files import EXTENSIONS, STAGES, ShaderFile, find_shaders, is_library, stage_of
@@ -188,6 +186,9 @@ def _report_failure(
 
 
 def _compile(job: CompileJob, stages: Sequence[Source]) -> FileResult:
+    from .compile import compile_program  # not where workers do it
+    from .diagnostics import DRIVER, mark_disagreement
+
     compiled = compile_program(stages, job.options.targets)
     verdicts = compiled.verdicts
     module, _, function = job.options.driver.partition(":")

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import ast
 import functools
-import hashlib
 import os
 import re
 import signal
@@ -426,6 +425,8 @@ def _ensure_package(folder: Path, tree: Path) -> str:
     """The package that stands for a folder of a tree; its name is made of the tree's whole path,
     so that folders of equal name are different packages."""
     if folder == tree:
+        import hashlib  # loads OpenSSL, which takes as long as compiling a file
+
         digest = hashlib.blake2b(os.fsencode(tree), digest_size=6).hexdigest()
         name = f"{_PACKAGE}{digest}"
     else:

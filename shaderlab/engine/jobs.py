@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from shaderlab.engine.worker import Worker
     from shaderlab.model.case import Scene
     from shaderlab.model.records import Record, Status
+    from shaderlab.workers.worker import Channel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,11 +65,51 @@ class Job:
         return self.id, self.variant, self.driver
 
 
+class BareWorker:
+    """What performs requests, and has no driver.
+
+    Args:
+        channel: the way to the parent; None where requests are performed in the process that
+            makes them, which has no time limit then.
+    """
+
+    def __init__(self, channel: Channel | None = None) -> None:
+        self._channel = channel
+
+    def __call__(self, request: Request) -> Any:
+        return request.perform(self)
+
+    def note(self, step: str) -> None:
+        """Note the next step, for a parent that outlives this process."""
+        if self._channel is not None:
+            self._channel.note(step)
+
+    def close(self) -> None:
+        """Give back what it has opened."""
+
+
 class Request(Protocol):
     """Something to do in a worker."""
 
-    def perform(self, worker: Worker) -> Any:
+    def perform(self, worker: Any) -> Any:
         """Do it, and return a picklable result."""
+
+
+@dataclass(frozen=True)
+class Call:
+    """Asks for what a function, "module:name", returns for some arguments and the worker."""
+
+    function: str
+    arguments: tuple[Any, ...]
+    name: str = ""
+
+    def perform(self, worker: BareWorker) -> Any:
+        return _import_object(self.function)(*self.arguments, worker)
+
+
+def _import_object(name: str) -> Any:
+    module, _, attribute = name.partition(":")
+    return getattr(import_module(module), attribute)
 
 
 @dataclass(frozen=True)
@@ -228,6 +269,8 @@ def choose_worker_count(variants: int) -> int:
 
 LAB_WORK = "shaderlab.engine.worker:Worker"
 """What workers that judge scenes call, as of `shaderlab.workers.pool.WorkerPool`."""
+FILE_WORK = "shaderlab.engine.jobs:BareWorker"
+"""What workers call that are asked about shader files alone."""
 
 
 class Executor:
@@ -344,21 +387,20 @@ class InProcessExecutor(Executor):
         work: the worker that performs the requests, or as in `ProcessExecutor`.
     """
 
-    def __init__(self, driver: str | None = None, work: str | Worker = LAB_WORK) -> None:
+    def __init__(self, driver: str | None = None, work: str | BareWorker = LAB_WORK) -> None:
         require_linux()
         self._driver = driver
         self._work = work
 
     @cached_property
-    def _worker(self) -> Worker:
+    def _worker(self) -> BareWorker:
         if not isinstance(self._work, str):
             return self._work
-        module, _, name = self._work.partition(":")
-        made: Worker = getattr(import_module(module), name)()
+        made: BareWorker = _import_object(self._work)()
         return made
 
     def about(self) -> Mapping[str, str]:
-        return DescribeDriver(self._driver).perform(self._worker)
+        return DescribeDriver(self._driver).perform(cast("Worker", self._worker))
 
     def perform(self, requests: Iterable[Any]) -> Generator[ItemResult]:
         """In the order of the requests."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from shaderlab import drivers as backends
 from shaderlab.drivers import known_driver, prepare_process
 from shaderlab.engine.catalogue import load_case
-from shaderlab.engine.jobs import Request
+from shaderlab.engine.jobs import BareWorker, Request
 from shaderlab.engine.run import SceneRunner
 from shaderlab.model.case import Case, Scene
 from shaderlab.model.options import RunOptions
@@ -24,16 +24,11 @@ if TYPE_CHECKING:
     from shaderlab.workers.worker import Channel
 
 
-class Worker:
-    """The state of a process that performs requests: an open lab, and case files loaded once.
-
-    Args:
-        channel: the way to the parent; None where requests are performed in the process that
-            makes them, which has no time limit then.
-    """
+class Worker(BareWorker):
+    """The state of a process that performs requests: an open lab, and case files loaded once."""
 
     def __init__(self, channel: Channel | None = None) -> None:
-        self._channel = channel
+        super().__init__(channel)
         self._lab: SceneRunner | None = None
         self._driver = ""
         self._scenes: dict[str, Mapping[str, Scene]] = {}
@@ -56,7 +51,7 @@ class Worker:
             # What ran out of memory may have left the driver half way. A new process costs less
             # than a doubt about every later record; the parent starts it and asks again.
             os._exit(1)
-        return request.perform(self)
+        return super().__call__(request)
 
     def lab(self, options: RunOptions) -> SceneRunner:
         """The process's lab, with these options for the scenes to come."""
@@ -112,11 +107,6 @@ class Worker:
             self._kept.pop(slot, None)
             self._kept[slot] = key, make()
         return self._kept[slot][1]
-
-    def note(self, step: str) -> None:
-        """Note the next step, for a parent that outlives this process."""
-        if self._channel is not None:
-            self._channel.note(step)
 
     def restart_limit(self, seconds: float | None = None) -> None:
         """Give the current request so many seconds from now on, by default the usual limit."""

@@ -26,7 +26,7 @@ from shaderlab.compiler.glslang import preprocess
 from shaderlab.compiler.shader_files import rename_words, strip_comments, version_of
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.drivers import Evaluation
-from shaderlab.engine.jobs import Executor, InProcessExecutor, ProcessExecutor
+from shaderlab.engine.jobs import BareWorker, Executor, InProcessExecutor, ProcessExecutor
 from shaderlab.engine.settings import load_settings
 from shaderlab.errors import CallError, ShaderError
 from shaderlab.functions.call import Call, build_result, collect_opaque
@@ -176,7 +176,7 @@ class Preprocess:
 
     source: Source
 
-    def perform(self, worker: Worker) -> str:
+    def perform(self, worker: BareWorker) -> str:
         worker.note("preprocessing")
         text = preprocess(self.source)
         if text is None:

@@ -1,4 +1,4 @@
-"""What audit and diff ask of a worker about a file of functions: each of them by itself."""
+"""Files of functions, each of them audited or compared by itself."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import itertools
 import re
 import tempfile
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from shaderlab.compiler.dialects import raise_version
 from shaderlab.compiler.shader_files import OWN
 from shaderlab.compiler.sources import LineMap, Source
 from shaderlab.compiler.translation import find_compiler
+from shaderlab.engine.jobs import BareWorker
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, suggest
 from shaderlab.functions.evaluation import (
     Preprocess,
@@ -41,10 +42,6 @@ from shaderlab.functions.signatures import (
     read_declarations,
 )
 
-if TYPE_CHECKING:
-    from shaderlab.engine.worker import Worker
-
-
 _WORDS = re.compile(r"(?<![.\w])[A-Za-z_]\w*+(?!\s*\()")  # that are no functions
 
 _KINDS = {"vec": "float", "bvec": "bool", "ivec": "int", "uvec": "uint"}
@@ -55,7 +52,7 @@ EntryPoint = tuple[Signature, Source]
 
 
 def find_entry_points(
-    written: Source, worker: Worker | None = None, like: Sequence[EntryPoint] = ()
+    written: Source, worker: BareWorker | None = None, like: Sequence[EntryPoint] = ()
 ) -> list[EntryPoint]:
     """The functions that a file defines itself, not in what it includes, in order; preprocessed by
     a worker, or where calls are made. Those `like` another one, by name and types, have that one's
@@ -156,91 +153,74 @@ def _carrier_type(kind: Type) -> str:
 Plan = TypeVar("Plan", AuditPlan, ComparisonPlan)
 
 
-@dataclass(frozen=True)
-class AuditFunctions:
-    """Asks for the `Audit` of a file's functions as one, and for one of each that is refused."""
-
-    shader: ShaderOfFile
-    plan: AuditPlan
-
-    @property
-    def name(self) -> str:
-        return self.shader.file.path
-
-    def perform(self, worker: Worker) -> list[Audit]:
-        found, refused = [], []
-        functions = find_entry_points(self.shader.source("fragment"), worker)
-        _check_ranges(self.plan.ranges, functions)
-        for signature, source in functions:
-            name = signature.name
-            worker.note(f"interpreting {name}")
-            try:
-                program = load(source)
-                known = {word.partition(".")[0].partition("[")[0] for word in inputs_of(program)}
-                met = [one for one in self.plan.assume if set(_WORDS.findall(one)) <= known]
-                program = load(assume(source, met)) if met else program
-                audit = audit_program(program, _plan_of(self.plan, program))
-            except UsageError:
-                raise
-            except ShaderlabError as error:
-                why = f"{self.shader.file.path}: {name}: {error}"
-                refused.append(Audit(file=self.shader.file.path, hazards=(), tried=0, refused=why))
-                continue
-            inputs = {f"{name}: {word}": role for word, role in audit.inputs.items()}
-            spreads = tuple(replace(s, output=f"{name}: {s.output}") for s in audit.spreads)
-            claims = tuple(replace(c, what=f"{c.what} in {name}") for c in audit.claims)
-            found.append(replace(audit, inputs=inputs, spreads=spreads, claims=claims))
-        return [*_merge_audits(self.shader.file.path, found), *refused]
+def audit_functions(shader: ShaderOfFile, plan: AuditPlan, worker: BareWorker) -> list[Audit]:
+    """The `Audit` of a file's functions as one, and one of each that is refused."""
+    found, refused = [], []
+    functions = find_entry_points(shader.source("fragment"), worker)
+    _check_ranges(plan.ranges, functions)
+    for signature, source in functions:
+        name = signature.name
+        worker.note(f"interpreting {name}")
+        try:
+            program = load(source)
+            known = {word.partition(".")[0].partition("[")[0] for word in inputs_of(program)}
+            met = [one for one in plan.assume if set(_WORDS.findall(one)) <= known]
+            program = load(assume(source, met)) if met else program
+            audit = audit_program(program, _plan_of(plan, program))
+        except UsageError:
+            raise
+        except ShaderlabError as error:
+            why = f"{shader.file.path}: {name}: {error}"
+            refused.append(Audit(file=shader.file.path, hazards=(), tried=0, refused=why))
+            continue
+        inputs = {f"{name}: {word}": role for word, role in audit.inputs.items()}
+        spreads = tuple(replace(s, output=f"{name}: {s.output}") for s in audit.spreads)
+        claims = tuple(replace(c, what=f"{c.what} in {name}") for c in audit.claims)
+        found.append(replace(audit, inputs=inputs, spreads=spreads, claims=claims))
+    return [*_merge_audits(shader.file.path, found), *refused]
 
 
-@dataclass(frozen=True)
-class CompareFunctions:
-    """Asks for the `Answer` on the functions of two files, each an output of it, as a list."""
-
-    old: ShaderOfFile
-    new: ShaderOfFile
-    plan: ComparisonPlan
-
-    def perform(self, worker: Worker) -> list[Answer]:
-        ours, others = (self.new, self.old) if self.old.is_module else (self.old, self.new)
-        functions = find_entry_points(ours.source("fragment"), worker)
-        ported = Path(others.file.path)
-        ported_text = ported.read_text(errors="replace") if others.is_module else ""
-        if ported_text:
-            find_compiler(ported, "name two shaders in GLSL")
-        text = None if ported_text else others.source("fragment")
-        theirs = [] if text is None else find_entry_points(text, worker, functions)
-        _check_ranges(self.plan.ranges, [*functions, *theirs])
-        left = {_key(signature): (signature, source) for signature, source in theirs}
-        outputs: list[OutputAnswer] = []
-        inputs: dict[str, str] = {}
-        notes: list[str] = []
-        for signature, source in functions:
-            name, other = signature.name, left.pop(_key(signature), None)
-            if other is None and not re.search(rf"\b{name}\s*\(", ported_text):
-                outputs.append(OutputAnswer(name=str(signature), why="missing"))
-                continue
-            worker.note(f"interpreting {name}")
-            try:
-                mine = load(source)
-                its = load(other[1]) if other else adopt_names(load_ported(signature, ported), mine)
-                pair = (its, mine) if ours is self.new else (mine, its)
-                answer = compare_programs(*pair, _plan_of(self.plan, *pair))
-            except UsageError:
-                raise
-            except ShaderlabError as error:
-                outputs.append(OutputAnswer(name=name, why="refused"))
-                notes.append(f"undetermined for {name}: {error}")
-                continue
-            alone = len(answer.outputs) == 1
-            outputs += [
-                replace(o, name=name if alone else f"{name}: {o.name}") for o in answer.outputs
-            ]
-            notes += [f"{name}: {note}" for note in answer.notes]
-            inputs |= {f"{name}: {word}": role for word, role in answer.inputs.items()}
-        notes += [f"only {others.file.path} has {signature}" for signature, _ in left.values()]
-        names = {"old": self.old.file.path, "new": self.new.file.path}
-        return [Answer(**names, outputs=tuple(outputs), notes=tuple(notes), inputs=inputs)]
+def compare_functions(
+    old: ShaderOfFile, new: ShaderOfFile, plan: ComparisonPlan, worker: BareWorker
+) -> list[Answer]:
+    """The `Answer` on the functions of two files, each an output of it."""
+    ours, others = (new, old) if old.is_module else (old, new)
+    functions = find_entry_points(ours.source("fragment"), worker)
+    ported = Path(others.file.path)
+    ported_text = ported.read_text(errors="replace") if others.is_module else ""
+    if ported_text:
+        find_compiler(ported, "name two shaders in GLSL")
+    text = None if ported_text else others.source("fragment")
+    theirs = [] if text is None else find_entry_points(text, worker, functions)
+    _check_ranges(plan.ranges, [*functions, *theirs])
+    left = {_key(signature): (signature, source) for signature, source in theirs}
+    outputs: list[OutputAnswer] = []
+    inputs: dict[str, str] = {}
+    notes: list[str] = []
+    for signature, source in functions:
+        name, other = signature.name, left.pop(_key(signature), None)
+        if other is None and not re.search(rf"\b{name}\s*\(", ported_text):
+            outputs.append(OutputAnswer(name=str(signature), why="missing"))
+            continue
+        worker.note(f"interpreting {name}")
+        try:
+            mine = load(source)
+            its = load(other[1]) if other else adopt_names(load_ported(signature, ported), mine)
+            pair = (its, mine) if ours is new else (mine, its)
+            answer = compare_programs(*pair, _plan_of(plan, *pair))
+        except UsageError:
+            raise
+        except ShaderlabError as error:
+            outputs.append(OutputAnswer(name=name, why="refused"))
+            notes.append(f"undetermined for {name}: {error}")
+            continue
+        alone = len(answer.outputs) == 1
+        outputs += [replace(o, name=name if alone else f"{name}: {o.name}") for o in answer.outputs]
+        notes += [f"{name}: {note}" for note in answer.notes]
+        inputs |= {f"{name}: {word}": role for word, role in answer.inputs.items()}
+    notes += [f"only {others.file.path} has {signature}" for signature, _ in left.values()]
+    names = {"old": old.file.path, "new": new.file.path}
+    return [Answer(**names, outputs=tuple(outputs), notes=tuple(notes), inputs=inputs)]
 
 
 def load_ported(signature: Signature, file: Path) -> Program:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -15,19 +15,19 @@ from shaderlab.analysis.answer import format_inputs
 from shaderlab.analysis.audit import Audit, Hazard
 from shaderlab.analysis.batches import InputBatch, asks_for_neighbours
 from shaderlab.analysis.boxes import ARITHMETIC, ends_of
-from shaderlab.analysis.hazards import find_written_outputs
 from shaderlab.analysis.inputs import domains_of, inputs_of, sample_inputs
 from shaderlab.analysis.interpreter import Program, load
 from shaderlab.analysis.interpreter.interpret import interface_name
 from shaderlab.analysis.proof import BOXES, Condition, Proof
 from shaderlab.analysis.requests import AuditFile
+from shaderlab.analysis.undefined import find_written_outputs
 from shaderlab.bands import Band
 from shaderlab.bands.exact import DECIDING
 from shaderlab.compiler.spirv import StorageClass, type_name
 from shaderlab.engine.judging.laws import Bounded, Law, Monotone
 from shaderlab.errors import CallError, FormulaError, ShaderlabError
 from shaderlab.functions.evaluation import keeping, use_worker
-from shaderlab.functions.interpreting import AuditFunctions, find_entry_points
+from shaderlab.functions.interpreting import audit_functions, find_entry_points
 from shaderlab.functions.library import Function, Library
 from shaderlab.functions.signatures import PREFIX, Type
 from shaderlab.model.frame import Bindings
@@ -172,20 +172,14 @@ def prove_test(
         return find_proof(function, hold, ranges, _BOXES)[1]
 
 
-@dataclass(frozen=True)
-class Prove:
-    """Asks for what `request` asks for, with each refutation run on the driver."""
-
-    request: AuditFile | AuditFunctions
-
-    @property
-    def name(self) -> str:
-        return self.request.name
-
-    def perform(self, worker: Worker) -> list[Audit]:
-        plan = replace(self.request.plan, confirm=_confirm)
-        with use_worker(worker):
-            return replace(self.request, plan=plan).perform(worker)
+def prove_file(request: AuditFile, functions: bool, worker: Worker) -> list[Audit]:
+    """The audits that are asked for, or those of a file's functions, with each refutation run on
+    the driver."""
+    shader, plan = request.shader, replace(request.plan, confirm=_confirm)
+    with use_worker(worker):
+        if functions:
+            return audit_functions(shader, plan, worker)
+        return replace(request, plan=plan).perform(worker)
 
 
 def _confirm(program: Program, hazard: Hazard) -> Hazard:

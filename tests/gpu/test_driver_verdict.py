@@ -11,7 +11,8 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
-from shaderlab.compiler import Shaders, compile_program
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.diagnostics import mark_disagreement, parse_driver_log
 from shaderlab.compiler.harness import WORK, compile_glsl
 from shaderlab.drivers import Backend, open_backend

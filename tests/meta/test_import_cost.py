@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -68,6 +69,27 @@ def test_a_command_starts_its_worker_before_it_loads_anything_large() -> None:
     """Not even NumPy: what the report needs is loaded while the worker gets ready."""
     loaded = modules_after("import shaderlab.cli.run, shaderlab.engine.jobs")
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"numpy", "cattrs"})
+
+
+@pytest.mark.parametrize(
+    "words", [["audit"], ["audit", "--precision"], ["explain"], ["diff"]], ids=" ".join
+)
+@pytest.mark.parametrize("ending", [".frag", ".glsl"])
+def test_a_command_about_shader_files_leaves_what_is_large_to_its_worker(
+    words: list[str], ending: str, tmp_path: Path
+) -> None:
+    """The answer is plain data, too: unpickling it loads nothing. The worker loads no driver."""
+    function = "float half_of(float x) { return 0.5 * x; }"
+    main = "in float x; out vec4 color; void main() { color = vec4(half_of(x)); }"
+    file = tmp_path / f"one{ending}"
+    file.write_text(f"#version 330 core\n{function}\n{main}" if ending == ".frag" else function)
+    if words == ["explain"] and ending == ".glsl":
+        pytest.skip("functions alone are not explained")
+    words = [*words, str(file), *[str(file)] * (words == ["diff"])]
+    command = f"from shaderlab.cli import cli\ncli({words!r}, standalone_mode=False)"
+    assert not modules_after(command) & (DEVICE | HEAVY | {"numpy", "tree_sitter"})
+    loaded = modules_after(command.replace(words[0], words[0] + "', '-j', '0", 1))
+    assert "numpy" in loaded and not loaded & (DEVICE | HEAVY)
 
 
 def test_help_opens_no_device() -> None:

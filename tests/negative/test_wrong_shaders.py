@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.compiler import Compiled, Shaders, compile_program
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.compile import Compiled, compile_program
 from shaderlab.errors import ShaderError
 
 HEAD = "#version 330 core\nout vec4 c;\n"

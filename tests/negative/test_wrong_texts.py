@@ -7,7 +7,8 @@ from itertools import pairwise
 
 import pytest
 
-from shaderlab.compiler import Shaders, compile_program
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.compile import compile_program
 from shaderlab.errors import ShaderError
 
 HEAD = "#version 330 core\nout vec4 c;\n"

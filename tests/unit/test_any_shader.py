@@ -12,7 +12,8 @@ from shaderlab import glsl
 from shaderlab.analysis.comparison import Plan, compare_programs
 from shaderlab.analysis.interpreter import load
 from shaderlab.cli import cli
-from shaderlab.compiler import Shaders, compile_program
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.compile import compile_program
 
 ES = "#version 300 es\nprecision highp float;\n"
 READ = {

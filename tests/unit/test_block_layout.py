@@ -10,7 +10,9 @@ from itertools import pairwise
 
 import pytest
 
-from shaderlab.compiler import Block, Shaders, compile_program
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.compile import compile_program
+from shaderlab.compiler.reflection import Block
 
 
 def block(members: str, declared: str = "layout (std140) uniform", structs: str = "") -> Block:

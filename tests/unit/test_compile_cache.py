@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.compiler import Shaders, Source, compile_cache, compile_program
-from shaderlab.compiler.compile import Compiled
+from shaderlab.compiler import Shaders, Source, compile_cache
+from shaderlab.compiler.compile import Compiled, compile_program
 from shaderlab.compiler.compile_cache import CompileCache, Store, decode, encode, program_key
 from shaderlab.compiler.glslang import ALL_TARGETS, TARGETS
 from shaderlab.compiler.sources import LineMap

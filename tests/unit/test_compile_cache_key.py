@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.compiler import compile_cache, compile_program, glslang
+from shaderlab.compiler import compile_cache, glslang
+from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.compile_cache import (
     cache_folder,
     cached_compiler,

@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 
 from benchmarks.verdicts import DIALECTS, EXPLAINED
-from shaderlab.compiler import ALL_TARGETS, Shaders, compile_program
-from shaderlab.compiler.glslang import TARGETS
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.compile import compile_program
+from shaderlab.compiler.glslang import ALL_TARGETS, TARGETS
 from shaderlab.compiler.sources import Source
 
 ACCEPTED: dict[str, list[str]] = tomllib.loads((DIALECTS / "accepted.toml").read_text())

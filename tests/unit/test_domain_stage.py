@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.compiler import Shaders, Source, compile_program
-from shaderlab.compiler.compile import Compiled
+from shaderlab.compiler import Shaders, Source
+from shaderlab.compiler.compile import Compiled, compile_program
 from shaderlab.drivers.programs.prepare import PreparedDraw, Preparer
 from shaderlab.drivers.programs.stages import write_domain_stage
 from shaderlab.errors import CaseError

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from benchmarks.trees import SUFFIX, mutant, own_shaders
-from shaderlab.compiler import Shaders, Source, compile_program
+from shaderlab.compiler import Shaders, Source
+from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.diagnostics import check_version
 from shaderlab.compiler.glslang import GLSLANG_WHEEL, find, link
 

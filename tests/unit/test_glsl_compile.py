@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.compiler import Shaders, Source, compile_program, disassemble, validate
+from shaderlab.compiler import Shaders, Source
+from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.diagnostics import MAX_NESTING, MAX_OPERATORS, find_crash
-from shaderlab.compiler.glslang import find, find_versions, link
+from shaderlab.compiler.glslang import disassemble, find, find_versions, link, validate
 from shaderlab.compiler.spirv import Decoration, Module, interface_name, parse
 from shaderlab.errors import ShaderError
 

@@ -8,7 +8,9 @@ import moderngl
 import numpy as np
 import pytest
 
-from shaderlab.compiler import Interface, Shaders, compile_program
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.compile import compile_program
+from shaderlab.compiler.reflection import Interface
 
 # GL's type enumerants by their GLSL names.
 GL_TYPES: Mapping[int, str] = {

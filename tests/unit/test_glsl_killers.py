@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.compiler import Shaders, compile_program
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.harness import WORK, compile_glsl
 from shaderlab.model.options import Limits
 from shaderlab.workers.pool import WorkerPool

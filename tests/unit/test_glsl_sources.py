@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.compiler import Shaders, compile_program
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.sources import LineMap
 from shaderlab.errors import ShaderError
 

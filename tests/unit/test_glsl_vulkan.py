@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.compiler import Shaders, compile_program
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.compile import compile_program
 
 HEAD = "#version 450 core\nout vec4 c;\n"
 COMPATIBILITY = "compilation for SPIR-V does not support the compatibility profile"

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shaderlab.compiler import Shaders, compile_program
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.compile import compile_program
 from shaderlab.engine.pictures import PictureWriter
 from shaderlab.model import pictures
 from shaderlab.model.frame import Image
