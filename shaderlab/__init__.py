@@ -8,12 +8,10 @@ The names are listed in __init__.pyi. Each is imported when it is first used, so
 only a part, such as the compile harness and its workers, does not wait for NumPy.
 """
 
-import typing as _typing
-
 __version__ = "0.1.0"
 
 
-def __getattr__(name: str) -> _typing.Any:
+def __getattr__(name: str) -> object:
     # Reading the stub takes longer than starting Python; the commands do without, and first of all
     # they see to it that they can be interrupted.
     import lazy_loader

@@ -33,10 +33,16 @@ def main() -> None:
         from shaderlab.cli import main as command_line
 
         command_line()
-    except (KeyboardInterrupt, SystemExit) as ended:
-        if isinstance(ended, KeyboardInterrupt):
+    except (KeyboardInterrupt, SystemExit, RuntimeError) as ended:
+        # Python 3.11 wraps what is raised while a class gets its attributes.
+        interrupted = KeyboardInterrupt in (type(ended), type(ended.__cause__))
+        if not interrupted and isinstance(ended, RuntimeError):
+            raise
+        # The command has said so itself where it does not end as if all were well.
+        known = _number in (0, signal.SIGINT)
+        if interrupted or not (known or getattr(ended, "code", False)):
             print("\nshaderlab: interrupted", file=sys.stderr)
-        elif _number in (0, signal.SIGINT):  # then the command knows its status
+        elif known:  # then the command knows its status
             raise
         sys.exit(128 + (_number or signal.SIGINT))
     finally:

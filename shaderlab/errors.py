@@ -31,7 +31,7 @@ class ShaderlabError(Exception):
 
     Args:
         message: what is wrong, in one sentence.
-        file: the file that the reader has to open, where there is one.
+        file: the file that the reader has to open; None or "?" where there is none.
         line: the line in it, counted from 1.
         remedy: what to do about it.
     """
@@ -45,7 +45,7 @@ class ShaderlabError(Exception):
         remedy: str | None = None,
     ) -> None:
         self.message = message
-        self.file = None if file is None else str(file)
+        self.file = None if file in (None, "?") else str(file)
         self.line = line
         self.remedy = remedy
         super().__init__(str(self))

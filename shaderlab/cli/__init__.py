@@ -159,7 +159,12 @@ def main() -> None:
             stream.reconfigure(errors="replace")  # a terminal may lack the character ✓
     try:
         try:
-            cli(prog_name="shaderlab")
+            sys.exit(cli(prog_name="shaderlab", standalone_mode=False))
+        except click.ClickException as error:
+            error.show()
+            sys.exit(error.exit_code)
+        except click.Abort:  # what click makes of an interrupt before it comes to the command
+            raise KeyboardInterrupt from None
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()

@@ -155,7 +155,8 @@ def _collect_audits(results: Iterable[Any]) -> Iterator[Audit]:
         if isinstance(result.value, ShaderlabError):
             why = str(result.value)
         else:
-            why = f"{result.item.name}: {describe_failure(result)}"
+            why = describe_failure(result)
+            why = why if result.item.name in why else f"{result.item.name}: {why}"
         yield Audit(file=result.item.name, hazards=(), tried=0, refused=why)
 
 

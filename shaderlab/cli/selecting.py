@@ -132,9 +132,10 @@ def resolve_target(target: str) -> list[tuple[Path, str | None]]:
                     remedy = f"it has tests of functions: pytest {target}"
                 raise UsageError("there is no case file in this folder", file=target, remedy=remedy)
             return files
-        if not path.exists():
-            beside = [str(p) for p in path.parent.glob("*.py")] if path.parent.is_dir() else []
-            raise UsageError("there is no such file", file=target, remedy=suggest(target, beside))
+        if not path.is_file():
+            beside = [str(p) for p in path.parent.glob("*.py") if p.is_file()]
+            what = "this is no regular file" if path.exists() else "there is no such file"
+            raise UsageError(what, file=target, remedy=suggest(target, beside))
         return [(path, None)]
     found = _WITH_VARIANT.fullmatch(target)
     case_id, variant = (found["id"], found["variant"]) if found else (target, None)

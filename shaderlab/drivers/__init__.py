@@ -139,6 +139,7 @@ QUERIES: Mapping[str, str] = {
     "locations": "locations of uniforms",
     "gl_errors": "errors of OpenGL",
     "trace": "calls of OpenGL",
+    "parameters": "functions of OpenGL",
     "call": "calls of OpenGL",
 }
 """The queries of a session, and how errors name them.
@@ -153,9 +154,10 @@ QUERIES: Mapping[str, str] = {
 | locations | draw | the location of each declared uniform; −1 for one without any effect |
 | gl_errors | draw | the errors that it raised |
 | trace | | a `TracedCall` for each call that drawing takes, without the lab's own reading |
+| parameters | a function's C name | the names of its parameters |
 | call | calls, expected values | the `Reply` to the last one, or the first that raises an error |
 """
-OPENGL_QUERIES = ("locations", "gl_errors", "trace", "call")
+OPENGL_QUERIES = ("locations", "gl_errors", "trace", "parameters", "call")
 
 
 STORAGE_OF_PROBES = 7

@@ -136,8 +136,11 @@ class SceneRunner(AbstractContextManager["SceneRunner"]):
 
     def _record_drawn(self, evaluation: Evaluation, record: RecordBuilder) -> SceneCheck | None:
         """Record what drawing gave besides the pictures; returns the self-check to be made. Raises
-        DriverError: a draw raised an error of OpenGL that no expectation is about."""
+        DriverError: a draw raised an error of OpenGL that no expectation is about; CaseError: there
+        is no such output as the case names for its picture."""
         scene, drawn, options = evaluation.scene, evaluation.drawn, self.options
+        if scene.picture is not None:
+            picture_of(scene, drawn.images)
         if options.frames is not None:
             with record.notice_if_unwritable("the values that drivers are compared by"):
                 save_frames(options.frames, scene.case.id, scene.variant, drawn.images)

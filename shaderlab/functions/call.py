@@ -13,7 +13,7 @@ import numpy as np
 from shaderlab.drivers.programs.textures import texture_contents, texture_kind
 from shaderlab.errors import ArgumentsError, CallError, suggest
 from shaderlab.functions.signatures import DTYPES, Input, Signature, Type
-from shaderlab.model.checked import UNMASK, is_masked
+from shaderlab.model.checked import UNMASK, is_array, is_masked
 from shaderlab.model.frame import Array, Texels
 from shaderlab.model.textures import CompressedTexture, CubeTexture, Texture, TextureArray
 
@@ -384,7 +384,7 @@ def read_texels(source: Any, label: str, folder: Path) -> Texels:
 def _texture(value: Any, kind: Type, label: str) -> Any:
     if isinstance(value, _TEXTURES):
         return value
-    array = np.asarray(value)
+    array = np.asarray(value if is_array(value) else ())
     letter = kind.name.removesuffix("sampler2D")
     if letter not in ("", "i", "u") or array.ndim not in (2, 3) or array.dtype.kind not in "fiu":
         raise CallError(

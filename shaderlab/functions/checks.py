@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import inspect
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -16,8 +15,8 @@ import numpy as np
 
 from shaderlab.engine.judging.banded import Banded, judge_band
 from shaderlab.engine.judging.laws import Close, Finding, Law
-from shaderlab.engine.judging.references import Inputs, parameter_name
-from shaderlab.errors import CallError, FormulaError
+from shaderlab.engine.judging.references import Inputs, locate_error, parameter_name, parameters_of
+from shaderlab.errors import CallError, FormulaError, ShaderlabError
 from shaderlab.functions.call import Call, collect_opaque, read_texels, replace_arguments
 from shaderlab.functions.signatures import Type
 from shaderlab.glslmath.choice import where
@@ -50,7 +49,7 @@ class Inverse(Close, CallLaw):
 
     def judge_call(self, function: Function, call: Call, got: Any) -> Finding:
         x = np.asarray(_argument(function, call, self.argument or call.signature.given[0].name))
-        back = np.asarray(self.other(got))
+        back = np.asarray(call_other(self.other, got))
         x = np.broadcast_to(x, back.shape)
         trivial = "it returns its argument" if back.size and np.array_equal(got, x) else ""
         return self.compare(back, x, trivial)
@@ -86,7 +85,7 @@ class SameAs(Close, CallLaw):
             named = {name: value for name, value in values.items() if name in reads}
             expected = np.asarray(self.other(*arguments, **named))
         else:
-            expected = np.asarray(self.other(*arguments))
+            expected = np.asarray(call_other(self.other, *arguments))
         return self.compare(got, expected)
 
 
@@ -109,6 +108,17 @@ class Table(Close, CallLaw):
         if self.digits is not None:
             close = Close(within=0.5 * 10.0**-self.digits * (1.0 + 1e-6))
         return close.compare(measured, expected)
+
+
+def call_other(other: Callable[..., Any], *arguments: Any) -> Any:
+    """What a test's own function gives, a list as an array. Raises FormulaError: it fails."""
+    try:
+        found = other(*arguments)
+        return np.asarray(found) if isinstance(found, list | tuple) else found
+    except ShaderlabError:
+        raise
+    except Exception as error:
+        raise locate_error(other, error, "it gets arrays, or bands, and returns one") from error
 
 
 inverse, idempotent, same_as, table = Inverse, Idempotent, SameAs, Table
@@ -182,18 +192,10 @@ def function_source(function: Function, call: Call) -> SourceText:
 def judge_reference(function: Function, call: Call, part: Part, banded: Banded) -> Outcome:
     """The outcome of a part of a call's result under a reference."""
     status, message = banded.verdict()
-    return Outcome(
-        name=part.named(function.__name__),
-        kind="formula",
-        status=status,  # type: ignore[arg-type]
-        message=message,
-        judged=int(banded.measured.size),
-        outside=banded.outside,
-        worst=banded.worst(),
-        vacuous=banded.vacuous_share,
-        undecided=banded.undecided_share,
-        informative=banded.informative_share,
-        sources=(function_source(function, call), banded.source),
+    sources = (function_source(function, call), banded.source)
+    name = part.named(function.__name__)
+    return banded.outcome(
+        name=name, kind="formula", status=status, message=message, sources=sources
     )
 
 
@@ -247,15 +249,10 @@ def _judge_law(
         count = math.prod(call.batch)
         worst = finding.find_worst(count, lambda index: inputs_at(call, index), broken=True)
     return Outcome(
-        name=function.__name__,
-        kind=law.title,
-        status="fail" if message else "pass",
-        message=message,
-        judged=judged,
-        outside=int(wrong),
-        worst=worst,
+        name=function.__name__, kind=law.title, status="fail" if message else "pass",
+        message=message, judged=judged, outside=int(wrong), worst=worst,
         sources=(function_source(function, call),),
-    )
+    )  # fmt: skip
 
 
 def inputs_at(call: Call, index: int) -> dict[str, tuple[float, ...]]:
@@ -392,7 +389,7 @@ def _match_names(
     reference: Reference, call: Call, numbers: Inputs, textures: Collection[str]
 ) -> dict[str, str]:
     """The reference's name for each input that it may read."""
-    parameters = inspect.signature(reference).parameters.values()
+    parameters = parameters_of(reference).values()
     wanted = [p.name for p in parameters]
     required = [p.name for p in parameters if p.default is p.empty]
     inputs = (*call.signature.given, *call.signature.globals)

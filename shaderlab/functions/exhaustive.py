@@ -63,6 +63,7 @@ class Numbers:
     def _sign(self) -> int:
         return 8 * self.dtype.itemsize - 1
 
+    @np.errstate(over="ignore")
     def _number(self, value: Any) -> int:
         """How many numbers lie between 0 and this one, less than 0 for negative ones."""
         exact = np.array(value, self.dtype)

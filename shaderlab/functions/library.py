@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
@@ -345,14 +346,17 @@ def load(
     Raises:
         ShaderError: there is no such file, or it or one of its includes can't be read.
         ArgumentsError: a name of `given` is none of the file's globals.
+        CallError: the file does not read one of the macros.
     """
     check_arguments(load, shader=shader, defines=defines)
     if isinstance(shader, str) and "{" in shader:
         folders = _folders(sys._getframe(1).f_globals)
-        source = Shaders(folders, defines=defines).from_text(shader, "fragment", "text")
-        return Library(source, "", given)
-    path = _find(Path(shader), _folders(sys._getframe(1).f_globals))
-    return Library(_source(path, defines), str(path.parent), given)
+        source, folder = Shaders(folders, defines=defines).from_text(shader, "fragment", "text"), ""
+    else:
+        path = _find(Path(shader), _folders(sys._getframe(1).f_globals))
+        source, folder = _source(path, defines), str(path.parent)
+    _require_macros_read(source, defines or ())
+    return Library(source, folder, given)
 
 
 class Library:
@@ -438,6 +442,16 @@ def _find(path: Path, tried: Sequence[Path]) -> Path:
             return Path(os.path.abspath(folder / path))
     where = ", ".join(map(str, dict.fromkeys(tried)))
     raise ShaderError(f"no such shader file in {where}", file=path)
+
+
+def _require_macros_read(source: Source, names: Iterable[str]) -> None:
+    """Raise CallError for a macro whose name a source has only where it is defined."""
+    words = re.findall(r"\w+", source.code)
+    for name in (name.partition("(")[0] for name in names):
+        if words.count(name) == 1:
+            asked = re.findall(r"#\s*(?:el)?if\w*\s+!?(?:defined)?\W*(\w+)", source.code)
+            message = f"{source.name} does not read the macro {name!r}"
+            raise CallError(message, remedy=suggest(name, asked))
 
 
 def _source(path: Path, defines: Mapping[str, str] | None) -> Source:

@@ -248,6 +248,13 @@ def format_arguments(values: Mapping[str, Any]) -> Iterator[str]:
         yield f"{name}={text(value)}"
 
 
+def _to_array(value: Any, label: str) -> Array:
+    try:
+        return np.asarray(value)
+    except ValueError:
+        raise CallError(f"{label} {value!r:.60}, of which rows differ in length") from None
+
+
 def format_number(value: Any) -> str:
     """The shortest text with the same float32, integer or boolean."""
     return str(value) if np.asarray(value).dtype.kind != "f" else shortest(value)
@@ -329,7 +336,7 @@ class Search:
         arguments were tried. Raises what the test raises for its smallest counterexample."""
         __tracebackhide__ = True
         if isinstance(batch, dict):
-            values = {n: np.asarray(v)[None] for n, v in flatten(batch)}
+            values = {n: _to_array(v, f"example: {n} is")[None] for n, v in flatten(batch)}
         elif self.proof[0] and self._is_sampled:
             return 0
         else:
@@ -444,7 +451,7 @@ class Search:
             if isinstance(error, ValueError) and "truth value of an array" in str(error):
                 raise
             return True
-        return not (holds is None or np.all(holds))
+        return not (holds is None or np.all(_to_array(holds, f"{self._test.__name__} returns")))
 
     def _arguments(self, values: Values) -> dict[str, Any]:
         """What the test gets for some values: those among its parameters, and the result."""

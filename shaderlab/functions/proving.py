@@ -24,8 +24,9 @@ from shaderlab.analysis.undefined import find_written_outputs
 from shaderlab.bands import Band
 from shaderlab.bands.exact import DECIDING
 from shaderlab.compiler.spirv import StorageClass, type_name
-from shaderlab.engine.judging.laws import Bounded, Law, Monotone
+from shaderlab.engine.judging.laws import Bounded, Law, Monotone, fit_shape
 from shaderlab.errors import CallError, FormulaError, ShaderlabError
+from shaderlab.functions.checks import call_other
 from shaderlab.functions.evaluation import keeping, use_worker
 from shaderlab.functions.interpreting import audit_functions, find_entry_points
 from shaderlab.functions.library import Function, Library
@@ -44,7 +45,8 @@ _NUMBERS = re.compile(r"(float|int|uint|[iu]?vec[234])")
 
 def prove_law(function: Function, law: Any, ranges: Mapping[str, Any]) -> Outcome:
     """Whether a law or a condition of a function's results holds; see `Function.prove`."""
-    asked, holds = function, partial(_keeps, law) if isinstance(law, Law) else law
+    asked = function
+    holds = partial(_keeps, law) if isinstance(law, Law) else partial(call_other, law)
     if isinstance(law, Law):
         asked, ranges = _compare(function, law, ranges)
     program, proof = find_proof(
@@ -75,6 +77,8 @@ def _compare(function: Function, law: Law, ranges: Mapping[str, Any]) -> tuple[F
     if any(kinds.get(n) != "float" for n in law.inputs) or len(signature.outputs) > 1:
         raise CallError(f"{law.title} is proved of one result, and floats of {', '.join(kinds)}")
     if isinstance(law, Bounded):
+        for end in law.ends:
+            fit_shape(end, signature.outputs[0][1].shape or (1,), "a bound")
         return function, ranges
     changed = {name: name for name in kinds}
     if isinstance(law, Monotone):

@@ -100,18 +100,21 @@ class Case(Checked):
 
     def scenes(self) -> "Iterator[Scene]":
         """Each variant with its changes made, in the order they are written. Raises CaseError: a
-        variant changes something that no draw has."""
+        variant changes something that no draw has, or the picture's pass is none."""
         for index, variant in enumerate(self.variants or (Variant(DEFAULT_VARIANT),)):
             passes = self.passes if variant.passes is None else tuple(variant.passes)
             # Figures that no input changes are judged once, with the first variant.
             again = [e for e in self.expect if index == 0 or not e.once]
-            yield Scene(
+            scene = Scene(
                 case=self,
                 variant=variant.name,
                 passes=_apply_changes(passes, variant),
                 expect=(*again, *variant.expect),
                 changes=variant.changes,
             )
+            if scene.picture is not None:
+                scene.find_pass(scene.picture.pass_name)
+            yield scene
 
     def scene(self, variant: str) -> "Scene":
         """The scene of one variant, by name."""

@@ -24,6 +24,8 @@ SCALARS: dict[type, Any] = {bool: (bool, np.bool_), int: numbers.Integral, float
 # Of a long sequence or mapping the first elements are checked.
 MOST_ELEMENTS = 64
 SHOWN = 60
+TOO_LARGE = 2**1024
+"""The first integer that is no float."""
 UNMASK = "give numbers for what is masked: numpy.ma.filled(values, 0.0)"
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -120,6 +122,7 @@ def find_misfit(value: Any, hint: Any, place: str) -> Misfit | None:
         fits = callable(value)
     elif isinstance(kind, type) and kind is not Any:
         fits = isinstance(value, SCALARS.get(kind, kind))
+        fits &= kind is not float or not isinstance(value, int) or abs(value) < TOO_LARGE
     return None if fits else wrong
 
 

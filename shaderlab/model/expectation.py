@@ -65,11 +65,13 @@ class Expectation(Checked, ABC):
 
     Attributes:
         kind: how records call this kind.
+        named: its name if the case gives none, such as "{self.output}"; else its kind.
         once: whether it is judged with a case's first variant alone, since no input changes it.
         name: how outcomes call this one.
     """
 
     kind: ClassVar[str]
+    named: ClassVar[str] = ""
     once: ClassVar[bool] = False
 
     name: str = field(default_factory=str)  # no class attribute: a kind may take it first
@@ -92,7 +94,7 @@ class Expectation(Checked, ABC):
     @property
     def default_name(self) -> str:
         """Its name if the case gives none."""
-        return self.kind
+        return (self.named or self.kind).format(self=self)
 
     def find_reads(self, scene: Scene) -> Iterable[Read]:
         """The outputs that it judges, found by their names alone; one that does not exist is not an

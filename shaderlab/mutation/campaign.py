@@ -18,13 +18,13 @@ from shaderlab.model.case import Case
 from shaderlab.model.options import RunOptions
 from shaderlab.mutation.call_mutants import mutate_calls
 from shaderlab.mutation.judging import Judge
-from shaderlab.mutation.mutants import CaseResult, Mutant, MutantResult, MutantRun
+from shaderlab.mutation.mutants import CaseResult, Mutant, MutantResult, MutantRun, select_scenes
 from shaderlab.mutation.shader_mutants import mutate_case
 from shaderlab.mutation.state_mutants import mutate_state
 from shaderlab.workers.pool import ItemResult
 
-_OPENING = "running the case as it is"
-"""The step that a worker notes while it opens a case."""
+_COMPILING, _OPENING = "compiling the case's shaders", "running the case as it is"
+"""The steps that a worker notes while it opens a case; the first has a mutant's time limit."""
 OPENING_SECONDS = 120.0
 
 
@@ -104,9 +104,13 @@ class JudgeMutant:
         return judge.judge(self.mutant)
 
     def _open(self, worker: Worker) -> Judge:
+        worker.note(_COMPILING)
+        lab, case = worker.lab(RunOptions()), worker.case(str(self.file))
+        for scene in select_scenes(case, self.variants):
+            worker.restart_limit()
+            lab.prepare_for_opengl(scene)
         worker.note(_OPENING)
         worker.restart_limit(OPENING_SECONDS)
-        lab, case = worker.lab(RunOptions()), worker.case(str(self.file))
         judge = Judge(lab, case, self.variants)
         worker.note("")
         worker.restart_limit()
@@ -142,8 +146,7 @@ class MutationRun:
             if result.status == "done":
                 run.mutants = result.value
             else:
-                late = "\n→ allow more time: --timeout S" * (result.status == "timeout")
-                run.message = _describe_failure(result, "making its mutants") + late
+                run.message = _describe_failure(result, "making its mutants")
         self.total = sum(len(run.mutants) for run in self._runs)
 
     def judge(self) -> Iterator[tuple[str, MutantResult | None]]:
@@ -195,7 +198,7 @@ def _mutant_result(item: ItemResult) -> MutantResult | None:
     """What came of a mutant: one that hangs or crashes is killed. None if the case is at fault."""
     if item.status == "done":
         return cast(MutantResult, item.value)
-    if item.status == "error" or item.step == _OPENING:
+    if item.status == "error" or item.step in (_COMPILING, _OPENING):
         return None
     how = "timeout" if item.status == "timeout" else f"crash ({item.message})"
     return MutantResult("killed", how)
@@ -205,7 +208,10 @@ def _describe_failure(
     item: ItemResult, what: str = "the case itself does not run to its end"
 ) -> str:
     if item.status != "error":
-        return f"{what}: {item.message}"
+        late = "\n→ allow more time: --timeout S" * (
+            item.status == "timeout" and item.step != _OPENING
+        )
+        return f"{what}: {item.message}{late}"
     unforeseen = not isinstance(item.value, ShaderlabError | MemoryError)
     said = format_error(item) or "out of memory"
     return f"unforeseen {type(item.value).__name__}: " * unforeseen + said

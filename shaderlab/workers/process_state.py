@@ -52,7 +52,7 @@ class ProcessState:
     def has_changed(self) -> bool:
         """Whether anything is another than at that time; what modules have besides is not."""
         try:
-            if _read_settings() != self._settings:
+            if _read_settings() != self._settings or _gives_others():
                 return True
             if any(sys.modules[name] is not module for name, module in self._modules.items()):
                 return True
@@ -71,7 +71,18 @@ def _functions_of(module: ModuleType) -> list[tuple[str, Any]]:
     return [(k, v) for k, v in named if callable(v) and not k.startswith("__")]
 
 
+def _gives_others() -> bool:
+    """Whether `shaderlab` has other names than those that it imports when they are first used."""
+    lab = sys.modules["shaderlab"]
+    public = {k: v for k, v in vars(lab).items() if k[0] != "_" and not isinstance(v, ModuleType)}
+    return any(lab.__getattr__(name) is not value for name, value in public.items())
+
+
 def _read_settings() -> list[Any]:
+    # A hook that can't be taken back may raise at each of these.
+    sys.audit("open", os.devnull, "r", 0)
+    sys.audit("import", "os", None, [], [], [])
+    sys.audit("exec", None)
     mask = os.umask(0o077)
     os.umask(mask)
     one, tiny = float("1.0"), float("5e-324")  # in words, so that no compiler computes with them

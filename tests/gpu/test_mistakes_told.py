@@ -14,6 +14,7 @@ from shaderlab import Case, formula, fullscreen
 from shaderlab.cli import cli
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.run import SceneRunner
+from shaderlab.errors import CaseError
 from shaderlab.glslmath import vec4
 from shaderlab.model.options import RunOptions
 
@@ -99,6 +100,23 @@ def test_a_block_that_is_given_as_a_uniform(lab: SceneRunner, tmp_path: Path, na
 def test_a_number_that_is_no_uint(lab: SceneRunner, tmp_path: Path, value: float, why: str) -> None:
     said = told(lab, tmp_path, HASH, lambda seed: seed, uniforms={"seed": value})
     assert f"uniform 'seed' is uint, but {value} is {why}" in said
+
+
+@pytest.mark.parametrize("picture", ["colour", "main.colour", "mian.color"])
+def test_a_picture_of_nothing(lab: SceneRunner, tmp_path: Path, picture: str) -> None:
+    """Also where no pictures are drawn; a pass by its name as soon as the case is loaded."""
+    (tmp_path / "a.frag").write_text(PLAIN)
+    passes, file = fullscreen("a.frag"), str(tmp_path / "a.py")
+    case = Case(title="t", passes=passes, expect=[formula("color", right)], picture=picture)
+    object.__setattr__(case, "file", file)
+    if picture.startswith("mian"):
+        with pytest.raises(CaseError, match="there is no pass 'mian'"):
+            list(case.scenes())
+        return
+    (scene,) = case.scenes()
+    record = lab.run(scene)
+    assert record.status == "error"
+    assert record.message.startswith(f"there is no output {picture!r} to be the picture\n→ did you")
 
 
 def test_a_dialect_says_which_targets_to_keep(lab: SceneRunner, tmp_path: Path) -> None:

@@ -91,7 +91,7 @@ def test_a_formula_over_integers_is_judged_to_the_last_one() -> None:
     right = (n.astype(np.int64) * 3 + 1).astype(np.int32)
     for format, measured in (("r32i", right), ("rgba32f", right)):
         banded = judge_band(measured, lambda n: n * 3 + 1, inputs, rules=None, format=format)
-        assert banded.verdict() == ("pass", "") and banded.vacuous_share == 0.0
+        assert banded.verdict() == ("pass", "") and banded.band.vacuous == 0
         wrong = judge_band(measured + 1, lambda n: n * 3 + 1, inputs, rules=None, format=format)
         assert wrong.outside == 3
     unsigned = judge_band(
@@ -106,7 +106,7 @@ def test_what_no_integer_operation_defines_counts_as_vacuous() -> None:
     n = np.array([[1], [40]], np.int32)
     inputs = Inputs(shared={}, each={"n": n})
     banded = judge_band(n, lambda n: 1 << n, inputs, rules=None, format="r32i")
-    assert banded.vacuous_share == 0.5
+    assert banded.band.vacuous == banded.measured.size / 2
 
 
 def test_a_reference_outside_its_own_band_is_said() -> None:

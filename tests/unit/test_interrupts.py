@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pytest
 
@@ -29,37 +29,67 @@ def interruptible(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         signal.signal(number, handler)
 
 
-def test_an_interrupt_while_modules_are_imported_is_said(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def interrupted() -> None:
-        raise KeyboardInterrupt
+_command_line = cli.main
 
+
+def _interrupted() -> None:
+    raise KeyboardInterrupt
+
+
+def _interrupted_in_a_class() -> None:
+    class Part:
+        def __set_name__(self, *_: object) -> None:
+            raise KeyboardInterrupt
+
+    type("Whole", (), {"part": Part()})
+
+
+def _interrupted_before_the_command() -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cli.Commands, "parse_args", lambda *_: _interrupted())
+        _command_line()
+
+
+@pytest.mark.parametrize(
+    "interrupted", [_interrupted, _interrupted_in_a_class, _interrupted_before_the_command]
+)
+def test_an_interrupt_while_modules_are_imported_is_said(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    interrupted: Callable[[], None],
+) -> None:
     monkeypatch.setattr(cli, "main", interrupted)
     with pytest.raises(SystemExit) as ended:
         program.main()
     assert ended.value.code == cli.INTERRUPTED
-    assert capsys.readouterr().err == "\nshaderlab: interrupted\n"
+    assert capsys.readouterr().err.strip() == "shaderlab: interrupted"
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-@pytest.mark.parametrize("noticed", [True, False], ids=["by the command", "by nobody"])
+@pytest.mark.parametrize("status", [cli.INTERRUPTED, cli.OK, None])
 def test_other_signals_end_it_as_an_interrupt_does(
-    monkeypatch: pytest.MonkeyPatch, number: signal.Signals, noticed: bool
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    number: signal.Signals,
+    status: int | None,
 ) -> None:
+    """Also where the command ends as if all were well, as a watch does, or notices nothing."""
+
     def told() -> None:
         try:
             signal.raise_signal(number)
             time.sleep(20)
         except KeyboardInterrupt:
-            if not noticed:
+            if status is None:
                 raise
-            sys.exit(cli.INTERRUPTED)
+            sys.exit(status)
 
     monkeypatch.setattr(cli, "main", told)
     with pytest.raises(SystemExit) as ended:
         program.main()
     assert ended.value.code == 128 + number
+    said = "" if status else "\nshaderlab: interrupted\n"  # by the command itself
+    assert capsys.readouterr().err == said
 
 
 def test_what_is_printed_after_the_terminal_is_gone_is_no_error() -> None:

@@ -57,6 +57,9 @@ SPOILERS = {
     "recursion": "sys.setrecursionlimit(5000)",
     "standard error": "sys.stderr = None",
     "trace": "sys.settrace(lambda *_: None)",
+    "what is imported lazily": "shaderlab.Case = int",
+    "an audit hook": "sys.addaudithook(lambda event, _: 1 / 0 if event == 'open' else None)",
+    "a hook of imports": "sys.addaudithook(lambda event, _: 1 / 0 if event == 'import' else None)",
 }
 IMPORTS = """
 import builtins, ctypes, functools, inspect, locale, math, os, pathlib, random, re, resource
@@ -120,6 +123,8 @@ def test_what_cases_do_is_no_change(tmp_path: Path) -> None:
         "np.random.default_rng(1).random()",
         "with np.errstate(all='ignore'): np.log(0.0)",
         "sum(map(math.sqrt, range(9)))",
+        "from shaderlab import Case, formula, glsl",
+        "sys.addaudithook(lambda event, _: None)",
     ]
     assert ask(codes, tmp_path) == [False] * len(codes)
 

@@ -103,6 +103,7 @@ class OpenGLSession(Drawing):
         "blocks": read_blocks,
         "locations": find_locations,
         "trace": tracing.trace,
+        "parameters": lambda _, function: tuple(calls.prototype(function).argNames),
         "call": _call,
         "gl_errors": PassSession.find_errors,
     }

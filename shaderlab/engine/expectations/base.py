@@ -116,13 +116,10 @@ class OutputExpectation(Expectation):
     a draw shows all that its geometry covers.
     """
 
+    named = "{self.output}"
     output: str
     draw: int = -1
     discards: Callable[..., Any] | None = None
-
-    @property
-    def default_name(self) -> str:
-        return self.output
 
     def key(self, scene: Scene) -> PassDraw:
         """The pass and draw that the output comes from. Raises CaseError if there is none."""

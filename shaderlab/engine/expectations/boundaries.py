@@ -1,6 +1,5 @@
 """boundaries: the band holds on both sides of the places where the reference changes most."""
 
-import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass
 
@@ -14,7 +13,7 @@ from shaderlab.model.phases import phase
 
 from ..judging.banded import judge_band
 from ..judging.bands import PLACE
-from ..judging.references import Inputs, evaluate
+from ..judging.references import Inputs, evaluate, parameters_of
 from .base import Context
 from .formula import Reference, ReferenceExpectation
 from .needs import CapturedFragments, OwnSamples, inputs_of
@@ -46,14 +45,11 @@ class Boundaries(ReferenceExpectation):
     """
 
     kind = "boundaries"
+    named = "{self.output} at its boundaries"
 
     output: str
     reference: Reference
     _: KW_ONLY
-
-    @property
-    def default_name(self) -> str:
-        return f"{self.output} at its boundaries"
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         if self.is_of_vertex(scene, programs):
@@ -74,7 +70,7 @@ class Boundaries(ReferenceExpectation):
 
     def places(self, rows: int) -> Mapping[str, Array]:
         """`frag_coord` of points in so many rows of a probe, if the reference asks for it."""
-        if PLACE not in inspect.signature(self.reference).parameters:
+        if PLACE not in parameters_of(self.reference):
             return {}
         x, y = np.meshgrid(np.arange(WAYS) + 0.5, np.arange(rows) + 0.5)
         return {PLACE: np.stack([x, y, np.full_like(x, 0.5), np.ones_like(x)], -1).reshape(-1, 4)}

@@ -15,13 +15,12 @@ import numpy as np
 from shaderlab.bands import Band, Rules, TriBool
 from shaderlab.bands.exact import as_tri_bool
 from shaderlab.drivers.programs.stages import may_discard, writes_depth
-from shaderlab.errors import FormulaError
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Programs
 from shaderlab.model.frame import Array, Fragments, Frame, PassDraw, every_component
 
 from ..judging.bands import CHUNK
-from ..judging.references import evaluate, match_parameters, name_of, source_of
+from ..judging.references import evaluate, make_error, match_parameters, name_of
 from .base import OutputExpectation
 from .needs import CapturedFragments, Probe, inputs_of
 
@@ -173,13 +172,9 @@ def _evaluate_rule(
             truth = as_tri_bool(found)
             yes[rows], no[rows] = truth.all_true, truth.all_false
         except (TypeError, ValueError):
-            place = source_of(reference)
-            raise FormulaError(
-                f"discards of {rule.name!r}: {name_of(reference)}() is not a comparison",
-                file=place.file,
-                line=place.line,
-                remedy="return one truth for each fragment, such as alpha < 0.1",
-            ) from None
+            message = f"discards of {rule.name!r}: {name_of(reference)}() is not a comparison"
+            remedy = "return one truth for each fragment, such as alpha < 0.1"
+            raise make_error(reference, message, remedy) from None
     return TriBool(yes[:, 0], no[:, 0])
 
 

@@ -56,13 +56,10 @@ class AttributeLayout(DriverAnswer[Mapping[str, AttributeReading]]):
     """
 
     kind = "memory"
+    named = "memory layout"
     query_name = "attributes"
 
     attributes: Mapping[str, Sequence[int]]
-
-    @property
-    def default_name(self) -> str:
-        return "memory layout"
 
     def __post_init__(self) -> None:
         for attribute, entry in self.attributes.items():
@@ -99,16 +96,13 @@ class BlockLayout(DriverAnswer[Mapping[str, BlockReading]]):
     """
 
     kind = "memory"
+    named = "layout of {self.block}"
     query_name = "blocks"
 
     block: str
     offsets: Mapping[str, int]
     _: KW_ONLY
     size: int | None = None
-
-    @property
-    def default_name(self) -> str:
-        return f"layout of {self.block}"
 
     def compare(self, answer: Mapping[str, BlockReading]) -> tuple[list[Row], str]:
         if self.block not in answer:
@@ -198,16 +192,13 @@ class GlError(DriverAnswer[Sequence[int]]):
     """The draw raises this error ("invalid_operation", …); any other error fails the case."""
 
     kind = "GL error"
+    named = "GL {self.error}"
     query_name = "gl_errors"
 
     error: str
 
     def __post_init__(self) -> None:
         check_choice("gl_error", "error", self.error, tuple(GL_ERRORS))
-
-    @property
-    def default_name(self) -> str:
-        return f"GL {self.error}"
 
     def raises_gl_errors(self, scene: Scene) -> frozenset[PassDraw]:
         return frozenset({self.key(scene)})

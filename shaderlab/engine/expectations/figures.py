@@ -17,8 +17,8 @@ from shaderlab.engine.expectations.needs import (
     pixel_inputs,
 )
 from shaderlab.engine.judging.banded import figure_row, format_value, judge_band, rounds_to
-from shaderlab.engine.judging.references import evaluate, source_of
-from shaderlab.errors import CaseError, FormulaError
+from shaderlab.engine.judging.references import evaluate, make_error
+from shaderlab.errors import CaseError
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import require_unmasked
 from shaderlab.model.expectation import Expectation, Judgement, Need, Programs, Read
@@ -59,6 +59,7 @@ class Value(ReferenceExpectation):
             yield replace(read, pixel=pixel)
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        self.require_read(self._reference(scene))
         if not isinstance(self.at, Pixel):
             self.is_of_vertex(scene, programs)  # raises where there is no such output
             yield Probe(self, [dict(self.at)])
@@ -147,10 +148,8 @@ class Computed(Expectation):
         try:
             got = self.compute()
         except Exception as error:
-            place = source_of(self.compute)
-            raise FormulaError(
-                f"{self.name}: {type(error).__name__}: {error}", file=place.file, line=place.line
-            ) from error
+            message = f"{self.name}: {type(error).__name__}: {error}"
+            raise make_error(self.compute, message) from error
         require_unmasked(got, f"{self.name}: what it computes")
         ok = rounds_to(got, self.equals, self.digits)
         note = self.note or "float64, no shader"

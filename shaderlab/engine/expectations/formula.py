@@ -18,11 +18,12 @@ from shaderlab.engine.expectations.needs import (
     subject_of,
 )
 from shaderlab.engine.judging.banded import Banded, independent_references, judge_band
-from shaderlab.errors import CaseError
+from shaderlab.engine.judging.references import parameter_names, parameters_of
+from shaderlab.errors import CaseError, suggest
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Judgement, Need, Programs
 from shaderlab.model.frame import Array, Frame, Image
-from shaderlab.model.records import Outcome, Row
+from shaderlab.model.records import Row
 from shaderlab.model.scene import UniformValue
 
 Reference = Callable[..., Any]
@@ -42,6 +43,22 @@ class ReferenceExpectation(OutputExpectation):
     given: Mapping[str, UniformValue] = field(default_factory=dict)
     rules: Rules | None = None
 
+    def __post_init__(self) -> None:
+        if self.reference is not None:
+            self.require_read(self.reference, *getattr(self, "also", {}).values())
+
+    def require_read(self, *references: Any) -> None:
+        """Raise CaseError for a name in `given` that neither these nor `discards` ask for."""
+        asking = filter(None, (*references, self.discards))
+        taken = {name for reference in asking for name in parameters_of(reference)}
+        stands = parameter_names(self.given)
+        read = {name for parameter in taken & stands.keys() for name in stands[parameter]}
+        for name in sorted(self.given.keys() - read):
+            raise CaseError(
+                f"{self.kind} {self.output!r}: given has {name!r}, which no reference asks for",
+                remedy=suggest(name, taken),
+            )
+
     def judgement(
         self,
         scene: Scene,
@@ -55,21 +72,10 @@ class ReferenceExpectation(OutputExpectation):
     ) -> Judgement:
         """The judgement of banded values; `shown` is what else `Judgement` has to show."""
         status, message = verdict
-        outcome = Outcome(
-            name=self.name,
-            kind=self.kind,
-            status=status,  # type: ignore[arg-type]
-            message=message,
-            judged=int(banded.measured.size),
-            outside=banded.outside,
-            worst=banded.worst(covered),
-            vacuous=banded.vacuous_share,
-            undecided=banded.undecided_share,
-            informative=banded.informative_share,
-            rows=tuple(rows),
-            rows_show_worst=rows_show_worst,
-            sources=(banded.source,),
-        )
+        outcome = banded.outcome(
+            covered, name=self.name, kind=self.kind, status=status, message=message,
+            rows=tuple(rows), rows_show_worst=rows_show_worst, sources=(banded.source,),
+        )  # fmt: skip
         return Judgement(outcome=outcome, output=(self.key(scene), self.own_name(scene)), **shown)
 
 
@@ -166,6 +172,7 @@ class Sweep(ReferenceExpectation):
     """
 
     kind = "sweep"
+    named = "{self.output} over {self.over}"
 
     output: str
     reference: Reference
@@ -174,10 +181,6 @@ class Sweep(ReferenceExpectation):
     values: Sequence[float]
     at: Mapping[str, UniformValue] = field(default_factory=dict)
     log_x: bool = False
-
-    @property
-    def default_name(self) -> str:
-        return f"{self.output} over {self.over}"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", tuple(float(v) for v in self.values))

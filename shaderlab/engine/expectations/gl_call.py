@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from shaderlab.engine.expectations.base import Context, Demand
+from shaderlab.engine.expectations.base import Context, Demand, SessionQuery
 from shaderlab.errors import CaseError
 from shaderlab.model.calls import (
     GL_ERRORS,
@@ -186,13 +186,14 @@ class GlCalls(Expectation):
         if self.pass_name is not None:
             scene.find_pass(self.pass_name)
         yield CallTrace()
+        for function in filter(None, (self.function, self.after)):
+            yield _parameters_of(function)
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         trace = frame.answer(CallTrace())
         calls = [c for c in trace if self.pass_name in (None, c.pass_name)]
         same = [c for c in calls if c.function == self.function]
-        if same:
-            self._require_parameters(same[0])
+        self._require_parameters(frame.answer(_parameters_of(self.function)))
         found = [c for c in same if self._matches(c)]
         wanted = "at least 1" if self.times is None else str(self.times)
         ok = bool(found) if self.times is None else len(found) == self.times
@@ -218,17 +219,21 @@ class GlCalls(Expectation):
         first = next((i for i, c in enumerate(calls) if c.function == self.after), len(calls))
         return sum(c.function == self.function and self._matches(c) for c in calls[:first])
 
-    def _require_parameters(self, call: TracedCall) -> None:
+    def _require_parameters(self, known: Sequence[str]) -> None:
         for name in self.arguments:
-            if name not in call.arguments:
+            if name not in known:
                 raise CaseError(
                     f"gl_calls: {self.function} has no parameter {name!r}",
-                    remedy=f"it has {', '.join(call.arguments)}",
+                    remedy=f"it has {', '.join(known)}",
                 )
 
     def _format_call(self) -> str:
         words = ", ".join(f"{name} = {word}" for name, word in self.arguments.items())
         return f"{self.function}({words})" if words else self.function
+
+
+def _parameters_of(function: str) -> SessionQuery[Sequence[str]]:
+    return SessionQuery("parameters", (function,))
 
 
 def gl_calls(

@@ -69,13 +69,10 @@ class EachValue(OutputLaw):
     """A law that every value keeps by itself, or beside another one; GLSL functions are checked by
     the very same laws."""
 
+    named = "{self.output} {self.law.title}"
     types: ClassVar[str] = "iufb"
     over: str
     values: Sequence[Any]
-
-    @property
-    def default_name(self) -> str:
-        return f"{self.output} {self.law.title}"
 
     def __post_init__(self) -> None:
         if not self.steps:
@@ -128,14 +125,10 @@ class EachValue(OutputLaw):
             }
 
         outcome = Outcome(
-            name=self.name,
-            kind=self.kind,
-            status="fail" if message else "pass",
-            message=message,
-            judged=measured.size,
-            outside=wrong,
+            name=self.name, kind=self.kind, status="fail" if message else "pass", message=message,
+            judged=measured.size, outside=wrong,
             worst=found.find_worst(count, inputs_of, broken=bool(message)),
-        )
+        )  # fmt: skip
         return Judgement(outcome=outcome)
 
 
@@ -170,16 +163,13 @@ class Monotone(EachValue):
     """
 
     kind = "monotone"
+    named = "{self.output} {self.direction}"
 
     output: str
     _: KW_ONLY
     values: Sequence[float]
     direction: str = "increasing"
     strict: bool = False
-
-    @property
-    def default_name(self) -> str:
-        return f"{self.output} {self.direction}"
 
     def __post_init__(self) -> None:
         if len(self.values) < 2 or any(a >= b for a, b in pairwise(self.values)):

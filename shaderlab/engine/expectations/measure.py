@@ -4,7 +4,6 @@ A measure is for what no single pixel shows: the share of pixels in the wrong sh
 distance from another one, the energy that a model of reflection loses.
 """
 
-import inspect
 import math
 import re
 import warnings
@@ -16,8 +15,7 @@ import numpy as np
 
 from shaderlab.engine.expectations.base import DrawExpectation
 from shaderlab.engine.expectations.needs import find_image
-from shaderlab.engine.judging.references import locate_error, parameter_name, source_of
-from shaderlab.errors import CaseError, FormulaError, ShaderlabError, suggest
+from shaderlab.errors import CaseError, ShaderlabError, suggest
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import Checked, is_masked
 from shaderlab.model.expectation import Judgement, Read
@@ -25,6 +23,8 @@ from shaderlab.model.frame import Array, Bindings, Frame
 from shaderlab.model.phases import phase
 from shaderlab.model.records import Outcome, Plot, PlotPoint, Row
 from shaderlab.model.scene import UniformValue
+
+from ..judging.references import locate_error, make_error, parameter_name, parameters_of, source_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,6 +174,7 @@ class Measure(DrawExpectation, Bounded):
     """
 
     kind = "measure"
+    named = "{self.label}"
 
     label: str
     statistic: Statistic
@@ -187,10 +188,6 @@ class Measure(DrawExpectation, Bounded):
     log_y: bool = False
     own_types: bool = False
     note: str = ""
-
-    @property
-    def default_name(self) -> str:
-        return self.label
 
     def __post_init__(self) -> None:
         common = {each.name: getattr(self, each.name) for each in fields(Bounded)}
@@ -234,7 +231,7 @@ class Measure(DrawExpectation, Bounded):
         them are there: nothing that it reads is missing.
         """
         for row in self.readings:
-            for parameter in inspect.signature(self.statistic).parameters:
+            for parameter in parameters_of(self.statistic):
                 if parameter in row.given:
                     continue
                 if parameter in row.reads:
@@ -262,16 +259,11 @@ class Measure(DrawExpectation, Bounded):
             others = f" (and {len(wrong) - 1} more of {len(rows)})" if len(wrong) > 1 else ""
             message = f"{what}measured {first.measured}, expected {first.expected}{others}"
         outcome = Outcome(
-            name=self.name,
-            kind=self.kind,
-            status="fail" if wrong else "pass",
-            message=message,
-            judged=sum(row.bound is not None for row in self.readings),
-            outside=len(wrong),
-            rows=rows,
-            rows_heading=self.name if len(rows) > 1 else "",
+            name=self.name, kind=self.kind, status="fail" if wrong else "pass", message=message,
+            judged=sum(row.bound is not None for row in self.readings), outside=len(wrong),
+            rows=rows, rows_heading=self.name if len(rows) > 1 else "",
             sources=(source_of(self.statistic),),
-        )
+        )  # fmt: skip
         return Judgement(outcome=outcome, plot=self._plot(figures, rows))
 
     def _find_known(self, scene: Scene, frame: Frame) -> dict[str, Array]:
@@ -307,20 +299,16 @@ class Measure(DrawExpectation, Bounded):
         except (TypeError, ValueError):
             array = np.empty(0)
         if array.size != 1:
-            place = source_of(self.statistic)
-            raise FormulaError(
-                f"{self.name}: the statistic gives {type(got).__name__} of shape "
-                f"{np.shape(array)}, not one number",
-                file=place.file,
-                line=place.line,
-            )
+            gives = f"{type(got).__name__} of shape {np.shape(array)}"
+            message = f"{self.name}: the statistic gives {gives}, not one number"
+            raise make_error(self.statistic, message)
         return float(array.reshape(()))
 
     def _arguments(
         self, row: Reading, known: Mapping[str, Array], scene: Scene, frame: Frame
     ) -> dict[str, Any]:
         arguments: dict[str, Any] = {}
-        parameters = inspect.signature(self.statistic).parameters
+        parameters = parameters_of(self.statistic)
         images = {id(image.values) for image in frame.images.values()}
         drawn = False
         for name in (*row.reads, *row.given):
@@ -382,13 +370,9 @@ class Measure(DrawExpectation, Bounded):
         if len(points) < 2:
             return None
         return Plot(
-            title=self.name,
-            x_label=self.x_label,
-            y_label=self.y_label or self.label,
-            points=points,
-            log_x=self.log_x,
-            log_y=self.log_y,
-        )
+            title=self.name, x_label=self.x_label, y_label=self.y_label or self.label,
+            points=points, log_x=self.log_x, log_y=self.log_y,
+        )  # fmt: skip
 
 
 def _draw_values(bindings: Bindings) -> dict[str, Array]:

@@ -18,10 +18,10 @@ from shaderlab.bands import Rules
 from shaderlab.bands.bounds import contains, widths
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
-from shaderlab.model.records import Curve, Row, SourceText, Worst, significant
+from shaderlab.model.records import Curve, Outcome, Row, SourceText, Worst, significant
 
 from .bands import FLOAT_FORMATS, MAX_UNDECIDED, MIN_INFORMATIVE, ReferenceBand, reference_band
-from .references import Inputs, Reference, evaluate, source_of
+from .references import Inputs, Reference, evaluate, make_error, source_of
 
 Floats = npt.NDArray[np.float64]
 Distances = npt.NDArray[np.floating[Any]]
@@ -139,15 +139,15 @@ class Banded(BoundedValues):
         """Where the reference stands, and its text."""
         return source_of(self.band.reference)
 
-    @property
-    def vacuous_share(self) -> float:
-        """The share of values whose band allows anything."""
-        return self.band.vacuous / max(self.measured.size, 1)
-
-    @property
-    def undecided_share(self) -> float:
-        """The share of values that took both sides of a branch."""
-        return self.band.undecided / max(self.measured.size, 1)
+    def outcome(self, covered: Array | None = None, **said: Any) -> Outcome:
+        """What came of it, as a record has it, with the fields that are `said`; the shares are
+        those of values whose band allows anything, and that took both sides of a branch."""
+        count = max(self.measured.size, 1)
+        return Outcome(
+            judged=int(self.measured.size), outside=self.outside, worst=self.worst(covered),
+            vacuous=self.band.vacuous / count, undecided=self.band.undecided / count,
+            informative=self.band.informative_share, **said,
+        )  # fmt: skip
 
     @property
     def reference(self) -> Array:
@@ -158,11 +158,6 @@ class Banded(BoundedValues):
     def outside(self) -> int:
         """How many values lie outside their band."""
         return self.inside.size - int(np.count_nonzero(self.inside))
-
-    @cached_property
-    def informative_share(self) -> float:
-        """The share of values whose band excludes something plausible."""
-        return self.band.informative_share
 
     def worst(self, covered: Array | None = None) -> Worst | None:
         """The value furthest from its band's middle, as seen from the band; None of nothing.
@@ -176,16 +171,12 @@ class Banded(BoundedValues):
         self._require_inside(i, reference)
         names = [name for names in self.band.parameters.values() for name in names]
         return Worst(
-            pixel=None if covered is None else _pixel(covered, i),
-            component=c,
-            measured=to_tuple(self.measured[i]),
-            reference=to_tuple(reference),
-            low=to_tuple(self.low[i]),
-            high=to_tuple(self.high[i]),
+            pixel=None if covered is None else _pixel(covered, i), component=c,
+            measured=to_tuple(self.measured[i]), reference=to_tuple(reference),
+            low=to_tuple(self.low[i]), high=to_tuple(self.high[i]),
             ulp=ulp_distance(self.measured[i, c], reference[c], self.unit),
-            widths=self.widths_at(i, c),
-            inputs=self.inputs.at(i, names),
-        )
+            widths=self.widths_at(i, c), inputs=self.inputs.at(i, names),
+        )  # fmt: skip
 
     def curve(
         self, title: str, over: str, label: str, x: Sequence[float], rows: Any = slice(None)
@@ -209,11 +200,10 @@ class Banded(BoundedValues):
             raise FormulaError(
                 f"the reference's float64 value lies outside its band: {reference[c]:.9g} is not "
                 f"in [{low[c]:.9g}, {high[c]:.9g}]",
-                file=self.source.file,
-                line=self.source.line,
+                file=self.source.file, line=self.source.line,
                 remedy="the formula gives arrays and bands different values, or the lab is wrong; "
                 "in the latter case please report it",
-            )
+            )  # fmt: skip
 
     def verdict(self) -> tuple[str, str]:
         """("pass" or "fail", what to say about it)."""
@@ -221,23 +211,26 @@ class Banded(BoundedValues):
             return "fail", "nothing was judged: no pixel is covered"
         if self.outside:
             return "fail", f"{self.outside} of {self.measured.size} values lie outside their band"
-        if self.vacuous_share > MAX_VACUOUS:
+        vacuous, undecided = (
+            n / self.measured.size for n in (self.band.vacuous, self.band.undecided)
+        )
+        if vacuous > MAX_VACUOUS:
             return "fail", (
-                f"{self.vacuous_share:.1%} of the values may be anything under the precision "
+                f"{vacuous:.1%} of the values may be anything under the precision "
                 f"rules (at most {MAX_VACUOUS:.0%} may): this check could hardly fail\n→ give "
                 "inputs at which each step is specified: sin and cos within [-π, π], divisors, "
                 "roots and powers away from 0; or judge the steps one by one"
             )
-        if self.informative_share < MIN_INFORMATIVE:
+        if self.band.informative_share < MIN_INFORMATIVE:
             return "fail", (
-                f"only {self.informative_share:.1%} of the values have a band that excludes "
+                f"only {self.band.informative_share:.1%} of the values have a band that excludes "
                 f"anything plausible (at least {MIN_INFORMATIVE:.0%} must): the others hold all "
                 "that the formula gives over the frame\n→ give inputs at which it varies "
                 "by more than its precision, or judge a step before the precision is lost"
             )
-        if self.undecided_share > MAX_UNDECIDED:
+        if undecided > MAX_UNDECIDED:
             return "fail", (
-                f"{self.undecided_share:.1%} of the values took both sides of a branch (at most "
+                f"{undecided:.1%} of the values took both sides of a branch (at most "
                 f"{MAX_UNDECIDED:.0%} may)\n→ give inputs further from where the branch changes"
             )
         return "pass", ""
@@ -276,13 +269,9 @@ def independent_references(banded: Banded, also: Mapping[str, Reference]) -> lis
         try:
             values = np.broadcast_to(values, banded.low.shape)
         except ValueError:
-            place = source_of(implementation)
-            raise FormulaError(
-                f"{name} gives an array of shape {values.shape}, "
-                f"the reference one of shape {banded.low.shape}",
-                file=place.file,
-                line=place.line,
-            ) from None
+            shapes = f"{values.shape}, the reference one of shape {banded.low.shape}"
+            message = f"{name} gives an array of shape {shapes}"
+            raise make_error(implementation, message) from None
         outside = int((~((values >= banded.low) & (values <= banded.high))).sum())
         off = float(np.nanmax(np.abs(values - banded.reference))) if values.size else 0.0
         rows.append(

@@ -24,7 +24,7 @@ from shaderlab.bands.formats import srgb_encode
 from shaderlab.errors import FormulaError
 from shaderlab.model.frame import Array
 
-from .references import Inputs, Reference, evaluate, match_parameters, name_of, source_of
+from .references import Inputs, Reference, evaluate, make_error, match_parameters, name_of
 
 Flags = npt.NDArray[np.bool_]
 
@@ -213,13 +213,8 @@ def _require_shape(reference: Reference, given: tuple[int, ...], measured: tuple
         message = f"gives shape {given} for {rows} values"
     else:
         return
-    place = source_of(reference)
-    raise FormulaError(
-        f"{name_of(reference)}() {message}",
-        file=place.file,
-        line=place.line,
-        remedy="v.x is one component of a vector, vec4(v, 0.0, 1.0) adds the missing ones",
-    )
+    remedy = "v.x is one component of a vector, vec4(v, 0.0, 1.0) adds the missing ones"
+    raise make_error(reference, f"{name_of(reference)}() {message}", remedy)
 
 
 def _flags(allowed: Band | Allowed) -> tuple[Flags, Flags, Flags]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from types import FunctionType
@@ -23,7 +23,7 @@ from shaderlab.bands.exact import TriBool
 from shaderlab.errors import FormulaError, MissingPackageError, ShaderlabError, suggest
 from shaderlab.glslmath.sampling import Sampler
 from shaderlab.glslmath.vector import Elements
-from shaderlab.model.checked import UNMASK, is_masked
+from shaderlab.model.checked import TOO_LARGE, UNMASK, is_masked
 from shaderlab.model.frame import Array, Bindings, Texels
 from shaderlab.model.phases import phase
 from shaderlab.model.records import SourceText
@@ -94,13 +94,18 @@ class Inputs:
 
     def parameters(self) -> dict[str, list[str]]:
         """The GLSL names behind each parameter name; several for a list of struct members."""
-        return _parameters((*{**self.shared, **self.each, **self.textures},))
+        return parameter_names({**self.shared, **self.each, **self.textures})
 
     def at(self, index: int, names: Sequence[str]) -> dict[str, tuple[float, ...]]:
         """The values of some inputs for judged value `index`, for showing."""
         shown = {name: self.each[name][index] for name in names if name in self.each}
         shown |= {n: self.shared[n] for n in names if n in self.shared and n not in shown}
         return {n: tuple(float(x) for x in v) for n, v in shown.items() if v.ndim == 1}
+
+
+def parameter_names(glsl_names: Iterable[str]) -> dict[str, list[str]]:
+    """The parameters that may stand for GLSL names, with those that each stands for."""
+    return _parameters(tuple(glsl_names))
 
 
 @lru_cache(maxsize=256)
@@ -128,16 +133,12 @@ def match_parameters(reference: Reference, inputs: Inputs) -> dict[str, list[str
     parameter without a default matches nothing; lists what there is."""
     known = inputs.parameters()
     found = {}
-    for name, parameter in inspect.signature(reference).parameters.items():
+    for name, parameter in parameters_of(reference).items():
         if name in known:
             found[name] = known[name]
         elif parameter.default is parameter.empty:
-            raise FormulaError(
-                f"{name_of(reference)}() asks for {name!r}, which the shader lacks",
-                file=source_of(reference).file,
-                line=source_of(reference).line,
-                remedy=suggest(name, known),
-            )
+            message = f"{name_of(reference)}() asks for {name!r}, which the shader lacks"
+            raise make_error(reference, message, suggest(name, known))
     return found
 
 
@@ -215,7 +216,9 @@ def _require_number(result: Any) -> Any:
     numbers = isinstance(result, np.ndarray | np.generic) and result.dtype.kind in "fiub"
     if is_masked(result):
         raise FormulaError("gives masked values, which are no numbers", remedy=UNMASK)
-    if numbers or isinstance(result, Integer | TriBool | int | float):
+    if numbers or isinstance(result, Integer | TriBool | float):
+        return result
+    if isinstance(result, int) and abs(result) < TOO_LARGE:
         return result
     if isinstance(result, list | tuple):
         several = ", ".join("…" for _ in result)
@@ -230,6 +233,18 @@ def _to_number(values: Array, rules: Rules | None, *, whole: bool) -> Any:
     if whole:
         return Integer(values, unsigned=values.dtype.kind == "u", rules=rules)
     return values.astype(np.float64).view(Vector) if rules is None else Band.exact(values, rules)
+
+
+def parameters_of(reference: Reference) -> Mapping[str, inspect.Parameter]:
+    """The parameters of a formula by name. Raises FormulaError: it is one of Python's own functions
+    that do not tell them."""
+    try:
+        return inspect.signature(reference).parameters
+    except (TypeError, ValueError):
+        what = name_of(reference)
+        raise FormulaError(
+            f"{what}() does not say what it takes", remedy=f"write lambda x: {what}(x)"
+        ) from None
 
 
 def name_of(reference: Callable[..., Any]) -> str:
@@ -260,17 +275,18 @@ def _source_of(function: FunctionType) -> SourceText:
     return SourceText(file=file, line=max(line, 1), language="python", text="".join(lines))
 
 
+def make_error(reference: Callable[..., Any], message: str, remedy: str = "") -> FormulaError:
+    """An error at the place of a formula."""
+    place = source_of(reference)
+    return FormulaError(message, file=place.file, line=place.line, remedy=remedy or None)
+
+
 def locate_error(reference: Callable[..., Any], error: Exception, remedy: str) -> FormulaError:
     """Make a FormulaError of a foreign one, with the line of the formula's own file."""
-    place = source_of(reference)
-    line, trace = place.line, error.__traceback__
+    message = f"{name_of(reference)}() fails: {type(error).__name__}: {error}"
+    made, trace = make_error(reference, message, remedy), error.__traceback__
     while trace is not None:
-        if trace.tb_frame.f_code.co_filename == place.file:
-            line = trace.tb_lineno
+        if trace.tb_frame.f_code.co_filename == made.file:
+            made.line = trace.tb_lineno
         trace = trace.tb_next
-    return FormulaError(
-        f"{name_of(reference)}() fails: {type(error).__name__}: {error}",
-        file=place.file,
-        line=line,
-        remedy=remedy,
-    )
+    return made
