@@ -11,7 +11,7 @@ from shaderlab.model.expectation import Judgement, Need, Programs
 from shaderlab.model.frame import Array, Frame, Samples
 from shaderlab.model.phases import phase
 
-from ..judging.banded import judge_band
+from ..judging.banded import NOTHING_DRAWN, judge_band
 from ..judging.bands import PLACE
 from ..judging.references import Inputs, evaluate, parameters_of
 from .base import Context
@@ -62,6 +62,8 @@ class Boundaries(ReferenceExpectation):
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         key, samples = self.key(scene), frame.answer(BesideBoundaries(self))
+        if not samples.outputs:
+            return self.judge_rows((), NOTHING_DRAWN, judged=0)
         each = {**samples.inputs, **self.places(2)}
         inputs = inputs_of(frame, key, each=each, given=self.given)
         measured = samples.outputs[self.own_name(scene)]
@@ -83,11 +85,13 @@ class BesideBoundaries(OwnSamples):
     expectation: Boundaries
 
     def answer(self, context: Context) -> Samples:
-        """Run the program. Raises CaseError where no input varies."""
+        """Run the program, if anything is drawn. Raises CaseError where no input varies."""
         expectation, session = self.expectation, context.session
         key = expectation.key(session.scene)
         with phase("draw", f"sampling for {expectation.name!r}"):
             captured, bindings = session.capture_fragments(key), context.bindings[key]
+            if not captured.covered.any():
+                return Samples(inputs={}, outputs={})
             each = {name: v[captured.covered] for name, v in captured.inputs.items()}
 
             def values(some: Mapping[str, Array]) -> Array:

@@ -5,8 +5,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from shaderlab.engine.expectations.formula import Formula, Reference, ReferenceExpectation, Sweep
 from shaderlab.engine.expectations.needs import (
     CapturedFragments,
@@ -22,7 +20,7 @@ from shaderlab.errors import CaseError
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import require_unmasked
 from shaderlab.model.expectation import Expectation, Judgement, Need, Programs, Read
-from shaderlab.model.frame import Array, Frame, Image
+from shaderlab.model.frame import Array, Frame
 from shaderlab.model.records import Row
 from shaderlab.model.scene import Pixel, UniformValue
 
@@ -73,8 +71,10 @@ class Value(ReferenceExpectation):
         decimal: Mapping[str, Array]
         if isinstance(self.at, Pixel):
             image = find_image(self.output, scene, frame)
-            x, y = self.at.x, self.at.y
-            measured, format = _at_pixel(image, self.at)[None], image.format
+            x, y, (height, width) = self.at.x, self.at.y, image.values.shape[:2]
+            if not (0 <= x < width and 0 <= y < height):
+                raise CaseError(f"{self.at} lies outside the {width} × {height} target")
+            measured, format = image.values[y, x][None], image.format
             each = {n: v[y, x][None] for n, v in pixel_inputs(frame, key, image).items()}
             number = y * image.values.shape[1] + x
             decimal = {n: v[number][None] for n, v in decimal_inputs(frame, key, each).items()}
@@ -84,24 +84,22 @@ class Value(ReferenceExpectation):
             each, decimal = dict(samples.inputs), samples.decimal
         reference = self._reference(scene)
         if reference is None:
-            return self._judge_alone(measured[0])
+            ok = rounds_to(measured[0], self.equals, self.digits)
+            row = self._row(measured[0], measured[0], ok)
+            message = "" if ok else f"measured {format_value(measured[0])}"
+            return self.judge_rows([row], message, judged=measured.size)
         inputs = inputs_of(frame, key, each=each, given=self.given, decimal=decimal)
         banded = judge_band(measured, reference, inputs, rules=self.rules, format=format)
         computed = evaluate(reference, inputs, rules=None, decimal=True)
         status, message = banded.verdict()
         if not rounds_to(computed, self.equals, self.digits):
-            status, message = (
-                "fail",
-                f"the reference gives {format_value(computed, self.digits + 3)}",
-            )
+            status = "fail"
+            message = f"the reference gives {format_value(computed, self.digits + 3)}"
         row = self._row(computed, banded.measured[0], status == "pass")
+        asked = message and isinstance(self.at, Pixel)
+        if asked and not frame.answer(CapturedFragments(key)).covered[y, x]:
+            message += "\n→ the draw does not cover this pixel"
         return self.judgement(scene, banded, (status, message), [row], rows_show_worst=True)
-
-    def _judge_alone(self, measured: Array) -> Judgement:
-        ok = rounds_to(measured, self.equals, self.digits)
-        message = "" if ok else f"measured {format_value(measured)}"
-        row = self._row(measured, measured, ok)
-        return self.judge_rows([row], message, judged=int(np.size(measured)))
 
     def _reference(self, scene: Scene) -> Any:
         if self.reference is not None:
@@ -119,14 +117,6 @@ class Value(ReferenceExpectation):
         named = self.name != self.output
         label = f"{self.name} ({where})" if named else f"{self.name} at {where}"
         return figure_row(label, self.equals, self.digits, computed, measured, ok, self.note)
-
-
-def _at_pixel(image: Image, at: Pixel) -> Array:
-    height, width = image.values.shape[:2]
-    if not (0 <= at.x < width and 0 <= at.y < height):
-        raise CaseError(f"{at} lies outside the {width} × {height} target")
-    found: Array = image.values[at.y, at.x]
-    return found
 
 
 @dataclass(frozen=True)

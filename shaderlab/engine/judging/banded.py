@@ -28,6 +28,10 @@ Distances = npt.NDArray[np.floating[Any]]
 BLOCK = 4096
 """Rows whose distances are computed at a time: with four components in float64, twice, a quarter of
 a megabyte."""
+NOTHING_DRAWN = (
+    "nothing was judged: no pixel is covered\n→ look at what hides the draw: culling, viewport, "
+    "depth and stencil test, later draws, discard, places outside the clip volume"
+)
 MAX_VACUOUS = 0.01
 """The largest share of values whose band may allow anything."""
 
@@ -208,7 +212,7 @@ class Banded(BoundedValues):
     def verdict(self) -> tuple[str, str]:
         """("pass" or "fail", what to say about it)."""
         if not self.measured.size:
-            return "fail", "nothing was judged: no pixel is covered"
+            return "fail", NOTHING_DRAWN
         if self.outside:
             return "fail", f"{self.outside} of {self.measured.size} values lie outside their band"
         vacuous, undecided = (
