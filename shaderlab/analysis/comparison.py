@@ -34,7 +34,7 @@ from shaderlab.files import display_path
 from .answer import Answer, Numerics, OutputAnswer, Plan as Plan
 from .batches import InputBatch, merge_batches
 from .coverage import lines_not_run
-from .differences import discards, first_difference, jumps, keep_defined, meet_bounds
+from .differences import PAIRS, discards, first_difference, jumps, keep_defined, meet_bounds
 from .inputs import (
     ALIKE,
     UNIT_VECTOR,
@@ -62,7 +62,7 @@ _LAYOUT = (Decoration.Offset, Decoration.RowMajor, Decoration.MatrixStride)
 _FIXED = {"std140", "std430"}  # the layouts of blocks that don't depend on the driver
 _BITS = range(Op.ShiftRightLogical, Op.BitCount + 1)
 _SHORT, _LONG = 300, 3000  # blocks: programs that run more get fewer invocations, and rounds
-_LEAST, _ROUNDS = 256, 3
+_LEAST, _ROUNDS, _FEWEST = 256, 3, 24
 _TRIES = 4  # to leave out what goes on for too long
 _T = TypeVar("_T")
 _ENDS = 1e-6  # what stored values may differ by where a step is called the same
@@ -246,7 +246,8 @@ class _Comparison:
     def _inputs(self, captured: Sequence[InputBatch]) -> Iterator[InputBatch]:
         """Captured inputs, rounds of others, and both sides of jumps between those."""
         batch = None
-        count = min(self.plan.rounds, _ROUNDS if self._blocks > _LONG else self.plan.rounds)
+        few = max(_ROUNDS * 3 * _LONG // self._blocks, 1)  # no more than so many of a long program
+        count = min(self.plan.rounds, few if self._blocks < _LONG else min(few, _ROUNDS))
         rounds = (self._make(self.domains, seed) for seed in range(count))
         for batch in itertools.chain(captured, rounds):
             yield batch
@@ -254,7 +255,8 @@ class _Comparison:
             coarse = coarsen_inputs(batch, self.domains)
             # Of 0 a loop may have no end.
             yield from (one for one in self._end(self._meet_bounds, coarse) if one.count)
-            around = jumps(self.programs, batch, self.domains)
+            pairs = max(min(PAIRS, PAIRS * _LONG // self._blocks), _FEWEST)
+            around = jumps(self.programs, batch, self.domains, pairs)
             if around is not None:
                 yield around
 

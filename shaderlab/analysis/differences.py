@@ -30,10 +30,13 @@ _JUMP = 1e9  # how far apart something and nothing are
 
 
 def jumps(
-    programs: tuple[Program, Program], batch: InputBatch, domains: Mapping[str, InputDomain]
+    programs: tuple[Program, Program],
+    batch: InputBatch,
+    domains: Mapping[str, InputDomain],
+    count: int = PAIRS,
 ) -> InputBatch | None:
     """Inputs on both sides of places where one of the programs jumps, on the straight ways between
-    pairs of invocations; None where both are smooth, or nothing can be varied steadily."""
+    so many pairs of invocations; None where both are smooth, or nothing can be varied steadily."""
     steady = [
         name
         for name, values in batch.each.items()
@@ -43,17 +46,17 @@ def jumps(
     if not steady or batch.count < 2:
         return None
     rng = np.random.default_rng(23)
-    start, end = (batch.part(rows) for rows in rng.integers(0, batch.count, (2, PAIRS)))
-    alone = rng.integers(0, len(steady), PAIRS)  # ways along one input
-    alone[: PAIRS // 2] = -1  # and along all of them
+    start, end = (batch.part(rows) for rows in rng.integers(0, batch.count, (2, count)))
+    alone = rng.integers(0, len(steady), count)  # ways along one input
+    alone[: count // 2] = -1  # and along all of them
     moved = {
         name: np.where(((alone == -1) | (alone == i))[:, None], end.each[name], start.each[name])
         for i, name in enumerate(steady)
     }
     ends = []
     for program in programs:
-        low, high = start, InputBatch({**start.each, **moved}, start.bindings, PAIRS)
-        before = np.full(PAIRS, np.inf)
+        low, high = start, InputBatch({**start.each, **moved}, start.bindings, count)
+        before = np.full(count, np.inf)
         for number in range(_ROUNDS):
             pairs = [(n, low.each[n].astype(np.float64), high.each[n]) for n in steady]
             ways = (
@@ -62,8 +65,8 @@ def jumps(
             )
             along = join_batches([replace(low, each={**low.each, **way}) for way in ways])
             changes = _find_changes(program, along)
-            steepest = changes.argmax(axis=0) * PAIRS + np.arange(PAIRS)
-            low, high = along.part(steepest), along.part(steepest + PAIRS)
+            steepest = changes.argmax(axis=0) * count + np.arange(count)
+            low, high = along.part(steepest), along.part(steepest + count)
             if number >= _SMOOTH and (changes.max(axis=0) <= _SHRINKS * before).all():
                 break
             before = changes.max(axis=0)
@@ -79,7 +82,7 @@ def _find_changes(program: Program, along: InputBatch) -> Array:
     found = [np.where(np.isfinite(v[0]), v[0], -_JUMP) for v in ran.outputs.values()]
     changes = []
     for values in found or [np.zeros((along.count, 1))]:
-        points = np.where(gone, _JUMP, values).reshape(_PARTS + 1, PAIRS, -1)
+        points = np.where(gone, _JUMP, values).reshape(_PARTS + 1, -1, values.shape[-1])
         changes.append(np.abs(np.diff(points, axis=0)).max(axis=-1))
     most: Array = np.max(changes, axis=0)
     return most
@@ -100,8 +103,9 @@ def meet_bounds(
     }  # fmt: skip
 
     def meet(run: Run, at: Instruction, state: PathState, result: Any) -> Any:
-        pair = run.values(at.operands) if at.op in _COMPARISONS else []
-        for own, other in itertools.permutations(pair, 2):
+        if at.op not in _COMPARISONS:
+            return result
+        for own, other in itertools.permutations(run.values(at.operands), 2):
             for name, met in each.items() if own.shape == (batch.count, 1) else ():
                 given = batch.each[name].reshape(batch.count, -1)
                 if own[0] in given[0] and (equal := (given == own).all(axis=0)).any():

@@ -112,7 +112,7 @@ def wrap_index(index: Integers, size: int, mode: str) -> Integers:
     [1, 0, 0, 3, 2]
     """
     if mode == "repeat":
-        return np.mod(index, size)
+        return np.mod(index, size) if size & (size - 1) else index & (size - 1)  # which is faster
     if mode == "mirrored_repeat":
         folded = np.mod(index, 2 * size)
         return np.where(folded < size, folded, 2 * size - 1 - folded)
@@ -152,9 +152,9 @@ def read_texels(
     column = wrap_index(x.astype(np.int64), width, modes[0])
     row = wrap_index(y.astype(np.int64), height, modes[1])
     outside = (column < 0) | (row < 0) | (layer < 0)
-    found = fetch(sampler, level, *(np.where(outside, 0, n) for n in (column, row, layer)))
     if not outside.any():
-        return found
+        return fetch(sampler, level, column, row, layer)
+    found = fetch(sampler, level, *(np.where(outside, 0, n) for n in (column, row, layer)))
     texels = sampler.texels
     fixed = texels.values.dtype == np.uint8 or texels.format in LARGEST
     border = _border(tuple(texels.border[:channels]), fixed)
