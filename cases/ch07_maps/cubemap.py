@@ -106,7 +106,7 @@ CROSS = {"−X": (11, 2), "+Z": (12, 2), "+X": (13, 2), "−Z": (14, 2), "+Y": (
 
 def wrapped(geometry, model):
     """A solid around the origin, coloured by the direction of each of its points."""
-    uniforms = {"view": VIEW, "projection": PROJECTION, "normalMatrix": model[:3, :3]}
+    uniforms = {"view": VIEW, "projection": PROJECTION, "normalMatrix": 0.5 * model[:3, :3]}
     return tested(
         ("ch07_maps/placed.vert", "ch07_maps/cubemap_ball.frag"),
         geometry,

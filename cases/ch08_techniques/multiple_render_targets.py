@@ -36,7 +36,7 @@ OUTPUTS = {
 
 def into(name, **outputs):
     """The still life, into these attachments; nearest surfaces by depth."""
-    uniforms = {"model": MODEL, "normalMatrix": normal_matrix(MODEL), **CAMERA}
+    uniforms = {"model": MODEL, "normalMatrix": 0.5 * normal_matrix(MODEL), **CAMERA}
     shaders = ("ch03_transforms/studio.vert", "ch08_techniques/multiple_render_targets.frag")
     draw = tested(shaders, still_life(), uniforms)
     return picture([draw], None, name, depth="depth24", colors=outputs)

@@ -41,7 +41,7 @@ def ball(stretched, **state):
     """The ellipsoid with one kind of normals or the other."""
     uniforms = {
         "model": MODEL,
-        "normalMatrix": normal_matrix(MODEL),
+        "normalMatrix": 0.5 * normal_matrix(MODEL),
         "projection": PROJECTION,
         "axes": AXES,
         "lightDir": LIGHT,

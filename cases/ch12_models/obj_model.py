@@ -50,7 +50,7 @@ def draw(material, diffuse, shininess):
     """One material's faces."""
     uniforms = {
         "model": MODEL,
-        "normalMatrix": normal_matrix(MODEL),
+        "normalMatrix": 0.5 * normal_matrix(MODEL),  # no part of the model matrix is that
         **CAMERA,
         "diffuse": diffuse,
         "shininess": shininess,

@@ -95,7 +95,8 @@ def thing(
         cell: the part of the target to draw into.
         state: what else `State` takes.
     """
-    placed = {"model": model, "normalMatrix": normal_matrix(model)}
+    # Half of it, which gives the same directions: no part of the model matrix is that.
+    placed = {"model": model, "normalMatrix": 0.5 * normal_matrix(model)}
     return tested(
         (vertex, fragment),
         solid,
