@@ -62,7 +62,7 @@ _LAYOUT = (Decoration.Offset, Decoration.RowMajor, Decoration.MatrixStride)
 _FIXED = {"std140", "std430"}  # the layouts of blocks that don't depend on the driver
 _BITS = range(Op.ShiftRightLogical, Op.BitCount + 1)
 _SHORT, _LONG = 300, 3000  # blocks: programs that run more get fewer invocations, and rounds
-_LEAST, _ROUNDS, _FEWEST = 256, 3, 24
+_LEAST, _ROUNDS, _FEWEST = 256, 5, 24
 _TRIES = 4  # to leave out what goes on for too long
 _T = TypeVar("_T")
 _ENDS = 1e-6  # what stored values may differ by where a step is called the same
@@ -129,10 +129,9 @@ def compare_programs(
             error.remedy = f"state ranges for which it ends, of {', '.join(free)}: --range NAME=A:B"
         raise
     outputs = *outputs, *_compare_interfaces(old, new)
-    never = tuple(comparison.notes()) if all(output.same for output in outputs) else ()
-    if plan.accuracy:
-        unknown = (f"{o.name}: accuracy not known" for o in outputs if o.same and not o.numerics)
-        never += tuple(unknown)
+    never = list(comparison.notes()) if all(output.same for output in outputs) else []
+    unknown = [o.name for o in outputs if o.same and not o.numerics] if plan.accuracy else []
+    never += [f"{name}: accuracy not known" for name in unknown]
     return Answer(
         old=old.path,
         new=new.path,
@@ -230,7 +229,6 @@ class _Comparison:
             if not captured and self.plan.rounds:
                 domains = add_constants(self.domains, self.inputs, self.programs)
                 for batch in self._split_long(self._make(domains, self.plan.rounds + 1)):
-                    # A loop as long as such a number says may be too long to run.
                     sets += self._end(self._run, batch)
         for name, other in pairs:
             if not name or not other:
@@ -246,8 +244,7 @@ class _Comparison:
     def _inputs(self, captured: Sequence[InputBatch]) -> Iterator[InputBatch]:
         """Captured inputs, rounds of others, and both sides of jumps between those."""
         batch = None
-        few = max(_ROUNDS * 3 * _LONG // self._blocks, 1)  # no more than so many of a long program
-        count = min(self.plan.rounds, few if self._blocks < _LONG else min(few, _ROUNDS))
+        count = min(self.plan.rounds, max(_ROUNDS * _LONG // self._blocks, 1))
         rounds = (self._make(self.domains, seed) for seed in range(count))
         for batch in itertools.chain(captured, rounds):
             yield batch
@@ -255,7 +252,7 @@ class _Comparison:
             coarse = coarsen_inputs(batch, self.domains)
             # Of 0 a loop may have no end.
             yield from (one for one in self._end(self._meet_bounds, coarse) if one.count)
-            pairs = max(min(PAIRS, PAIRS * _LONG // self._blocks), _FEWEST)
+            pairs = min(PAIRS, max(PAIRS * _LONG // self._blocks, _FEWEST))
             around = jumps(self.programs, batch, self.domains, pairs)
             if around is not None:
                 yield around

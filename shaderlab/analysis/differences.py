@@ -30,10 +30,7 @@ _JUMP = 1e9  # how far apart something and nothing are
 
 
 def jumps(
-    programs: tuple[Program, Program],
-    batch: InputBatch,
-    domains: Mapping[str, InputDomain],
-    count: int = PAIRS,
+    pair: tuple[Program, Program], batch: InputBatch, domains: Mapping[str, InputDomain], count: int
 ) -> InputBatch | None:
     """Inputs on both sides of places where one of the programs jumps, on the straight ways between
     so many pairs of invocations; None where both are smooth, or nothing can be varied steadily."""
@@ -54,7 +51,7 @@ def jumps(
         for i, name in enumerate(steady)
     }
     ends = []
-    for program in programs:
+    for program in pair:
         low, high = start, InputBatch({**start.each, **moved}, start.bindings, count)
         before = np.full(count, np.inf)
         for number in range(_ROUNDS):
