@@ -49,7 +49,8 @@ class ExplainArguments:
     @property
     def is_shader(self) -> bool:
         """Whether a shader file was named, and not a case."""
-        return is_shader(self.target)
+        other = not self.target.endswith(".py") and Path(self.target).is_file()
+        return other or is_shader(self.target)
 
 
 @click.command("explain")

@@ -43,6 +43,8 @@ def parse_stage_log(log: str, source: Source) -> tuple[Diagnostic, ...]:
             at = int(placed["line"])
             if token == "bad":  # glslang's preprocessor has no other word for it
                 token, message = _find_foreign(source, at) or (token, message)
+            if message.startswith("no matching") and f"{token}(iChannel" in source.code:
+                message += "; declare it, if it is no sampler2D: uniform samplerCube iChannel0;"
             worded = f"'{token}' : {message}" if token else message
             found[source.diagnostic(worded, at, severity=severity, token=token)] = None
     return tuple(found)

@@ -179,12 +179,8 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
     stage = _PRAGMA_NAMES.get(word, word)
     if stage not in STAGES:
         line = text.count("\n", 0, pragma.start()) + 1
-        raise ShaderError(
-            f"#pragma shader_stage({word}) names no stage",
-            file=path or name,
-            line=line,
-            remedy=suggest(word, STAGES),
-        )
+        said, remedy = f"#pragma shader_stage({word}) names no stage", suggest(word, STAGES)
+        raise ShaderError(said, file=path or name, line=line, remedy=remedy)
     return stage
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import os
 import posixpath
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shaderlab.errors import ShaderError, suggest
+from shaderlab.files import display_path
 from shaderlab.model.records import Diagnostic, Severity
 
 from .shader_files import (
@@ -260,7 +262,11 @@ class Expansion:
         if refused is not None and match[1] is not None:  # a chunk, <common>, is no folder
             raise refused
         if outside is not None:
-            raise _error(f"#include {path!r} {outside}", trail, OUTSIDE_REMEDY)
+            remedy, here = OUTSIDE_REMEDY, os.path.dirname(os.path.abspath(trail[-1][0].path))
+            both = os.path.commonpath([here, os.path.normpath(os.path.join(here, path))])
+            if path.startswith("../") and both != "/":
+                remedy = f"add the folder that has both files: --include {display_path(both)}"
+            raise _error(f"#include {path!r} {outside}", trail, remedy)
         near = self._roots.suggest(path)
         near = near.removesuffix("?") + "; or " if near.endswith("?") else ""
         remedy = f"{near}add the folder that has it: --include DIR"
@@ -399,12 +405,6 @@ class Shaders(Roots):
                 f"no such stage: {stage!r}", file=file.path, remedy=suggest(stage, STAGES)
             )
         out = expand(file, self, self._defines, stage)
-        return Source(
-            name,
-            file.path,
-            stage,
-            "\n".join(out.rows),
-            LineMap.of(out.spans),
-            tuple(out.parts.items()),
-            "\n".join(out.codes),
-        )
+        text, code = "\n".join(out.rows), "\n".join(out.codes)
+        parts = tuple(out.parts.items())
+        return Source(name, file.path, stage, text, LineMap.of(out.spans), parts, code)

@@ -72,12 +72,8 @@ def read_module(path: Path, stage: str | None) -> bytes:
         if b"[shader(" in data:  # then every entry point has its stage
             command = re.sub(r" -stage.*main", "", command)
         entries = _find_entries(data)
-        stage = (
-            stage
-            or inner
-            or (None not in entries and next((s for s in _STAGES if s in entries), None))
-            or "fragment"
-        )
+        named = None not in entries and next((s for s in _STAGES if s in entries), None)
+        stage = stage or inner or named or "fragment"
         entry = entries.get(None) or entries.get(stage, "main")
         places = {"file": str(path), "module": str(module), "stage": stage, "entry": entry}
         name, *words = (word.format(**places) for word in command.split())

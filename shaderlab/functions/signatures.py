@@ -296,17 +296,15 @@ def _signature(found: Declarations, own: GlslDeclaration) -> Signature:
     )
     built_in = _find_built_in_inputs(found, used)
     globals_ = tuple(
-        Input(
-            one.name,
-            type_of(one.type, one.name),
-            optional=bool(one.initialiser) or one.name not in used,
-        )
-        for one in _variables_to_give(needed)
+        Input(v.name, type_of(v.type, v.name), optional=bool(v.initialiser) or v.name not in used)
+        for v in _variables_to_give(needed)
     ) + tuple(Input(name, type_) for name, type_ in built_in.items())
     obstacles += _obstacles(needed, used, parameters, globals_)
     for name, type_ in (("result", result), *((p.name, p.type) for p in parameters)):
         if not obstacles and not (type_.name == "void" or type_.known or type_.opaque):
-            obstacles.append(f"{name} is a {type_}, which has no counterpart in NumPy's float32")
+            known = type_.members or type_.name.startswith("d")  # double, dvec3, a struct of them
+            why = "has no counterpart in NumPy's float32" if known else "nothing defines"
+            obstacles.append(f"{name} is a {type_}, which {why}")
     declared = built_in | {n: Type(t) for n, t in _STAGE_OUTPUTS.items() if n in used}
     before = "".join(
         f"{'uniform ' * type_.opaque}{declare(type_, name)}; " for name, type_ in declared.items()

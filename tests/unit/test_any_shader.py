@@ -14,6 +14,7 @@ from shaderlab.analysis.interpreter import load
 from shaderlab.cli import cli
 from shaderlab.compiler import Shaders
 from shaderlab.compiler.compile import compile_program
+from shaderlab.errors import CallError
 
 ES = "#version 300 es\nprecision highp float;\n"
 READ = {
@@ -88,13 +89,41 @@ def test_every_command_reads_it(tmp_path: Path, name: str) -> None:
         ("a.frag", "#version 450\n#extension GL_EXT_scalar_block_layout : require\n"
          "layout(scalar) buffer B { vec3 v[]; };\nlayout(location = 0) out vec4 c;\n"
          "void main() { c = vec4(v[1], wrong); }", "'wrong' : undeclared identifier [vulkan]"),
+        ("a.comp", "#version 450\nlayout(local_size_x = 8) in;\nlayout(rgba8) uniform image2D p;"
+         "\nvoid main() { imageStore(p, ivec2(0), imageLoad(p, ivec2(1))); }",
+         "not interpreted: image2D p at line 4 → compute what is stored in a function"),
+        ("a.frag", "#version 450\nlayout(input_attachment_index = 0) uniform subpassInput albedo;"
+         "\nlayout(location = 0) out vec4 c;\nvoid main() { c = subpassLoad(albedo); }",
+         "not interpreted: subpassInput albedo at line 4 → read a sampler2D: texelFetch("),
+        ("a.frag", "void mainImage(out vec4 c, in vec2 p) { c = texture(iChannel0, vec3(p, 1)); }",
+         "declare it, if it is no sampler2D: uniform samplerCube iChannel0;"),
     ],
 )  # fmt: skip
-def test_what_is_refused_says_why(tmp_path: Path, name: str, text: str, words: str) -> None:
+@pytest.mark.parametrize("command", ["audit", "explain", "diff"])
+def test_what_is_refused_says_why(
+    tmp_path: Path, command: str, name: str, text: str, words: str
+) -> None:
     (tmp_path / "common").mkdir()
-    (tmp_path / name).write_text(text)
-    status, said = call("audit", tmp_path / name)
-    assert status == 2 and words in " ".join(said.split())
+    file = tmp_path / name
+    file.write_text(text)
+    status, said = call(command, file, *[file] * (command == "diff"))
+    assert status in (1, 2) and words in " ".join(said.split()), said
+
+
+def test_an_include_that_leads_out_names_the_folder_to_add(tmp_path: Path) -> None:
+    """No file outside of the named roots is read: the folder that has both is named in words."""
+    library, elsewhere = tmp_path / "library", tmp_path / "elsewhere"
+    for folder in (library / "light" / "point", library / "math", elsewhere):
+        folder.mkdir(parents=True)
+    (library / "math" / "half.glsl").write_text("float half_of(float x) { return 0.5 * x; }\n")
+    file = library / "light" / "point" / "falloff.glsl"
+    file.write_text(
+        '#include "../../math/half.glsl"\nfloat falloff(float d) { return half_of(d); }\n'
+    )
+    status, said = call("audit", file)
+    assert status == 2 and "half_of" not in said
+    folder = said.split("--include ")[1].strip()
+    assert call("audit", file, "--include", folder)[0] == 0
 
 
 def test_a_vertex_stage_without_version_is_of_its_fragment_stages_dialect(tmp_path: Path) -> None:
@@ -171,3 +200,9 @@ def test_a_sum_that_is_squared_for_long_has_a_band() -> None:
             c = z.x; }"""
     program = load(Shaders([]).from_text(text, "fragment", "a.frag"))
     assert compare_programs(program, program, Plan(ranges={"x": "-0.2..0.2"})).outputs
+
+
+def test_a_type_that_nothing_defines_is_named(tmp_path: Path) -> None:
+    (tmp_path / "a.glsl").write_text("float half_of(HIGHP in float x) { return 0.5 * x; }\n")
+    with pytest.raises(CallError, match="HIGHP, which nothing defines"):
+        glsl.load(tmp_path / "a.glsl").half_of(1.0)

@@ -76,7 +76,7 @@ def test_what_is_not_interpreted_is_named() -> None:
         audit_program(program(BUFFER.replace("    float", "    barrier(); float"), "compute"))
     image = "layout (local_size_x = 1) in;\nlayout (rgba8) uniform image2D i;\n"
     image += "void main() { imageStore(i, ivec2(0), vec4(1.0)); }"
-    with pytest.raises(NotInterpretedError, match="image i at line 4"):
+    with pytest.raises(NotInterpretedError, match="image2D i at line 4"):
         audit_program(program(f"#version 430 core\n{image}", "compute"))
 
 

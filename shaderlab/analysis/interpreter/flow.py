@@ -14,7 +14,7 @@ import numpy as np
 
 from shaderlab.bands import Band, Integer
 from shaderlab.bands.exact import as_tri_bool
-from shaderlab.compiler.spirv import Glsl450 as G, Op
+from shaderlab.compiler.spirv import Glsl450 as G, Op, type_name
 from shaderlab.errors import NotInterpretedError
 
 from .operations import (
@@ -73,8 +73,12 @@ def _load(run: Run, at: Instruction, state: PathState) -> Any:
         else:
             value = fetch(whole, path, state.mask)
     if type(value) is Missing:
-        if run.program.module.types[at.type].op == Op.TypeImage:
-            raise run.program.not_interpreted(f"image {value.name}", at.line)
+        module = run.program.module
+        if module.types[at.type].op == Op.TypeImage:
+            kind, remedy = type_name(module, at.type), "compute what is stored in a function"
+            if kind == "subpassInput":
+                remedy = "read a sampler2D: texelFetch(name, ivec2(gl_FragCoord.xy), 0)"
+            raise run.program.not_interpreted(f"{kind} {value.name}", at.line, remedy)
         raise NotGivenError.of(value)
     if value is None:
         value = undefined(run.program.types[at.type], run.arithmetic)

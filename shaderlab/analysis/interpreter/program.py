@@ -248,11 +248,12 @@ class Program:
         """The author's file and line of an instruction's line."""
         return ("", line) if self.source is None else self.source.place(line)
 
-    def not_interpreted(self, name: str, line: int) -> NotInterpretedError:
+    def not_interpreted(self, name: str, line: int, remedy: str = "") -> NotInterpretedError:
         """The error about what stands at a line."""
         file, own = self.place(line)
         where = f" at line {own}" if own else ""
-        return NotInterpretedError(f"not interpreted: {name}{where}", file=file or None)
+        said = f"not interpreted: {name}{where}"
+        return NotInterpretedError(said, file=file or None, remedy=remedy or None)
 
 
 def load(source: Source) -> Program:
