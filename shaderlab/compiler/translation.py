@@ -85,5 +85,6 @@ def read_module(path: Path, stage: str | None) -> bytes:
             raise ShaderError(f"{name} takes over {_LIMIT} s", file=path) from None
         if done.returncode or not module.exists():
             said = (done.stderr or done.stdout).decode(errors="replace").strip()
-            raise ShaderError(f"{name} refuses it:\n{said}", file=path)
+            errors = said[max(said.find("error"), 0) :]  # warnings come first, and hide them
+            raise ShaderError(f"{name} refuses it:\n{errors}", file=path)
         return module.read_bytes()

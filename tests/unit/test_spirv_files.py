@@ -134,7 +134,7 @@ def test_other_languages_are_compared_as_modules_of_their_compilers(
     else:  # a compiler that writes the module into its last argument, and refuses "bad"
         module.with_suffix(suffix).write_text("an example")
         compiler = tmp_path / ("naga" if suffix == ".wgsl" else "slangc")
-        refuse = 'for word; do grep -sq bad -- "$word" && exit 1; done'
+        refuse = 'for word; do grep -sq bad -- "$word" && cat "$word" && exit 1; done'
         compiler.write_text(f'#!/bin/sh\n{refuse}\ncp "{module}" "$word"\n')
         compiler.chmod(0o755)
         monkeypatch.setenv("PATH", "/usr/bin:/bin")
@@ -143,9 +143,9 @@ def test_other_languages_are_compared_as_modules_of_their_compilers(
         monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     status, said = call("diff", text, module.with_suffix(suffix))
     assert status == 1 and "different at" in said
-    module.with_suffix(suffix).write_text("bad")
+    module.with_suffix(suffix).write_text("warning: an old name\nerror: a bad one\n")
     status, said = call("audit", module.with_suffix(suffix))
-    assert status == 2 and "refuses it" in said
+    assert status == 2 and "refuses it:\nerror" in said and "an old name" not in said
 
 
 def test_functions_are_compared_across_languages(
