@@ -354,6 +354,7 @@ def unknown_names(ranges: Sequence[str], inputs: Iterable[str]) -> list[str]:
 
 _SIDES, _FACE_SIDES = (8, 32), (8, 16)  # of textures; loops over all of a cube's texels end
 _CORNERS = 0.08  # the share of numbers that are an end of their range, 0 or 1
+_BYTES = (0, 1, 0x7F, 0x80, 0xFF)  # of words: ends of what fields in them may hold
 _PIXELS = 64  # in a row
 
 
@@ -400,16 +401,15 @@ def _numbers(type_: str, domain: InputDomain, count: int, rng: np.random.Generat
         return np.asarray(v / np.linalg.norm(v, axis=1, keepdims=True), np.float32)
     if type_.startswith(("int", "ivec", "uint", "uvec", "bool", "bvec")):
         whole = rng.integers(int(domain.low), int(domain.high) + 1, (count, size))
+        few = rng.random(whole.shape) < _CORNERS
         if domain.high - domain.low > 2.0**16:  # of each magnitude as many
             whole = whole >> rng.integers(0, 32, (count, size))
-            return whole % 2**32 if type_[0] == "u" else whole
+            whole[few] = (rng.choice(_BYTES, (count, size, 4)) @ 256 ** np.arange(4))[few]
+            return whole % 2**32 if type_[0] == "u" else whole.astype(np.int32).astype(np.int64)
         if type_[0] == "b":
             return whole > 0
-        own = [int(n) for n in domain.constants if n == int(n)]
-        if own:
-            whole = np.where(
-                rng.random(whole.shape) < _CORNERS, rng.choice(own, whole.shape), whole
-            )
+        if own := [int(n) for n in domain.constants if n == int(n)]:
+            whole[few] = rng.choice(own, whole.shape)[few]
         return whole.astype(np.int32).astype(np.int64) if type_[0] == "i" else np.abs(whole)
     x = rng.uniform(domain.low, domain.high, (count, size))
     if domain.low > 0.0 and domain.high > 20.0 * domain.low:  # of each magnitude as many

@@ -607,6 +607,14 @@ def test_textures_that_are_made_up_have_dark_places_with_contrast() -> None:
     assert 0.0 < dark.min() < dark.max() / 8.0 and dark.max() < 1.0 / 64.0
 
 
+def test_the_ends_of_fields_in_words_are_tried() -> None:
+    """Of 16 bits with a sign -32768 alone is below -1."""
+    text = "flat in uint word; out float o; void main() {"
+    text += " float x = float(int(word << 16) >> 16) / 32767.0; o = %s; }"
+    (output,) = compared(text % "max(x, -1.0)", text % "x").outputs
+    assert output.conditions == ("0 <= word <= 4",) and output.gives[0] == (-1.0,)
+
+
 def test_noise_errs_by_what_rounding_may() -> None:
     rough, plain = PerturbedFloat(count=3, copies=2), PerturbedFloat()
     x = np.float32([[0.1], [0.5], [3.0]] * 3)
