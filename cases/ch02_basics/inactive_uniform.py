@@ -14,7 +14,19 @@ Try: in `ch02_basics/inactive_uniform.frag` write `(strength + 0.5 * unused) * t
 tint`: now an output depends on it, so the third lamp is brighter, too.
 """
 
-from shaderlab import Case, Output, boundaries, exact, formula, gl_call, inactive_uniforms
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Output,
+    boundaries,
+    exact,
+    formula,
+    gl_call,
+    inactive_uniforms,
+    measure,
+    reading,
+)
 from shaderlab.engine.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import (
     abs,
@@ -102,6 +114,13 @@ def lamp_and_dials(place, lit, dials, turned):
     return encoded(color * step(frame, 0.97))
 
 
+def lamp_off(picture, lit, middle):
+    """How far the middle of a panel's lamp is from the colour that a pass drew."""
+    height, width = picture.shape[:2]
+    shown = picture[int(0.68 * height), int(middle * width)]
+    return np.abs(shown - encoded(lit[0, 0])).max()
+
+
 case = Case(
     title="An inactive uniform",
     section="2.3.4",
@@ -115,6 +134,15 @@ case = Case(
     columns=("at first", "strength turned up", "unused turned up"),
     expect=[
         enlarged_check(),
+        measure(
+            "each lamp has the colour of its pass",
+            lamp_off,
+            reads={"picture": "picture.FragColor"},
+            readings=[
+                reading(n, reads={"lit": f"{n}.FragColor"}, given={"middle": m}, at_most=0.001)
+                for n, m in zip(SETTINGS, (1 / 6, 3 / 6, 5 / 6), strict=True)
+            ],
+        ),
         *each_draw(
             "small.FragColor", opaque(lamp_and_dials), {k: f"panel {k + 1}" for k in range(3)}
         ),

@@ -23,6 +23,7 @@ from ..scenes.api import limits
 from ..scenes.cameras import turned
 from ..scenes.draws import tested
 from ..scenes.figures import figure
+from ..scenes.panel_checks import parts_check
 from ..scenes.panels import WHOLE, panel_pass, picture, rectangle
 from ..scenes.still_life import CAMERA, still_life
 from ..scenes.studio import handed_on
@@ -86,6 +87,12 @@ MIDDLE = 0.5 - 32.5 / 4096.0
 NEAR_IT = {"TexCoords": rectangle((MIDDLE, MIDDLE), (1.0 / 64.0, 1.0 / 64.0))}
 PLAIN = {name: Texture(image=assets.solid((*rg, 0.5, 1.0))) for name, rg in TILES.items()}
 PICTURES = {name: Output(f"all.{output}") for name, output in zip(TILES, OUTPUTS, strict=True)}
+QUARTERS = {
+    "all.FragColor": (0.0, 0.5, 0.5, 1.0),
+    "all.BrightColor": (0.5, 0.5, 1.0, 1.0),
+    "all.NormalColor": (0.0, 0.0, 0.5, 0.5),
+    "all.Luminance": (0.5, 0.0, 1.0, 0.5),
+}
 CORAL = {"Normal": (0.0, 2.0, 0.0), "Color": (1.0, 0.5, 0.31)}
 
 case = Case(
@@ -113,6 +120,7 @@ case = Case(
             for name in OUTPUTS
         ),
         formula("picture.FragColor", tiles, name="four tiles"),
+        parts_check(QUARTERS, at_most=0.06),
         formula("edges.FragColor", tiles, name="edges of the tiles"),
         figure(
             "all.BrightColor",

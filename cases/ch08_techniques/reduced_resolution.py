@@ -89,8 +89,8 @@ def drawn(name, filter_):
 
 
 def more(label, test, than):
-    """A row that says that one picture has more than another."""
-    return reading(label, reads={"test": drawn(*test), "than": drawn(*than)}, at_least=0.0)
+    """A row that says that one picture has more than another; one and the same has 0 more."""
+    return reading(label, reads={"test": drawn(*test), "than": drawn(*than)}, at_least=0.001)
 
 
 def table(label, statistic, y_label, *laws):

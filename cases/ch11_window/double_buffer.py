@@ -24,7 +24,7 @@ from shaderlab.glslmath import abs, dot, max, mix, swizzle, vec3, vec4, where
 from shaderlab.glslmath.sampling import texture
 
 from ..scenes.figures import each_draw, figure, figures
-from ..scenes.panel_checks import enlarged_check
+from ..scenes.panel_checks import enlarged_check, parts_check
 from ..scenes.panels import cell, centres, enlarged, panel, square
 
 FRAMES = 4
@@ -125,6 +125,15 @@ def disc(frame):
 REFRESHES = range(2 * FRAMES - 1)
 STRIP = [f"{buffers} {k}" for buffers in ("two", "one") for k in REFRESHES]
 HALF_DRAWN = [f"one {k}" for k in REFRESHES if k % 2]
+# Where each of them is in the picture, within its frame.
+PLACES = {
+    f"{name[:3]} seen {name[4:]}.FragColor": tuple(
+        (number + off) / count
+        for off in (0.04, 0.96)
+        for number, count in ((k % len(REFRESHES), len(REFRESHES)), (k // len(REFRESHES), 2))
+    )
+    for k, name in enumerate(STRIP)
+}
 DARK, RED = (0.07, 0.08, 0.10), (0.85, 0.20, 0.15)
 
 case = Case(
@@ -151,6 +160,7 @@ case = Case(
     picture="picture.FragColor",
     rows=("one buffer", "two buffers"),
     expect=[
+        parts_check(PLACES, at_most=0.03),
         *each_draw("small.FragColor", copied, {k: f"shown: {s}" for k, s in enumerate(STRIP)}),
         enlarged_check(edges=0.001),
         *(

@@ -4,13 +4,14 @@ half the size, and nothing is left empty."""
 from __future__ import annotations
 
 import functools
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 
-from shaderlab import measure
+from shaderlab import measure, reading
 
 
 def enlarged_check(
@@ -223,6 +224,54 @@ def softened_check(of: str = "scene", name: str = "picture") -> Any:
         own_types=True,
         note="the farthest that a channel is from the mean light of its four texels, encoded",
     )
+
+
+def parts_check(
+    outputs: Mapping[str, Any], *, at_most: float, of: str = "picture.FragColor"
+) -> Any:
+    """Each part of a picture shows the output that it should: a formula would take whatever is
+    bound to the part's sampler.
+
+    Args:
+        outputs: what is shown → where: left, lower, right and upper edge, as shares of the picture.
+        at_most: how far the mean colours of a sixteenth of both may be apart.
+        of: the picture.
+
+    >>> parts_check({"all.FragColor": (0.0, 0.0, 0.5, 1.0)}, at_most=0.01).name
+    'each part of the picture shows its output'
+    """
+    return measure(
+        "each part of the picture shows its output",
+        furthest_sixteenth,
+        reads={"picture": of},
+        readings=[
+            reading(output, reads={"part": output}, given={"place": place}, at_most=at_most)
+            for output, place in outputs.items()
+        ],
+        own_types=True,
+    )
+
+
+def furthest_sixteenth(
+    picture: npt.NDArray[Any], part: npt.NDArray[Any], place: npt.NDArray[Any]
+) -> float:
+    """How far the mean colour of a sixteenth of a part of the picture is from that of an image.
+
+    >>> black, white = np.zeros((4, 4, 3)), np.ones((4, 4, 1))
+    >>> furthest_sixteenth(np.hstack([black, black + 1.0]), white, np.array([0.5, 0.0, 1.0, 1.0]))
+    0.0
+    """
+    height, width = picture.shape[:2]
+    left, lower, right, upper = np.ravel(place)
+    rows = slice(round(float(lower * height)), round(float(upper * height)))
+    shown = picture[rows, round(float(left * width)) : round(float(right * width))]
+    return float(np.abs(_sixteenths(shown) - _sixteenths(part)).max())
+
+
+def _sixteenths(image: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    blocks = (b for row in np.array_split(image[..., :3], 4) for b in np.array_split(row, 4, 1))
+    full = 255.0 if image.dtype == np.uint8 else 1.0
+    return np.array([block.mean(axis=(0, 1), dtype=float) / full for block in blocks])
 
 
 ROWS_AT_ONCE = 16
