@@ -49,6 +49,7 @@ class Device:
 
     def within(self, exact: np.ndarray, error: np.ndarray | float) -> np.ndarray:
         """A float32 at most `error` away from the exact value; often as far as it goes."""
+        error = np.where(np.isinf(exact), 0.0, error)
         share = np.clip(self.rng.uniform(-1.6, 1.6, exact.shape), -1.0, 1.0)
         near = (exact + share * error).astype(np.float32).astype(np.float64)
         too_far = np.abs(near - exact) > error

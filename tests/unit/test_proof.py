@@ -15,7 +15,8 @@ from benchmarks.proving import Case, cases, find_escapes
 from benchmarks.proving_adversary import leave_boxes, make_case
 from shaderlab import glsl, glslmath as g
 from shaderlab.analysis.audit import Plan, audit_program
-from shaderlab.analysis.batches import InputBatch
+from shaderlab.analysis.batches import InputBatch, run_batch
+from shaderlab.analysis.boxes import ARITHMETIC, Space, ends_of
 from shaderlab.analysis.inputs import domains_of, inputs_of
 from shaderlab.analysis.interpreter import load
 from shaderlab.analysis.proof import Proof
@@ -85,6 +86,24 @@ def test_what_overflows_may_become_nan() -> None:
     assert small.hi >= (3 + 2 * 181) * 2.0**-149, "of subnormal results the least errs most"
     product = (x * (y * 1e-30)) * 0.5
     assert product.contains(np.float32(np.inf)).all(), "x y overflows before it gets small"
+    power = g.log(g.exp(Band.exact([3e13])))
+    assert power.lo < 3e13 and power.hi == np.inf, "a compiler may take log(exp(x)) for x"
+
+
+@pytest.mark.parametrize("condition", ["s > top", "!!(s > top)"])
+def test_a_condition_that_nan_makes_false_bounds_nothing(condition: str, worker: Worker) -> None:
+    """clamp(NaN, 0, 1) may be NaN: then s > 1 goes on, as if it were not greater."""
+    code = (
+        "float f(float x, float y) { float s = y + 1.0, top = clamp(inversesqrt(x), 0.0, 1.0);"
+        f" if ({condition}) return 0.0; return s; }}"
+    )
+    program = Case("nan", False, code, {}).program(worker)
+    ranges = {"x": "-2:-1", "y": "0:1"}
+    inputs = inputs_of(program)
+    space = Space(program, inputs, domains_of(inputs, [program], ranges))
+    box = space.ranges(space.low[None], space.high[None])
+    low, high = ends_of(run_batch(program, box, ARITHMETIC).outputs["result"])
+    assert low.item() <= 0.0 and high.item() >= 2.0
 
 
 def test_what_is_open_is_said_and_what_is_assumed(tmp_path: Path) -> None:

@@ -275,6 +275,9 @@ def narrow(run: Run, condition: int, holds: bool, state: PathState) -> None:
         values = run.value(smaller), run.value(larger)
         if all(isinstance(value, Band) for value in values):
             (least, _), (_, most) = (value.apply_slack() for value in values)
+            if not holds:  # nor does it of NaN
+                unknown = values[0].may_be_nan | values[1].may_be_nan
+                least, most = np.where(unknown, -np.inf, least), np.where(unknown, np.inf, most)
             _bound(run, smaller, state, -np.inf, most)
             _bound(run, larger, state, least, np.inf)
 
