@@ -54,9 +54,9 @@ EntryPoint = tuple[Signature, Source]
 def find_entry_points(
     written: Source, worker: BareWorker | None = None, like: Sequence[EntryPoint] = ()
 ) -> list[EntryPoint]:
-    """The functions that a file defines itself, not in what it includes, in order; preprocessed by
-    a worker, or where calls are made. Those `like` another one, by name and types, have that one's
-    names of parameters. Raises ShaderError: its brackets do not match, or it has no function."""
+    """The functions that a file defines itself, or all of what it includes if there is none, in
+    order; preprocessed by a worker, or where calls are made. Those `like` another one, by name and
+    types, have its names of parameters. Raises ShaderError: brackets do not match, no function."""
     named = {_key(one): one.parameters for one, _ in like}
     source = raise_version(written, "" if has_version(written) else "#version 330 core")
     request = Preprocess(source)
@@ -66,10 +66,10 @@ def find_entry_points(
     own_file = source.parts[0][0] if source.parts else source.path
     places = [(*source.place(n + 1), 1) for n in range(source.text.count("\n") + 1)]
     found = []
-    for signature in itertools.chain.from_iterable(find_signatures(known).values()):
+    signatures = list(itertools.chain.from_iterable(find_signatures(known).values()))
+    own = [one for one in signatures if source.place(one.line)[0] == own_file]
+    for signature in own or signatures:
         place = source.place(signature.line)
-        if place[0] != own_file:
-            continue
         signature = replace(signature, parameters=named.get(_key(signature), signature.parameters))
         added = "\n".join(_main_lines(signature, taken)) + "\n"
         lines = LineMap.of(places + [(*place, 1)] * added.count("\n"))
@@ -199,7 +199,8 @@ def compare_functions(
     notes: list[str] = []
     for signature, source in functions:
         name, other = signature.name, left.pop(_key(signature), None)
-        if other is None and not re.search(rf"\b{name}\s*\(", ported_text):
+        # A text without a brace only includes others, which its compiler reads.
+        if other is None and not re.search(rf"\b{name}\s*\(|\A[^{{]+\Z", ported_text):
             outputs.append(OutputAnswer(name=str(signature), why="missing"))
             continue
         worker.note(f"interpreting {name}")

@@ -206,3 +206,16 @@ def test_a_type_that_nothing_defines_is_named(tmp_path: Path) -> None:
     (tmp_path / "a.glsl").write_text("float half_of(HIGHP in float x) { return 0.5 * x; }\n")
     with pytest.raises(CallError, match="HIGHP, which nothing defines"):
         glsl.load(tmp_path / "a.glsl").half_of(1.0)
+
+
+def test_a_file_that_only_includes_has_what_it_includes(tmp_path: Path) -> None:
+    (tmp_path / "math.glsl").write_text(
+        "#define PI 3.14\nfloat half_of(float x) { return x / 2.0; }\n"
+    )
+    (tmp_path / "part.fs").write_text("float arc(float x) { return half_of(PI * x); }\n")
+    whole = tmp_path / "whole.glsl"
+    whole.write_text('#include "math.glsl"\n#include "part.fs"\n')
+    status, said = call("audit", whole, "--inputs")
+    assert status == 0 and "half_of: x" in said and "arc: x" in said
+    status, said = call("diff", whole, whole)
+    assert status == 0 and "half_of: same" in said and "arc: same" in said
