@@ -16,8 +16,8 @@ washes the bricks out.
 import numpy as np
 
 from shaderlab import Case, Texture
-from shaderlab.glslmath import mix, swizzle, vec4
-from shaderlab.glslmath.sampling import texture
+from shaderlab.glslmath import clamp, mix, swizzle, vec4
+from shaderlab.glslmath.sampling import texture, textureSize
 from shaderlab.reference.light_maps import baked
 
 from ..scenes import painted_textures
@@ -46,9 +46,10 @@ def light(side=24):
 
 RANDOM = np.random.default_rng(72)
 TEXELS, LIGHT = RANDOM.random((5, 4, 4)), 2.0 * RANDOM.random((3, 4, 4))
-PAIR = np.array([[(0.8, 0.6, 0.4, 1.0)]]), np.array([[(0.5, 0.5, 1.0, 1.0)]])
+PAIR = np.array([[(0.8, 0.6, 0.4, 1.0)]]), np.full((2, 2, 4), (0.5, 0.5, 1.0, 1.0))
 WAYS = [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0)]
 PARTS = "the texture alone", "the light alone", "their product"
+MIXED = (0.9 * 0.875, 0.8 * 0.875, 0.7, 1.0)
 
 
 def walls(diffuse, baked_light, ways=WAYS):
@@ -65,9 +66,11 @@ def walls(diffuse, baked_light, ways=WAYS):
 
 
 def lit(diffuseMap, lightMap, TexCoords, LightCoords, shown):
-    """The texture's colour times the light."""
+    """The texture's colour times the light, which at an edge is that of the texels there."""
+    edge = 0.5 / textureSize(lightMap, 0)
     color = mix(1.0, swizzle(texture(diffuseMap, TexCoords), "rgb"), swizzle(shown, "x"))
-    light = mix(1.0, swizzle(texture(lightMap, LightCoords), "rgb"), swizzle(shown, "y"))
+    light = texture(lightMap, clamp(LightCoords, edge, 1.0 - edge))
+    light = mix(1.0, swizzle(light, "rgb"), swizzle(shown, "y"))
     return vec4(color * light, 1.0)
 
 
@@ -75,8 +78,6 @@ def white_light(beside, away):
     """The light of a lamp of strength 1, on the wall so far beside it."""
     return baked(np.array([beside, 0.0]), np.array([0.0, 0.0, away]), 1.0)
 
-
-MIXED = (0.9 * 0.875, 0.8 * 0.875, 0.7, 1.0)
 
 case = Case(
     title="A light map",
