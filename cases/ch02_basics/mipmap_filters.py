@@ -4,8 +4,8 @@ In GL_NEAREST_MIPMAP_LINEAR the first word says how a level is sampled, the seco
 between levels: NEAREST takes the one that is nearer, LINEAR mixes the two around. The level is the
 logarithm of how many texels a pixel covers. All four are for minifying alone: there is nothing
 larger than the image itself, and as a magnifying filter OpenGL refuses each of them with 0x500.
-Below level 0 the magnifying filter takes over: here NEAREST beside LINEAR_MIPMAP_…, and LINEAR
-beside NEAREST_MIPMAP_….
+Up to level 0 the magnifying filter takes over: here NEAREST beside LINEAR_MIPMAP_…, and LINEAR
+beside NEAREST_MIPMAP_…, where OpenGL lets a driver magnify up to level ½.
 
 Look at: a texture whose levels each have their own colour, from level −1 below to 5 above. On the
 left are the filters that choose one level, on the right those that mix two; NEAREST within the

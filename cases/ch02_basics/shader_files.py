@@ -5,11 +5,11 @@ and any line ends. It refuses a text that the compiler could not see in full, an
 the line and the remedy. A NUL character is such a case: C ends a string there, so everything after
 it would be silently ignored.
 
-Look at: the first 48 bytes of seven files, one a row. From above: plain, with a byte order mark,
-with carriage returns, in Latin-1, in UTF-16, with a NUL, and empty. Characters are blue, line feeds
-green, carriage returns yellow, and bytes that ASCII does not have are red; NUL is black, and in
-UTF-16 every second byte is one. The first three draw the same picture, to the bit. The others are
-refused, as are the ones that are missing, a folder, or include themselves.
+Look at: the first 48 bytes of seven files, one file per row. From above: plain, with a byte order
+mark, with carriage returns, in Latin-1, in UTF-16, with a NUL, and empty. Characters are blue, line
+feeds green, carriage returns yellow, and bytes that ASCII does not have are red; NUL is black, and
+in UTF-16 every second byte is one. The first three draw the same picture, to the bit. The others
+are refused, and so are a missing file, a folder, and a file that includes itself.
 
 Try: in `ch02_basics/shader_files.frag` write `byte == 32.0)` for `byte == 10.0)`: spaces are green
 in place of line feeds.

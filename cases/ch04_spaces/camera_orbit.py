@@ -4,9 +4,9 @@ The eye is at (r sin α, h, r cos α), the target stays, and each frame computes
 from the two. Nothing in the world moves. That its picture turns the other way is the same matrix
 read twice: a camera that goes round to the right sees the world go round to the left.
 
-Look at: the strip, row by row from the upper left, twelve frames 30° apart. The letters are read
-from the front in the first and from behind in the seventh; the light stays where it is in the
-world, so the side that is lit comes and goes.
+Look at: the strip, row by row from the upper left, twelve frames 30° apart. The F is read from the
+front in the first and from behind in the seventh; the light stays where it is in the world, so the
+side that is lit comes and goes.
 
 Try: in `ch04_spaces/camera_orbit.vert` write `vec3(0.4, 1.0, 0.0)` for `vec3(0.0, 1.0, 0.0)`: the
 camera tilts, and the ground leans to one side in the first frame and to the other in the seventh.
@@ -36,7 +36,7 @@ SCENE = letter_among_solids()
 
 
 def frame(k):
-    """One place on the circle; GLSL bounds a sine's error from −180° to 180° only."""
+    """One place on the circle; Vulkan bounds a sine's error on −180°…180° only, GLSL nowhere."""
     angle = radians((360.0 * k / len(FRAMES) + 180.0) % 360.0 - 180.0)
     circle = {"angle": angle, "radius": RADIUS, "height": HEIGHT, "projection": PROJECTION}
     place = cell(k, 4, 3, from_above=True)

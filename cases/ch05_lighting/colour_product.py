@@ -6,8 +6,8 @@ reflect, and what remains is a dark green: light · object, channel by channel.
 
 Look at: each row is a room with a lamp of another colour, on the same white wall with the same four
 balls. The white wall shows the lamp's own colour. Read a column downward: the coral ball is green
-in the green room and nearly black in the blue one, and the sky blue one turns black where only red
-is left. Nothing about the balls has changed.
+in the green room and a dull violet in the blue one, and the sky blue one is darkest where little
+but red is left. Nothing about the balls has changed.
 
 Try: in `ch05_lighting/colour_product.frag` write `min(lightColor, objectColor)` for `lightColor *
 objectColor`: where a lamp has all or nothing of a channel the colours stay, and elsewhere they do

@@ -7,12 +7,13 @@ point is. The edge becomes three texels wide and has the values 0, 1/9, 2/9, …
 
 A sampler2DShadow does the comparison itself. With NEAREST it returns the result of one texel. With
 LINEAR it may compare the four surrounding texels and interpolate the results in a single call,
-which is what drivers usually do; OpenGL only requires a result between 0 and 1.
+which is what drivers usually do; OpenGL leaves the details open, and asks for a result in 0…1 that
+is proportional to the comparisons that pass.
 
 That is softer, not truer: a sun of no size throws sharp edges, and against those the error stays.
 
 Look at: a pillar and its shadow, with a map of 512². On the left one texel decides, and the edge is
-a staircase. On the right nine do. The steps are still there, each of them nine times as small.
+a staircase. On the right nine do. The steps are still there, but of a few ninths, or of one.
 """
 
 from dataclasses import replace

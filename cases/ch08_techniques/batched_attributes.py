@@ -2,7 +2,7 @@
 
 A buffer may keep whole vertices together (interleaved, 123123123) or all of one attribute before
 all of the next (batched, 111222333). The first is kinder to caches when each vertex is read whole.
-The second suits data that comes in arrays, as from most model files, and data of which one
+The second suits data that comes in arrays, as from many model files, and data of which one
 attribute changes each frame: it takes one glBufferSubData. Only stride and offsets tell OpenGL
 which one it is: 24 bytes and 0, 12 for seven interleaved vertices, 12 bytes and 0, 84 for the same
 ones batched.

@@ -1,17 +1,17 @@
-"""An ellipsoid: a stretched globe whose normals are not the stretched ones.
+"""An ellipsoid: a stretched sphere whose normals are not the stretched ones.
 
-The points with (x/a)² + (y/b)² + (z/c)² = 1 are a globe scaled by a, b and c. Its normal is the
-gradient of that sum, (x/a², y/b², z/c²) up to length: it is divided by the half axes where the
+The points with (x/a)² + (y/b)² + (z/c)² = 1 are a unit sphere scaled by a, b and c. Its normal is
+the gradient of that sum, (x/a², y/b², z/c²) up to length: it is divided by the half axes where the
 point is multiplied by them. A mesh of triangles with its corners on the surface lies inside it, so
 its silhouette falls short of the true one, by at most what the flattest triangle leaves: with 64
 segments and 32 rings 0.24 % of the radius.
 
 Look at: the light on the two. Both have the same shape, half axes 1, 0.45 and 0.7. On the left the
-normals are the gradient's; on the right they are the globe's, stretched along with it, and the
+normals are the gradient's; on the right they are the sphere's, stretched along with it, and the
 light falls as if on something rounder: the brightest place is too far down the side.
 
-Try: in `ch11_window/ellipsoid.frag` write `Local / axes;` for `Local / (axes * axes);`: the globe's
-own normals, not stretched, are wrong as well, but less so.
+Try: in `ch11_window/ellipsoid.frag` write `Local / axes;` for `Local / (axes * axes);`: the
+sphere's own normals, not stretched, are wrong as well, but less so.
 """
 
 import numpy as np
@@ -120,7 +120,7 @@ def stored():
     return np.max(np.abs(found["aNormal"] - exact))
 
 
-NAMES = ("the gradient's", "the globe's, stretched")
+NAMES = ("the gradient's", "the sphere's, stretched")
 SIDES = [ball(k == 1, cell=cell(k, 2)) for k in range(2)]
 
 
@@ -149,7 +149,7 @@ case = Case(
         ),
     ),
     picture="picture.FragColor",
-    columns=("the gradient", "the globe's normals, stretched"),
+    columns=("the gradient", "the sphere's normals, stretched"),
     expect=[
         softened_check(),
         smaller_check("both", "scene"),

@@ -6,8 +6,8 @@ within ±√(n/4) in n dimensions. Octaves, each twice as fine and half as stron
 coasts of it; noise that shifts the place where noise is read makes marble.
 
 The hash decides whether devices agree. PCG works on integers and is exact. The best-known one,
-fract(sin(dot(p, vec2(12.9898, 78.233))) * 43758.5453), is anything: GLSL lets sin err by 2⁻¹¹, and
-that times 43758 is 21 whole turns.
+fract(sin(dot(p, vec2(12.9898, 78.233))) * 43758.5453), is anything: GLSL states no bound for sin,
+Vulkan 2⁻¹¹, and that times 43758 is 21 whole turns.
 
 Look at: value noise, which shows its squares, and gradient noise above; octaves and marble below.
 

@@ -3,7 +3,7 @@
 in vec3 Normal;
 
 uniform vec3 lightColor;
-uniform vec3 objectColor;   // the share of each kind of light that the object throws back
+uniform vec3 objectColor;   // the share of each kind of light that the object reflects
 
 layout (location = 0) out vec4 FragColor;
 layout (location = 1) out vec4 shaded;   // the same, darker where a ball turns away

@@ -4,7 +4,7 @@ in vec3 Local;
 uniform mat3 normalMatrix;
 uniform vec3 axes;
 uniform vec3 lightDir;
-uniform bool stretched;   // the mistake: the globe's normals, stretched along with it
+uniform bool stretched;   // the mistake: the sphere's normals, stretched along with it
 
 layout (location = 0) out vec4 FragColor;
 layout (location = 1) out vec3 normal;
@@ -16,9 +16,9 @@ void main()
     vec3 gradient = stretched ? Local : Local / (axes * axes);
     normal = normalize(normalMatrix * gradient);
 
-    // Lines at equal heights of the globe that it was.
-    vec3 globe = Local / axes;
-    float lines = abs(fract(6.0 * globe.y) - 0.5) > 0.46 ? 0.75 : 1.0;
+    // Lines at equal heights of the sphere that it was.
+    vec3 unit = Local / axes;
+    float lines = abs(fract(6.0 * unit.y) - 0.5) > 0.46 ? 0.75 : 1.0;
     float light = 0.16 + 0.84 * max(dot(normal, lightDir), 0.0);
     FragColor = vec4(light * lines * vec3(0.95, 0.62, 0.30), 1.0);
     covered = 1.0;
