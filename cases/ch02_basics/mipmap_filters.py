@@ -3,13 +3,14 @@
 In GL_NEAREST_MIPMAP_LINEAR the first word says how a level is sampled, the second what is done
 between levels: NEAREST takes the one that is nearer, LINEAR mixes the two around. The level is the
 logarithm of how many texels a pixel covers. All four are for minifying alone: there is nothing
-larger than the image itself, and as a magnifying filter OpenGL refuses each of them with 0x500.
-Up to level 0 the magnifying filter takes over: here NEAREST beside LINEAR_MIPMAP_…, and LINEAR
-beside NEAREST_MIPMAP_…, where OpenGL lets a driver magnify up to level ½.
+larger than the image itself, and as a magnifying filter OpenGL refuses each of them with 0x500. Up
+to level 0 the magnifying filter takes over: here NEAREST beside LINEAR_MIPMAP_…, and LINEAR beside
+NEAREST_MIPMAP_…, where OpenGL lets a driver magnify up to level ½.
 
-Look at: a texture whose levels each have their own colour, from level −1 below to 5 above. On the
+Look at: a texture whose levels each have their own colour, from level −1 below to 2½ above. On the
 left are the filters that choose one level, on the right those that mix two; NEAREST within the
-level below, LINEAR above. Steps against a smooth change, and sharp chessboards against blurred.
+level below, LINEAR above. Steps against a smooth change, and sharp chessboards against blurred. In
+the lowest band of each the other filter magnifies.
 
 Try: in `ch02_basics/mipmapped.frag` write `TexCoords, floor(lod)` for `TexCoords, lod`: levels are
 whole numbers now, so all four change in steps and mix nothing.
@@ -25,13 +26,10 @@ from ..scenes.figures import each_draw, figure
 from ..scenes.panel_checks import enlarged_check
 from ..scenes.panels import cell, enlarged, panel, picture, rectangle
 
-SIDE = 32
+SIDE = 8
 FIELD = 8  # pixels a side, of fields whose level comes from derivatives
 LEVEL = (1.3, 1.7)
-COLORS = (
-    (0.80, 0.25, 0.20), (0.90, 0.60, 0.15), (0.55, 0.70, 0.25), (0.20, 0.62, 0.55),
-    (0.25, 0.42, 0.75), (0.50, 0.30, 0.66),
-)  # fmt: skip
+COLORS = ((0.80, 0.25, 0.20), (0.90, 0.60, 0.15), (0.55, 0.70, 0.25), (0.20, 0.62, 0.55))
 # The first word is for within a level, the last for between levels.
 FILTERS = [f"{a}_mipmap_{b}" for a in ("nearest", "linear") for b in ("nearest", "linear")]
 
@@ -128,7 +126,7 @@ case = Case(
     r"\text{LINEAR: } \tau = (1 - \operatorname{frac}\lambda)\,\tau^{\lfloor\lambda\rfloor} + "
     r"\operatorname{frac}(\lambda)\,\tau^{\lfloor\lambda\rfloor + 1}",
     passes=(
-        *enlarged(fields(LEVELS, (-1.0, 5.4), (0.5, 0.375)), (146, 110), 7),
+        *enlarged(fields(LEVELS, (-1.0, 2.5), (1.0, 0.75)), (146, 110), 7),
         picture(fields(NOISE, (-0.93, 4.61), (1.71, 1.13)), (74, 122), "judged"),
         picture(fields(RUNGS, (-1.0, 5.0), (1.0, 1.0)), (8, 8), "rungs"),
         picture(derived(), (4 * FIELD, 2 * FIELD), "derived"),

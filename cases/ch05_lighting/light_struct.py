@@ -7,7 +7,7 @@ position, and a colour only through these three.
 
 Look at: the same vase of one material in four lights. Upper left all three parts are white: flat
 and overexposed. Upper right is 0.2, 0.5, 1. Lower left is a candle, whose shadows are deep and
-warm; lower right a bright blue sky with a weak lamp. The material has not changed.
+warm; lower right a blue evening sky with a weak lamp. The material has not changed.
 
 Try: in `ch05_lighting/material.frag` write `vec3(0.0)` for `light.ambient * material.ambient`: what
 no lamp reaches is black in all four pictures.
@@ -30,7 +30,7 @@ CAMERA = camera(EYE, (0.0, 0.85, 0.0), 27.0, far=60.0)
 # From the lower left to the upper right: place, ambient, diffuse, specular.
 LIGHTS = [
     ((-1.6, 1.3, 1.2), (0.02, 0.012, 0.008), (1.0, 0.52, 0.2), (1.0, 0.6, 0.3)),
-    ((2.5, 4.0, 2.0), (0.18, 0.30, 0.55), (0.18, 0.17, 0.15), (0.35, 0.4, 0.5)),
+    ((2.5, 4.0, 2.0), (0.08, 0.17, 0.36), (0.36, 0.33, 0.27), (0.5, 0.5, 0.5)),
     ((-2.0, 3.2, 3.0), WHITE, WHITE, WHITE),
     ((-2.0, 3.2, 3.0), (0.2, 0.2, 0.2), (0.5, 0.5, 0.5), WHITE),
 ]

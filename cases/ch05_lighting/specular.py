@@ -5,7 +5,7 @@ it the cosine of the angle counts, raised to the power of the shininess. Only th
 parts moves when the viewer does. A face turned away from the lamp has no highlight at all.
 
 Look at: the same ring and ball three times. Above, ambient and diffuse light: chalk. In the middle
-the specular part alone, a few points of light on black. Below the sum: chalk became glazed clay.
+the specular part alone: a spot, and a thin loop. Below the sum: chalk became glazed clay.
 
 Try: in `ch05_lighting/specular.frag` write `viewDir, 4.0 * shininess);` for `viewDir, shininess);`:
 highlights become half as wide.
@@ -24,7 +24,7 @@ from ..scenes.panels import cell
 
 EYE = (0.0, 1.9, 5.6)
 LIGHT = {"lightColor": (1.0, 0.96, 0.90), "lightPos": (-1.8, 3.4, 2.4), "viewPos": EYE}
-CAMERA = camera(EYE, (0.0, 0.72, 0.0), 18.3, 3.0)
+CAMERA = camera(EYE, (-0.14, 0.715, 0.0), 21.0, 3.0)
 LEANING = translate((0.85, 0.72, -0.3)) @ turned(58.0, (1.0, -0.25, 0.3))
 BALL = assets.sphere(0.62, segments=64, rings=32)
 THINGS = (BALL, translate((-1.25, 0.62, 0.3))), (assets.torus(0.74, 0.27), LEANING)

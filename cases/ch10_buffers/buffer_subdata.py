@@ -9,18 +9,26 @@ Buffers are not for vertices alone. While one is bound as GL_PIXEL_PACK_BUFFER, 
 into it, and while one is bound as GL_PIXEL_UNPACK_BUFFER, a texture's image is read from it: the
 pointer is then a number of bytes into the buffer.
 
-Look at: the rosette. If the second piece were written to byte 0, or the pointer left there,
-positions would be used as colours, and three corners with negative coordinates would be black.
+Look at: the buffer's 42 numbers, after the first piece, and after the second; then what is drawn.
+Were the second piece written to byte 0, positions would be used as colours, and three corners with
+negative coordinates would be black.
 
 Try: in `ch10_buffers/rosette.vert` write `ourColor = abs(aPos)` for `ourColor = aColor`: positions
 are shown as colours, as when the second piece is written to byte 0.
 """
 
+from dataclasses import replace
+
 from shaderlab import Case, Erratum, Output, attribute_layout, exact, gl_call, measure
 from shaderlab.engine.expectations.gl_call import Object, call
 
 from ..scenes.api import ONE_PIXEL, answers, sent
-from ..scenes.rosette import rosette_checks, window
+from ..scenes.draws import drawn
+from ..scenes.figures import each_draw
+from ..scenes.flat_figures import memory_map
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, enlarged
+from ..scenes.rosette import LIGHT, encoded, rosette, rosette_checks, window
 
 PIXELS, TEXEL = Object("buffer"), bytes(range(10, 90, 10))
 READ_BACK = (
@@ -40,14 +48,12 @@ UNPACKED = (
 )
 FOUR_BYTES = call("glGetBufferSubData", "GL_PIXEL_PACK_BUFFER", 0, 4)
 IMAGE = call("glGetTexImage", "GL_TEXTURE_2D", 0, "GL_RGBA", "GL_UNSIGNED_BYTE")
-
-
-def white(FragColor):
-    """The brightest pixel's darkest channel: the middle is white."""
-    return FragColor[..., :3].min(axis=-1).max()
-
-
 STATIC = {"usage": "GL_STATIC_DRAW"}
+TARGETS = {"PIXEL_PACK": "a buffer that pixels are read into", "UNIFORM": "a buffer of uniforms"}
+TWO = memory_map(rosette(layout="batched"), 7, 34)
+ONE = replace(TWO, indices=TWO.indices[:126])  # 21 squares of two triangles
+FIGURES = enumerate((ONE, TWO, rosette()))
+SHOWN = [drawn("ch10_buffers/rosette", mesh, cell=cell(k, 3)) for k, mesh in FIGURES]
 
 case = Case(
     title="Filling a buffer in pieces",
@@ -55,10 +61,15 @@ case = Case(
     math=r"84 = 7 \cdot 3 \cdot 4\ \text{bytes}, \qquad \text{positions}: 0 \ldots 83, \quad "
     r"\text{colours}: 84 \ldots 167",
     passes=(
-        window("at once", layout="separate", upload="data"),
-        window("main", layout="batched", upload="sub_data"),
+        *enlarged(SHOWN, (192, 64), 5, clear=LIGHT),
+        window("at once", side=257, layout="separate", upload="data"),
+        window("main", side=257, layout="batched", upload="sub_data"),
     ),
+    picture="picture.FragColor",
+    columns=("after the first piece", "after the second", "drawn"),
     expect=[
+        enlarged_check(),
+        *each_draw("small.FragColor", encoded, enumerate(("one piece", "two pieces", "drawn"))),
         attribute_layout(
             {"aPos": (0, 12), "aColor": (84, 12)}, name="positions at 0, colours at 84"
         ),
@@ -76,10 +87,7 @@ case = Case(
         *rosette_checks(),
         *(
             gl_call("glBindBuffer", f"GL_{target}_BUFFER", Object("buffer"), name=name)
-            for target, name in (
-                ("PIXEL_PACK", "a buffer that pixels are read into"),
-                ("UNIFORM", "a buffer of uniforms"),
-            )
+            for target, name in TARGETS.items()
         ),
         *answers(
             {
@@ -87,9 +95,9 @@ case = Case(
                 "a texture is filled from byte 4 of a buffer": (IMAGE, tuple(TEXEL[4:]), UNPACKED),
             }
         ),
-        # The nearest pixels are half a pixel off the white vertex both ways, and 208 pixels from
-        # there all channels have fallen by 1 at most: to 0.9966, whose root is 0.9983.
-        measure("the middle is white", white, at_least=0.998),
+        measure(
+            "its middle is white", lambda FragColor: FragColor[128, 128].min(), equals=1.0, digits=5
+        ),
     ],
     errata=[
         Erratum(
