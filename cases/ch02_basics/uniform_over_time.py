@@ -1,8 +1,7 @@
 """A uniform that changes with time: the program computes a colour, the shader shows it.
 
 The green channel swings as sin(t)/2 + 0.5, from 0 to 1. What the program sends before each draw
-arrives exactly; a sine computed in the shader itself need only be within 2⁻¹¹ by Vulkan's rules,
-and GLSL has none.
+arrives exactly; of a sine that the shader computes, GLSL bounds no error, and Vulkan one of 2⁻¹¹.
 
 Look at: the bead, which is filled with the uniform of that moment, riding on the curve.
 
