@@ -111,8 +111,9 @@ def _made_up(folder: Path, count: int) -> None:
 
     from shaderlab.engine.pictures import PictureWriter
     from shaderlab.model.frame import Image
-    from shaderlab.model.records import ProgramRecord, SourceText, Verdict
+    from shaderlab.model.records import ProgramRecord, SourceText
     from shaderlab.model.store import save
+    from shaderlab.model.verdicts import Verdict
     from tests.unit.test_report_samples import curve, outcome, record, run, worst
 
     generator = np.random.default_rng(7)

@@ -26,6 +26,17 @@ def make_visible(text: str) -> str:
     )
 
 
+def significant(value: float) -> str:
+    """A number in the nine digits that tell float32 values apart, or the ten of a whole number of
+    32 bits.
+
+    >>> significant(0.1), significant(2654435761.0), significant(2.0**40)
+    ('0.1', '2654435761', '1.09951163e+12')
+    """
+    whole = float(value).is_integer() and abs(value) < 2.0**32
+    return f"{value:.{10 if whole else 9}g}"
+
+
 class ShaderlabError(Exception):
     """Base of all errors of the lab.
 

@@ -22,15 +22,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from shaderlab.model.options import CALL_LIMITS, Limits
-from shaderlab.model.records import (
-    Diagnostic,
-    Outcome,
-    ProgramRecord,
-    Record,
-    SourceText,
-    Verdict,
-    Worst,
-)
+from shaderlab.model.records import Outcome, ProgramRecord, Record, SourceText, Worst
+from shaderlab.model.verdicts import Diagnostic, Verdict
 
 # A session's tests, and the processes that they start, share a compile cache that is empty when
 # they begin: what was compiled at another time is not tested, and nothing is compiled twice.

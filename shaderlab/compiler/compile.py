@@ -9,7 +9,7 @@ from operator import itemgetter
 
 from shaderlab.errors import ShaderError, suggest
 from shaderlab.files import display_path
-from shaderlab.model.records import Diagnostic, Verdict
+from shaderlab.model.verdicts import Diagnostic, Verdict
 
 from .diagnostics import (
     check_version,

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from shaderlab.errors import ShaderError
 from shaderlab.files import cache_root, open_regular, write_bytes
-from shaderlab.model.records import Diagnostic, Verdict
+from shaderlab.model.verdicts import Diagnostic, Verdict
 
 from .compile import Compile, Compiled, compile_program, keep_literals, order_stages, with_interface
 from .glslang import files, link

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from shaderlab.errors import DriverError, ShaderError, suggest
-from shaderlab.model.records import Diagnostic, Verdict
+from shaderlab.model.verdicts import Diagnostic, Verdict
 from shaderlab.workers.pool import WorkerPool
 
 from .dialects import raise_version

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from shaderlab.errors import UnsupportedError
-from shaderlab.model.records import Diagnostic
+from shaderlab.model.verdicts import Diagnostic
 
 from .diagnostics import find_declaration
 from .reflection import leaves, own_variables, stage_variables

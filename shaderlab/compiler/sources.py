@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 from shaderlab.errors import ShaderError, suggest
 from shaderlab.files import display_path
-from shaderlab.model.records import Diagnostic, Severity
+from shaderlab.model.verdicts import Diagnostic, Severity
 
 from .shader_files import (
     OUTSIDE_REMEDY,

@@ -33,6 +33,7 @@ from shaderlab.model.expectation import Judgement
 from shaderlab.model.frame import Image, PassDraw, TracedCall
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.scene import Ramp, UniformBuffer
+from shaderlab.model.verdicts import Verdict
 
 from .catalogue import chapter_title, is_project_file, place_of
 from .jobs import DEFECT
@@ -117,9 +118,7 @@ class RecordBuilder:
         buffers = [*_uniform_buffers(programs), *_vertex_buffers(programs)]
         self.set(buffers=tuple(buffers[:_MOST_BUFFERS]))
 
-    def add_driver_verdicts(
-        self, verdict_of: Callable[[tuple[Source, ...]], records.Verdict]
-    ) -> None:
+    def add_driver_verdicts(self, verdict_of: Callable[[tuple[Source, ...]], Verdict]) -> None:
         """Add the driver's own verdict on each program so far to those of the compilers."""
         for sources, program in self._programs.items():
             verdicts = mark_disagreement((*program.verdicts, _for_display(verdict_of(sources))))
@@ -312,7 +311,7 @@ def format_error(error: ShaderlabError) -> str:
     return f"{place}{error.message}{remedy}"
 
 
-def _for_display(verdict: records.Verdict, assembly: str = "") -> records.Verdict:
+def _for_display(verdict: Verdict, assembly: str = "") -> Verdict:
     if not (verdict.diagnostics or assembly):
         return verdict
     diagnostics = (replace(d, file=display_path(d.file)) for d in verdict.diagnostics)

@@ -24,7 +24,8 @@ from shaderlab.model.expectation import Expectation, Judgement
 from shaderlab.model.frame import Image
 from shaderlab.model.options import RunOptions
 from shaderlab.model.phases import PhaseTimer, phase
-from shaderlab.model.records import Explanation, Outcome, Record, Verdict
+from shaderlab.model.records import Explanation, Outcome, Record
+from shaderlab.model.verdicts import Verdict
 
 from .catalogue import shaders_of
 from .evaluation import FEATURES, Evaluation, SceneCheck

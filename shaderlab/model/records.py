@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+from shaderlab.model.verdicts import Verdict
+
 Status = Literal["pass", "fail", "error", "unsupported", "timeout", "crash"]
 
 
@@ -231,54 +233,6 @@ class Plot:
     points: tuple[PlotPoint, ...]
     log_x: bool = False
     log_y: bool = False
-
-
-def significant(value: float) -> str:
-    """A number in the nine digits that tell float32 values apart, or the ten of a whole number of
-    32 bits.
-
-    >>> significant(0.1), significant(2654435761.0), significant(2.0**40)
-    ('0.1', '2654435761', '1.09951163e+12')
-    """
-    whole = float(value).is_integer() and abs(value) < 2.0**32
-    return f"{value:.{10 if whole else 9}g}"
-
-
-Severity = Literal["error", "warning", "info"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Diagnostic:
-    """One message of a compiler, at the author's own file and line (counted from 1)."""
-
-    file: str
-    line: int | None
-    severity: Severity
-    message: str
-    token: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Verdict:
-    """The verdict of one compile target, or of a driver, on one program.
-
-    `ok` covers the compiler and, for SPIR-V targets, SPIRV-Tools' validator as well; the
-    validator alone is in `valid`, None where there was no module to look at.
-    `spirv_bytes` is the size of all its stages' modules and `instructions` how many SPIR-V
-    instructions they have; both are 0 for plain GLSL. `assembly` is the file of the modules as
-    text, those of the program's other targets among them, relative to the run's folder, or "".
-    `status` is "" for an answer; "crash" or "timeout" where the compiler gave none, and
-    "disagrees" where a driver's answer is not that of the plain GLSL compiler.
-    """
-
-    target: str
-    ok: bool
-    diagnostics: tuple[Diagnostic, ...] = ()
-    spirv_bytes: int = 0
-    instructions: int = 0
-    valid: bool | None = None
-    assembly: str = ""
-    status: Literal["", "crash", "timeout", "disagrees"] = ""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,11 +8,15 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from shaderlab.files import read_regular
-from shaderlab.model.records import Diagnostic, Outcome, Record, Run, Severity, Verdict
+from shaderlab.model.verdicts import Diagnostic, Severity, Verdict
 from shaderlab.report.grouping import PASSABLE, STATUS_WORDS
 from shaderlab.report.text import clean, format_label, format_outcome, plural
+
+if TYPE_CHECKING:
+    from shaderlab.model.records import Outcome, Record, Run
 
 _PLACE = re.compile(r"(?P<file>[^\n]+?):(?P<line>\d+): ")
 _CASE = re.compile(r"case\s*[:=]")

@@ -6,8 +6,10 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from shaderlab.model.records import Record, Run, Status
+if TYPE_CHECKING:
+    from shaderlab.model.records import Record, Run, Status
 
 # Worst first: a case has the first of these that one of its variants has.
 STATUSES: tuple[Status, ...] = ("crash", "timeout", "error", "fail", "unsupported", "pass")

@@ -11,10 +11,15 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import datetime
 from textwrap import indent
+from typing import TYPE_CHECKING
 
+from shaderlab.errors import significant
 from shaderlab.files import display_path
 from shaderlab.model.options import RunOptions
-from shaderlab.model.records import Diagnostic, Outcome, Record, Run, Status, Worst, significant
+from shaderlab.model.verdicts import Diagnostic
+
+if TYPE_CHECKING:
+    from shaderlab.model.records import Outcome, Record, Run, Status, Worst
 
 # C0 and C1 controls (but tab and line ends), lone surrogates, and XML's two non-characters.
 _UNPRINTABLE = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")

@@ -18,10 +18,10 @@ from shaderlab.model.records import (
     Row,
     Run,
     SourceText,
-    Verdict,
     Worst,
 )
 from shaderlab.model.store import save
+from shaderlab.model.verdicts import Verdict
 from shaderlab.report.html import render_single, write
 from tests.unit.test_report_samples import curve, outcome, record, run
 

@@ -31,7 +31,8 @@ from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.frame import Image
 from shaderlab.model.options import RunOptions
-from shaderlab.model.records import Record, Verdict
+from shaderlab.model.records import Record
+from shaderlab.model.verdicts import Verdict
 
 GRAY = 0.25
 

@@ -42,6 +42,25 @@ def test_list_names_every_case_once(listed: tuple[str, Any]) -> None:
         assert listed[0].count(f"  {case_id} ") == 1
 
 
+def test_shipped_cases_are_listed_by_their_texts_alone_and_as_when_loaded(
+    listed: tuple[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(list_cases, "load_selected", lambda targets: pytest.fail("loaded"))
+    assert call("list").output == listed[0]
+
+
+def test_shipped_cases_written_in_another_way_are_loaded(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    file = tmp_path / "own.py"
+    file.write_text('from shaderlab import Case\nTITLE = "Own"\ncase = Case(title=TITLE)\n')
+    monkeypatch.setattr(list_cases, "shipped_cases", lambda: [file])
+    monkeypatch.setattr(list_cases, "load_selected", lambda targets: [])
+    assert list_cases.read_shipped() == []
+    file.write_text(file.read_text().replace("TITLE)", '"A \\"word\\"", section="1")'))
+    assert list_cases.read_shipped() == []
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_explains_itself(command: str) -> None:
     result = call(command, "--help")
@@ -75,12 +94,12 @@ def test_errors_are_one_block_unless_debugging(
         raise error
 
     monkeypatch.setattr(list_cases, "load_selected", fail)
-    result = call("list")
+    result = call("list", ".")
     assert result.exit_code == code
     assert result.stderr == f"shaderlab: {error}\n"
-    assert call("--debug", "list").exception is error
+    assert call("--debug", "list", ".").exception is error
     monkeypatch.setenv("SHADERLAB_DEBUG", "1")
-    assert call("list").exception is error
+    assert call("list", ".").exception is error
 
 
 def load(files: Sequence[Path]) -> list[CaseInfo]:

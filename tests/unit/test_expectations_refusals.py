@@ -16,7 +16,8 @@ from shaderlab.engine.expectations.rejections import Place, Verdicts
 from shaderlab.errors import CaseError, ShaderError
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.frame import Frame, Reply
-from shaderlab.model.records import Diagnostic, Outcome, Verdict
+from shaderlab.model.records import Outcome
+from shaderlab.model.verdicts import Diagnostic, Verdict
 
 UNDECLARED = "'x' : undeclared identifier"
 DRIVER = Verdict(

@@ -16,7 +16,6 @@ from shaderlab.cli import cli
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.expectations.driver_answers import coverage
 from shaderlab.model.records import (
-    Diagnostic,
     DriverResult,
     Explanation,
     Outcome,
@@ -24,8 +23,8 @@ from shaderlab.model.records import (
     Record,
     Run,
     SourceText,
-    Verdict,
 )
+from shaderlab.model.verdicts import Diagnostic, Verdict
 from shaderlab.report.findings import WORKSPACE, Finding, collect_findings
 from shaderlab.report.formats import sarif
 

@@ -10,7 +10,6 @@ from pathlib import Path
 from shaderlab.files import write_text
 from shaderlab.model.records import (
     Curve,
-    Diagnostic,
     ErratumNote,
     Outcome,
     Plot,
@@ -20,9 +19,9 @@ from shaderlab.model.records import (
     Row,
     Run,
     SourceText,
-    Verdict,
     Worst,
 )
+from shaderlab.model.verdicts import Diagnostic, Verdict
 from shaderlab.report.html import render_single
 
 HOSTILE = "</script></style><img src=x onerror=alert(1)>\"'&{{ 7*7 }}\x00\x1b\u202e\udc80"

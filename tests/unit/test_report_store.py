@@ -20,7 +20,6 @@ from shaderlab.model.records import (
     Attachment,
     Curve,
     Declared,
-    Diagnostic,
     ErratumNote,
     Outcome,
     PassRecord,
@@ -29,10 +28,10 @@ from shaderlab.model.records import (
     Row,
     Run,
     SourceText,
-    Verdict,
     Worst,
 )
 from shaderlab.model.store import load, save, to_plain
+from shaderlab.model.verdicts import Diagnostic, Verdict
 from shaderlab.report.formats.json import render
 
 NAN, INF = math.nan, math.inf

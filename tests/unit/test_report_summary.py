@@ -20,10 +20,10 @@ from shaderlab.model.records import (
     PassRecord,
     ProgramRecord,
     Row,
-    Verdict,
     Worst,
 )
 from shaderlab.model.store import save
+from shaderlab.model.verdicts import Verdict
 from shaderlab.report.formats.markdown import render as summary
 from tests.unit.test_report_samples import (
     HOSTILE,

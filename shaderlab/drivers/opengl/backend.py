@@ -11,7 +11,7 @@ from shaderlab.errors import UnsupportedError
 from shaderlab.model.calls import Call, CallEdit, Program
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, AttributeReading, BlockReading, Fragments, PassDraw, Reply
-from shaderlab.model.records import Verdict
+from shaderlab.model.verdicts import Verdict
 
 from .. import Answers, Evaluation, Size
 from ..passes import DeviceBackend, PassSession

@@ -20,7 +20,7 @@ from shaderlab.compiler.spirv import parse
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.frame import Array
 from shaderlab.model.phases import phase
-from shaderlab.model.records import Diagnostic, Verdict
+from shaderlab.model.verdicts import Diagnostic, Verdict
 
 from ..programs.textures import components_of
 from ..resources import ProgramCache

@@ -13,8 +13,8 @@ from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv import ExecutionMode, parse
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.frame import Array, AttributeReading, Bindings, BlockReading, PassDraw
-from shaderlab.model.records import Verdict
 from shaderlab.model.scene import Target
+from shaderlab.model.verdicts import Verdict
 
 from .. import Answers, Evaluation
 from ..passes import DeviceBackend, PassSession

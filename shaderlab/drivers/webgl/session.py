@@ -13,7 +13,7 @@ from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.model.frame import Array, AttributeReading, Bindings, BlockReading, PassDraw
 from shaderlab.model.mesh import Mesh
-from shaderlab.model.records import Verdict
+from shaderlab.model.verdicts import Verdict
 
 from .. import Answers
 from ..passes import DeviceBackend, PassSession

@@ -14,8 +14,9 @@ from shaderlab.errors import CaseError, suggest
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Judgement, Programs, Read, TypedNeed
 from shaderlab.model.frame import Answer, Bindings, Frame, PassDraw
-from shaderlab.model.records import Row, Verdict
+from shaderlab.model.records import Row
 from shaderlab.model.scene import Pass, Pixel
+from shaderlab.model.verdicts import Verdict
 
 
 @dataclass(frozen=True)

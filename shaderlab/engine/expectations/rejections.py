@@ -12,7 +12,8 @@ from shaderlab.model.checked import checked_arguments
 from shaderlab.model.expectation import Expectation, Judgement, Need, Programs
 from shaderlab.model.frame import Frame, TypedNeed
 from shaderlab.model.phases import phase
-from shaderlab.model.records import Row, Verdict
+from shaderlab.model.records import Row
+from shaderlab.model.verdicts import Verdict
 
 Place = tuple[str, int | None, str]
 """A shader's name, a line from 1 (None where a message has none), and the whole message."""

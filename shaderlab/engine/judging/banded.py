@@ -16,9 +16,9 @@ import numpy.typing as npt
 
 from shaderlab.bands import Rules
 from shaderlab.bands.bounds import contains, widths
-from shaderlab.errors import FormulaError
+from shaderlab.errors import FormulaError, significant
 from shaderlab.model.frame import Array
-from shaderlab.model.records import Curve, Outcome, Row, SourceText, Worst, significant
+from shaderlab.model.records import Curve, Outcome, Row, SourceText, Worst
 
 from .bands import FLOAT_FORMATS, MAX_UNDECIDED, MIN_INFORMATIVE, ReferenceBand, reference_band
 from .references import Inputs, Reference, evaluate, make_error, source_of
