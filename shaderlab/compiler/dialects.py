@@ -9,6 +9,8 @@ from .sources import LineMap, Source
 # GLSL 1.30 (§1.1) and GLSL ES 3.00 (§1.1) name what they replace.
 CALLS = re.compile(r"\btexture(?:[123]D|Cube)((?:Proj)?(?:Lod|Grad)?)(?:EXT|ARB)?(?=\s*\()")
 _STORAGE = re.compile(r"\b(?:attribute|varying)\b")
+# No text of a version that has `gl_FragColor` alone; one under `#if` has both.
+_DECLARED = re.compile(r"^[ \t]*(?:layout\s*\([^)]*\)\s*)?out\s[^;,(){}]*;", re.M)
 _OUTPUT = re.compile(r"\bgl_Frag(?:Color|Data(?=\s*\[\s*(\d+)))")
 _VERSION = re.compile(r"^[ \t]*#[ \t]*version\b[^\n]*", re.M)
 _START = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)\b[^\n]*$", re.M)
@@ -62,7 +64,7 @@ def raise_version(source: Source, head: str = "") -> Source:
     last_stage = source.stage == "fragment"
     text = _STORAGE.sub(lambda m: "in" if last_stage or m[0] == "attribute" else "out", text)
     rows = [head, *(define for name, define in _SHADOWS.items() if name in text)]
-    if last_stage and (found := _OUTPUT.findall(text)):
+    if last_stage and not _DECLARED.search(text) and (found := _OUTPUT.findall(text)):
         count = f"[{1 + int(max(found))}]" if any(found) else ""
         rows.append(f"layout (location = 0) out mediump vec4 shaderlab_color{count};")
         text = _OUTPUT.sub("shaderlab_color", text)

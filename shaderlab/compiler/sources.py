@@ -343,14 +343,12 @@ class Source:
         return Diagnostic(file=file, line=line, severity=severity, message=message, token=token)
 
 
-# What a file without `#version` is read as. What it may need of later versions, the driver takes.
-_READ_AS = 330
-
-
-def with_version(source: Source, version: int = _READ_AS) -> Source:
-    """Return a source with a `#version`, its own or this one."""
+def with_version(source: Source) -> Source:
+    """Return a source with a `#version`, its own or the one that its functions are read as. What
+    they may need of later versions, the driver takes."""
     if version_of(source.code) is not None:
         return source
+    version = 430 if source.stage == "compute" else 330
     lines = LineMap(((source.path, 1, 1), *source.lines.spans))
     text = f"#version {version} core\n{source.text}"
     return replace(source, text=text, lines=lines, stripped=None)

@@ -219,3 +219,21 @@ def test_a_file_that_only_includes_has_what_it_includes(tmp_path: Path) -> None:
     assert status == 0 and "half_of: x" in said and "arc: x" in said
     status, said = call("diff", whole, whole)
     assert status == 0 and "half_of: same" in said and "arc: same" in said
+
+
+def test_a_text_for_several_versions_has_the_outputs_of_the_one_that_it_is_read_as(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "several.frag"
+    old = "#if __VERSION__ == 100\n{}\n#endif\n"
+    new = "#if __VERSION__ != 100\nlayout(location = 0) out vec4 color;\n#endif\n"
+    main = f"void main() {{ color = vec4(0.5);\n{old.format('gl_FragColor = color;')}}}"
+    file.write_text(f"{old.format('vec4 color;')}{new}{main}")
+    assert call("audit", file)[0] == 0
+
+
+@pytest.mark.parametrize("suffix", ["cs", "tcs", "tes", "gs"])
+def test_functions_of_a_later_stage_are_read_without_a_version(tmp_path: Path, suffix: str) -> None:
+    file = tmp_path / f"part.{suffix}"
+    file.write_text("float half_of(float x) { return 0.5 * x; }")
+    assert glsl.load(file).half_of(3.0) == 1.5
