@@ -205,20 +205,14 @@ class Tally:
     """How many files each target accepted and refused, and on how many it gave no answer."""
 
     def __init__(self) -> None:
-        self._counts: dict[str, Counter[str]] = {}
-        self.files = 0
+        self.targets: dict[str, Counter[str]] = {}
         self.refused = 0
 
-    @property
-    def targets(self) -> tuple[str, ...]:
-        return tuple(self._counts)
-
     def add(self, result: FileResult) -> None:
-        self.files += 1
         self.refused += not result.ok
         for verdict in result.verdicts:
-            counts = self._counts.setdefault(verdict.target, Counter())
-            kind = verdict.status if verdict.status in ("crash", "timeout") else ""
+            counts = self.targets.setdefault(verdict.target, Counter())
+            kind = verdict.status if verdict.status in _DIED else ""
             counts[kind or ("accepted" if verdict.ok else "refused")] += 1
             counts["disagrees"] += verdict.status == "disagrees"
 
@@ -227,11 +221,11 @@ class Tally:
         rare = [
             kind
             for kind in ("crash", "timeout", "disagrees")
-            if any(counts[kind] for counts in self._counts.values())
+            if any(counts[kind] for counts in self.targets.values())
         ]
         columns = ["accepted", "refused", *rare]
         yield f"{'target':<14}" + "".join(f"{column:>10}" for column in columns)
-        for target, counts in self._counts.items():
+        for target, counts in self.targets.items():
             yield f"{target:<14}" + "".join(f"{counts[column]:>10}" for column in columns)
 
 

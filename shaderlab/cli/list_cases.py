@@ -15,10 +15,7 @@ from shaderlab.model.options import Limits
 from shaderlab.report.grouping import PASSABLE
 from shaderlab.report.text import DEFAULT_VARIANT, clean
 
-_SHIPPED = re.compile(
-    r'^case = Case\(\n    title="([^"\\\n]+)",\n    section="([^"\n]+)",$.*?(^    variants=|\Z)',
-    re.MULTILINE | re.DOTALL,
-)
+_CASE = re.compile(r'^case = Case\(\n    title="([^"\\\n]+)",\n    section="([^"\n]+)",$', re.M)
 FIELDS = ("id", "section", "title", "variants", "file")
 """What JSON has of each case."""
 VERSION = 1
@@ -69,13 +66,13 @@ def read_shipped() -> list[CaseInfo]:
     to tell; without `variants` where a case has some of its own."""
     found = []
     for file in shipped_cases():
-        said = _SHIPPED.search(file.read_text(encoding="utf-8"))
+        id, text = file.stem.replace("_", "-"), file.read_text(encoding="utf-8")
+        names = () if "\n    variants=" in text else (DEFAULT_VARIANT,)
+        said = _CASE.search(text)
         if said is None:  # one that was changed
             return load_selected(())
-        id, variants = file.stem.replace("_", "-"), () if said[3] else (DEFAULT_VARIANT,)
-        found.append(
-            CaseInfo(file=str(file), id=id, title=said[1], section=said[2], variants=variants)
-        )
+        title, section = said.groups()
+        found.append(CaseInfo(file=str(file), id=id, title=title, section=section, variants=names))
     return sorted(found, key=lambda case: sort_key(case.section, case.id))
 
 

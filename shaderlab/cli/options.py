@@ -271,20 +271,12 @@ def find_latest(parent: Path = REPORTS) -> Path:
     return runs[-1]
 
 
-def output_options(command: Command) -> Command:
+def output_options(command: Command, formats: Sequence[Format] = FORMATS) -> Command:
     """Give a command the option `--NAME FILE` for each output format.
 
     It gets those that were named as `outputs`, a file for each format, which `write_outputs` takes.
     """
-    return _with_options(command, FORMATS)
 
-
-def finding_options(command: Command) -> Command:
-    """As `output_options`, for the formats of findings and `write_findings`."""
-    return _with_options(command, FINDING_FORMATS)
-
-
-def _with_options(command: Command, formats: Sequence[Format]) -> Command:
     def collect(context: click.Context, option: click.Parameter, file: str | None) -> None:
         outputs = context.params.setdefault("outputs", {})
         if file is not None:
@@ -292,13 +284,15 @@ def _with_options(command: Command, formats: Sequence[Format]) -> Command:
 
     for format in reversed(formats):
         command = click.option(
-            f"--{format.name}",
-            metavar="FILE",
-            help=format.help,
-            expose_value=False,
+            f"--{format.name}", metavar="FILE", help=format.help, expose_value=False,
             callback=collect,
-        )(command)
+        )(command)  # fmt: skip
     return command
+
+
+def finding_options(command: Command) -> Command:
+    """As `output_options`, for the formats of findings and `write_findings`."""
+    return output_options(command, FINDING_FORMATS)
 
 
 def uses_stdout(outputs: Mapping[str, str]) -> bool:

@@ -19,26 +19,15 @@ OBJECTS = (
 )  # fmt: skip
 
 GL_ERRORS = {
-    "no_error": 0x0000,
-    "invalid_enum": 0x0500,
-    "invalid_value": 0x0501,
-    "invalid_operation": 0x0502,
-    "out_of_memory": 0x0505,
-    "invalid_framebuffer_operation": 0x0506,
-}
+    "no_error": 0x0000, "invalid_enum": 0x0500, "invalid_value": 0x0501,
+    "invalid_operation": 0x0502, "out_of_memory": 0x0505, "invalid_framebuffer_operation": 0x0506,
+}  # fmt: skip
 
 COUNTERS = (
-    "samples_passed",
-    "primitives_generated",
-    "vertices_submitted",
-    "primitives_submitted",
-    "vertex_shader_invocations",
-    "geometry_shader_invocations",
-    "geometry_primitives_emitted",
-    "clipping_input_primitives",
-    "clipping_output_primitives",
-    "fragment_shader_invocations",
-)
+    "samples_passed", "primitives_generated", "vertices_submitted", "primitives_submitted",
+    "vertex_shader_invocations", "geometry_shader_invocations", "geometry_primitives_emitted",
+    "clipping_input_primitives", "clipping_output_primitives", "fragment_shader_invocations",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

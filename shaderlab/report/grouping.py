@@ -15,13 +15,9 @@ if TYPE_CHECKING:
 STATUSES: tuple[Status, ...] = ("crash", "timeout", "error", "fail", "unsupported", "pass")
 
 STATUS_WORDS: dict[Status, str] = {
-    "crash": "crashed",
-    "timeout": "timed out",
-    "error": "error",
-    "fail": "failed",
-    "unsupported": "unsupported",
-    "pass": "passed",
-}
+    "crash": "crashed", "timeout": "timed out", "error": "error", "fail": "failed",
+    "unsupported": "unsupported", "pass": "passed",
+}  # fmt: skip
 
 OWN = "Your own"
 """The heading of cases whose tree names no chapters."""

@@ -30,20 +30,10 @@ _STYLES = ("page", "case", "code", "print")
 _SCRIPTS = ("values", "painting", "inspector", "page")
 _NOTHING_ELSE = "default-src 'none'; base-uri 'none'; form-action 'none'"
 _FILTERS = (
-    text.count,
-    text.day,
-    text.duration,
-    text.figure,
-    text.plural,
-    text.share,
-    text.short,
-    sources.code_spans,
-    sources.collect_words,
-    sources.list_programs,
-    sources.render_formula,
-    sources.render_lesson,
-    in_base64,
-)
+    text.count, text.day, text.duration, text.figure, text.plural, text.share, text.short,
+    sources.code_spans, sources.collect_words, sources.list_programs, sources.render_formula,
+    sources.render_lesson, in_base64,
+)  # fmt: skip
 
 
 def render(template: str, **values: Any) -> Iterator[str]:

@@ -27,13 +27,8 @@ _UNPRINTABLE = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\uf
 _HIDING = re.compile(r"[\u200b\u200e\u200f\u2028-\u202e\u2060-\u2069\ufeff]")
 DEFAULT_VARIANT = "default"
 MARKS: Mapping[Status, str] = {
-    "pass": "✓",
-    "fail": "✗",
-    "error": "✗",
-    "crash": "✗",
-    "timeout": "✗",
-    "unsupported": "–",
-}
+    "pass": "✓", "fail": "✗", "error": "✗", "crash": "✗", "timeout": "✗", "unsupported": "–",
+}  # fmt: skip
 MOST_ROWS = 12
 MOST_DIAGNOSTICS = 10
 

@@ -12,13 +12,9 @@ from shaderlab.report.text import clean, format_outcome, plural
 
 # What a status is called in the schema: nothing (passed), failure, error, or skipped.
 _TAGS = {
-    "pass": None,
-    "fail": "failure",
-    "error": "error",
-    "timeout": "error",
-    "crash": "error",
+    "pass": None, "fail": "failure", "error": "error", "timeout": "error", "crash": "error",
     "unsupported": "skipped",
-}
+}  # fmt: skip
 
 
 def render(run: Run) -> str:
