@@ -271,7 +271,7 @@ def find_latest(parent: Path = REPORTS) -> Path:
     return runs[-1]
 
 
-def output_options(command: Command, formats: Sequence[Format] = FORMATS) -> Command:
+def output_options(command: Command, formats: Sequence[Format] | None = None) -> Command:
     """Give a command the option `--NAME FILE` for each output format.
 
     It gets those that were named as `outputs`, a file for each format, which `write_outputs` takes.
@@ -282,7 +282,7 @@ def output_options(command: Command, formats: Sequence[Format] = FORMATS) -> Com
         if file is not None:
             outputs[option.name] = file
 
-    for format in reversed(formats):
+    for format in reversed(FORMATS if formats is None else formats):
         command = click.option(
             f"--{format.name}", metavar="FILE", help=format.help, expose_value=False,
             callback=collect,

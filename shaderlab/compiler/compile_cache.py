@@ -215,7 +215,7 @@ def program_key(ordered: Sequence[Source], targets: Sequence[str], compilers: st
 
 
 # What the code around the compilers imports of the lab.
-_MODEL = ("model/__init__.py", "model/records.py")
+_MODEL = ("model/__init__.py", "model/verdicts.py")
 _SHARED = ("errors.py", "files.py", *_MODEL)
 
 
