@@ -110,10 +110,10 @@ def _made_up(folder: Path, count: int) -> None:
     import numpy as np
 
     from shaderlab.engine.pictures import PictureWriter
+    from shaderlab.errors import Verdict
     from shaderlab.model.frame import Image
     from shaderlab.model.records import ProgramRecord, SourceText
     from shaderlab.model.store import save
-    from shaderlab.model.verdicts import Verdict
     from tests.unit.test_report_samples import curve, outcome, record, run, worst
 
     generator = np.random.default_rng(7)

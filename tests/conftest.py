@@ -21,9 +21,9 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
+from shaderlab.errors import Diagnostic, Verdict
 from shaderlab.model.options import CALL_LIMITS, Limits
 from shaderlab.model.records import Outcome, ProgramRecord, Record, SourceText, Worst
-from shaderlab.model.verdicts import Diagnostic, Verdict
 
 # A session's tests, and the processes that they start, share a compile cache that is empty when
 # they begin: what was compiled at another time is not tested, and nothing is compiled twice.

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from operator import itemgetter
 
-from shaderlab.errors import ShaderError, suggest
+from shaderlab.errors import Diagnostic, ShaderError, Verdict, suggest
 from shaderlab.files import display_path
-from shaderlab.model.verdicts import Diagnostic, Verdict
 
 from .diagnostics import (
     check_version,

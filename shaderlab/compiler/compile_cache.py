@@ -18,9 +18,8 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from shaderlab.errors import ShaderError
+from shaderlab.errors import Diagnostic, ShaderError, Verdict
 from shaderlab.files import cache_root, open_regular, write_bytes
-from shaderlab.model.verdicts import Diagnostic, Verdict
 
 from .compile import Compile, Compiled, compile_program, keep_literals, order_stages, with_interface
 from .glslang import files, link
@@ -215,8 +214,7 @@ def program_key(ordered: Sequence[Source], targets: Sequence[str], compilers: st
 
 
 # What the code around the compilers imports of the lab.
-_MODEL = ("model/__init__.py", "model/verdicts.py")
-_SHARED = ("errors.py", "files.py", *_MODEL)
+_SHARED = ("errors.py", "files.py")
 
 
 def compilers_digest() -> str | None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from tree_sitter import Node
 
-from shaderlab.model.verdicts import Diagnostic, Severity, Verdict
+from shaderlab.errors import Diagnostic, Severity, Verdict
 
 from .glslang import SETTINGS, preprocess
 from .shader_files import OWN

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from shaderlab.errors import DriverError, ShaderError, suggest
-from shaderlab.model.verdicts import Diagnostic, Verdict
+from shaderlab.errors import Diagnostic, DriverError, ShaderError, Verdict, suggest
 from shaderlab.workers.pool import WorkerPool
 
 from .dialects import raise_version

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from shaderlab.errors import UnsupportedError
-from shaderlab.model.verdicts import Diagnostic
+from shaderlab.errors import Diagnostic, UnsupportedError
 
 from .diagnostics import find_declaration
 from .reflection import leaves, own_variables, stage_variables

@@ -17,9 +17,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shaderlab.errors import ShaderError, suggest
+from shaderlab.errors import Diagnostic, Severity, ShaderError, suggest
 from shaderlab.files import display_path
-from shaderlab.model.verdicts import Diagnostic, Severity
 
 from .shader_files import (
     OUTSIDE_REMEDY,

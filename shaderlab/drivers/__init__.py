@@ -17,9 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from shaderlab.compiler.sources import Source
-from shaderlab.errors import OtherApiError, UnsupportedError, UsageError, suggest
+from shaderlab.errors import OtherApiError, UnsupportedError, UsageError, Verdict, suggest
 from shaderlab.model.frame import Array, Bindings, Fragments, Image, PassDraw, Samples
-from shaderlab.model.verdicts import Verdict
 
 if TYPE_CHECKING:
     from shaderlab.model.calls import CallEdit

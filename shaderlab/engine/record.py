@@ -25,6 +25,7 @@ from shaderlab.errors import (
     OtherApiError,
     ShaderlabError,
     UnsupportedError,
+    Verdict,
 )
 from shaderlab.files import display_path
 from shaderlab.model import records
@@ -33,7 +34,6 @@ from shaderlab.model.expectation import Judgement
 from shaderlab.model.frame import Image, PassDraw, TracedCall
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.scene import Ramp, UniformBuffer
-from shaderlab.model.verdicts import Verdict
 
 from .catalogue import chapter_title, is_project_file, place_of
 from .jobs import DEFECT

@@ -18,6 +18,7 @@ from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Backend, open_backend, record_calls
 from shaderlab.drivers.programs.prepare import Preparer, Programs
 from shaderlab.engine.settings import load_settings
+from shaderlab.errors import Verdict
 from shaderlab.model.calls import CallEdit
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Judgement
@@ -25,7 +26,6 @@ from shaderlab.model.frame import Image
 from shaderlab.model.options import RunOptions
 from shaderlab.model.phases import PhaseTimer, phase
 from shaderlab.model.records import Explanation, Outcome, Record
-from shaderlab.model.verdicts import Verdict
 
 from .catalogue import shaders_of
 from .evaluation import FEATURES, Evaluation, SceneCheck

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from shaderlab.model.verdicts import Verdict
+from shaderlab.errors import Verdict
 
 Status = Literal["pass", "fail", "error", "unsupported", "timeout", "crash"]
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shaderlab.errors import Diagnostic, Severity, Verdict
 from shaderlab.files import read_regular
-from shaderlab.model.verdicts import Diagnostic, Severity, Verdict
 from shaderlab.report.grouping import PASSABLE, STATUS_WORDS
 from shaderlab.report.text import clean, format_label, format_outcome, plural
 

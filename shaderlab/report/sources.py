@@ -21,8 +21,8 @@ from pygments.lexers.graphics import GLShaderLexer
 from pygments.lexers.python import PythonLexer
 from pygments.token import Name, Operator, Punctuation, Whitespace
 
+from shaderlab.errors import Diagnostic, Verdict
 from shaderlab.model.records import Declared, Record, SourceText
-from shaderlab.model.verdicts import Diagnostic, Verdict
 from shaderlab.report.grouping import CaseGroup
 from shaderlab.report.text import Anchors, clean
 

@@ -13,10 +13,9 @@ from datetime import datetime
 from textwrap import indent
 from typing import TYPE_CHECKING
 
-from shaderlab.errors import significant
+from shaderlab.errors import Diagnostic, significant
 from shaderlab.files import display_path
 from shaderlab.model.options import RunOptions
-from shaderlab.model.verdicts import Diagnostic
 
 if TYPE_CHECKING:
     from shaderlab.model.records import Outcome, Record, Run, Status, Worst

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from shaderlab.engine.pictures import PictureWriter
+from shaderlab.errors import Verdict
 from shaderlab.model.frame import Array, Image
 from shaderlab.model.records import (
     Declared,
@@ -21,7 +22,6 @@ from shaderlab.model.records import (
     Worst,
 )
 from shaderlab.model.store import save
-from shaderlab.model.verdicts import Verdict
 from shaderlab.report.html import render_single, write
 from tests.unit.test_report_samples import curve, outcome, record, run
 

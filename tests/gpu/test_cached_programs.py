@@ -22,7 +22,7 @@ from click.testing import CliRunner, Result
 from shaderlab.cli import cli
 from shaderlab.compiler import compile_cache, glslang
 from shaderlab.compiler.compile_cache import Store, decode, encode
-from shaderlab.model.verdicts import Diagnostic
+from shaderlab.errors import Diagnostic
 
 Call = Callable[..., Result]
 SAID = "only the cache says so"

@@ -487,7 +487,7 @@ def test_a_defect_of_the_lab_costs_one_scene_only(
 def test_a_driver_that_disagrees_with_the_compiler_is_told_on(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.model.verdicts import Diagnostic, Verdict
+    from shaderlab.errors import Diagnostic, Verdict
 
     said = Diagnostic(file="ramp.frag", line=3, severity="error", message="not on my machine")
 

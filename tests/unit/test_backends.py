@@ -26,13 +26,12 @@ from shaderlab.drivers.programs import bind
 from shaderlab.drivers.programs.prepare import Programs, pass_colors
 from shaderlab.drivers.programs.textures import COLOR
 from shaderlab.engine.run import SceneRunner
-from shaderlab.errors import UnsupportedError, UsageError
+from shaderlab.errors import UnsupportedError, UsageError, Verdict
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.frame import Image
 from shaderlab.model.options import RunOptions
 from shaderlab.model.records import Record
-from shaderlab.model.verdicts import Verdict
 
 GRAY = 0.25
 

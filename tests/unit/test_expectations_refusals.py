@@ -13,11 +13,10 @@ import pytest
 from shaderlab import Case, compile_fails, fullscreen, gl_call, inactive_uniforms, refused
 from shaderlab.engine.expectations.base import Context
 from shaderlab.engine.expectations.rejections import Place, Verdicts
-from shaderlab.errors import CaseError, ShaderError
+from shaderlab.errors import CaseError, Diagnostic, ShaderError, Verdict
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.frame import Frame, Reply
 from shaderlab.model.records import Outcome
-from shaderlab.model.verdicts import Diagnostic, Verdict
 
 UNDECLARED = "'x' : undeclared identifier"
 DRIVER = Verdict(

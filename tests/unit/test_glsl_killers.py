@@ -41,7 +41,7 @@ class Work:
 # A driver that dies on some files.
 DEADLY = """
 import os, signal, time
-from shaderlab.model.verdicts import Verdict
+from shaderlab.errors import Verdict
 
 def verdict(sources):
     if "crash" in sources[0].name:

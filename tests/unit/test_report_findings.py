@@ -15,6 +15,7 @@ from shaderlab import Case, fullscreen
 from shaderlab.cli import cli
 from shaderlab.engine.catalogue import load_case
 from shaderlab.engine.expectations.driver_answers import coverage
+from shaderlab.errors import Diagnostic, Verdict
 from shaderlab.model.records import (
     DriverResult,
     Explanation,
@@ -24,7 +25,6 @@ from shaderlab.model.records import (
     Run,
     SourceText,
 )
-from shaderlab.model.verdicts import Diagnostic, Verdict
 from shaderlab.report.findings import WORKSPACE, Finding, collect_findings
 from shaderlab.report.formats import sarif
 

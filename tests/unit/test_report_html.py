@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from shaderlab.errors import Diagnostic, Verdict
 from shaderlab.model import pictures
 from shaderlab.model.records import ErratumNote, Place, ProgramRecord, Record, SourceText
-from shaderlab.model.verdicts import Diagnostic, Verdict
 from shaderlab.report.pictures import in_base64
 from tests.unit.test_report_samples import (
     Page,

@@ -7,6 +7,7 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+from shaderlab.errors import Diagnostic, Verdict
 from shaderlab.files import write_text
 from shaderlab.model.records import (
     Curve,
@@ -21,7 +22,6 @@ from shaderlab.model.records import (
     SourceText,
     Worst,
 )
-from shaderlab.model.verdicts import Diagnostic, Verdict
 from shaderlab.report.html import render_single
 
 HOSTILE = "</script></style><img src=x onerror=alert(1)>\"'&{{ 7*7 }}\x00\x1b\u202e\udc80"

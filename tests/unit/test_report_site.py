@@ -16,9 +16,9 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
+from shaderlab.errors import Verdict
 from shaderlab.model import pictures, store
 from shaderlab.model.records import ProgramRecord, Record, SourceText
-from shaderlab.model.verdicts import Verdict
 from shaderlab.report import html, page as page_module
 from tests.unit.test_report_samples import Page, hostile, outcome, record, run, write
 

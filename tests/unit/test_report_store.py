@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.errors import Diagnostic, ShaderlabError, UsageError, Verdict
 from shaderlab.model.records import (
     Attachment,
     Curve,
@@ -31,7 +31,6 @@ from shaderlab.model.records import (
     Worst,
 )
 from shaderlab.model.store import load, save, to_plain
-from shaderlab.model.verdicts import Diagnostic, Verdict
 from shaderlab.report.formats.json import render
 
 NAN, INF = math.nan, math.inf

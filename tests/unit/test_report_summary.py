@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
+from shaderlab.errors import Verdict
 from shaderlab.model import pictures
 from shaderlab.model.records import (
     Attachment,
@@ -23,7 +24,6 @@ from shaderlab.model.records import (
     Worst,
 )
 from shaderlab.model.store import save
-from shaderlab.model.verdicts import Verdict
 from shaderlab.report.formats.markdown import render as summary
 from tests.unit.test_report_samples import (
     HOSTILE,

@@ -7,11 +7,10 @@ from typing import ClassVar
 import numpy as np
 
 from shaderlab.compiler.sources import Source
-from shaderlab.errors import UnsupportedError
+from shaderlab.errors import UnsupportedError, Verdict
 from shaderlab.model.calls import Call, CallEdit, Program
 from shaderlab.model.case import Scene
 from shaderlab.model.frame import Array, AttributeReading, BlockReading, Fragments, PassDraw, Reply
-from shaderlab.model.verdicts import Verdict
 
 from .. import Answers, Evaluation, Size
 from ..passes import DeviceBackend, PassSession

@@ -17,10 +17,9 @@ from shaderlab.compiler.module_edits import add_feedback
 from shaderlab.compiler.reflection import Interface, Variable
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.spirv import parse
-from shaderlab.errors import DriverError, ShaderError, UnsupportedError
+from shaderlab.errors import Diagnostic, DriverError, ShaderError, UnsupportedError, Verdict
 from shaderlab.model.frame import Array
 from shaderlab.model.phases import phase
-from shaderlab.model.verdicts import Diagnostic, Verdict
 
 from ..programs.textures import components_of
 from ..resources import ProgramCache

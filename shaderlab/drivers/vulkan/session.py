@@ -11,10 +11,9 @@ from shaderlab.compiler.diagnostics import DRIVER
 from shaderlab.compiler.reflection import Variable
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv import ExecutionMode, parse
-from shaderlab.errors import DriverError, ShaderError, UnsupportedError
+from shaderlab.errors import DriverError, ShaderError, UnsupportedError, Verdict
 from shaderlab.model.frame import Array, AttributeReading, Bindings, BlockReading, PassDraw
 from shaderlab.model.scene import Target
-from shaderlab.model.verdicts import Verdict
 
 from .. import Answers, Evaluation
 from ..passes import DeviceBackend, PassSession

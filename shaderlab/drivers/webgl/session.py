@@ -10,10 +10,9 @@ import numpy as np
 from shaderlab.compiler.diagnostics import DRIVER
 from shaderlab.compiler.reflection import Variable
 from shaderlab.compiler.sources import Source
-from shaderlab.errors import DriverError, ShaderError, UnsupportedError
+from shaderlab.errors import DriverError, ShaderError, UnsupportedError, Verdict
 from shaderlab.model.frame import Array, AttributeReading, Bindings, BlockReading, PassDraw
 from shaderlab.model.mesh import Mesh
-from shaderlab.model.verdicts import Verdict
 
 from .. import Answers
 from ..passes import DeviceBackend, PassSession

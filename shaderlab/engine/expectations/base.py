@@ -10,13 +10,12 @@ from shaderlab.compiler.sources import Source
 from shaderlab.drivers import Session
 from shaderlab.drivers.programs.captures import vertex_output_names
 from shaderlab.drivers.programs.prepare import Preparer, describe_draw
-from shaderlab.errors import CaseError, suggest
+from shaderlab.errors import CaseError, Verdict, suggest
 from shaderlab.model.case import Scene
 from shaderlab.model.expectation import Expectation, Judgement, Programs, Read, TypedNeed
 from shaderlab.model.frame import Answer, Bindings, Frame, PassDraw
 from shaderlab.model.records import Row
 from shaderlab.model.scene import Pass, Pixel
-from shaderlab.model.verdicts import Verdict
 
 
 @dataclass(frozen=True)

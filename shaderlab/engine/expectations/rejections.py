@@ -6,14 +6,13 @@ from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
 from shaderlab.engine.expectations.base import Context, Demand
-from shaderlab.errors import CaseError, DriverError, ShaderlabError
+from shaderlab.errors import CaseError, DriverError, ShaderlabError, Verdict
 from shaderlab.model.case import Scene
 from shaderlab.model.checked import checked_arguments
 from shaderlab.model.expectation import Expectation, Judgement, Need, Programs
 from shaderlab.model.frame import Frame, TypedNeed
 from shaderlab.model.phases import phase
 from shaderlab.model.records import Row
-from shaderlab.model.verdicts import Verdict
 
 Place = tuple[str, int | None, str]
 """A shader's name, a line from 1 (None where a message has none), and the whole message."""

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from shaderlab.errors import Severity
 from shaderlab.model.records import Run
-from shaderlab.model.verdicts import Severity
 from shaderlab.report.findings import (
     Finding,
     LineReader,
